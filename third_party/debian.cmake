@@ -6,7 +6,7 @@ set(made ${CMAKE_BINARY_DIR}/debian)
 # What every package says of itself, with the notices of what is compiled in or linked, as Debian's packages have them.
 set(notices "")
 foreach(package libglm-dev nlohmann-json3-dev libnanoflann-dev libstb-dev libvulkan-volk-dev libvulkan-dev libcli11-dev
-                libimgui-dev libfmt-dev libhidapi-dev libglfw3-dev libassimp-dev libpugixml-dev pybind11-dev
+                libimgui-dev libfmt-dev libhidapi-dev libglfw3-dev libpugixml-dev pybind11-dev
                 cyclonedds-dev)
   if(EXISTS /usr/share/doc/${package}/copyright)
     file(READ /usr/share/doc/${package}/copyright text)

@@ -29,7 +29,6 @@ packages=(
   fonts-dejavu-core          # their font
   libstb-dev                 # PNG writing and reading
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
-  libassimp-dev              # triangle meshes: OBJ, STL, OFF, glTF
   libpugixml-dev             # the XML of E57
   libhidapi-dev              # 3D mice and gamepads (its back end over the kernel's nodes: libhidapi-hidraw0)
   pybind11-dev               # the Python module

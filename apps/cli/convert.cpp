@@ -69,18 +69,18 @@ std::vector<std::string> columnsOf(const ConvertOptions& options, const CloudFor
 }
 
 std::size_t samplesOf(const ConvertOptions& options, const CloudFormat& from) {
-  if (options.samples > 0 && !from.ofTriangles)
-    throw UsageError("--samples is of meshes; {} holds points", from.name);
+  if (options.samples > 0 && !from.ofTriangles) throw UsageError("--samples is of meshes; {} holds points", from.name);
   return static_cast<std::size_t>(options.samples);
 }
 
-ConvertInput readInput(Context& context, const ConvertOptions& options) {
+ConvertInput readInput(Context& context, const ConvertOptions& options, const CloudFormat& to) {
   if (!isRgbdFolder(options.input)) {
     const CloudFormat& from = cloudFormats().toRead(options.input);
     return {.stored = readCloud(options.input, &context.log(),
                                 {.normalsFromFaces = options.normals == "face",
                                  .allPoints = options.allPoints,
                                  .samples = samplesOf(options, from),
+                                 .asTriangles = from.ofTriangles && to.ofTriangles && options.samples == 0,
                                  .columns = columnsOf(options, from)}),
             .format = std::string(from.name)};
   }
@@ -99,7 +99,7 @@ void convert(Context& context, const ConvertOptions& options) {
   const double mm_per_unit = options.scale.given();
   checkTarget(options);
   context.checkWritable(options.output);
-  ConvertInput input = readInput(context, options);
+  ConvertInput input = readInput(context, options, to);
   StoredCloud& stored = input.stored;
   if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
   std::vector<std::string> lost = lostOnTheWay(stored, to);
@@ -147,7 +147,10 @@ void addConvert(Options& app, Context& context, Command& command) {
           "what the columns of a file of text are, as in x,y,z,intensity,red,green,blue; else as its first line says")
       .typeName("NAMES");
   sub.add("--samples", options->samples,
-          fmt::format("points to sample from a mesh (OBJ, STL, OFF, glTF), spread evenly; default: {}", kUsualSamples))
+          fmt::format(
+              "points to sample from a mesh (OBJ, STL, OFF, glTF), spread evenly; default: {}, or none where OUT is a "
+              "mesh, which keeps the triangles",
+              kUsualSamples))
       .check(wholeBetween(1, 2e9));
   sub.add("--intrinsics", options->intrinsics, "the depth camera, JSON; else as its folder says").typeName("FILE");
   sub.add("--depth-scale", options->depthScale, "values of depth pictures per metre; else as their folder says")

@@ -73,30 +73,38 @@ py::object placesOf(const py::object& self) {
 }
 
 void bindMeshes(py::module_& module) {
-  py::class_<PyMesh, std::shared_ptr<PyMesh>>(module, "Mesh")
+  py::class_<PyMesh, std::shared_ptr<PyMesh>>(
+      module, "Mesh",
+      "Triangles with vertices of their own, never changed, as Session.mesh() gives them. Arrays are views of\n"
+      "palpate's own memory, which cannot be written to and keep the mesh.")
       .def_property_readonly("vertices",
                              [](const py::object& self) -> py::object {
                                const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
                                const auto count = static_cast<py::ssize_t>(mesh.vertices.count);
                                return viewOf(mesh.vertices.positions, {count, 3}, self);
-                             })
+                             },
+                             "(N, 3) float32 view, model units, relative to origin.")
       .def_property_readonly("origin",
                              [](const PyMesh& mesh) {
                                const pp_points points = mesh.mesh().view().vertices;
                                return Vector{points.origin[0], points.origin[1], points.origin[2]};
-                             })
+                             },
+                             "Three floats, model units: file coordinates = origin + vertices.")
       .def_property_readonly("normals",
                              [](const py::object& self) -> py::object {
                                const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
                                const auto count = static_cast<py::ssize_t>(mesh.vertices.count);
                                return viewOf(mesh.vertices.normals, {count, 3}, self);
-                             })
+                             },
+                             "(N, 3) float32 view, unit length, outward.")
       .def_property_readonly("triangles",
                              [](const py::object& self) -> py::object {
                                const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
                                return viewOf(mesh.triangles, {static_cast<py::ssize_t>(mesh.count), 3}, self);
-                             })
-      .def_property_readonly("closed", [](const PyMesh& mesh) { return mesh.mesh().view().closed != 0; })
+                             },
+                             "(M, 3) uint32 view: numbers of vertices, anticlockwise as seen from outside.")
+      .def_property_readonly("closed", [](const PyMesh& mesh) { return mesh.mesh().view().closed != 0; },
+                             "Whether it has no border.")
       .def("save", [](const PyMesh& mesh, const py::object& path, bool ascii) {
         const std::string file = fileOf(path);
         pp_write_options options = pp_default_write_options();
@@ -104,7 +112,8 @@ void bindMeshes(py::module_& module) {
         py::gil_scoped_release released;
         mesh.mesh().write(file, options);
       }, py::arg("file"), py::arg("ascii") = false,
-           "save(file, ascii=False)\n\nVertices with normals, and triangles.")
+           "save(file, ascii=False)\n\nVertices with normals, and triangles, by the file's ending, as of write().\n"
+           "ascii: text where the format has both. Raises Error with the file.")
       .def("__repr__", [](const PyMesh& mesh) {
         const pp_triangles triangles = mesh.mesh().view();
         return "<palpate.Mesh of " + std::to_string(triangles.count) + " triangles, " +
@@ -156,28 +165,37 @@ void bindClouds(py::module_& module) {
                              [](const PyCloud& cloud) {
                                const pp_points points = cloud.view();
                                return Vector{points.origin[0], points.origin[1], points.origin[2]};
-                             })
+                             },
+                             "Three floats, model units: file coordinates = origin + positions. Zero where\n"
+                             "float32 alone does.")
       .def_property_readonly("normals",
                              [](const py::object& self) -> py::object {
                                const pp_points points = self.cast<CloudPointer>()->view();
                                if (!points.normals) return py::none();
                                return viewOf(points.normals, {static_cast<py::ssize_t>(points.count), 3}, self);
-                             })
+                             },
+                             "(N, 3) float32 view, unit length; None where the points have none.")
       .def_property_readonly("colors",
                              [](const py::object& self) -> py::object {
                                const pp_points points = self.cast<CloudPointer>()->view();
                                if (!points.colors) return py::none();
                                return viewOf(points.colors, {static_cast<py::ssize_t>(points.count), 4}, self);
-                             })
+                             },
+                             "(N, 4) uint8 view: red, green, blue, alpha, 0 to 255; None where the points have none.")
       .def_property_readonly("bounds",
                              [](const PyCloud& cloud) {
                                const pp_points p = cloud.view();
                                return std::pair(Vector{p.min[0], p.min[1], p.min[2]}, Vector{p.max[0], p.max[1], p.max[2]});
-                             })
-      .def_property_readonly("attributes", &attributesOf)
+                             },
+                             "The least and the greatest corner of the box that holds the points, three floats\n"
+                             "each, file coordinates; zeros without points.")
+      .def_property_readonly("attributes", &attributesOf,
+                             "Names of the numbers that the file has for each point besides, as an intensity.")
       .def("attribute", [](const py::object& self, const std::string& name) {
         return fieldOf(self.cast<CloudPointer>(), self, name.c_str());
-      }, py::arg("name"));
+      }, py::arg("name"),
+           "attribute(name) -> array\n\nOne of attributes: (N,), a view in the file's own type and unit. Raises\n"
+           "KeyError where there is none of the name.");
 
   bindMeshes(module);
 

@@ -40,10 +40,16 @@ PYBIND11_MODULE(_palpate, module) {
   });
   py::options options;
   options.disable_function_signatures();
-  module.def("version", &pp::version);
-  module.def("gpus", &gpuNames, py::call_guard<py::gil_scoped_release>());
-  module.def("formats_read", &pp_formats_read);
-  module.def("formats_written", &pp_formats_written);
+  module.def("version", &pp::version, "version() -> str\n\nOf the library that runs, as in \"0.1.0\".");
+  module.def("gpus", &gpuNames, py::call_guard<py::gil_scoped_release>(),
+             "gpus() -> list of str\n\nNames of the GPUs that Vulkan has here, software drivers among them; a session\n"
+             "takes one by its place in the list or by a part of its name. Empty where there is no Vulkan.");
+  module.def("formats_read", &pp_formats_read,
+             "formats_read() -> str\n\nEndings of files, and kinds of folders, that read() takes:\n"
+             "\".ply, .las, ...\".");
+  module.def("formats_written", &pp_formats_written,
+             "formats_written() -> str\n\nEndings of files that write() takes: \".ply, .las, ...\". Meshes\n"
+             "alone are written as .obj, .stl and .off.");
   module.def("_tick_dtype", &palpate::python::tickType);
   module.def("_tool_tick_dtype", &palpate::python::toolTickType);
   bindClouds(module);

@@ -95,7 +95,8 @@ std::vector<FileBrowser::Filter> filtersToOpen() {
 std::vector<FileBrowser::Filter> filtersToSave(bool triangles) {
   std::vector<FileBrowser::Filter> filters;
   for (const CloudFormat& format : cloudFormats().all())
-    if (format.write != nullptr && (triangles ? format.ofTriangles || filters.empty() : !format.ofTriangles))
+    if (format.write != nullptr && !format.onlyCopied &&
+        (triangles ? format.ofTriangles || filters.empty() : !format.ofTriangles))
       filters.push_back(filterOf(format));
   return filters;
 }

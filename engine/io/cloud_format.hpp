@@ -66,6 +66,8 @@ struct CloudReadOptions {
   bool allPoints = false;
   /// Of a mesh: how many points are sampled from it; 0: as many as its reader thinks right.
   std::size_t samples = 0;
+  /// Of a mesh: its corners and its triangles, in place of points that are sampled from it.
+  bool asTriangles = false;
   /// That read LAS and LAZ; 0: one per core. What is read does not depend on it.
   unsigned threads = 0;
   /// Gets what the time was spent on; null: nobody asks.
@@ -87,7 +89,8 @@ struct CloudWriteOptions {
 /// Functions that a format has not are null: those for reading where it is only written, and the other way round.
 struct CloudFormat {
   std::string_view name;
-  std::span<const std::string_view> endings = {};  ///< of file names, lower case, with the dot; the usual one first
+  /// Of file names, lower case, with the dot; the usual one first. Of two that a name ends with the longer one counts.
+  std::span<const std::string_view> endings = {};
   /// What a format of folders is called in the help, "a NAME folder"; empty for one of files.
   std::string_view folder = {};
   /// Of a format that no name tells, of folders or of files that share their endings with another one: whether the
@@ -106,6 +109,8 @@ struct CloudFormat {
   std::string_view family = {};
   /// Files of it are of triangles: read, they become points; without triangles nothing is written or saved.
   bool ofTriangles = false;
+  /// What is read from it is not what was written: a cloud is converted to it, and never saved as it.
+  bool onlyCopied = false;
 };
 
 }  // namespace palpate

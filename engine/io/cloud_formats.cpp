@@ -23,15 +23,23 @@ namespace palpate {
 
 namespace {
 
-const CloudFormat* named(std::span<const CloudFormat> formats, const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  const auto has = [&](const CloudFormat& format) {
-    return std::ranges::find(format.endings, ending) != format.endings.end();
-  };
-  const auto found = std::ranges::find_if(formats, has);
-  return found == formats.end() ? nullptr : &*found;
+/// The one of those that `may` be whose ending is the longest one of the file's name; null: none.
+const CloudFormat* named(std::span<const CloudFormat> formats, const std::filesystem::path& file, auto&& may) {
+  std::string name = file.filename().string();
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const CloudFormat* found = nullptr;
+  std::size_t longest = 0;
+  for (const CloudFormat& format : formats)
+    for (const std::string_view ending : format.endings)
+      if (ending.size() > longest && name.size() > ending.size() && name.ends_with(ending) && may(format)) {
+        found = &format;
+        longest = ending.size();
+      }
+  return found;
 }
+
+bool any(const CloudFormat&) { return true; }
+bool isSaved(const CloudFormat& format) { return format.write && !format.onlyCopied; }
 
 const CloudFormat* holding(std::span<const CloudFormat> formats, const std::filesystem::path& path) {
   const auto holds = [&](const CloudFormat& format) { return format.holds && format.holds(path); };
@@ -57,24 +65,31 @@ CloudFormats::CloudFormats(std::span<const CloudFormat> formats) : formats_(form
 
 const CloudFormat& CloudFormats::toRead(const std::filesystem::path& file) const {
   const CloudFormat* format = holding(formats_, file);
-  if (!format) format = named(formats_, file);
-  return format && format->read ? *format : formats_.front();
+  // What has two dots in its ending is told by its content, and what does not hold it is of the shorter one.
+  const auto mayBe = [](const CloudFormat& one) {
+    return one.read && !(one.holds && one.endings.front().find('.', 1) != std::string_view::npos);
+  };
+  if (!format) format = named(formats_, file, mayBe);
+  return format ? *format : formats_.front();
 }
 
 const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file) const {
-  const CloudFormat* format = named(formats_, file);
+  const CloudFormat* format = named(formats_, file, any);
   if (format && format->write) return *format;
+  if (format)
+    throw UsageError("{}: {} is read and not written; clouds are written as {}, name it so", file.string(),
+                     format->name, endingsWritten());
   throw UsageError("{}: clouds are written as {}; name it so", file.string(), endingsWritten());
 }
 
 const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file, bool triangles) const {
-  const CloudFormat* format = named(formats_, file);
-  return format && format->write && (triangles || !format->ofTriangles) ? *format : formats_.front();
+  const CloudFormat* format = named(formats_, file, isSaved);
+  return format && (triangles || !format->ofTriangles) ? *format : formats_.front();
 }
 
 std::string CloudFormats::endingToSave(const std::filesystem::path& file) const {
-  const CloudFormat* format = named(formats_, file);
-  if (!format || &toSave(file) == format) return file.extension().string();
+  const CloudFormat* format = named(formats_, file, any);
+  if (!format || named(formats_, file, isSaved) == &toSave(file)) return file.extension().string();
   return std::string(formats_.front().endings.front());
 }
 
@@ -95,24 +110,9 @@ std::string CloudFormats::endingsWritten() const {
 
 const CloudFormats& cloudFormats() {
   static const std::array formats{
-      plyFormat(),
-      lasFormat(),
-      lazFormat(),
-      copcFormat(),
-      e57Format(),
-      pcdFormat(),
-      npyFormat(),
-      npzFormat(),
-      xyzFormat(),
-      csvFormat(),
-      ptsFormat(),
-      objFormat(),
-      stlFormat(),
-      offFormat(),
-      gltfFormat(),
-      colmapFormat(),
-      colmapDenseFormat(),
-      gaussianFormat(),
+      plyFormat(), lasFormat(), lazFormat(),  copcFormat(),   e57Format(),         pcdFormat(),
+      npyFormat(), npzFormat(), xyzFormat(),  csvFormat(),    ptsFormat(),         objFormat(),
+      stlFormat(), offFormat(), gltfFormat(), colmapFormat(), colmapDenseFormat(), gaussianFormat(),
   };
   static const CloudFormats table{formats};
   return table;

@@ -8,6 +8,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/gaussian_rows.hpp"
+#include "engine/io/gaussian_writer.hpp"
 #include "engine/io/ply_body.hpp"
 
 namespace palpate {
@@ -104,7 +105,15 @@ StoredCloud readGaussians(const std::filesystem::path& path, Log* log, const Clo
 }  // namespace
 
 CloudFormat gaussianFormat() {
-  return {.name = "3DGS", .holds = holdsGaussians, .contents = contentsOfGaussians, .read = readGaussians};
+  static constexpr std::array<std::string_view, 1> kEndings{".3dgs.ply"};
+  return {.name = "3DGS",
+          .endings = kEndings,
+          .holds = holdsGaussians,
+          .contents = contentsOfGaussians,
+          .read = readGaussians,
+          .write = writeGaussians,
+          .lacks = lacksOfGaussians,
+          .onlyCopied = true};
 }
 
 }  // namespace palpate

@@ -85,7 +85,13 @@ CloudFormat lazFormat() {
 }
 
 CloudFormat copcFormat() {
-  return {.name = "COPC", .holds = holdsCopc, .contents = contentsOfLas, .read = readLas, .family = kFamily};
+  static constexpr std::array<std::string_view, 1> kEndings{".copc.laz"};
+  return {.name = "COPC",
+          .endings = kEndings,
+          .holds = holdsCopc,
+          .contents = contentsOfLas,
+          .read = readLas,
+          .family = kFamily};
 }
 
 }  // namespace palpate

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "engine/core/error.hpp"
+#include "engine/io/cloud_arrays.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_writer.hpp"
 
@@ -20,8 +23,11 @@ void needTriangles(const std::filesystem::path& file, const ImportedMesh& mesh) 
   if (mesh.soup.triangles.empty()) throw FileError(file, "has no triangles; points are read from other formats");
 }
 
+using Import = ImportedMesh (*)(const std::filesystem::path& file);
+
+template <Import import>
 FileContents contentsOfMesh(const std::filesystem::path& file) {
-  const ImportedMesh mesh = importMesh(file, file.extension().string());
+  const ImportedMesh mesh = import(file);
   needTriangles(file, mesh);
   FileElement vertex{.name = "vertex", .count = kUsualSamples, .properties = {}};
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) vertex.properties.push_back({name});
@@ -30,10 +36,37 @@ FileContents contentsOfMesh(const std::filesystem::path& file) {
   return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = madeFrom(mesh.soup)};
 }
 
+/// In single precision where that holds all of them.
+PointCloud cornersOf(const std::filesystem::path& file, const TriangleSoup& soup, Log* log) {
+  std::vector<Vec3> narrow;
+  for (const DVec3& corner : soup.corners) {
+    if (!isFinite(corner)) throw FileError(file, "a corner of its triangles is no place");
+    narrow.emplace_back(corner);
+  }
+  const auto holds = [&](const DVec3& corner) {
+    return DVec3(narrow[static_cast<std::size_t>(&corner - soup.corners.data())]) == corner;
+  };
+  const bool exact = std::all_of(soup.corners.begin(), soup.corners.end(), holds);
+  const auto rows = [](const auto& values, ScalarType type) {
+    return values.empty() ? NumberRows{}
+                          : NumberRows{reinterpret_cast<const std::byte*>(values.data()), type, sizeof(values[0])};
+  };
+  return cloudOf({.count = soup.corners.size(),
+                  .positions = exact ? rows(narrow, ScalarType::f32) : rows(soup.corners, ScalarType::f64),
+                  .normals = rows(soup.normals, ScalarType::f32),
+                  .colors = rows(soup.colors, ScalarType::u8)},
+                 log);
+}
+
+template <Import import>
 StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
-  ImportedMesh mesh = importMesh(file, file.extension().string());
+  ImportedMesh mesh = import(file);
   needTriangles(file, mesh);
   if (options.normalsFromFaces) mesh.soup.normals.clear();
+  if (options.asTriangles) {
+    PointCloud corners = cornersOf(file, mesh.soup, log);
+    return {.cloud = std::move(corners), .triangles = std::move(mesh.soup.triangles), .lost = std::move(mesh.lost)};
+  }
   const std::size_t count = options.samples > 0 ? options.samples : kUsualSamples;
   SampledSoup sampled = sampleSoup(mesh.soup, count, kSeed);
   if (sampled.cloud.empty()) throw FileError(file, fmt::format("none of its {} has an area", madeFrom(mesh.soup)));
@@ -46,7 +79,7 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
 }
 
 StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
-  StoredCloud stored = readMesh(file, log, options);
+  StoredCloud stored = readMesh<importGltf>(file, log, options);
   stored.cloud.storedAs.comments.emplace_back("comment up: y");  // as the format says
   return stored;
 }
@@ -56,8 +89,8 @@ StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudRea
 CloudFormat objFormat() {
   return {.name = "OBJ",
           .endings = kObj,
-          .contents = contentsOfMesh,
-          .read = readMesh,
+          .contents = contentsOfMesh<importObj>,
+          .read = readMesh<importObj>,
           .write = writeObj,
           .lacks = lacksOfObj,
           .ofTriangles = true};
@@ -66,8 +99,8 @@ CloudFormat objFormat() {
 CloudFormat stlFormat() {
   return {.name = "STL",
           .endings = kStl,
-          .contents = contentsOfMesh,
-          .read = readMesh,
+          .contents = contentsOfMesh<importStl>,
+          .read = readMesh<importStl>,
           .write = writeStl,
           .lacks = lacksOfStl,
           .ofTriangles = true};
@@ -76,15 +109,16 @@ CloudFormat stlFormat() {
 CloudFormat offFormat() {
   return {.name = "OFF",
           .endings = kOff,
-          .contents = contentsOfMesh,
-          .read = readMesh,
+          .contents = contentsOfMesh<importOff>,
+          .read = readMesh<importOff>,
           .write = writeOff,
           .lacks = lacksOfOff,
           .ofTriangles = true};
 }
 
 CloudFormat gltfFormat() {
-  return {.name = "glTF", .endings = kGltf, .contents = contentsOfMesh, .read = readGltf, .ofTriangles = true};
+  return {
+      .name = "glTF", .endings = kGltf, .contents = contentsOfMesh<importGltf>, .read = readGltf, .ofTriangles = true};
 }
 
 }  // namespace palpate

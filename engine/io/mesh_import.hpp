@@ -1,8 +1,9 @@
-// Files of triangle meshes, read by the library assimp where the program was built with it.
+// Reading triangle meshes: OBJ (Wavefront), STL (3D Systems), OFF (Geomview) and glTF 2.0 (Khronos).
 #pragma once
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "engine/io/triangle_soup.hpp"
 
@@ -13,11 +14,15 @@ struct ImportedMesh {
   std::vector<std::string> lost;  ///< what of the file is no triangle, in words
 };
 
-/// Whether it was; otherwise importMesh() throws that it was not.
-bool canImportMeshes();
+/// All of them throw FileError with the line or the byte, and take memory for what a file has and not for what it says.
 
-/// `ending`: of the format, with the dot, whatever the file is called. Throws FileError: for what is no such file, for
-/// one of more than 4 GiB, and where memory does not suffice.
-ImportedMesh importMesh(const std::filesystem::path& file, const std::string& ending);
+/// Places, and normals and colours where all corners have them. Polygons become triangles.
+ImportedMesh importObj(const std::filesystem::path& file);
+/// Binary or as text; corners of different triangles are different ones, and the normals that it gives are not used.
+ImportedMesh importStl(const std::filesystem::path& file);
+/// As text, with normals and colours of corners (NOFF, COFF). Polygons become triangles.
+ImportedMesh importOff(const std::filesystem::path& file);
+/// JSON with its buffers within or beside it, or GLB: each mesh wherever the nodes of its scene have it.
+ImportedMesh importGltf(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -8,9 +8,8 @@
 #include "engine/core/error.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/npy_array.hpp"
+#include "engine/io/npy_writer.hpp"
 #include "engine/io/ply_vertices.hpp"
-#include "engine/io/ply_writer.hpp"
-#include "engine/io/row_output.hpp"
 #include "engine/io/zip_archive.hpp"
 
 namespace palpate {
@@ -247,74 +246,6 @@ StoredCloud cloudIn(NpyFile file, const std::filesystem::path& path, Log* log, c
   return stored;
 }
 
-/// The line that describes the array, with blanks so that numbers begin at a multiple of 64.
-std::string headerOf(const std::string& fields, std::size_t points) {
-  std::string text = fmt::format("{{'descr': [{}], 'fortran_order': False, 'shape': ({},), }}", fields, points);
-  const bool late = text.size() + 64 > 65535;  // version 1 says its length in 16 bits
-  const std::size_t before = late ? 12 : 10;
-  text += std::string(63 - (before + text.size()) % 64, ' ');  // and the end of the line
-  std::string out = std::string("\x93NUMPY", 6) + (late ? '\2' : '\1') + '\0';
-  const std::size_t length = text.size() + 1;
-  for (std::size_t k = 0; k < (late ? 4 : 2); ++k) out += static_cast<char>(length >> (8 * k) & 0xff);
-  return out + text;
-}
-
-bool canBeQuoted(const std::string& name) { return name.find_first_of("'\\") == name.npos; }
-
-std::string fieldOf(std::string name, ScalarType type) {
-  if (!canBeQuoted(name))
-    for (char& c : name)
-      if (c == '\'' || c == '\\') c = '_';
-  constexpr std::array<const char*, 8> kCodes{"|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<f4", "<f8"};
-  return fmt::format("('{}', '{}'), ", name, kCodes[static_cast<std::size_t>(type)]);
-}
-
-void writeNpy(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
-  const bool wide = options.doubles || cloud.storedAs.position == ScalarType::f64 || cloud.origin != DVec3(0) ||
-                    !cloud.exactPositions.empty();
-  const ScalarType place = wide ? ScalarType::f64 : ScalarType::f32;
-  const std::vector<std::string> gone = namesGivingWay(cloud);
-  std::vector<const Attribute*> extra;
-  std::string fields;
-  for (const char* name : kPlaces) fields += fieldOf(name, place);
-  for (std::size_t k = 0; cloud.hasNormals() && k < 3; ++k) fields += fieldOf(kNormals[k], ScalarType::f32);
-  for (std::size_t k = 0; cloud.hasColors() && k < 3; ++k) fields += fieldOf(kColors[k], ScalarType::u8);
-  if (cloud.hasColors() && cloud.storedAs.alpha) fields += fieldOf("alpha", ScalarType::u8);
-  for (const Attribute& attribute : cloud.extra)
-    if (std::ranges::find(gone, attribute.name) == gone.end()) {
-      extra.push_back(&attribute);
-      fields += fieldOf(attribute.name, attribute.type);
-    }
-  RowOutput out(path, false);
-  out.headerLine(headerOf(fields, cloud.size()));
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (options.progress && i % (1 << 16) == 0)
-      options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));
-    const DVec3 position = cloud.fileCoordinates(i);
-    for (int k = 0; k < 3; ++k) out.real(place, position[k]);
-    for (int k = 0; cloud.hasNormals() && k < 3; ++k) out.value(cloud.normals[i][k]);
-    for (std::size_t k = 0; cloud.hasColors() && k < (cloud.storedAs.alpha ? 4u : 3u); ++k)
-      out.value(cloud.colors[i][k]);
-    for (const Attribute* attribute : extra)
-      visitScalar(attribute->type, [&]<class T>(std::type_identity<T>) {
-        out.value(loadScalar<T>(attribute->data.data() + i * sizeof(T)));
-      });
-    out.endRow();
-  }
-  out.finish(options.keptAs);
-}
-
-std::vector<std::string> lacksOfNpy(const StoredCloud& stored) {
-  std::vector<std::string> lost;
-  if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
-  if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
-  for (const Attribute& attribute : stored.cloud.extra)
-    if (!canBeQuoted(attribute.name)) lost.push_back(fmt::format("the quotes in the name {}", attribute.name));
-  for (const std::string& name : namesGivingWay(stored.cloud))
-    lost.push_back(fmt::format("the field '{}', for the one that is written under its name", name));
-  return lost;
-}
-
 }  // namespace
 
 CloudFormat npyFormat() {
@@ -334,7 +265,9 @@ CloudFormat npzFormat() {
           .endings = kEndings,
           .contents = [](const std::filesystem::path& path) { return contentsIn(openNpz(path, nullptr)); },
           .read = [](const std::filesystem::path& path, Log* log,
-                     const CloudReadOptions& options) { return cloudIn(openNpz(path, log), path, log, options); }};
+                     const CloudReadOptions& options) { return cloudIn(openNpz(path, log), path, log, options); },
+          .write = writeNpz,
+          .lacks = lacksOfNpz};
 }
 
 }  // namespace palpate

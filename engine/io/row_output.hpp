@@ -53,6 +53,7 @@ class RowOutput {
     atLineStart_ = true;
     if (text_.size() >= kPiece) flush();
   }
+  void bytes(std::string_view text) { text_.append(text); }
   void headerLine(std::string_view line) {
     text_.append(line);
     text_.push_back('\n');

@@ -74,7 +74,7 @@ std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud 
 
 std::filesystem::path whereToSave(const std::filesystem::path& file) {
   const CloudFormat& format = cloudFormats().toRead(file);
-  return format.write && !format.ofTriangles ? file : nameBeside(file);
+  return format.write && !format.ofTriangles && !format.onlyCopied ? file : nameBeside(file);
 }
 
 std::filesystem::path nameBeside(const std::filesystem::path& file) {

@@ -59,14 +59,26 @@ bool isUnit(std::string_view x, std::string_view y, std::string_view z) {
   return std::abs(std::sqrt(squared(x) + squared(y) + squared(z)) - 1) < 0.01;
 }
 
-std::vector<std::string> lowerCase(const Words& words) {
-  std::vector<std::string> names(words.begin(), words.end());
-  for (std::string& name : names)
-    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+std::string lowerCase(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+/// Places, normals and colours are known in whatever case they are written; all other names keep theirs.
+std::vector<std::string> columnNames(const Words& words) {
+  constexpr std::array<std::string_view, 10> kKnown{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha"};
+  constexpr std::array<std::string_view, 4> kShort{"r", "g", "b", "a"};
+  std::vector<std::string> names(words.begin(), words.end()), lower;
   for (std::string& name : names) {
     if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-    name = sharedName(name);
+    lower.push_back(sharedName(lowerCase(name)));
   }
+  const auto has = [&](std::string_view name) { return std::ranges::find(lower, name) != lower.end(); };
+  const bool colored = has("r") && has("g") && has("b");  // alone such a letter means anything
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (std::ranges::find(kKnown, lower[k]) != kKnown.end() ||
+        (colored && std::ranges::find(kShort, lower[k]) != kShort.end()))
+      names[k] = lower[k];
   return names;
 }
 
@@ -112,7 +124,7 @@ class XyzRows {
   }
 
  private:
-  /// Names that differ in their case alone are the same by now: the second of a name is NAME_2.
+  /// The second of a name is NAME_2.
   void keepApart() {
     for (auto name = names_.begin(); name != names_.end(); ++name) {
       const std::string first = *name;
@@ -148,7 +160,7 @@ class XyzRows {
       const bool remark = isRemark(line->substr(first));
       split(line->substr(remark ? std::min(line->find_first_not_of("#/", first), line->size()) : first), words_);
       if (isCount()) continue;
-      if (auto names = lowerCase(words_); namesColumns(names)) {
+      if (auto names = columnNames(words_); namesColumns(names)) {
         names_ = std::move(names);
       } else if (!remark) {
         if (!isNumber(words_.front()))

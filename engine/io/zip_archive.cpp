@@ -108,7 +108,9 @@ class ZipReader {
   std::span<const std::byte> archive_;
 };
 
-std::uint32_t checksumOf(std::span<const std::byte> bytes) {
+}  // namespace
+
+std::uint32_t zipChecksum(std::span<const std::byte> bytes) {
   static const auto kTable = [] {
     std::array<std::uint32_t, 256> table{};
     for (std::uint32_t k = 0; k < 256; ++k) {
@@ -123,8 +125,6 @@ std::uint32_t checksumOf(std::span<const std::byte> bytes) {
   return ~sum;
 }
 
-}  // namespace
-
 std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<const std::byte> archive) {
   return ZipReader(file, archive).members();
 }
@@ -132,7 +132,7 @@ std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<c
 std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive,
                                  const ZipMember& member) {
   constexpr std::uint64_t kMostPerByte = 1032,
-                          kMost = std::numeric_limits<int>::max();  // deflate's; what is unpacked at once
+                          kMost = std::numeric_limits<int>::max() - 2;  // deflate's; what is unpacked at once
   const auto packed = archive.subspan(member.at, member.packed);
   const auto damaged = [&](std::string_view what) {
     return FileError::atByte(file, member.at, fmt::format("{} {}", inQuotes(member.name), what));
@@ -146,12 +146,15 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
       throw damaged("is packed and larger than 2 GiB, which is not read");
     if (member.bytes / kMostPerByte > member.packed) throw damaged("cannot be as long as it is said to be");
     bytes.resize(member.bytes);
+    // It wants to look two bytes beyond the last code, where an archive has its list of members.
+    const auto beyond =
+        archive.subspan(member.at, std::min<std::uint64_t>(member.packed + 2, archive.size() - member.at));
     const int got =
         stbi_zlib_decode_noheader_buffer(reinterpret_cast<char*>(bytes.data()), static_cast<int>(bytes.size()),
-                                         reinterpret_cast<const char*>(packed.data()), static_cast<int>(packed.size()));
+                                         reinterpret_cast<const char*>(beyond.data()), static_cast<int>(beyond.size()));
     if (got < 0 || static_cast<std::uint64_t>(got) != member.bytes) throw damaged("is damaged: it cannot be unpacked");
   }
-  if (checksumOf(bytes) != member.checksum) throw damaged("is damaged: its checksum is another one");
+  if (zipChecksum(bytes) != member.checksum) throw damaged("is damaged: its checksum is another one");
   return bytes;
 }
 

@@ -17,6 +17,9 @@ struct ZipMember {
   bool deflated = false;
 };
 
+/// CRC-32 as archives have it.
+std::uint32_t zipChecksum(std::span<const std::byte> bytes);
+
 /// `archive`: all its bytes. Throws FileError with the byte.
 std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<const std::byte> archive);
 

@@ -267,4 +267,24 @@ TEST_CASE("convert samples as many points from a mesh as it is asked for, and no
   CHECK_FALSE(std::filesystem::exists(folder / "b.ply"));
 }
 
+TEST_CASE("from mesh to mesh the triangles stay, to points they are sampled, and what is not written is refused") {
+  const ScratchFolder folder;
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(folder / "part.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\nf 1 2 5\n";
+  works("convert " + file("part.obj") + " " + file("part.stl") + " --json " + file("a.json"));
+  CHECK(jsonOf(folder / "a.json")["triangles"] == 3);
+  works("convert " + file("part.stl") + " " + file("part.off"));
+  const std::string off = contentOf(folder / "part.off");
+  CHECK(off.starts_with("OFF\n9 3 0\n"));
+  works("convert " + file("part.off") + " " + file("part.ply") + " --samples 500 --json " + file("b.json"));
+  CHECK(jsonOf(folder / "b.json")["points"] == 500);
+  CHECK(jsonOf(folder / "b.json")["triangles"] == 0);
+  const Outcome refused = palpate("convert " + file("part.ply") + " " + file("part.copc.laz"));
+  CHECK(refused.code == 2);
+  CHECK(says(refused.text, "COPC is read and not written"));
+  CHECK_FALSE(std::filesystem::exists(folder / "part.copc.laz"));
+  works("convert " + file("part.ply") + " " + file("part.3dgs.ply") + " --json " + file("c.json"));
+  CHECK(jsonOf(folder / "c.json")["to"] == "3DGS");
+}
+
 }  // namespace palpate

@@ -1,5 +1,6 @@
 // Files in the window: looking for one, saving to another, triangles to a file; and what is known of a place.
 #include "engine/io/ply_reader.hpp"
+#include "tests/apps/every_format.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/says.hpp"
 
@@ -91,6 +92,94 @@ TEST_CASE("a place that is picked says which point is there, its normal, its att
   CHECK(picked["attributes"]["intensity"] == std::to_string(static_cast<int>(1000 + 100 * normal.y)));
   CHECK(picked["stiffness_N_per_mm"] == 0.8);  // as usual
   CHECK(says(picked["stiffness_of"], "rigid"));
+}
+
+TEST_CASE("the file dialogue shows what a format has, and goes to the folders of what was open lately") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu", R"(
+0.05 key ctrl+o
+0.10 click format
+0.20 click PCD (.pcd)
+0.30 click ball.xyz
+0.50 state %/hidden.json
+0.60 click ball.pcd
+0.70 click Open
+1.00 state %/filtered.json
+1.10 key ctrl+o
+1.20 click recent folders
+1.30 click %/lately
+1.40 click ring.xyz
+1.50 click Open
+1.80 state %/recent.json
+2.00 quit
+)", "", [](const std::filesystem::path& folder) {
+    works("make sphere -n 2000 --size 40 -o " + (folder / "ball.ply").string());
+    works("make sphere -n 2000 --size 40 -o " + (folder / "ball.pcd").string());
+    works("make sphere -n 2000 --size 40 -o " + (folder / "ball.xyz").string());
+    std::filesystem::create_directories(folder / "lately");
+    works("make torus -n 2000 --size 40 -o " + (folder / "lately" / "ring.xyz").string());
+    std::filesystem::create_directories(folder / "state" / "palpate");
+    std::ofstream(folder / "state" / "palpate" / "recent") << (folder / "lately" / "gone.las").string() << '\n';
+  });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  CHECK(says(played->state("hidden.json")["last_message"], "'ball.xyz' cannot be clicked"));
+  CHECK(played->state("filtered.json")["model"].get<std::string>().ends_with("ball.pcd"));
+  CHECK(played->state("recent.json")["model"].get<std::string>().ends_with("lately/ring.xyz"));
+}
+
+TEST_CASE("the triangles are exported as each of the formats of meshes") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu", R"(
+0.10 key M
+0.15 click Look
+1.00 click Export mesh...
+1.10 click format
+1.20 click OBJ (.obj)
+1.30 click Export
+1.50 click Export mesh...
+1.60 click format
+1.70 click STL (.stl)
+1.80 click Export
+2.00 click Export mesh...
+2.10 click format
+2.20 click OFF (.off)
+2.30 click Export
+2.60 quit
+)", "", [](const std::filesystem::path& folder) {
+    works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
+  });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  for (const char* name : {"ball-mesh.obj", "ball-mesh.stl", "ball-mesh.off"}) {
+    CAPTURE(std::string(name));
+    REQUIRE(std::filesystem::exists(played->folder / name));
+    const StoredCloud mesh = readCloud(played->folder / name, nullptr, {.asTriangles = true});
+    CHECK(mesh.triangles.size() > 1000);
+    for (const Vec3& p : mesh.cloud.positions) CHECK(std::abs(glm::length(p) - 20) < 2);
+  }
+}
+
+TEST_CASE("a file of every format that is dropped on the window is opened") {
+  if (!hasDisplay()) return;
+  std::map<std::string, std::string> dropped;
+  std::string script;
+  const ScratchFolder folder;
+  for (const auto& [format, file] : filesOfAllFormats(folder.path())) {
+    const std::string state = "dropped" + std::to_string(dropped.size()) + ".json";
+    script += fmt::format("{0:.2f} drop {1}\n{0:.2f} state %/{2}\n", 0.1 + 0.1 * static_cast<double>(dropped.size()),
+                          file.string(), state);
+    dropped[state] = file.string();
+  }
+  script += fmt::format("{:.2f} quit\n", 0.2 + 0.1 * static_cast<double>(dropped.size()));
+  const auto played = play("%/first.ply --size 320x240 --rate 250 --backend cpu", script, "", [](const auto& in) {
+    works("make sphere -n 2000 --size 40 -o " + (in / "first.ply").string());
+  });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  CHECK(dropped.size() >= 17);
+  for (const auto& [state, file] : dropped) {
+    CAPTURE(file);
+    CHECK(played->state(state)["model"] == file);
+    CHECK(played->state(state)["points"] > 0);
+  }
 }
 
 }  // namespace palpate

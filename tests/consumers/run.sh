@@ -40,6 +40,7 @@ felt() {  # COMMAND...: it says a force that 1 mm gives at 0.8 N/mm
   awk '{exit !($2 > 0.6 && $2 < 0.9)}' "$scratch/felt.txt" || fail "the force is not that of 1 mm at 0.8 N/mm"
 }
 felt "$scratch/build/press"
+felt "$scratch/build/hosted"
 
 # A model that anybody can write: a plane with a hump.
 awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)

@@ -4,9 +4,11 @@
 #include <doctest/doctest.h>
 
 #include <fstream>
+#include <set>
 
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/mesh_format.hpp"
 #include "engine/io/ply_format.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/scratch_folder.hpp"
@@ -77,8 +79,8 @@ TEST_CASE("a format is known by its ending; others are refused for writing, with
   CHECK(cloudFormats().toRead("cloud.ply").name == "PLY");
   CHECK(cloudFormats().toRead("no-ending").name == "PLY");
   CHECK_THROWS_WITH_AS(cloudFormats().toWrite("cloud.xyzzy"),
-                       "cloud.xyzzy: clouds are written as .ply, .las, .laz, .pcd, .npy, .xyz, .asc, .txt, .csv, .pts, "
-                       ".obj, .stl, .off; name it so",
+                       "cloud.xyzzy: clouds are written as .ply, .las, .laz, .pcd, .npy, .npz, .xyz, .asc, .txt, .csv, "
+                       ".pts, .obj, .stl, .off, .3dgs.ply; name it so",
                        UsageError);
   CHECK_THROWS_AS(cloudFormats().toWrite("cloud"), UsageError);
   CHECK(cloudFormats().toSave("cloud").name == "PLY");
@@ -88,13 +90,47 @@ TEST_CASE("every format that is written is read back, point by point") {
   const ScratchFolder folder;
   const PointCloud cloud = threePoints();
   const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}};
-  for (const bool ascii : {false, true}) {
-    writeCloud(folder / "a.ply", cloud, {.ascii = ascii, .triangles = &triangles});
-    const StoredCloud again = readCloud(folder / "a.ply");
-    CHECK(again.cloud.positions == cloud.positions);
-    CHECK(again.triangles == triangles);
-    CHECK(again.lost.empty());
-  }
+  std::set<std::string_view> tried;
+  for (const CloudFormat& format : cloudFormats().all())
+    for (const std::string_view ending : format.endings)
+      for (const bool ascii : {false, true}) {
+        if (!format.write || format.onlyCopied) continue;
+        tried.insert(ending);
+        CAPTURE(std::string(ending));
+        CAPTURE(ascii);
+        const std::filesystem::path file = folder / ("a" + std::string(ending));
+        CHECK(&cloudFormats().toWrite(file) == &format);
+        writeCloud(file, cloud, {.ascii = ascii, .triangles = &triangles});
+        CHECK(&cloudFormats().toRead(file) == &format);
+        const StoredCloud again = readCloud(file, nullptr, {.asTriangles = true});
+        CHECK(contentsOf(file).elements.at(0).count == (format.ofTriangles ? kUsualSamples : cloud.size()));
+        REQUIRE(again.cloud.size() == cloud.size());
+        for (std::size_t i = 0; i < cloud.size(); ++i)
+          CHECK(again.cloud.fileCoordinates(i) == cloud.fileCoordinates(i));
+        const bool keepsTriangles = format.ofTriangles || format.name == "PLY";
+        CHECK(again.triangles == (keepsTriangles ? triangles : decltype(again.triangles)()));
+        CHECK(again.lost.empty());
+      }
+  CHECK(tried.size() == 14);
+}
+
+TEST_CASE("of two endings that a name has the longer one counts, and COPC is not written as what it is not") {
+  CHECK_THROWS_WITH_AS(cloudFormats().toWrite("a.copc.laz"),
+                       doctest::Contains("a.copc.laz: COPC is read and not written; clouds are written as .ply"),
+                       UsageError);
+  CHECK_THROWS_WITH_AS(cloudFormats().toWrite("folder/A.COPC.LAZ"), doctest::Contains("COPC is read"), UsageError);
+  CHECK(cloudFormats().toWrite("a.laz").name == "LAZ");
+  CHECK(cloudFormats().toWrite("copc.laz").name == "LAZ");
+  CHECK(cloudFormats().toWrite("a.3dgs.ply").name == "3DGS");
+  CHECK(cloudFormats().toWrite("3dgs.ply").name == "PLY");
+  // What holds neither is of the shorter ending, and what was made of Gaussians is not saved as some.
+  CHECK(cloudFormats().toRead("a.copc.laz").name == "LAZ");
+  CHECK(cloudFormats().toRead("a.3dgs.ply").name == "PLY");
+  CHECK(cloudFormats().toSave("a.3dgs.ply").name == "PLY");
+  CHECK(cloudFormats().endingToSave("a.3dgs.ply") == ".ply");
+  CHECK(cloudFormats().toSave("a.copc.laz").name == "LAZ");
+  CHECK(cloudFormats().endingToSave("a.copc.laz") == ".laz");
+  CHECK(cloudFormats().endingToSave("a.e57") == ".ply");
 }
 
 TEST_CASE("a format that a table has besides is read, written and saved through the same ways") {
@@ -116,7 +152,8 @@ TEST_CASE("a format that a table has besides is read, written and saved through 
 TEST_CASE("what is only read is not written, and messages name what a table has") {
   CHECK(kTable.toRead("a.scan").name == "scan");
   CHECK(kTable.toSave("a.scan").name == "PLY");
-  CHECK_THROWS_WITH_AS(kTable.toWrite("a.scan"), "a.scan: clouds are written as .ply, .tally, .tly; name it so",
+  CHECK_THROWS_WITH_AS(kTable.toWrite("a.scan"),
+                       "a.scan: scan is read and not written; clouds are written as .ply, .tally, .tly, name it so",
                        UsageError);
   CHECK(kTable.namesRead() == "PLY, tally, scan");
   CHECK(kTable.endingsRead() == ".ply, .tally, .tly, .scan");

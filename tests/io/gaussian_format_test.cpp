@@ -9,67 +9,19 @@
 #include <limits>
 
 #include "engine/cloud/gaussian_surface.hpp"
+#include "engine/cloud/spacing.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
-#include "tests/gaussian_scenes.hpp"
-#include "tests/io/ply_bytes.hpp"
+#include "tests/io/gaussian_bytes.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
 
 namespace palpate::test {
+
+using namespace gaussian;
+
 namespace {
-
-constexpr std::array kNames{"x",       "y",       "z",      "nx",       "ny",      "nz",
-                            "f_dc_0",  "f_dc_1",  "f_dc_2", "f_rest_0", "opacity", "scale_0",
-                            "scale_1", "scale_2", "rot_0",  "rot_1",    "rot_2",   "rot_3"};
-constexpr std::size_t kOpacity = 10, kRest = 9;
-
-/// A square of Gaussians in z = 0 that look up, red.
-GaussianScene square(int side) {
-  GaussianScene scene;
-  SceneRandom random(3);
-  for (int i = 0; i < side * side; ++i) {
-    const Vec4 rotation = rotationTo({0, 0, 1}, random);
-    addGaussian(scene, DVec3(i % side, i / side, 0), {0.75, 0.75, 0.4}, rotation, 0.9, {1, 0, 0.5});
-  }
-  return scene;
-}
-
-struct FileOptions {
-  PlyFormat format = PlyFormat::binaryLittleEndian;
-  ScalarType type = ScalarType::f32;
-  std::string leftOut = {};    ///< a property
-  std::string otherType = {};  ///< a property that is of whole numbers
-  std::size_t badRow = 0;      ///< 1-based; 0: none
-  std::size_t badColumn = 0;
-  double badValue = 0;
-};
-
-std::string headerOf(const FileOptions& options, std::size_t count) {
-  std::string header = magic(options.format) + fmt::format("comment by hand\nelement vertex {}\n", count);
-  for (const char* name : kNames)
-    if (name != options.leftOut)
-      header += fmt::format("property {} {}\n", name == options.otherType ? "uchar" : plyName(options.type), name);
-  return header + "end_header\n";
-}
-
-std::string fileOf(const GaussianScene& scene, const FileOptions& options = {}) {
-  BodyWriter body(options.format);
-  for (std::size_t i = 0; i < scene.size(); ++i) {
-    const DVec3 c = scene.centers[i], f(scene.colorHarmonics[i]), s(scene.logScales[i]);
-    const DVec4 q(scene.rotations[i]);
-    const std::array<double, kNames.size()> row{
-        c.x, c.y, c.z, 0, 0, 0, f.x, f.y, f.z, 0.25, scene.opacityLogits[i], s.x, s.y, s.z, q.x, q.y, q.z, q.w};
-    for (std::size_t k = 0; k < kNames.size(); ++k) {
-      if (kNames[k] == options.leftOut) continue;
-      const bool bad = i + 1 == options.badRow && k == options.badColumn;
-      body.put(kNames[k] == options.otherType ? ScalarType::u8 : options.type, bad ? options.badValue : row[k]);
-    }
-    body.endRow();
-  }
-  return headerOf(options, scene.size()) + body.text();
-}
 
 std::string refusal(const std::string& content) {
   const TemporaryFile file(content);
@@ -279,6 +231,46 @@ TEST_CASE("a scene that was trained is read") {
     CHECK(isFinite(cloud.positions[i]));
     CHECK(glm::length(cloud.normals[i]) == doctest::Approx(1).epsilon(1e-4));
   }
+}
+
+TEST_CASE("points that are written as Gaussians are read again as the same surface, normals and colours") {
+  const auto sphere = makeShape("sphere", 20);
+  PointCloud cloud = sampleShape(*sphere, {.count = 4000, .seed = 1});
+  const auto colorAt = [](const DVec3& p) { return DVec3(0.5) + p / 25.0; };
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const DVec3 color = 255.0 * colorAt(cloud.fileCoordinates(i));
+    cloud.colors.push_back({static_cast<std::uint8_t>(std::lround(color.x)),
+                            static_cast<std::uint8_t>(std::lround(color.y)),
+                            static_cast<std::uint8_t>(std::lround(color.z)), 255});
+  }
+  const double spacing = meanSpacing(cloud);
+  const ScratchFolder folder;
+  for (const bool ascii : {false, true}) {
+    gaussianFormat().write(folder / "a.3dgs.ply", cloud, {.ascii = ascii});
+    CHECK(cloudFormats().toRead(folder / "a.3dgs.ply").name == "3DGS");
+    CHECK(contentsOf(folder / "a.3dgs.ply").madeFrom.starts_with("4000 Gaussians of degree 0"));
+    const PointCloud back = readCloud(folder / "a.3dgs.ply").cloud;
+    CHECK(back.size() > 2000);
+    REQUIRE(back.hasNormals());
+    REQUIRE(back.hasColors());
+    double off = 0, turned_deg = 0, faded = 0;
+    for (std::size_t i = 0; i < back.size(); ++i) {
+      const DVec3 p = back.fileCoordinates(i);
+      off = std::max(off, std::abs(sphere->signedDistance(p)));
+      turned_deg = std::max(turned_deg, angleBetween_deg(p, DVec3(back.normals[i])));
+      for (int k = 0; k < 3; ++k)
+        faded = std::max(faded, std::abs(back.colors[i][static_cast<std::size_t>(k)] - 255 * colorAt(p)[k]));
+    }
+    MESSAGE("off by ", off / spacing, " spacings, turned by ", turned_deg, " degrees, faded by ", faded, " of 255");
+    CHECK(off < 0.15 * spacing);
+    CHECK(turned_deg < 5);
+    CHECK(faded < 8);
+  }
+  CHECK(gaussianFormat().lacks({.cloud = cloud}).empty());
+  CHECK(whereToSave(folder / "a.3dgs.ply") == folder / "a.3dgs-sculpted.ply");
+  cloud.normals.clear();
+  CHECK_THROWS_WITH_AS(gaussianFormat().write(folder / "b.3dgs.ply", cloud, {}), doctest::Contains("have no normals"),
+                       FileError);
 }
 
 }  // namespace palpate::test

@@ -8,8 +8,12 @@
 
 #include "engine/io/zip_archive.hpp"
 #include "tests/io/damage.hpp"
+#include "tests/io/npy_bytes.hpp"
 
 namespace palpate::test {
+
+using namespace npy;
+
 namespace {
 
 using Color = std::array<std::uint8_t, 4>;
@@ -28,74 +32,6 @@ std::string refusal(const std::string& text, const char* name = "a.npy") {
     return message.substr(message.find(name) + 5);
   }
   return "read";
-}
-
-template <class T>
-std::string bytes(std::initializer_list<T> values, bool reversed = false) {
-  std::string out;
-  for (const T value : values) {
-    std::string one(reinterpret_cast<const char*>(&value), sizeof value);
-    if (reversed) std::reverse(one.begin(), one.end());
-    out += one;
-  }
-  return out;
-}
-
-/// `type` with its quotes, or a list of fields.
-std::string array(const std::string& type, const std::string& shape, const std::string& data, bool fortran = false,
-                  int version = 1) {
-  const std::string head =
-      "{'descr': " + type + ", 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': " + shape + ", }\n";
-  std::string out("\x93NUMPY", 6);
-  out += static_cast<char>(version);
-  out += '\0';
-  for (int k = 0; k < (version == 1 ? 2 : 4); ++k) out += static_cast<char>(head.size() >> (8 * k) & 0xff);
-  return out + head + data;
-}
-
-struct Member {
-  std::string name, data, packed;  // `packed`: deflated; empty: stored
-};
-
-std::uint32_t checksum(const std::string& text) {  // by the polynomial, bit by bit
-  std::uint32_t sum = 0xffffffff;
-  for (const char c : text) {
-    sum ^= static_cast<std::uint8_t>(c);
-    for (int k = 0; k < 8; ++k) sum = sum >> 1 ^ (sum & 1 ? 0xedb88320u : 0u);
-  }
-  return ~sum;
-}
-
-std::string zip(const std::vector<Member>& members, bool wide = false) {
-  std::string out, list;
-  for (const Member& member : members) {
-    const bool deflated = !member.packed.empty();
-    const std::string& body = deflated ? member.packed : member.data;
-    const std::size_t at = out.size();
-    out += bytes<std::uint32_t>({0x04034b50}) +
-           bytes<std::uint16_t>({20, 0, deflated ? std::uint16_t{8} : std::uint16_t{0}, 0, 0});
-    out += bytes<std::uint32_t>({0, 0, 0}) + bytes<std::uint16_t>({static_cast<std::uint16_t>(member.name.size()), 4});
-    out += member.name + bytes<std::uint16_t>({99, 0}) + body;
-    const auto size = [&](std::size_t n) { return wide ? 0xffffffffu : static_cast<std::uint32_t>(n); };
-    list += bytes<std::uint32_t>({0x02014b50}) +
-            bytes<std::uint16_t>({20, 20, 0, deflated ? std::uint16_t{8} : std::uint16_t{0}, 0, 0});
-    list += bytes<std::uint32_t>({checksum(member.data), size(body.size()), size(member.data.size())});
-    list += bytes<std::uint16_t>(
-        {static_cast<std::uint16_t>(member.name.size()), wide ? std::uint16_t{20} : std::uint16_t{0}, 0, 0, 0});
-    list += bytes<std::uint32_t>({0, static_cast<std::uint32_t>(at)}) + member.name;
-    if (wide) list += bytes<std::uint16_t>({1, 16}) + bytes<std::uint64_t>({member.data.size(), body.size()});
-  }
-  const std::size_t listAt = out.size();
-  out += list + bytes<std::uint32_t>({0x06054b50}) + bytes<std::uint16_t>({0, 0});
-  out += bytes<std::uint16_t>({static_cast<std::uint16_t>(members.size()), static_cast<std::uint16_t>(members.size())});
-  return out + bytes<std::uint32_t>({static_cast<std::uint32_t>(list.size()), static_cast<std::uint32_t>(listAt)}) +
-         bytes<std::uint16_t>({0});
-}
-
-/// A deflated block that is not packed: what follows is as it was.
-std::string plainBlock(const std::string& text) {
-  const auto length = static_cast<std::uint16_t>(text.size());
-  return std::string(1, '\1') + bytes<std::uint16_t>({length, static_cast<std::uint16_t>(~length)}) + text;
 }
 
 }  // namespace
@@ -284,6 +220,46 @@ TEST_CASE("whatever is flipped, cut or made extreme in an array, it is read or r
   }
   CHECK(read > 10);
   CHECK(read < 790);
+}
+
+TEST_CASE("what is written as an archive reads back as it was, deflated where that is shorter") {
+  PointCloud cloud;
+  for (int i = 0; i < 3000; ++i) {
+    cloud.positions.emplace_back(0.1f * static_cast<float>(i), 1 / 3.0f, static_cast<float>(i % 7));
+    cloud.normals.emplace_back(0, 0, i % 2 == 0 ? 1 : -1);
+    cloud.colors.push_back({static_cast<std::uint8_t>(i), 2, 3, static_cast<std::uint8_t>(i / 256)});
+  }
+  cloud.storedAs.alpha = true;
+  for (const char* name : {"Colors_0", "weight"}) {
+    Attribute& added = cloud.extra.emplace_back(Attribute{name, ScalarType::i32, {}});
+    for (std::int32_t i = 0; i < 3000; ++i) {
+      const auto* bytes = reinterpret_cast<const std::byte*>(&i);
+      added.data.insert(added.data.end(), bytes, bytes + sizeof i);
+    }
+  }
+  CHECK(npzFormat().lacks({.cloud = cloud}).empty());
+  const ScratchFolder folder;
+  writeCloud(folder / "a.npz", cloud);
+  CHECK(std::filesystem::file_size(folder / "a.npz") < 3000 * 40 / 3);
+  const PointCloud back = readCloud(folder / "a.npz").cloud;
+  CHECK(back.positions == cloud.positions);
+  CHECK(back.normals == cloud.normals);
+  CHECK(back.colors == cloud.colors);
+  REQUIRE(back.extra.size() == 2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    CHECK(back.extra[k].name == cloud.extra[k].name);
+    CHECK(back.extra[k].data == cloud.extra[k].data);
+  }
+  // Far from zero in double precision; a name that means something else is named as lost; no points at all.
+  PointCloud far = reading(array("'<f8'", "(1, 3)", bytes({4500000.001, 5200000.002, 0.003}))).cloud;
+  far.extra.push_back({"points", ScalarType::u8, std::vector<std::byte>(1)});
+  CHECK(npzFormat().lacks({.cloud = far}) ==
+        std::vector<std::string>{"the attribute 'points', of whose name an archive has something else"});
+  writeCloud(folder / "b.npz", far);
+  CHECK(readCloud(folder / "b.npz").cloud.fileCoordinates(0) == DVec3(4500000.001, 5200000.002, 0.003));
+  CHECK(readCloud(folder / "b.npz").cloud.extra.empty());
+  writeCloud(folder / "c.npz", {});
+  CHECK(readCloud(folder / "c.npz").cloud.empty());
 }
 
 }  // namespace palpate::test

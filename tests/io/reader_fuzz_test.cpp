@@ -1,80 +1,69 @@
 // Every reader that takes bytes from strangers, with files that are made worse, for a while or for as long as one
 // likes: PALPATE_FUZZ_S=3600 build/asan/tests_io --source-file='*reader_fuzz*' says how many seconds,
-// and PALPATE_FUZZ_FROM from which round on, so that several can run at once.
+// PALPATE_FUZZ_FROM from which round on, so that several can run at once, and PALPATE_FUZZ_ONLY=laz,e57 which formats.
+// A file that ends the program is still where it was read.
 #include <doctest/doctest.h>
 
+#include <cstdio>
 #include <cstdlib>
-#include <new>
+#include <map>
+#include <ranges>
 
 #include "engine/core/clock.hpp"
-#include "engine/io/mesh_import.hpp"
 #include "tests/io/damage.hpp"
-#include "tests/io/e57_bytes.hpp"
-#include "tests/io/laz_bytes.hpp"
+#include "tests/io/fuzz_specimens.hpp"
+#include "tests/io/memory_use.hpp"
 
 namespace palpate::test {
 
 namespace {
 
-/// A file that is right, how much of its beginning says what it holds, and whether it has checksums to be put right.
-struct Specimen {
-  std::string ending, text;
-  std::size_t head;
-  bool paged = false;
+/// Of files that are a few thousand bytes: what packs best is a thousand times larger, and nothing is held many times.
+constexpr std::int64_t kMostBytes = std::int64_t{128} << 20;
+
+struct Tally {
+  std::uint64_t read = 0, refused = 0;
+  double time_s = 0, longest_s = 0;
+  std::int64_t mostBytes = 0;
 };
 
-PointCloud smallCloud() {
-  PointCloud cloud = reading(variedFile(3, 60).text()).cloud;
-  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.normals.emplace_back(0, 0, i % 2 ? 1 : -1);
-  return cloud;
-}
+void put(const std::filesystem::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
 
-std::vector<Specimen> specimens() {
-  std::vector<Specimen> all;
-  const PointCloud cloud = smallCloud();
-  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
-  for (const char* ending : {".ply", ".las", ".laz", ".pcd", ".npy", ".xyz", ".csv", ".pts", ".obj", ".stl", ".off"}) {
-    if (std::string_view(".obj .stl .off").find(ending) != std::string_view::npos && !canImportMeshes()) continue;
-    for (const bool ascii : {false, true}) {
-      const ScratchFolder folder;
-      const std::filesystem::path file = folder / (std::string("a") + ending);
-      writeCloud(file, cloud, {.ascii = ascii, .triangles = &triangles});
-      const std::string text = bytesOf(file);
-      all.push_back({ending, text, std::min<std::size_t>(text.size(), 800)});
-    }
-  }
-  for (const unsigned format : {1u, 3u, 6u, 8u})
-    all.push_back({".laz", packedFile(variedFile(format, 200, 2), {.chunks = {50, 150}}), 700});
-  all.push_back({".laz", packedFile(variedFile(2, 200), {.chunked = false}), 400});
-  E57Bytes e57;
-  std::vector<double> ramp(50);
-  for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = 0.5 * static_cast<double>(i);
-  std::vector<std::int64_t> whole(50, 3);
-  e57.add({.points = 50,
-           .streams = {floats("cartesianX", ramp, true), floats("cartesianY", ramp, false),
-                       integers("cartesianZ", whole, -7, 9, "scale=\"0.25\""), integers("intensity", whole, 0, 1000)},
-           .more = "<pose><rotation><w>1</w></rotation></pose>"});
-  const std::string logical = E57Bytes::unpaged(e57.text());
-  all.push_back({".e57", logical, logical.size(), true});
-  return all;
-}
-
-/// Whether it is read; anything but a refusal with the file's name ends the test.
-bool isRead(const ScratchFolder& folder, const Specimen& specimen, Damage& damage) {
-  const std::filesystem::path file = folder / ("a" + specimen.ending);
-  std::string text = damage.of(specimen.text, specimen.head);
-  if (specimen.paged) text = E57Bytes::paged(text + std::string((1020 - text.size() % 1020) % 1020, '\0'));
-  std::ofstream(file, std::ios::binary) << text;
+/// Anything but a refusal with the file's name ends the test, and so does memory beyond what such a file can need.
+void tryOne(const std::filesystem::path& folder, const Specimen& specimen, Damage& damage, Tally& tally) {
+  const std::filesystem::path file = folder / specimen.name;
+  const std::string text = damage.of(specimen.text, specimen.head);
+  put(file, specimen.dressed ? specimen.dressed(text) : text);
+  const std::filesystem::path& source = specimen.beside.empty() ? file : folder;
+  const Stopwatch watch;
+  const MemoryBound bound(kMostBytes);
   try {
-    contentsOf(file);
-    const StoredCloud stored = readCloud(file, nullptr, {.samples = 40});
+    contentsOf(source);
+    const StoredCloud stored = readCloud(source, nullptr, {.samples = 40});
     const std::string ending = cloudFormats().endingToSave(file);
     writeCloud(folder / ("b" + ending), stored.cloud);
-    return true;
+    ++tally.read;
   } catch (const FileError& error) {
-    REQUIRE(std::string(error.what()).find(file.string()) == 0);
-    return false;
+    REQUIRE(std::string(error.what()).find(source.string()) == 0);
+    ++tally.refused;
   }
+  REQUIRE_FALSE(MemoryBound::isBroken());
+  tally.time_s += watch.elapsed_s();
+  tally.longest_s = std::max(tally.longest_s, watch.elapsed_s());
+  tally.mostBytes = std::max(tally.mostBytes, bound.most());
+}
+
+std::vector<Specimen> wantedSpecimens() {
+  std::vector<Specimen> all = specimens();
+  const char* only = std::getenv("PALPATE_FUZZ_ONLY");
+  if (!only) return all;
+  std::vector<std::string> wanted;
+  for (const auto& part : std::views::split(std::string_view(only), ','))
+    wanted.emplace_back(std::string_view(part.begin(), part.end()));
+  for (const std::string& name : wanted)
+    if (std::ranges::find(all, name, &Specimen::format) == all.end()) FAIL("no format is called ", name);
+  std::erase_if(all, [&](const Specimen& s) { return std::ranges::find(wanted, s.format) == wanted.end(); });
+  return all;
 }
 
 }  // namespace
@@ -82,22 +71,48 @@ bool isRead(const ScratchFolder& folder, const Specimen& specimen, Damage& damag
 TEST_CASE("no reader falls over whatever a file has become") {
   const char *given = std::getenv("PALPATE_FUZZ_S"), *first = std::getenv("PALPATE_FUZZ_FROM");
   const double wanted_s = given ? std::atof(given) : 0;
-  const std::uint32_t from = first ? static_cast<std::uint32_t>(std::atol(first)) : 0;
+  const std::uint32_t from = first ? static_cast<std::uint32_t>(std::strtoul(first, nullptr, 10)) : 0;
   constexpr std::uint32_t kRounds = 25;  // where nobody says how long
-  const std::vector<Specimen> all = specimens();
-  const ScratchFolder folder;
+  const std::vector<Specimen> all = wantedSpecimens();
+  const ScratchFolder scratch;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::filesystem::create_directories(scratch / std::to_string(k));
+    for (const auto& [name, text] : all[k].beside) put(scratch / std::to_string(k) / name, text);
+  }
+  if (given) std::printf("the files are in %s\n", scratch.path().string().c_str());
+  std::map<std::string, Tally> tallies;
   const Stopwatch watch;
-  std::uint64_t read = 0, refused = 0;
   for (std::uint32_t round = from; wanted_s > 0 ? watch.elapsed_s() < wanted_s : round - from < kRounds; ++round)
-    for (const Specimen& specimen : all) {
-      CAPTURE(specimen.ending);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      CAPTURE(all[k].name);
+      CAPTURE(k);
       CAPTURE(round);
       Damage damage(round * 2654435761u + 7);
-      ++(isRead(folder, specimen, damage) ? read : refused);
+      tryOne(scratch / std::to_string(k), all[k], damage, tallies[all[k].format]);
     }
-  MESSAGE(read, " files were read, and ", refused, " refused, in ", watch.elapsed_s(), " s");
-  CHECK(read > 0);
-  CHECK(refused > 0);
+  for (const auto& [format, tally] : tallies) {
+    CAPTURE(format);
+    CHECK(tally.read > 0);
+    CHECK(tally.refused > 0);
+    const std::string line = fmt::format("{}: {} files, {} refused, {} read, {:.1f} s", format,
+                                         tally.read + tally.refused, tally.refused, tally.read, tally.time_s);
+    if (given)
+      std::printf("%s; for one at most %.1f MiB and %.3f s\n", line.c_str(),
+                  static_cast<double>(tally.mostBytes) / (1 << 20), tally.longest_s);
+    else
+      MESSAGE(line);
+  }
+}
+
+TEST_CASE("memory beyond a bound is refused, and counted again when it is given back") {
+  const MemoryBound bound(1 << 20);
+  { const std::vector<char> half(600'000); }
+  CHECK_FALSE(MemoryBound::isBroken());
+  CHECK(bound.most() >= 600'000);
+  { const std::vector<char> again(600'000); }
+  CHECK_FALSE(MemoryBound::isBroken());
+  CHECK_THROWS_AS(std::vector<char>(2'000'000), std::bad_alloc);
+  CHECK(MemoryBound::isBroken());
 }
 
 }  // namespace palpate::test

@@ -61,14 +61,14 @@ TEST_CASE("columns without names are places, an intensity, normals or colours") 
 }
 
 TEST_CASE("a line of names says what columns are, also behind the sign of a remark") {
-  for (const char* names : {"x,y,z,r,g,b,Scan", "//X Y Z R G B Scan", "# x y z r g b scan"}) {
+  for (const char* names : {"x,y,z,r,g,b,Scan", "//X Y Z R G B Scan", "# x y z r g b Scan"}) {
     CAPTURE(names);
     const PointCloud cloud = reading(std::string("# made by hand\n\n") + names + "\n1;2\t3, 9 8 7 4.5\n").cloud;
     REQUIRE(cloud.size() == 1);
     CHECK(cloud.fileCoordinates(0) == DVec3(1, 2, 3));
     CHECK(cloud.colors.at(0) == Color{9, 8, 7, 255});
     REQUIRE(cloud.extra.size() == 1);
-    CHECK(cloud.extra[0].name == "scan");
+    CHECK(cloud.extra[0].name == "Scan");
   }
   CHECK(reading("nx ny nz x y z\n0 1 0 7 8 9\n").cloud.normals.at(0) == Vec3(0, 1, 0));
   CHECK(reading("x y z red green blue\n0 0 0 0.5 1.0 0\n").cloud.colors.at(0)[0] == 128);
@@ -161,21 +161,58 @@ TEST_CASE("CSV has names in its first line, in quotes or not, and commas") {
   CHECK(cloud.fileCoordinates(0) == DVec3(1, 2, 3));
   CHECK(cloud.normals.at(0) == Vec3(0, 1, 0));
   REQUIRE(cloud.extra.size() == 1);
-  CHECK(cloud.extra[0].name == "score");
+  CHECK(cloud.extra[0].name == "Score");
   const ScratchFolder folder;
   writeCloud(folder / "b.csv", cloud);
   std::string text;
   std::getline(std::ifstream(folder / "b.csv"), text);
-  CHECK(text == "x,y,z,nx,ny,nz,score");
+  CHECK(text == "x,y,z,nx,ny,nz,Score");
   const PointCloud back = readCloud(folder / "b.csv").cloud;
   CHECK(back.positions == cloud.positions);
   CHECK(back.normals == cloud.normals);
   CHECK(back.extra.at(0).data == cloud.extra[0].data);
   const PointCloud twice = reading("x,y,z,a,A,a\n1,2,3,4,5,6\n", "a.csv").cloud;
   REQUIRE(twice.extra.size() == 3);
-  CHECK(twice.extra[1].name == "a_2");
-  CHECK(twice.extra[2].name == "a_3");
+  CHECK(twice.extra[1].name == "A");
+  CHECK(twice.extra[2].name == "a_2");
   CHECK(refusal("x,y,z\n1,,3\n", "a.csv") == ":2: a point of 2 columns, of which 3 have names");
+}
+
+TEST_CASE("names of columns keep their case on the way from LAS through text and back") {
+  const ScratchFolder folder;
+  PointCloud cloud;
+  for (int i = 0; i < 5; ++i) cloud.positions.emplace_back(i, 2 * i, 0.5f);
+  for (const char* name : {"intensity", "Intensity", "Colors_0", "Height Above"}) {
+    Attribute& added = cloud.extra.emplace_back(Attribute{name, ScalarType::u16, {}});
+    for (std::uint16_t i = 0; i < 5; ++i) {
+      const std::uint16_t value = static_cast<std::uint16_t>(10 * cloud.extra.size() + i);
+      const auto* bytes = reinterpret_cast<const std::byte*>(&value);
+      added.data.insert(added.data.end(), bytes, bytes + sizeof value);
+    }
+  }
+  writeCloud(folder / "a.las", cloud);
+  const auto valuesOf = [](const PointCloud& of, std::string_view name) {
+    const auto found = std::ranges::find(of.extra, name, &Attribute::name);
+    std::vector<double> values;
+    for (std::size_t i = 0; found != of.extra.end() && i < of.size(); ++i)
+      visitScalar(found->type, [&]<class T>(std::type_identity<T>) {
+        values.push_back(static_cast<double>(loadScalar<T>(found->data.data() + i * sizeof(T))));
+      });
+    return values;
+  };
+  for (const char* between : {"a.csv", "a.xyz", "a.txt"}) {
+    CAPTURE(std::string(between));
+    writeCloud(folder / between, readCloud(folder / "a.las").cloud);
+    writeCloud(folder / "b.las", readCloud(folder / between).cloud);
+    const PointCloud back = readCloud(folder / "b.las").cloud;
+    CHECK(valuesOf(back, "intensity") == std::vector<double>{10, 11, 12, 13, 14});
+    CHECK(valuesOf(back, "Intensity") == std::vector<double>{20, 21, 22, 23, 24});
+    CHECK(valuesOf(back, "Colors_0") == std::vector<double>{30, 31, 32, 33, 34});
+  }
+  // Places, normals and colours are known in any case.
+  const PointCloud known = reading("X,Y,Z,Normal_X,NORMAL_Y,nz,R,g,B\n1,2,3,0,0,1,7,8,9\n", "a.csv").cloud;
+  CHECK(known.normals.at(0) == Vec3(0, 0, 1));
+  CHECK(known.colors.at(0) == Color{7, 8, 9, 255});
 }
 
 TEST_CASE("given names of columns stand in place of what a file says") {

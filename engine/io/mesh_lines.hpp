@@ -1,0 +1,70 @@
+// Lines of text of a mesh, as words.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/error.hpp"
+#include "engine/io/chunked_file.hpp"
+#include "engine/io/in_quotes.hpp"
+#include "engine/io/text_number.hpp"
+
+namespace palpate {
+
+/// Walks over the lines that have words, less what follows a '#'.
+class MeshLines {
+ public:
+  explicit MeshLines(const std::filesystem::path& file) : file_(file) {}
+
+  /// False at the end of the file. A line that ends with a backslash goes on in the next one.
+  bool next() {
+    do {
+      auto line = file_.readLine(kLongestLine);
+      if (!line) return false;
+      text_.assign(*line);
+      while (text_.ends_with('\\') && text_.size() < kLongestLine) {
+        text_.back() = ' ';
+        if (line = file_.readLine(kLongestLine); line) text_ += *line;
+      }
+      split();
+    } while (words_.empty());
+    return true;
+  }
+  /// Valid until the next call of next().
+  const std::vector<std::string_view>& words() const { return words_; }
+  double number(std::size_t k, std::string_view what) const {
+    if (k >= words_.size()) fail(fmt::format("the line ends where {} should be", what));
+    const auto value = textNumber<double>(words_[k]);
+    if (!value) fail(fmt::format("found {}, expected {}", inQuotes(words_[k]), what));
+    return *value;
+  }
+  DVec3 three(std::size_t k, std::string_view what) const {
+    return {number(k, what), number(k + 1, what), number(k + 2, what)};
+  }
+  std::uint64_t line() const { return file_.line(); }
+  [[noreturn]] void fail(std::string_view what) const { throw FileError::atLine(file_.path(), file_.line(), what); }
+
+ private:
+  static constexpr std::size_t kLongestLine = std::size_t{1} << 20;
+
+  void split() {
+    constexpr std::string_view kBetween = " \t\r\v\f";
+    const std::string_view text = std::string_view(text_).substr(0, text_.find('#'));
+    words_.clear();
+    for (std::size_t begin = text.find_first_not_of(kBetween); begin != text.npos;
+         begin = text.find_first_not_of(kBetween, begin)) {
+      const std::size_t end = std::min(text.find_first_of(kBetween, begin), text.size());
+      words_.push_back(text.substr(begin, end - begin));
+      begin = end;
+    }
+  }
+
+  ChunkedFile file_;
+  std::string text_;
+  std::vector<std::string_view> words_;
+};
+
+}  // namespace palpate

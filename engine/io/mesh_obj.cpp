@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <unordered_map>
+
+#include "engine/io/mesh_import.hpp"
+#include "engine/io/mesh_lines.hpp"
+#include "engine/io/polygon.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::uint8_t byteOf(double share) {
+  return static_cast<std::uint8_t>(share >= 0 ? std::lround(255 * std::fmin(share, 1.0)) : 0);
+}
+
+class ObjReader {
+ public:
+  explicit ObjReader(const std::filesystem::path& file) : lines_(file) {}
+
+  ImportedMesh read() {
+    while (lines_.next()) {
+      const std::string_view word = lines_.words().front();
+      if (word == "v") {
+        vertex();
+      } else if (word == "vn") {
+        normals_.emplace_back(lines_.three(1, "a normal"));
+      } else if (word == "f" || word == "fo") {
+        face();
+      } else if (word == "l" || word == "p") {
+        ++others_;
+      } else if (isOneOf(word, kFreeForms)) {
+        ++freeForms_;
+      } else if (!isOneOf(word, kPassedOver)) {
+        if (isEmpty()) lines_.fail(fmt::format("found {}, expected a statement of OBJ", inQuotes(word)));
+        ++unknown_;
+      }
+    }
+    return finish();
+  }
+
+ private:
+  static constexpr std::string_view kFreeForms[] = {"curv", "curv2", "surf"};
+  static constexpr std::string_view kPassedOver[] = {
+      "vt",    "vp",   "o",        "g",        "s",          "mg",        "usemtl", "mtllib", "usemap", "maplib",
+      "bevel", "lod",  "c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech",  "stech",  "cstype", "deg",
+      "bmat",  "step", "parm",     "trim",     "hole",       "scrv",      "sp",     "end",    "con",    "call"};
+
+  static bool isOneOf(std::string_view word, std::span<const std::string_view> words) {
+    return std::ranges::find(words, word) != words.end();
+  }
+  bool isEmpty() const { return places_.empty() && mesh_.soup.triangles.empty(); }
+
+  void vertex() {
+    const std::size_t count = lines_.words().size();
+    places_.push_back(lines_.three(1, "a coordinate"));
+    if (places_.size() > 0xffffffffu) lines_.fail("more than 4,294,967,295 corners");
+    if (count < 7) return;  // a weight at most, or else colours from 0 to 1, in some programs with an opacity
+    const DVec3 color = lines_.three(4, "a colour");
+    colors_.resize(places_.size(), {255, 255, 255, 255});
+    colors_.back() = {byteOf(color.x), byteOf(color.y), byteOf(color.z), 255};
+    ++colored_;
+  }
+
+  /// Which of `count` a reference means: from 1 on, or back from the last one.
+  std::uint32_t referred(std::string_view text, std::size_t count, std::string_view what) const {
+    const auto number = textNumber<std::int64_t>(text);
+    if (!number) lines_.fail(fmt::format("found {}, expected the number of {}", inQuotes(text), what));
+    const std::int64_t index = *number < 0 ? *number + static_cast<std::int64_t>(count) : *number - 1;
+    if (*number == 0 || index < 0 || index >= static_cast<std::int64_t>(count))
+      lines_.fail(fmt::format("a face names {} {}, of {} before it", what, *number, count));
+    return static_cast<std::uint32_t>(index);
+  }
+
+  void face() {
+    polygon_.clear();
+    normalsOf_.clear();
+    for (std::size_t k = 1; k < lines_.words().size(); ++k) {
+      const std::string_view word = lines_.words()[k];
+      const std::size_t first = word.find('/');
+      polygon_.push_back(referred(word.substr(0, first), places_.size(), "corner"));
+      const std::size_t second = first == word.npos ? first : word.find('/', first + 1);
+      if (second != word.npos && second + 1 < word.size())
+        normalsOf_.push_back(referred(word.substr(second + 1), normals_.size(), "normal"));
+    }
+    if (polygon_.size() < 3) {
+      ++others_;
+      return;
+    }
+    large_ += polygon_.size() > kLargestConcavePolygon;
+    facing_ = facing_ && normalsOf_.size() == polygon_.size();
+    around_.clear();
+    for (const std::uint32_t place : polygon_) around_.push_back(places_[place]);
+    local_.clear();
+    addPolygon(around_, local_);
+    for (const auto& [a, b, c] : local_) {
+      mesh_.soup.triangles.push_back({polygon_[a], polygon_[b], polygon_[c]});
+      if (facing_) cornerNormals_.insert(cornerNormals_.end(), {normalsOf_[a], normalsOf_[b], normalsOf_[c]});
+    }
+  }
+
+  ImportedMesh finish() {
+    TriangleSoup& soup = mesh_.soup;
+    if (colored_ < places_.size()) colors_.clear();
+    if (facing_ && !cornerNormals_.empty())
+      pairUp();
+    else
+      soup.corners = std::move(places_), soup.colors = std::move(colors_);
+    if (others_ > 0) mesh_.lost.push_back(fmt::format("{} points and lines", others_));
+    if (freeForms_ > 0) mesh_.lost.push_back(fmt::format("{} free-form curves and surfaces", freeForms_));
+    if (unknown_ > 0) mesh_.lost.push_back(fmt::format("{} statements that OBJ does not have", unknown_));
+    if (large_ > 0)
+      mesh_.lost.push_back(
+          fmt::format("what {} polygons of more than {} corners have of dents", large_, kLargestConcavePolygon));
+    return std::move(mesh_);
+  }
+
+  /// A corner for each place and normal that stand together.
+  void pairUp() {
+    TriangleSoup& soup = mesh_.soup;
+    std::unordered_map<std::uint64_t, std::uint32_t> corners;
+    std::size_t next = 0;
+    for (auto& triangle : soup.triangles)
+      for (std::uint32_t& corner : triangle) {
+        const std::uint32_t place = corner, normal = cornerNormals_[next++];
+        const auto [at, isNew] =
+            corners.try_emplace(std::uint64_t{place} << 32 | normal, static_cast<std::uint32_t>(soup.corners.size()));
+        corner = at->second;
+        if (!isNew) continue;
+        if (soup.corners.size() == 0xffffffffu) lines_.fail("more than 4,294,967,295 corners");
+        soup.corners.push_back(places_[place]);
+        soup.normals.emplace_back(normals_[normal]);
+        if (!colors_.empty()) soup.colors.push_back(colors_[place]);
+      }
+  }
+
+  MeshLines lines_;
+  ImportedMesh mesh_;
+  std::vector<DVec3> places_;
+  std::vector<Vec3> normals_;
+  std::vector<std::array<std::uint8_t, 4>> colors_;  // of places
+  std::vector<std::uint32_t> polygon_, normalsOf_;   // of the face at hand
+  std::vector<DVec3> around_;
+  std::vector<std::array<std::uint32_t, 3>> local_;
+  std::vector<std::uint32_t> cornerNormals_;  // three of each triangle, while all have one
+  bool facing_ = true;
+  std::size_t colored_ = 0, others_ = 0, freeForms_ = 0, unknown_ = 0, large_ = 0;
+};
+
+}  // namespace
+
+ImportedMesh importObj(const std::filesystem::path& file) { return ObjReader(file).read(); }
+
+}  // namespace palpate

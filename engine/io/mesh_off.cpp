@@ -1,0 +1,129 @@
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "engine/io/mesh_import.hpp"
+#include "engine/io/mesh_lines.hpp"
+#include "engine/io/polygon.hpp"
+
+namespace palpate {
+
+namespace {
+
+class OffReader {
+ public:
+  explicit OffReader(const std::filesystem::path& file) : lines_(file) {}
+
+  ImportedMesh read() {
+    header();
+    for (std::uint64_t i = 0; i < vertices_; ++i) {
+      needLine(fmt::format("{} of {} corners", i, vertices_));
+      vertex();
+    }
+    for (std::uint64_t i = 0; i < faces_; ++i) {
+      needLine(fmt::format("{} of {} faces", i, faces_));
+      face();
+    }
+    if (lines_.next()) lines_.fail(fmt::format("something follows the last of {} faces", faces_));
+    if (colored_ < vertices_) mesh_.soup.colors.clear();
+    if (others_ > 0) mesh_.lost.push_back(fmt::format("{} points and lines", others_));
+    if (colors_ > 0) mesh_.lost.push_back(fmt::format("the colours of {} faces", colors_));
+    if (large_ > 0)
+      mesh_.lost.push_back(
+          fmt::format("what {} polygons of more than {} corners have of dents", large_, kLargestConcavePolygon));
+    return std::move(mesh_);
+  }
+
+ private:
+  void needLine(std::string_view after) {
+    if (!lines_.next()) lines_.fail(fmt::format("the file ends after {}", after));
+  }
+  std::uint64_t count(std::size_t k, std::string_view what) const {
+    if (k >= lines_.words().size()) lines_.fail(fmt::format("the line ends where {} should be", what));
+    const auto value = textNumber<std::uint64_t>(lines_.words()[k]);
+    if (!value || *value > 0xffffffffu)
+      lines_.fail(fmt::format("found {}, expected {}", inQuotes(lines_.words()[k]), what));
+    return *value;
+  }
+
+  // The word is followed by the counts, on its line or on the next one; some files have no word.
+  void header() {
+    needLine("nothing");
+    std::string_view word = lines_.words().front();
+    std::size_t at = 0;
+    if (!textNumber<double>(word)) {
+      if (!word.ends_with("OFF")) lines_.fail(fmt::format("found {}, expected OFF", inQuotes(word)));
+      word.remove_suffix(3);
+      for (const char letter : word) {
+        if (letter != 'C' && letter != 'N')
+          lines_.fail(fmt::format("OFF with {} before it is not read, but with C and N", inQuotes(word)));
+        (letter == 'C' ? hasColors_ : hasNormals_) = true;
+      }
+      if (lines_.words().size() > 1 && lines_.words()[1] == "BINARY")
+        lines_.fail("binary OFF is not read; it is as text that programs exchange it");
+      at = 1;
+      if (lines_.words().size() == 1) {
+        needLine("its first word");
+        at = 0;
+      }
+    }
+    vertices_ = count(at, "how many corners there are");
+    faces_ = count(at + 1, "how many faces there are");
+  }
+
+  void vertex() {
+    TriangleSoup& soup = mesh_.soup;
+    soup.corners.push_back(lines_.three(0, "a coordinate"));
+    if (hasNormals_) soup.normals.emplace_back(lines_.three(3, "a normal"));
+    const std::size_t at = hasNormals_ ? 6 : 3, more = lines_.words().size() - at;
+    if (more == 0 && !hasColors_) return;
+    if (more < 3 && hasColors_) lines_.fail("the line ends where a colour should be");
+    if (more < 3 || more > 4) return;
+    const DVec3 color = lines_.three(at, "a colour");
+    // Whole numbers go up to 255, others up to 1.
+    bool whole = true;
+    for (std::size_t k = at; k < at + 3; ++k)
+      whole = whole && lines_.words()[k].find_first_of(".eE") == std::string_view::npos;
+    std::array<std::uint8_t, 4> bytes{0, 0, 0, 255};
+    for (int k = 0; k < 3; ++k) {
+      const double value = whole ? color[k] : 255 * color[k];
+      bytes[static_cast<std::size_t>(k)] =
+          static_cast<std::uint8_t>(value >= 0 ? std::lround(std::fmin(value, 255.0)) : 0);
+    }
+    soup.colors.push_back(bytes);
+    ++colored_;
+  }
+
+  void face() {
+    const std::uint64_t corners = count(0, "how many corners a face has");
+    polygon_.clear();
+    for (std::size_t k = 1; k <= corners; ++k) {
+      const std::uint64_t corner = count(k, "the number of a corner");
+      if (corner >= vertices_) lines_.fail(fmt::format("a face names corner {} of {}, from 0 on", corner, vertices_));
+      polygon_.push_back(static_cast<std::uint32_t>(corner));
+    }
+    colors_ += lines_.words().size() > corners + 1;
+    others_ += corners < 3;
+    large_ += corners > kLargestConcavePolygon;
+    around_.clear();
+    for (const std::uint32_t corner : polygon_) around_.push_back(mesh_.soup.corners[corner]);
+    local_.clear();
+    addPolygon(around_, local_);
+    for (const auto& [a, b, c] : local_) mesh_.soup.triangles.push_back({polygon_[a], polygon_[b], polygon_[c]});
+  }
+
+  MeshLines lines_;
+  ImportedMesh mesh_;
+  std::vector<std::uint32_t> polygon_;
+  std::vector<DVec3> around_;
+  std::vector<std::array<std::uint32_t, 3>> local_;
+  bool hasNormals_ = false, hasColors_ = false;
+  std::uint64_t vertices_ = 0, faces_ = 0, colored_ = 0;
+  std::size_t others_ = 0, colors_ = 0, large_ = 0;
+};
+
+}  // namespace
+
+ImportedMesh importOff(const std::filesystem::path& file) { return OffReader(file).read(); }
+
+}  // namespace palpate

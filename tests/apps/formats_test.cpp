@@ -1,0 +1,29 @@
+// A file of every format there is, as touch, info and render open it.
+#include "tests/apps/every_format.hpp"
+#include "tests/apps/program.hpp"
+
+namespace palpate {
+
+TEST_CASE("info, touch and render open a file of every format") {
+  const ScratchFolder folder;
+  const std::map<std::string, std::filesystem::path> files = filesOfAllFormats(folder.path());
+  const std::string json = (folder / "a.json").string(), picture = (folder / "a.png").string();
+  for (const CloudFormat& format : cloudFormats().all()) {
+    // A dense reconstruction is its cloud with a file beside it, and has tests of its own.
+    if (!format.read || format.name == "COLMAP dense") continue;
+    CAPTURE(std::string(format.name));
+    REQUIRE(files.contains(std::string(format.name)));
+    const std::filesystem::path& file = files.at(std::string(format.name));
+    CHECK(&cloudFormats().toRead(file) == &format);
+    works("info " + file.string() + " --quiet --json " + json);
+    CHECK(jsonOf(json)["points"] > 0);
+    works("touch " + file.string() + " --backend cpu --path builtin:press --quiet --json " + json);
+    CHECK(jsonOf(json)["ticks"] > 0);
+    if (format.write) CHECK(jsonOf(json)["contact_ticks"] > 0);  // the others are no ball
+    std::filesystem::remove(picture);
+    works("render " + file.string() + " --size 64x64 --quiet -o " + picture);
+    CHECK(std::filesystem::file_size(picture) > 100);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,154 @@
+// Files that are right, of every format that comes from strangers, to be made worse.
+#pragma once
+
+#include <functional>
+
+#include "tests/io/colmap_bytes.hpp"
+#include "tests/io/copc_bytes.hpp"
+#include "tests/io/e57_bytes.hpp"
+#include "tests/io/gaussian_bytes.hpp"
+#include "tests/io/gltf_bytes.hpp"
+#include "tests/io/lzf_bytes.hpp"
+#include "tests/io/npy_bytes.hpp"
+
+namespace palpate::test {
+
+struct Specimen {
+  std::string format;  ///< for a person who wants no other one
+  std::string name;    ///< of the file
+  std::string text;
+  std::size_t head;  ///< how many of the first bytes say what it holds
+  /// What stands around it in the file, checksums as they must be; null: nothing.
+  std::function<std::string(const std::string&)> dressed = {};
+  /// Files beside it, by name, where it is one of a folder that is read as a whole.
+  std::vector<std::pair<std::string, std::string>> beside = {};
+};
+
+inline Specimen specimenOf(std::string format, std::string name, std::string text) {
+  const std::size_t head = std::min<std::size_t>(text.size(), 800);
+  return {std::move(format), std::move(name), std::move(text), head};
+}
+
+inline void addWritten(std::vector<Specimen>& all) {
+  PointCloud cloud = reading(variedFile(3, 60).text()).cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.normals.emplace_back(0, 0, i % 2 ? 1 : -1);
+  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
+  for (const CloudFormat& format : cloudFormats().all()) {
+    if (!format.write) continue;
+    const std::string name = "a" + std::string(format.endings.front());
+    for (const bool ascii : {false, true}) {
+      const ScratchFolder folder;
+      format.write(folder / name, cloud, {.ascii = ascii, .triangles = &triangles});
+      all.push_back(specimenOf(name.substr(2), name, bytesOf(folder / name)));
+    }
+  }
+}
+
+inline void addLaz(std::vector<Specimen>& all) {
+  for (const unsigned format : {1u, 3u, 6u, 8u})
+    all.push_back({"laz", "a.laz", packedFile(variedFile(format, 200, 2), {.chunks = {50, 150}}), 700});
+  all.push_back({"laz", "a.laz", packedFile(variedFile(2, 200), {.chunked = false}), 400});
+  const CopcFile copc = copcFile();
+  all.push_back({"copc", "a.copc.laz", copc.text, copc.info + 160});
+  // The pages of the octree stand behind the points.
+  const std::size_t pages = 4 * CopcFile::kEntry;
+  const auto inPlace = [copc](const std::string& text) {
+    return std::string(copc.text).replace(copc.root, pages, text);
+  };
+  all.push_back({"copc", "a.copc.laz", copc.text.substr(copc.root, pages), pages, inPlace});
+}
+
+inline void addE57(std::vector<Specimen>& all) {
+  E57Bytes e57;
+  std::vector<double> ramp(50);
+  for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = 0.5 * static_cast<double>(i);
+  std::vector<std::int64_t> whole(50, 3);
+  e57.add({.points = 50,
+           .streams = {floats("cartesianX", ramp, true), floats("cartesianY", ramp, false),
+                       integers("cartesianZ", whole, -7, 9, "scale=\"0.25\""), integers("intensity", whole, 0, 1000)},
+           .more = "<pose><rotation><w>1</w></rotation></pose>"});
+  const std::string logical = E57Bytes::unpaged(e57.text());
+  all.push_back({"e57", "a.e57", logical, logical.size(), [](const std::string& text) {
+                   return E57Bytes::paged(text + std::string((1020 - text.size() % 1020) % 1020, '\0'));
+                 }});
+}
+
+inline void addPackedPcd(std::vector<Specimen>& all) {
+  std::string columns;
+  for (int column = 0; column < 4; ++column)
+    for (int i = 0; i < 60; ++i) {
+      const float value = static_cast<float>(i / 7);  // in runs, so that they are packed
+      columns.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+  const std::string packed = packedLzf(columns);
+  std::string text =
+      "VERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 60\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 60\nDATA binary_compressed\n";
+  const std::size_t head = text.size();
+  for (const std::size_t bytes : {packed.size(), columns.size()})
+    text += npy::bytes({static_cast<std::uint32_t>(bytes)});
+  text += packed;
+  all.push_back({"packed-pcd", "a.pcd", text, head + 8});
+  all.push_back({"packed-pcd", "a.pcd", text, text.size()});
+}
+
+inline void addNpz(std::vector<Specimen>& all) {
+  std::string rows;
+  for (int i = 0; i < 60; ++i) rows += npy::bytes({0.5f * static_cast<float>(i), 1.f, -2.f});
+  const std::string places = npy::array("'<f4'", "(60, 3)", rows);
+  const std::string normals = npy::array("'<f4'", "(60, 3)", rows);
+  const auto archive = [normals](const std::string& text) {
+    return npy::zip({{"xyz.npy", text, ""}, {"normals.npy", normals, npy::plainBlock(normals)}});
+  };
+  all.push_back(specimenOf("npz", "a.npz", archive(places)));
+  const std::string whole = all.back().text;
+  all.push_back({"npz", "a.npz", whole, whole.size()});
+  all.push_back({"npz", "a.npz", places, 80, archive});
+  all.push_back({"npz", "a.npz", npy::plainBlock(places), 80, [places](const std::string& packed) {
+                   return npy::zip({{"xyz.npy", places, packed}});
+                 }});
+}
+
+inline void addGltf(std::vector<Specimen>& all) {
+  for (const bool binary : {true, false}) {
+    const std::string text = gltfTriangle(binary);
+    all.push_back({"gltf", binary ? "a.glb" : "a.gltf", text, text.size()});
+  }
+}
+
+inline void addGaussians(std::vector<Specimen>& all) {
+  for (const PlyFormat format : kAllFormats) {
+    const std::string text = gaussian::fileOf(gaussian::square(8), {.format = format});
+    all.push_back({"3dgs", "a.ply", text, gaussian::headerOf({.format = format}, 64).size()});
+    all.push_back({"3dgs", "a.ply", text, text.size()});
+  }
+}
+
+inline void addColmap(std::vector<Specimen>& all) {
+  for (const std::string form : {"bin", "txt"}) {
+    const colmap::Files files = form == "bin" ? colmap::binary() : colmap::text();
+    const std::vector<std::pair<std::string, std::string>> parts{
+        {"cameras." + form, files.cameras}, {"images." + form, files.images}, {"points3D." + form, files.points}};
+    for (const auto& damaged : parts) {
+      Specimen specimen = specimenOf("colmap", damaged.first, damaged.second);
+      for (const auto& part : parts)
+        if (part != damaged) specimen.beside.push_back(part);
+      all.push_back(std::move(specimen));
+    }
+  }
+}
+
+inline std::vector<Specimen> specimens() {
+  std::vector<Specimen> all;
+  addWritten(all);
+  addLaz(all);
+  addE57(all);
+  addPackedPcd(all);
+  addNpz(all);
+  addGltf(all);
+  addGaussians(all);
+  addColmap(all);
+  return all;
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,273 @@
+// The readers of meshes, each with what its format alone has, and what is refused with its line or byte.
+#include "engine/io/mesh_import.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+
+#include "engine/core/error.hpp"
+#include "engine/io/polygon.hpp"
+#include "tests/io/gltf_bytes.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate::test {
+
+namespace {
+
+using Import = ImportedMesh (*)(const std::filesystem::path&);
+
+ImportedMesh imported(Import import, const std::string& text) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "a.mesh", std::ios::binary) << text;
+  return import(folder / "a.mesh");
+}
+
+/// Without the file's name; "read" where it is.
+std::string refusal(Import import, const std::string& text) {
+  try {
+    imported(import, text);
+  } catch (const FileError& error) {
+    const std::string message = error.what();
+    return message.substr(message.find("a.mesh") + 6);
+  }
+  return "read";
+}
+
+double areaOf(const TriangleSoup& soup) {
+  double area = 0;
+  for (const auto& [a, b, c] : soup.triangles)
+    area += 0.5 * glm::length(glm::cross(soup.corners[b] - soup.corners[a], soup.corners[c] - soup.corners[a]));
+  return area;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const std::size_t at = text.find(what);
+  REQUIRE(at != text.npos);
+  return text.replace(at, what.size(), with);
+}
+
+std::string bytesOfFacet(float height, std::uint16_t mark) {
+  std::string out;
+  for (const float value : {0.f, 0.f, 1.f, 0.f, 0.f, height, 1.f, 0.f, height, 0.f, 1.f, height})
+    out.append(reinterpret_cast<const char*>(&value), sizeof value);
+  return out.append(reinterpret_cast<const char*>(&mark), sizeof mark);
+}
+
+std::string binaryStl(std::uint32_t said, const std::string& facets) {
+  std::string head(80, ' ');
+  head.replace(0, 5, "solid");  // as some programs begin it
+  return head.append(reinterpret_cast<const char*>(&said), sizeof said) + facets;
+}
+
+}  // namespace
+
+TEST_CASE("polygons of dents become triangles within them, and all of them have two less than corners") {
+  // A plus sign, anticlockwise and clockwise, in a plane that leans.
+  std::vector<DVec3> plus;
+  for (const auto& [x, y] : std::vector<std::pair<int, int>>{
+           {1, 0}, {2, 0}, {2, 1}, {3, 1}, {3, 2}, {2, 2}, {2, 3}, {1, 3}, {1, 2}, {0, 2}, {0, 1}, {1, 1}})
+    plus.emplace_back(x, y, x + 2 * y);
+  for (const bool turned : {false, true}) {
+    if (turned) std::ranges::reverse(plus);
+    TriangleSoup soup{.corners = plus};
+    addPolygon(plus, soup.triangles);
+    CHECK(soup.triangles.size() == 10);
+    CHECK(areaOf(soup) == doctest::Approx(5 * std::sqrt(1 + 1 + 4.0)));  // a fan would cover more
+  }
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (const std::size_t count : {0u, 2u, 3u, 5u, 400u}) {
+    std::vector<DVec3> ring;
+    for (std::size_t k = 0; k < count; ++k)
+      ring.emplace_back(std::cos(0.01 * double(k)), std::sin(0.01 * double(k)), 0);
+    triangles.clear();
+    addPolygon(ring, triangles);
+    CHECK(triangles.size() == std::max<std::size_t>(count, 2) - 2);
+  }
+  // What crosses itself, stands on one place or is nowhere has them, too.
+  const double none = std::nan("");
+  for (const std::vector<DVec3>& odd : std::vector<std::vector<DVec3>>{{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}},
+                                                                       std::vector<DVec3>(7, DVec3(3)),
+                                                                       std::vector<DVec3>(6, DVec3(none))}) {
+    triangles.clear();
+    addPolygon(odd, triangles);
+    CHECK(triangles.size() == odd.size() - 2);
+  }
+}
+
+TEST_CASE("OBJ: corners from the end, corners with several normals, and what is no triangle is named") {
+  const ImportedMesh mesh = imported(importObj,
+                                     "# by hand\nmtllib a.mtl\no one\nv 0 0 0 \nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\n"
+                                     "vn 0 0 1\nvn 0 0 -2\nf 1//1 2//1 3//1 4//1\nf -1/1/-1 -2/1/-1 \\\n-3/1/-1\n"
+                                     "l 1 2\np 3\nsurf 0 1 0 1 1 2\nnonsense 3\n");
+  CHECK(mesh.soup.triangles.size() == 3);
+  REQUIRE(mesh.soup.corners.size() == 7);  // four, and three of the other normal
+  REQUIRE(mesh.soup.normals.size() == 7);
+  const auto& last = mesh.soup.triangles.back();
+  CHECK(mesh.soup.corners[last[0]] == DVec3(0, 1, 0));
+  CHECK(mesh.soup.corners[last[2]] == DVec3(1, 0, 0));
+  CHECK(mesh.soup.normals[last[1]] == Vec3(0, 0, -2));
+  CHECK(mesh.lost == std::vector<std::string>{"2 points and lines", "1 free-form curves and surfaces",
+                                              "1 statements that OBJ does not have"});
+  // One face without a normal leaves none to the others.
+  const ImportedMesh some = imported(importObj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 3 2 1\n");
+  CHECK(some.soup.normals.empty());
+  CHECK(some.soup.corners.size() == 3);
+  CHECK(some.soup.triangles.size() == 2);
+}
+
+TEST_CASE("OBJ: what is wrong is refused with its line") {
+  const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  CHECK(refusal(importObj, three + "f 1 2 4\n") == ":4: a face names corner 4, of 3 before it");
+  CHECK(refusal(importObj, three + "f 1 2 -4\n") == ":4: a face names corner -4, of 3 before it");
+  CHECK(refusal(importObj, three + "f 0 2 1\n") == ":4: a face names corner 0, of 3 before it");
+  CHECK(refusal(importObj, three + "f 1//1 2 3\n") == ":4: a face names normal 1, of 0 before it");
+  CHECK(refusal(importObj, three + "f 1 2 three\n") == ":4: found 'three', expected the number of corner");
+  CHECK(refusal(importObj, three + "f 1 2 99999999999999999999\n").starts_with(":4: found "));
+  CHECK(refusal(importObj, "v 0 0\n") == ":1: the line ends where a coordinate should be");
+  CHECK(refusal(importObj, "\nv 0 zero 0\n") == ":2: found 'zero', expected a coordinate");
+  CHECK(refusal(importObj, "some words\n") == ":1: found 'some', expected a statement of OBJ");
+}
+
+TEST_CASE("STL: binary by its size, whatever word it begins with, and else as text") {
+  const ImportedMesh binary = imported(importStl, binaryStl(2, bytesOfFacet(1, 0) + bytesOfFacet(2, 7)));
+  CHECK(binary.soup.triangles.size() == 2);
+  CHECK(binary.soup.corners.at(3) == DVec3(0, 0, 2));
+  CHECK(binary.lost == std::vector<std::string>{"colours or marks of 1 triangles"});
+  const std::string facet =
+      "FACET NORMAL 0 0 1\n outer loop\n vertex 0 0 1\n VERTEX 1 0 1e0\n vertex 0 1 1\n endloop\nendfacet\n";
+  const ImportedMesh text =
+      imported(importStl, " solid a b\n" + facet + "endsolid\nsolid c\n" + facet + "endsolid c\n");
+  CHECK(text.soup.triangles.size() == 2);
+  CHECK(text.soup.corners.at(4) == DVec3(1, 0, 1));
+
+  std::string other = binaryStl(3, bytesOfFacet(1, 0));
+  other.replace(0, 5, "other");
+  CHECK(refusal(importStl, other) == ": byte 134: the file ends after 1 of 3 triangles");
+  other = binaryStl(1, bytesOfFacet(1, 0) + "x");
+  other.replace(0, 5, "other");
+  CHECK(refusal(importStl, other) == ": byte 134: something follows the last of 1 triangles");
+  CHECK(refusal(importStl, "short") == ": byte 5: the file ends within its header");
+  CHECK(refusal(importStl, "solid a\n" + facet) == ":8: the file ends within a solid");
+  CHECK(refusal(importStl, "solid a\nfacet\nvertex 0 0 0\nendfacet\n") == ":4: a facet of 1 corners");
+  CHECK(refusal(importStl, "solid a\nfacet\nvertex 0 0\n") == ":3: the line ends where a coordinate should be");
+  CHECK(refusal(importStl, "solid a\nwords\n") == ":2: found 'words', expected what an STL file has there");
+}
+
+TEST_CASE("OFF: with normals and colours, as its first word says, and what is wrong is refused with its line") {
+  const ImportedMesh mesh = imported(importOff,
+                                     "CNOFF # a square\n\n5 3 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 0 255 0 255\n"
+                                     "1 1 0 0 0 1 0 0 255 255\n0 1 0 0 0 1 9 9 9 255\n9 9 9 0 0 1 0 0 0 0\n"
+                                     "4 0 1 2 3 200 100 50\n3 0 1 2\n2 0 4\n");
+  CHECK(mesh.soup.triangles.size() == 3);
+  CHECK(mesh.soup.normals.size() == 5);
+  REQUIRE(mesh.soup.colors.size() == 5);
+  CHECK(mesh.soup.colors[3] == std::array<std::uint8_t, 4>{9, 9, 9, 255});
+  CHECK(mesh.lost == std::vector<std::string>{"1 points and lines", "the colours of 1 faces"});
+  const ImportedMesh bare =
+      imported(importOff, "3 1 3\n0 0 0 0.5 0.25 1.0\n1 0 0 0.5 0.25 1.0\n0 1 0 0.5 0.25 1.0\n3 0 1 2\n");
+  REQUIRE(bare.soup.colors.size() == 3);
+  CHECK(bare.soup.colors[0] == std::array<std::uint8_t, 4>{128, 64, 255, 255});
+  CHECK(imported(importOff, "OFF 3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").soup.triangles.size() == 1);
+
+  const std::string three = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n";
+  CHECK(refusal(importOff, three) == ":5: the file ends after 0 of 1 faces");
+  CHECK(refusal(importOff, "OFF\n4000000000 1 0\n0 0 0\n") == ":3: the file ends after 1 of 4000000000 corners");
+  CHECK(refusal(importOff, three + "3 0 1 3\n") == ":6: a face names corner 3 of 3, from 0 on");
+  CHECK(refusal(importOff, three + "4000000000 0 1 2\n") == ":6: the line ends where the number of a corner should be");
+  CHECK(refusal(importOff, three + "3 0 1 2\n3 0 1 2\n") == ":7: something follows the last of 1 faces");
+  CHECK(refusal(importOff, "4OFF\n") == ":1: OFF with '4' before it is not read, but with C and N");
+  CHECK(refusal(importOff, "OFF BINARY\n").find("binary OFF") != std::string::npos);
+  CHECK(refusal(importOff, "words\n") == ":1: found 'words', expected OFF");
+}
+
+TEST_CASE("glTF: its buffer within, beside it or packed is the same mesh") {
+  const ImportedMesh packed = imported(importGltf, gltfTriangle(true)),
+                     text = imported(importGltf, gltfTriangle(false));
+  CHECK(packed.soup.corners == std::vector<DVec3>{{10, 20, 30}, {12, 20, 30}, {10, 22, 30}});
+  CHECK(text.soup.corners == packed.soup.corners);
+  CHECK(text.soup.triangles == packed.soup.triangles);
+  const ScratchFolder folder;
+  const std::string glb = gltfTriangle(true), json = gltfTriangle(false);
+  const std::size_t data = json.find("data:"), end = json.find('"', data);
+  std::ofstream(folder / "a b.bin", std::ios::binary) << glb.substr(glb.size() - 44);
+  std::ofstream(folder / "a.gltf") << std::string(json).replace(data, end - data, "a%20b.bin");
+  CHECK(importGltf(folder / "a.gltf").soup.corners == packed.soup.corners);
+  for (const char* elsewhere : {"../b.bin", "/etc/passwd", "http://a/b.bin", ""})
+    CHECK(refusal(importGltf, std::string(json).replace(data, end - data, elsewhere)).find("no file beside this one") !=
+          std::string::npos);
+  CHECK(refusal(importGltf, std::string(json).replace(data, end - data, "gone.bin")) ==
+        ": buffer 0 is 'gone.bin', and there is no such file beside this one");
+}
+
+TEST_CASE("glTF: nodes turn, mirror and repeat a mesh, and strips and fans wind as triangles do") {
+  const std::string json = gltfTriangle(false);
+  const auto with = [&](const std::string& what, const std::string& instead) {
+    return imported(importGltf, replaced(json, what, instead)).soup;
+  };
+  const std::string node = R"({"mesh":0,"translation":[10,20,30],"scale":[2,2,2]})";
+  const auto normalOf = [](const TriangleSoup& soup) {
+    const auto [a, b, c] = soup.triangles.at(0);
+    return glm::normalize(glm::cross(soup.corners[b] - soup.corners[a], soup.corners[c] - soup.corners[a]));
+  };
+  const TriangleSoup mirrored = with(node, R"({"mesh":0,"scale":[-1,1,1]})");
+  CHECK(glm::distance(normalOf(mirrored), DVec3(0, 0, 1)) < 1e-12);
+  const TriangleSoup turned = with(node, R"({"mesh":0,"rotation":[0.7071067811865476,0,0,0.7071067811865476]})");
+  CHECK(glm::distance(normalOf(turned), DVec3(0, -1, 0)) < 1e-12);
+  const TriangleSoup placed = with(node, R"({"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]})");
+  CHECK(placed.corners.at(1) == DVec3(6, 6, 7));
+  const TriangleSoup nested =
+      with(node, R"({"children":[1,2],"translation":[1,0,0]},{"mesh":0},{"mesh":0,"scale":[3,3,3]})");
+  CHECK(nested.triangles.size() == 2);
+  CHECK(nested.corners.at(4) == DVec3(4, 0, 0));
+  for (const int mode : {5, 6})
+    CHECK(with(R"("indices":1)", R"("indices":1,"mode":)" + std::to_string(mode)).triangles.size() == 1);
+  const ImportedMesh lines = imported(importGltf, replaced(json, R"("indices":1)", R"("indices":1,"mode":1)"));
+  CHECK(lines.soup.triangles.empty());
+  CHECK(lines.lost == std::vector<std::string>{"3 points and lines"});
+  // The corners as normals, and as colours: the second is red, the third green.
+  const TriangleSoup dressed = with(R"("POSITION":0)", R"("POSITION":0,"NORMAL":0,"COLOR_0":0)");
+  REQUIRE(dressed.colors.size() == 3);
+  CHECK(dressed.colors[1] == std::array<std::uint8_t, 4>{255, 0, 0, 255});
+  REQUIRE(dressed.normals.size() == 3);
+  CHECK(glm::normalize(dressed.normals[2]) == Vec3(0, 1, 0));
+}
+
+TEST_CASE("glTF: what reaches beyond its buffer, goes in circles or is packed is refused") {
+  const std::string json = gltfTriangle(false);
+  const auto why = [&](const std::string& what, const std::string& instead) {
+    return refusal(importGltf, replaced(json, what, instead));
+  };
+  const auto says = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  CHECK(says(why(R"("count":3,"type":"VEC3")", R"("count":4,"type":"VEC3")"), "an accessor of 4 elements"));
+  CHECK(says(why(R"("count":3,"type":"VEC3")", R"("count":18446744073709551615,"type":"VEC3")"),
+             "an accessor of 18446744073709551615"));
+  CHECK(
+      says(why(R"("byteLength":36})", R"("byteLength":45})"), "a view of 45 bytes from byte 0 on, of a buffer of 44"));
+  CHECK(says(why(R"("byteLength":36})", R"("byteLength":36,"byteStride":4})"), "4 bytes from element to element"));
+  CHECK(says(why(R"("byteOffset":36)", R"("byteOffset":-1)"), "no whole number from 0 on"));
+  CHECK(says(why(R"("componentType":5126)", R"("componentType":5130)"), "a type that its use does not allow"));
+  CHECK(says(why(R"("componentType":5123)", R"("componentType":5122)"), "numbers of corners are of a type"));
+  CHECK(says(why(R"("bufferView":0,"componentType")", R"("sparse":{},"componentType")"), "sparse"));
+  CHECK(says(why(R"("mesh":0)", R"("mesh":7)"), "\"meshes\" has 1 elements, of which '7' is none"));
+  CHECK(says(why(R"("mesh":0)", R"("children":[0],"mesh":0)"), "node 0 is there twice"));
+  CHECK(says(why(R"("version":"2.0"})", R"("version":"1.0"})"), "is glTF '1.0'"));
+  CHECK(says(why(R"({"asset")", R"({"extensionsRequired":["KHR_draco_mesh_compression"],"asset")"),
+             "compressed (KHR_draco"));
+  CHECK(says(why(R"("scale":[2,2,2])", R"("scale":[2,2])"), "no list of 3 numbers"));
+  CHECK(says(refusal(importGltf, json.substr(0, 100)), ": byte 101: what stands here is no JSON of glTF"));
+  CHECK(says(refusal(importGltf, "[]"), ": byte 0: "));
+  const std::string glb = gltfTriangle(true);
+  CHECK(refusal(importGltf, glb.substr(0, 10)) == ": byte 10: the file ends within its header");
+  CHECK(says(refusal(importGltf, glb.substr(0, glb.size() - 1)), ": byte 8: a length of "));
+  std::string longer = glb;
+  longer[13] = '\xff';
+  CHECK(says(refusal(importGltf, longer), ": byte 12: a part of "));
+  // A triangle of a corner that is not there: the indices stand last.
+  std::string corner = glb;
+  corner[corner.size() - 4] = 9;
+  CHECK(says(refusal(importGltf, corner), "a triangle has corner 9 of 3, from 0 on"));
+}
+
+}  // namespace palpate::test

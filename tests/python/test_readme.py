@@ -1,0 +1,48 @@
+"""The example that the README of the module shows is run, word for word but for what it names."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import numpy as np
+import palpate as pp
+from conftest import ball_arrays, press_path
+
+README = Path(__file__).parents[2] / "apps" / "python" / "README.md"
+
+
+def example() -> str:
+    """The first part of the first block of Python: up to the line that is left free after the writing."""
+    block = re.search(r"^```python\n(.*?)^```", README.read_text(), re.S | re.M)
+    assert block is not None
+    return block.group(1).split("\n\nwith pp.Matter")[0]
+
+
+def test_the_example_of_the_readme_runs(tmp_path, monkeypatch):
+    source = example()
+    assert source.startswith("import numpy as np, palpate as pp\n")
+    # A scan, a device and a minute stand in for those of whoever reads it; everything else is as it is shown.
+    for shown, here in (("gpu=0", 'gpu="cpu", mm_per_unit=1'), ('"openhaptics"', '"sim"'), ("live.wait(60)", "live.wait(0.3)")):
+        assert source.count(shown) == 1, shown
+        source = source.replace(shown, here)
+    xyz, normals = ball_arrays(20_000)
+    pp.write(tmp_path / "scan.laz", pp.Cloud(xyz, normals=normals, colors=np.full((len(xyz), 3), 200, np.uint8)))
+    monkeypatch.chdir(tmp_path)
+    seen = {"path": press_path(1.0)}
+    exec(compile(source, str(README), "exec"), seen)
+
+    assert len(seen["t"]) == len(seen["path"]) and seen["t"]["contact"].any()
+    assert 0.5 < seen["t"]["force_N"].max() < 1.5
+    assert seen["img"].shape == (720, 1280, 4) and seen["img"].dtype == np.uint8
+    assert seen["img"][..., :3].max() > seen["img"][..., :3].min()
+    assert len(pp.read(tmp_path / "m.ply")) > 1000
+    assert len(pp.read(tmp_path / "out.ply")) == 20_000  # the stroke was taken back
+
+
+def test_every_line_of_the_readmes_examples_is_python():
+    blocks = re.findall(r"^```python\n(.*?)^```", README.read_text(), re.S | re.M)
+    assert blocks
+    for block in blocks:
+        ast.parse(block)
