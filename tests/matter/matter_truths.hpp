@@ -30,7 +30,10 @@ void checkCohesion(const MatterMaker& make, int steps, double ratio);
 
 /// Buoyancy within 3 %, on a ball of that radius; means over some steps after others.
 void checkBuoyancy(const MatterMaker& make, double radius_m, int settling, int steps);
-void checkRandomHands(const MatterMaker& make, int hands, int steps);
+/// Hands that go anywhere in water or sand get no more than a millijoule out, with the gain of their forces.
+void checkRandomHands(const MatterMaker& make, Matter matter, double gain, int hands, int steps);
+/// The energy of a hand is the sum over steps of what it moved against the force that it got, while the gain changes.
+void checkPortEnergy(const MatterMaker& make, int steps, double share);
 void checkReactions(const MatterMaker& make, int steps);
 
 /// A grain on a slope of 30 degrees.
