@@ -1,12 +1,11 @@
-// Water that flows: against the parabola of a viscous channel, and against what was measured of a dam that breaks.
+// Water that flows: between plates, and against what was measured of a dam that breaks.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <sstream>
 
-#include "tests/matter/matter_scenes.hpp"
+#include "tests/matter/matter_truths.hpp"
 #include "tests/source_folder.hpp"
 
 namespace palpate {
@@ -77,31 +76,15 @@ TEST_CASE("a dam that breaks sends its front as far as experiments and another m
 }
 
 TEST_CASE("between two plates water flows with the parabola that its viscosity says") {
-  constexpr double kAcross_m = 0.012, kPull_m_s2 = 1;
-  for (const double viscosity_Pa_s : {0.1, 0.3}) {
-    CAPTURE(viscosity_Pa_s);
-    MatterScene scene{.box_mm = {8, 12, 8}, .fill_mm = {8, 12, 8}, .spacing_mm = 1, .viscosity_Pa_s = viscosity_Pa_s};
-    scene.gravity_m_s2 = {kPull_m_s2, 0, 0};
-    scene.periodic = {true, false, true};
-    MatterWorld world(scene, {.threads = 2});
-    run(world, 1000);
-    const double curvature = kPull_m_s2 * scene.density_kg_m3 / viscosity_Pa_s / 2;
-    const double most_m_s = curvature * kAcross_m * kAcross_m / 4;
-    std::array<double, 12> sums{}, expected{}, counts{};
-    const std::vector<Vec3> positions = world.positionsById(), velocities = world.velocitiesById();
-    for (std::size_t i = 0; i < positions.size(); ++i) {
-      const double y = positions[i].y;
-      const auto layer = static_cast<std::size_t>(y / kAcross_m * 12);
-      sums[layer] += velocities[i].x;
-      expected[layer] += curvature * y * (kAcross_m - y);
-      ++counts[layer];
-    }
-    for (std::size_t layer = 0; layer < 12; ++layer) {
-      CAPTURE(layer);
-      REQUIRE(counts[layer] > 0);
-      CHECK(std::abs(sums[layer] - expected[layer]) / counts[layer] <= 0.03 * most_m_s);
-    }
-  }
+  for (const double viscosity_Pa_s : {0.1, 0.3}) checkPoiseuille(onCpu(), viscosity_Pa_s, 1000);
+}
+
+TEST_CASE("below a plate that moves water flows as fast as its height over the floor says") {
+  for (const double viscosity_Pa_s : {0.1, 0.3}) checkCouette(onCpu(), viscosity_Pa_s);
+}
+
+TEST_CASE("pressure and the front of a dam do not depend on how many substeps there are") {
+  checkWaterByAnySubsteps(onCpu(), {2, 4}, 300, 150);
 }
 
 }  // namespace palpate
