@@ -23,21 +23,31 @@ MatterScene channel(double viscosity_Pa_s, const DVec3& pull_m_s2) {
           .periodic = {true, false, true}};
 }
 
-// How far layers are from where they should be, m/s: means over the particles of each.
-std::array<double, kLayers> missedBy(const MatterSimulation& world, const std::function<double(double)>& velocityAt) {
-  std::array<double, kLayers> sums{}, counts{};
+std::size_t layerOf(double y) { return std::min(static_cast<std::size_t>(y / kLayer_m), kLayers - 1); }
+
+// Means over the particles of each layer of how much faster they are than they should be, m/s.
+std::array<double, kLayers> beyond(const MatterSimulation& world, const std::function<double(double)>& velocityAt) {
+  std::array<double, kLayers> means{}, counts{};
   const std::vector<Vec3> positions = world.positionsById(), velocities = world.velocitiesById();
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const double y = positions[i].y;
-    const auto layer = std::min(static_cast<std::size_t>(y / kLayer_m), kLayers - 1);
-    sums[layer] += static_cast<double>(velocities[i].x) - velocityAt(y);
-    ++counts[layer];
+    means[layerOf(y)] += static_cast<double>(velocities[i].x) - velocityAt(y);
+    ++counts[layerOf(y)];
   }
   for (std::size_t layer = 0; layer < kLayers; ++layer) {
     REQUIRE(counts[layer] > 0);
-    sums[layer] = std::abs(sums[layer]) / counts[layer];
+    means[layer] /= counts[layer];
   }
-  return sums;
+  return means;
+}
+
+// The same of the first ones, by the highest velocity, %.
+double worstOf(const MatterSimulation& world, const std::function<double(double)>& velocityAt, std::size_t layers,
+               double most_m_s) {
+  const auto means = beyond(world, velocityAt);
+  double worst = 0;
+  for (std::size_t layer = 0; layer < layers; ++layer) worst = std::max(worst, std::abs(means[layer]));
+  return 100 * worst / most_m_s;
 }
 
 }  // namespace
@@ -49,9 +59,9 @@ void checkPoiseuille(const MatterMaker& make, double viscosity_Pa_s, int steps) 
   run(*world, steps);
   const double curvature = kPull_m_s2 * scene.density_kg_m3 / viscosity_Pa_s / 2;
   const double most_m_s = curvature * kAcross_m * kAcross_m / 4;
-  const auto missed = missedBy(*world, [&](double y) { return curvature * y * (kAcross_m - y); });
+  const auto parabola = [&](double y) { return curvature * y * (kAcross_m - y); };
   checkAtMost(fmt::format("Poiseuille at {:g} Pa s, layers, % of the highest velocity", viscosity_Pa_s),
-              100 * *std::ranges::max_element(missed) / most_m_s, 3);
+              worstOf(*world, parabola, kLayers, most_m_s), 3);
 }
 
 void checkCouette(const MatterMaker& make, double viscosity_Pa_s) {
@@ -73,19 +83,19 @@ void checkCouette(const MatterMaker& make, double viscosity_Pa_s) {
     while (world->time_s() < time_s) {
       const std::vector<Vec3> positions = world->positionsById();
       std::vector<Vec3> velocities = world->velocitiesById();
-      // What is above the plane of the plate has the velocities with which that plane moves as a plate.
+      // What is above the plate moves as what is below it, mirrored, so that the plate has its velocity between them.
+      const auto means = beyond(*world, [](double) { return 0; });
       for (std::size_t i = 0; i < positions.size(); ++i)
-        if (const double high = positions[i].y / kPlate_m; high > 1)
-          velocities[i] = Vec3(static_cast<float>(kSpeed_m_s * high), 0, 0);
+        if (const std::size_t layer = layerOf(positions[i].y); layer >= kBelow)
+          velocities[i] = Vec3(static_cast<float>(2 * kSpeed_m_s - means[2 * kBelow - 1 - layer]), 0, 0);
       world->setVelocities(velocities);
       run(*world, 1);
     }
-    const auto missed = missedBy(*world, velocityAt);
-    return 100 * *std::max_element(missed.begin(), missed.begin() + kBelow) / kSpeed_m_s;
+    return worstOf(*world, velocityAt, kBelow, kSpeed_m_s);
   };
-  const std::string what = fmt::format("Couette at {:g} Pa s, layers, % of the velocity of the plate, ", viscosity_Pa_s);
-  // Those velocities are of the plate in the end, so that it drags a little less while motion spreads.
-  checkAtMost(what + "after 0.15 times of spreading", goTo(0.15 * spread_s), 5);
+  const std::string what =
+      fmt::format("Couette at {:g} Pa s, layers, % of the velocity of the plate, ", viscosity_Pa_s);
+  checkAtMost(what + "after 0.15 times of spreading", goTo(0.15 * spread_s), 1);
   checkAtMost(what + "at last", goTo(spread_s), 1);
 }
 
@@ -114,13 +124,14 @@ BySubsteps bySubsteps(const MatterMaker& make, std::uint32_t times, int settling
 
 }  // namespace
 
-void checkWaterByAnySubsteps(const MatterMaker& make, const std::vector<std::uint32_t>& times, int settling, int steps) {
+void checkWaterByAnySubsteps(const MatterMaker& make, const std::vector<std::uint32_t>& times, int settling,
+                             int steps) {
   const BySubsteps needed = bySubsteps(make, 1, settling, steps);
   for (const std::uint32_t more : times) {
     const BySubsteps is = bySubsteps(make, more, settling, steps);
     checkTruth(fmt::format("pressure with {} times the substeps, Pa", more), is.pressure_Pa, needed.pressure_Pa, 0.02);
-    checkTruth(fmt::format("front of a dam with {} times the substeps, mm", more), 1e3 * is.front_m, 1e3 * needed.front_m,
-               0.03);
+    checkTruth(fmt::format("front of a dam with {} times the substeps, mm", more), 1e3 * is.front_m,
+               1e3 * needed.front_m, 0.03);
   }
 }
 

@@ -17,7 +17,7 @@ MatterScene sandbox(const DVec3& box_mm, const DVec3& fill_mm, double friction, 
 void checkWaterAtRest(const MatterMaker& make, int settling, int steps);
 /// Layers of a channel against the parabola of their viscosity, within 3 % of the highest velocity.
 void checkPoiseuille(const MatterMaker& make, double viscosity_Pa_s, int steps);
-/// Layers below a plate that begins to move, while their motion spreads and at last, within 5 and 1 % of its velocity.
+/// Layers below a plate that begins to move, while their motion spreads and at last, within 1 % of its velocity.
 void checkCouette(const MatterMaker& make, double viscosity_Pa_s);
 /// With so many times the substeps that are needed pressure is the same within 2 %, and the front of a dam within 3 %.
 void checkWaterByAnySubsteps(const MatterMaker& make, const std::vector<std::uint32_t>& times, int settling, int steps);
