@@ -42,6 +42,7 @@ packages=(
   xvfb                       # a display for the tests of the window, and
   xauth                      # what its xvfb-run needs
   iproute2                   # a slow link between two network namespaces, for the tests of sharing
+  python3-pysph              # another program's dam that breaks, to hold ours against
   python3-matplotlib         # forces.png
 )
 

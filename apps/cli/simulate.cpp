@@ -3,7 +3,6 @@
 
 #include "apps/cli/context.hpp"
 #include "apps/cli/matter_backend.hpp"
-#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/progress.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
@@ -11,6 +10,8 @@
 #include "engine/core/statistics.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
+#include "engine/matter/tool_body.hpp"
+#include "haptics/session/matter_scenes.hpp"
 
 namespace palpate {
 
@@ -71,6 +72,20 @@ Json sayModel(std::FILE* out, const MatterSimulation& world) {
           {"impulse_kg_m_s", vectorJson(impulse)}};
 }
 
+// What a hand would feel of it: the gain of forces, and what would hold its ball; the stiffness of that.
+Json sayHand(std::FILE* out, const MatterScene& scene) {
+  if (scene.matter == Matter::soft) {
+    fmt::print(out, "  a hand would feel forces times {:g}\n", scene.gain);
+    return nullptr;
+  }
+  MatterScene touched = scene;
+  if (touched.tool.radius_mm == 0) touched.tool = usualTool(scene);
+  const double coupling_N_mm = couplingStiffness_N_m(touched) * 1e-3;
+  fmt::print(out, "  a hand would feel forces times {:g}, and hold its ball by {:.3g} N/mm\n", scene.gain,
+             coupling_N_mm);
+  return coupling_N_mm;
+}
+
 void simulate(Context& context, const SimulateOptions& options) {
   if (!options.save.empty()) Context::checkWritable(options.save);
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
@@ -101,6 +116,7 @@ void simulate(Context& context, const SimulateOptions& options) {
              scene.matter == Matter::soft ? "nodes" : "particles", nameOf(kMatters, scene.matter), seen.time_s,
              world.plan().substeps);
   if (scene.matter == Matter::soft) fmt::print(out, "  {}\n", elasticityInWords(scene));
+  const Json hand = sayHand(out, scene);
   fmt::print(out, "  {}: a millisecond takes {:.0f} us (median), {:.0f} us at most\n", backend, times.p50, times.max);
   fmt::print(out, "  kinetic {:.3g} J, potential {:.6g} J, compressed by {:.2f} % at most, front at {:.1f} mm\n",
              seen.kinetic_J, seen.potential_J, 100 * mostCompression, seen.front_m * kMmPerMetre);
@@ -117,6 +133,8 @@ void simulate(Context& context, const SimulateOptions& options) {
                      {"max_compression", mostCompression},
                      {"front_mm", seen.front_m * kMmPerMetre},
                      {"pressure_Pa", hasPressure ? Json(pressure_Pa) : Json(nullptr)},
+                     {"gain", scene.gain},
+                     {"coupling_N_mm", hand},
                      {"model", model}});
 }
 

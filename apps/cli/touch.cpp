@@ -1,6 +1,5 @@
 #include "apps/cli/touch.hpp"
 
-#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/progress.hpp"
 #include "apps/cli/stop_by_signal.hpp"
@@ -8,7 +7,9 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"
+#include "engine/matter/tool_body.hpp"
 #include "haptics/session/drawn_follower.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "haptics/session/session.hpp"
 
 namespace palpate {
@@ -138,6 +139,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
         .matter = config.matter->matter,
         .substeps = planOf(*config.matter).substeps,
         .gain = config.matter->gain,
+        .coupling_N_mm = config.matter->matter == Matter::soft ? 0 : 1e-3 * couplingStiffness_N_m(*config.matter),
         .elasticity = config.matter->matter == Matter::soft ? elasticityInWords(*config.matter) : std::string(),
         .leftOut_s = session.simulation()->leftOut_s(),
         .ports = session.simulation()->portEnergies()};

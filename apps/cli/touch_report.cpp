@@ -133,6 +133,7 @@ Json toJson(const PlayCounts& frames) {
 std::string inWords(const MatterReport& matter, std::size_t particles) {
   std::string words = fmt::format("{} of {}, {} substeps in a millisecond, forces times {:g}", particles,
                                   nameOf(kMatters, matter.matter), matter.substeps, matter.gain);
+  if (matter.coupling_N_mm > 0) words += fmt::format(", a hand holds its ball by {:.3g} N/mm", matter.coupling_N_mm);
   if (!matter.elasticity.empty()) words += "; " + matter.elasticity;
   if (matter.leftOut_s > 0) words += fmt::format("; {:.3f} s behind the clock, left out", matter.leftOut_s);
   for (const PortEnergy& port : matter.ports)
@@ -172,6 +173,7 @@ Json toJson(const MatterReport& matter) {
   return {{"kind", nameOf(kMatters, matter.matter)},
           {"substeps", matter.substeps},
           {"gain", matter.gain},
+          {"coupling_N_mm", matter.coupling_N_mm > 0 ? Json(matter.coupling_N_mm) : Json(nullptr)},
           {"elasticity", matter.elasticity.empty() ? Json(nullptr) : Json(matter.elasticity)},
           {"left_out_s", matter.leftOut_s},
           {"ports", ports}};

@@ -48,6 +48,8 @@ struct MatterReport {
   Matter matter = Matter::water;
   std::uint32_t substeps = 0;  ///< in a millisecond
   double gain = 1;             ///< of the forces
+  double coupling_N_mm =
+      0;  ///< of the hand to its ball, with the gain; 0: of a soft body, which the hand itself presses
   std::string elasticity;      ///< of a soft body, in words
   double leftOut_s = 0;        ///< by which it stayed behind the clock
   std::vector<PortEnergy> ports = {};  ///< of each hand

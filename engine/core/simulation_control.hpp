@@ -17,8 +17,8 @@ struct SimulationParameter {
   bool operator==(const SimulationParameter&) const = default;
 };
 
-/// Energy that a hand has put into a simulation since it began, less what it got back, J, without the gain of its forces:
-/// a port is passive where that is never below 0.
+/// Energy that a hand has put into a simulation since it began, less what it got back, J, against the forces that it
+/// got, with their gain: a port is passive where that is never below 0.
 struct PortEnergy {
   double now_J = 0, least_J = 0;
 };

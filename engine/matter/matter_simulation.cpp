@@ -7,6 +7,7 @@
 #include "engine/matter/matter_parameters.hpp"
 #include "engine/matter/matter_pressure.hpp"
 #include "engine/matter/matter_rules.hpp"
+#include "engine/matter/tool_body.hpp"
 
 namespace palpate {
 
@@ -95,13 +96,14 @@ void MatterSimulation::take(const StepReport& report) {
   for (std::size_t k = 0; k < tools(); ++k) {
     const ToolReport& tool = report.tools[k];
     impulses_.onTools += tool.impulse;
-    portEnergies_J_[k] += tool.portWork_J;
+    portEnergies_J_[k] += scene_.gain * tool.portWork_J;
     answers_[k] = {.force_N = -scene_.gain * tool.springImpulse / kMatterStep_s,
                    .torque_Nm = scene_.gain * tool.angular / kMatterStep_s,
                    .reaction_N = tool.impulse / kMatterStep_s,
                    .byModel_N = tool.modelImpulse / kMatterStep_s,
                    .place_m = tool.place_m,
-                   .velocity_m_s = tool.velocity_m_s};
+                   .velocity_m_s = tool.velocity_m_s,
+                   .coupling_N_m = couplingStiffness_N_m(scene_)};
   }
 }
 

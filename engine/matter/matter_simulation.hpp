@@ -63,6 +63,7 @@ struct ToolAnswer {
   DVec3 byModel_N{0};     ///< on the ball, of the model that stands in the matter and stops it
   DVec3 place_m{0};       ///< of the ball at the end
   DVec3 velocity_m_s{0};  ///< of the ball at the end
+  double coupling_N_m = 0;  ///< stiffness of the spring between hand and ball, times the gain
 };
 
 /// What a step has done to the ball of a tool: kg m/s, kg m^2/s.
@@ -131,7 +132,9 @@ class MatterSimulation {
   MatterState state() const { return state_; }
   double time_s() const { return static_cast<double>(steps_) * kMatterStep_s; }
   std::span<const ToolAnswer> answers() const { return answers_; }  ///< of the last step
-  /// Energy that the hand of a tool has put in through its spring and damper, J. Passive where it is never below 0.
+  /// Energy that the hand of a tool has put in against the force that it got, with the gain of each step, J. Passive
+  /// where it is never below 0. Who raises the gain while a spring is stretched makes energy, which is counted like any
+  /// other.
   double portEnergy_J(std::size_t tool) const { return portEnergies_J_[tool]; }
   const MatterImpulses& impulses() const { return impulses_; }
   /// That stands in the matter; nothing where there is none.

@@ -20,6 +20,10 @@ shared::ToolSpringOf<double> toolSpring(const MatterTool& tool, double step_s) {
           .step = step_s};
 }
 
+double couplingStiffness_N_m(const MatterScene& scene) {
+  return scene.gain * toolSpring(scene.tool, kMatterStep_s).stiffness;
+}
+
 void ToolBody::placeAt(const HandPose& hand) {
   hand_ = hand;
   motion_ = {.place = hand.place_m, .orientation = hand.orientation};

@@ -13,6 +13,9 @@ namespace palpate {
 /// What holds the ball of a tool: soft enough for a loop at 1 kHz, stiff enough to follow a hand.
 shared::ToolSpringOf<double> toolSpring(const MatterTool& tool, double step_s);
 
+/// Stiffness of that spring as the hand feels it, with the gain of the scene, N/m.
+double couplingStiffness_N_m(const MatterScene& scene);
+
 /// Has no weight of its own: what a hand feels of a ball in water is its buoyancy. It turns as the hand does.
 class ToolBody {
  public:

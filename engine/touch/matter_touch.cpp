@@ -7,7 +7,6 @@
 #include "engine/core/cloud_frame.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/held_contact.hpp"
-#include "engine/matter/tool_body.hpp"
 
 namespace palpate {
 
@@ -49,7 +48,6 @@ void addModel(const MatterModel& model, std::vector<Vec3>& positions, std::vecto
 
 MatterTouch::MatterTouch(std::unique_ptr<MatterSimulation> simulation, const MatterTouchOptions& options)
     : up_(upOf(simulation->scene())),
-      stiffness_N_m_(simulation->scene().gain * toolSpring(simulation->scene().tool, kMatterStep_s).stiffness),
       machine_(options.machine),
       steps_(std::move(simulation), options.hands, kMostAtOnce),
       answers_(options.hands),
@@ -95,7 +93,7 @@ Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, con
   // The ball goes on as it did, and its spring is stretched by what the hand has moved meanwhile, less that.
   const DVec3 went_m = age_s * tool.velocity_m_s;
   const DVec3 moved_m = pose.hip * kMatterUnit_m - answer.question.hands[hand].place_m;
-  const DVec3 force_N = left * (tool.force_N - stiffness_N_m_ * (moved_m - went_m));
+  const DVec3 force_N = left * (tool.force_N - tool.coupling_N_m * (moved_m - went_m));
   const double size_N = glm::length(force_N);
   contact.force_N = force_N;
   contact.touching = size_N > kLeastForce_N;

@@ -60,7 +60,6 @@ class MatterTouch final : public TouchBackend {
   Contact contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept;
 
   Vec3 up_;
-  double stiffness_N_m_;  // that a hand feels
   std::string machine_;
   double buildTime_us_ = 0;
   MatterSteps steps_;

@@ -43,6 +43,9 @@ TEST_CASE("a ball that dives into water is lifted by what it displaces, the same
   CHECK(report["moved_points"] > 500);
   CHECK(report["matter"]["kind"] == "water");
   CHECK(report["matter"]["left_out_s"] == 0);
+  CHECK(report["matter"]["gain"] == 1);
+  const double coupling_N_mm = 1e-3 * 0.0335 * std::pow(2 * 3.14159265 * 30, 2);  // of a ball on its spring at 30 Hz
+  CHECK(report["matter"]["coupling_N_mm"].get<double>() == doctest::Approx(coupling_N_mm));
   CHECK(report["contact_error_mm"].is_null());
   CHECK(readPly(in("s.ply")).size() == 512);
   CHECK(touched("--threads 1") == first);
@@ -106,6 +109,7 @@ TEST_CASE("a soft body is told of, felt on both back ends, saved as it is dented
     const auto report = jsonOf(in("r.json"));
     CHECK(report["backend"] == backend);
     CHECK(report["matter"]["kind"] == "soft");
+    CHECK(report["matter"]["coupling_N_mm"].is_null());
     CHECK(report["points"] == info["points"]);
     works("replay " + in("log"));
     return readTrace(in("t.csv"));

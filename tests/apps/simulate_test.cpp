@@ -51,6 +51,19 @@ TEST_CASE("the scenes that need no file run, the same for any number of threads"
   }
 }
 
+TEST_CASE("what a hand would feel of a scene is said: the gain of forces, and what would hold its ball") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "out.json").string();
+  const Outcome drop = palpate("simulate drop --duration 0.001 --backend cpu --json " + json);
+  REQUIRE(drop.code == 0);
+  CHECK(says(drop.text, "forces times 100, and hold its ball by 0.426 N/mm"));
+  CHECK(jsonOf(json)["gain"] == 100);
+  CHECK(jsonOf(json)["coupling_N_mm"].get<double>() == doctest::Approx(0.426).epsilon(0.01));
+  works("simulate jelly --duration 0.001 --backend cpu --json " + json);
+  CHECK(jsonOf(json)["gain"] == 1);
+  CHECK(jsonOf(json)["coupling_N_mm"].is_null());
+}
+
 TEST_CASE("a GPU moves a scene as the CPU does") {
   const ScratchFolder folder;
   const std::string scene = (folder / "tank.json").string(), json = (folder / "out.json").string();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <cstring>
@@ -55,6 +56,20 @@ inline bool isWithin(double share, double value, double expected) {
   MESSAGE(value);
   MESSAGE(expected);
   return false;
+}
+
+/// Holds what was measured of a quantity against its truth, and says both, so that a run of the tests gives the table
+/// of truths (apps/bench/README.md).
+inline void checkTruth(const std::string& quantity, double measured, double truth, double share) {
+  MESSAGE(fmt::format("{}: {:.4g} of {:.4g}, {:+.2f} % of {:g} %", quantity, measured, truth,
+                      100 * (measured - truth) / std::abs(truth), 100 * share));
+  CHECK(std::abs(measured - truth) <= share * std::abs(truth));
+}
+
+/// The same where the truth is that there is none of it, or not more.
+inline void checkAtMost(const std::string& quantity, double measured, double most) {
+  MESSAGE(fmt::format("{}: {:.3g} of {:g} at most", quantity, measured, most));
+  CHECK(measured <= most);
 }
 
 /// Whether two simulations are in the same state, to the last bit.

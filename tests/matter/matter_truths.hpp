@@ -15,6 +15,12 @@ MatterScene sandbox(const DVec3& box_mm, const DVec3& fill_mm, double friction, 
 
 /// Pressure within 2 %, weight on the floor within 1 %, compression of 1 % at most; means over some steps after others.
 void checkWaterAtRest(const MatterMaker& make, int settling, int steps);
+/// Layers of a channel against the parabola of their viscosity, within 3 % of the highest velocity.
+void checkPoiseuille(const MatterMaker& make, double viscosity_Pa_s, int steps);
+/// Layers below a plate that begins to move, while their motion spreads and at last, within 1 % of its velocity.
+void checkCouette(const MatterMaker& make, double viscosity_Pa_s);
+/// With so many times the substeps that are needed pressure is the same within 2 %, and the front of a dam within 3 %.
+void checkWaterByAnySubsteps(const MatterMaker& make, const std::vector<std::uint32_t>& times, int settling, int steps);
 /// After each of so many steps.
 void checkMomentumIsAccountedFor(const MatterMaker& make, int steps);
 void checkMomentumStays(const MatterMaker& make, int steps);
@@ -30,11 +36,18 @@ void checkCohesion(const MatterMaker& make, int steps, double ratio);
 
 /// Buoyancy within 3 %, on a ball of that radius; means over some steps after others.
 void checkBuoyancy(const MatterMaker& make, double radius_m, int settling, int steps);
-void checkRandomHands(const MatterMaker& make, int hands, int steps);
+/// Hands that go anywhere in water or sand get no more than a millijoule out, with the gain of their forces.
+void checkRandomHands(const MatterMaker& make, Matter matter, double gain, int hands, int steps);
+/// The energy of a hand is the sum over steps of what it moved against the force that it got, while the gain changes.
+void checkPortEnergy(const MatterMaker& make, int steps, double share);
 void checkReactions(const MatterMaker& make, int steps);
 
 /// A grain on a slope of 30 degrees.
 void checkSlope(const MatterMaker& make, double friction);
+/// Surface of a bed, `wide_mm` along z, that has slid in a box tilted by 45 degrees: its slope is pi / 2 times the friction
+/// (Caquot 1934, "Equilibre des massifs a frottement interne": grains that slide at all contacts, and do not turn). It rests
+/// a little steeper, as grains lock, too.
+void checkAngleOfRepose(const MatterMaker& make, double friction, double wide_mm, double within_deg);
 /// Does not creep, and keeps its momentum's account.
 void checkHeap(const MatterMaker& make, const DVec3& fill_mm, int falling, int resting);
 void checkBallInSand(const MatterMaker& make);

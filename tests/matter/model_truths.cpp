@@ -41,7 +41,7 @@ void checkModelDisplaces(const MatterMaker& make, int settling, int steps) {
   const MatterScene scene = modelInTank("sphere", 70);
   const auto world = atRest(make, scene);
   const double volume_m3 = 4 * kPi / 3 * std::pow(0.035, 3);
-  CHECK(isWithin(0.01, world->model()->volume_m3(), volume_m3));
+  checkTruth("volume of a sphere that stands in water, cm^3", 1e6 * world->model()->volume_m3(), 1e6 * volume_m3, 0.01);
   CHECK(glm::length(world->model()->middle() - kMiddle_m) < 2e-4);
   CHECK(world->particles() + world->leftOut() == placesAtRest(scene).size());
   DVec3 force(0), torque(0);
@@ -53,7 +53,7 @@ void checkModelDisplaces(const MatterMaker& make, int settling, int steps) {
     torque += world->onModel().torque_Nm / double(steps);
   }
   const double expected = volume_m3 * 1000 * kGravity_m_s2;
-  CHECK(isWithin(0.04, force.y, expected));
+  checkTruth("buoyancy of that sphere, N", force.y, expected, 0.04);
   CHECK(std::hypot(force.x, force.z) <= 0.05 * expected);
   CHECK(glm::length(torque) <= 0.01 * expected * 0.035);
   CHECK(missingMomentum(*world) <= 1e-5);
@@ -136,7 +136,8 @@ void checkBallStopsAtModel(const MatterMaker& make) {
       continue;
     }
     const DVec3 out = answer.place_m - middle;
-    CHECK(isWithin(0.03, glm::length(out), kSphere_m + kBall_m));
+    checkTruth("how near a ball comes to a sphere that stands, mm", 1e3 * glm::length(out), 1e3 * (kSphere_m + kBall_m),
+               0.03);
     CHECK(glm::dot(glm::normalize(out), -way) > 0.999);
     // At rest the spring holds what the model does.
     CHECK(glm::length(answer.force_N) > 5);

@@ -1,4 +1,5 @@
 // A dam that breaks, against another program that has nothing in common with this one: PySPH, where this machine has it.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -54,13 +55,14 @@ TEST_CASE("a dam that breaks sends its front as far as PySPH has it") {
   CHECK(expected.back().place_m > 3.5 * width_m);
   MatterWorld world(scene, {.threads = 2});
   std::size_t next = 0;
+  double worst = 0;
   for (int k = 1; k <= 210; ++k) {
     run(world, 1);
     while (next + 1 < expected.size() && expected[next].time_s < world.time_s()) ++next;
     if (k < 50 || k % 20 != 0) continue;
-    CAPTURE(k);
-    CHECK(isWithin(0.04, world.observe().front_m, expected[next].place_m));
+    worst = std::max(worst, std::abs(world.observe().front_m / expected[next].place_m - 1));
   }
+  checkAtMost("front of a dam against PySPH from 60 to 200 ms, %", 100 * worst, 4);
 }
 
 }  // namespace palpate

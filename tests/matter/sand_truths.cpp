@@ -1,5 +1,6 @@
 // What sand has to be true to.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tests/matter/matter_truths.hpp"
@@ -41,8 +42,36 @@ void checkSlope(const MatterMaker& make, double friction) {
     CHECK(std::abs(world->velocitiesById()[0].x) < 1e-5);
     CHECK(std::abs(world->positionsById()[0].x - place) < 1e-6);
   } else {
-    CHECK(isWithin(0.02, acceleration, down - friction * across));
+    checkTruth(fmt::format("acceleration of a grain on a slope of 30 degrees, friction {:g}, m/s^2", friction),
+               acceleration, down - friction * across, 0.02);
   }
+}
+
+void checkAngleOfRepose(const MatterMaker& make, double friction, double wide_mm, double within_deg) {
+  const MatterScene scene = sandbox({240, 240, wide_mm}, {240, 80, wide_mm}, friction, 45);
+  const auto world = atRest(make, scene);
+  double kinetic_J = 1;
+  for (int k = 0; k < 20 && (k < 8 || kinetic_J >= 1e-3); ++k) {
+    run(*world, 100);
+    kinetic_J = world->totals().kinetic_J;
+  }
+  CHECK(kinetic_J < 1e-3);
+  constexpr std::size_t kColumns = 24, kFromEnds = 5;
+  std::array<double, kColumns> top{};
+  for (const Vec3& place : world->positionsById()) {
+    const auto column = std::min(static_cast<std::size_t>(place.x / 0.01f), kColumns - 1);
+    top[column] = std::max(top[column], static_cast<double>(place.y));
+  }
+  double x = 0, y = 0, xx = 0, xy = 0, count = 0;
+  for (std::size_t column = kFromEnds; column < kColumns - kFromEnds; ++column) {
+    const double at = 0.01 * static_cast<double>(column);
+    x += at, y += top[column], xx += at * at, xy += at * top[column], ++count;
+  }
+  const double angle_deg = 45 - std::atan((count * xy - x * y) / (count * xx - x * x)) * 180 / kPi;
+  const double expected_deg = std::atan(kPi / 2 * friction) * 180 / kPi;
+  checkAtMost(fmt::format("angle of repose, friction {:g}, {:.1f} of {:.1f} degrees, away, degrees", friction, angle_deg,
+                          expected_deg),
+              std::abs(angle_deg - expected_deg), within_deg);
 }
 
 void checkHeap(const MatterMaker& make, const DVec3& fill_mm, int falling, int resting) {

@@ -56,7 +56,8 @@ TEST_CASE("a ball that is pressed into a deep block is pushed back as Hertz says
     for (const double share : {0.05, 0.1}) {
       CAPTURE(share);
       const double depth = share * indentation.ball_m;
-      CHECK(isWithin(0.08, indentation.forceAt(depth), hertz(poisson, indentation.ball_m, depth)));
+      checkTruth(fmt::format("Hertz, ball of 8 spacings, Poisson's ratio {:g}, d = {:g} R, N", poisson, share),
+                 indentation.forceAt(depth), hertz(poisson, indentation.ball_m, depth), 0.08);
     }
   }
 }

@@ -101,7 +101,8 @@ void checkHangingBar(const SoftMaker& make, const DVec3& spacings, double poisso
   const auto world = make(scene, 0, nullptr, {});
   const std::vector<Vec3> rest = world->positionsById();
   relax(*world, 1.571 * std::sqrt(kYoung_Pa / 1000) / length);
-  CHECK(isWithin(0.02, meanMove(*world, rest).x, strain * length));
+  checkTruth(fmt::format("E A / L of a bar under its weight, Poisson's ratio {:g}, way of its end, mm", poisson),
+             1e3 * meanMove(*world, rest).x, 1e3 * strain * length, 0.02);
 }
 
 void checkCantilever(const SoftMaker& make, const DVec3& spacings) {
@@ -117,7 +118,8 @@ void checkCantilever(const SoftMaker& make, const DVec3& spacings) {
   const auto world = make(scene, 0, nullptr, {});
   const std::vector<Vec3> rest = world->positionsById();
   relax(*world, 3.516 * std::sqrt(kYoung_Pa / 12000) * height / (length * length));
-  CHECK(isWithin(0.04, meanMove(*world, rest).y, load_N_m * perLoad));
+  checkTruth(fmt::format("beam under its weight, {:g} cells high, way of its end, mm", spacings.y),
+             1e3 * meanMove(*world, rest).y, 1e3 * load_N_m * perLoad, 0.04);
 }
 
 void checkStretchFrequency(const SoftMaker& make, const DVec3& spacings, int rounds) {
@@ -144,7 +146,8 @@ void checkStretchFrequency(const SoftMaker& make, const DVec3& spacings, int rou
     }
     before = now;
   }
-  CHECK(isWithin(0.01, done / (last - first), std::sqrt(kYoung_Pa / 1000) / (4 * length)));
+  checkTruth("frequency of a bar along itself, Hz", done / (last - first), std::sqrt(kYoung_Pa / 1000) / (4 * length),
+             0.01);
 }
 
 void checkHertz(const SoftMaker& make, const HertzCase& one) {
@@ -177,7 +180,9 @@ void checkHertz(const SoftMaker& make, const HertzCase& one) {
   const double deep_m = above_m - world->answers()[0].place_m.y;
   CHECK(deep_m > 0.07 * ball_m);
   const double stiffness = 4.0 / 3 * kYoung_Pa / (1 - one.poisson * one.poisson) * std::sqrt(ball_m);
-  CHECK(isWithin(one.within, world->answers()[0].reaction_N.y, stiffness * std::pow(deep_m, 1.5)));
+  checkTruth(fmt::format("Hertz, ball of {} spacings, Poisson's ratio {:g}, d = {:.2f} R, N", one.ball, one.poisson,
+                         deep_m / ball_m),
+             world->answers()[0].reaction_N.y, stiffness * std::pow(deep_m, 1.5), one.within);
 }
 
 void checkTurned(const SoftMaker& make, const SoftBend& bend) {
@@ -187,8 +192,8 @@ void checkTurned(const SoftMaker& make, const SoftBend& bend) {
   scene.viscosity_Pa_s = 20;
   scene.gravity_m_s2 = DVec3(0);
   const DVec3 axis = glm::normalize(DVec3(1, -2, 0.5));
+  double most = 0;
   for (const double angle : {0.3, 1.6, 3.1}) {
-    CAPTURE(angle);
     const auto world = make(scene, 0, nullptr, {});
     const DQuat turn = glm::angleAxis(angle, axis);
     std::vector<Vec3> displacements;
@@ -200,8 +205,9 @@ void checkTurned(const SoftMaker& make, const SoftBend& bend) {
     world->step();
     // In unit of the speed that the stress of a strain of 1 would give in that time to a node at a corner.
     const double unit = 3e4 * kSpacing_m * kSpacing_m / (1000 * std::pow(kSpacing_m, 3) / 8) * kMatterStep_s;
-    for (const Vec3& velocity : world->velocitiesById()) REQUIRE(double(glm::length(velocity)) <= 1e-5 * unit);
+    for (const Vec3& velocity : world->velocitiesById()) most = std::max(most, double(glm::length(velocity)) / unit);
   }
+  checkAtMost("stress of a body that is turned by up to 3.1 rad, of that of a strain of 1", most, 1e-5);
 }
 
 void checkSoftMomentum(const SoftMaker& make, int steps) {
@@ -247,7 +253,7 @@ void checkSoftReactions(const SoftMaker& make, int down, int staying) {
   const MatterImpulses& given = world->impulses();
   CHECK(given.onTools.y > 0.01);
   CHECK(glm::length(given.onTools - reactions) <= 1e-9 * glm::length(reactions));
-  CHECK(missingShare(*world, DVec3(0)) <= 1e-5);
+  checkAtMost("momentum that nobody gave a soft body with two balls, share", missingShare(*world, DVec3(0)), 1e-5);
   for (const ToolAnswer& answer : world->answers()) {
     CHECK(answer.reaction_N.y > 0.01);
     CHECK(isWithin(0.02, answer.force_N.y, answer.reaction_N.y));
@@ -273,12 +279,15 @@ void checkReturn(const SoftMaker& make, int pressed, int free) {
   CHECK(given.onTools.y > 0.01);
   CHECK(glm::length(world->totals().momentum + given.onWalls + given.onTools) <= 1e-5 * glm::length(given.onTools));
   const std::vector<Vec3> now = world->positionsById();
-  for (std::size_t i = 0; i < now.size(); ++i) REQUIRE(glm::length(now[i] - rest[i]) < 1e-6f);
+  double away_m = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) away_m = std::max(away_m, double(glm::length(now[i] - rest[i])));
+  checkAtMost("where nodes are after a press, from where they were, um", 1e6 * away_m, 1);
 }
 
 void checkSoftPortEnergy(const SoftMaker& make, int hands, int steps) {
   std::mt19937 random(7);
   std::normal_distribution<double> push;
+  double leastOfAll_J = 0;
   for (int each = 0; each < hands; ++each) {
     MatterScene scene = softBlock();
     scene.viscosity_Pa_s = each == 0 ? 0 : 3;
@@ -295,9 +304,10 @@ void checkSoftPortEnergy(const SoftMaker& make, int hands, int steps) {
       most_N = std::max(most_N, glm::length(world->answers()[0].reaction_N));
     }
     REQUIRE(world->state() == MatterState::running);
-    CHECK(least_J >= -1e-3);
+    leastOfAll_J = std::min(leastOfAll_J, least_J);
     CHECK(most_N > 0.3);
   }
+  checkAtMost("energy that random hands get out of a soft body by a ball, mJ", 1e3 * std::abs(leastOfAll_J), 1);
 }
 
 void checkSameSoftBytes(const SoftMaker& one, const SoftMaker& other, int steps) {

@@ -10,7 +10,14 @@ TEST_CASE("a ball in water is pushed up by the weight of what it displaces") {
   }
 }
 
-TEST_CASE("random hands get no energy out of water") { checkRandomHands(onCpu(), 2, 600); }
+TEST_CASE("random hands get no energy out of water and sand, with a gain of their forces, too") {
+  checkRandomHands(onCpu(), Matter::water, 1, 1, 600);
+  for (const Matter matter : {Matter::water, Matter::sand}) checkRandomHands(onCpu(), matter, 50, 2, 400);
+}
+
+TEST_CASE("the energy of a hand is that of the force that it gets, while the gain changes") {
+  checkPortEnergy(onCpu(), 300, 1e-9);
+}
 
 TEST_CASE("what a ball got is what water lost") { checkReactions(onCpu(), 300); }
 

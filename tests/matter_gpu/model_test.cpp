@@ -31,6 +31,10 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a model is on the GPU to water and sand what 
   }
 }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water carries what stands in it by what that displaces") {
+  checkModelDisplaces(onGpu(device), 200, 80);
+}
+
 TEST_CASE_FIXTURE(CoreGpuFixture, "no water comes into a model that it falls upon, on the GPU") {
   checkModelKeepsOut(onGpu(device), modelInTank("torus", 80), 250);
 }

@@ -23,6 +23,10 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a heap of sand does not creep, and
   CHECK(isWithin(0.03, gpu->observe().potential_J, cpu->observe().potential_J));
 }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a bed that slides comes to rest at the slope that its friction says") {
+  checkAngleOfRepose(onGpu(device), 0.3, 70, 5);
+}
+
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball that is pushed into sand is pushed back") {
   checkBallInSand(onGpu(device));
 }

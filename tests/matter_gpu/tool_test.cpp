@@ -11,8 +11,14 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU what a ball got is what water lost
   checkReactions(onGpu(device), 160);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU random hands get no energy out of water") {
-  checkRandomHands(onGpu(device), 1, 200);
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "on the GPU random hands get no energy out of water and sand, with a gain of their forces, too") {
+  for (const Matter matter : {Matter::water, Matter::sand}) checkRandomHands(onGpu(device), matter, 50, 1, 150);
+}
+
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "on the GPU the energy of a hand is that of the force that it gets, while the gain changes") {
+  checkPortEnergy(onGpu(device), 90, 1e-4);
 }
 
 }  // namespace palpate

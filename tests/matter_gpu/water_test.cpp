@@ -24,6 +24,11 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU momentum is what gravity gave less
   checkMomentumStays(onGpu(device), 30);
 }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water flows between plates as its viscosity says") {
+  checkPoiseuille(onGpu(device), 0.3, 300);
+  checkCouette(onGpu(device), 0.3);
+}
+
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle is ever beyond a wall") {
   checkWallsHold(onGpu(device), 100);
 }

@@ -80,7 +80,8 @@ struct Stale {
   Pose asked{.time_s = 0.1, .hip = {10, 20, 30}};
   Contact first;
 
-  Stale() {
+  explicit Stale(double gain = smallScene().gain) {
+    touch.simulation()->set("gain", gain);
     first = touch.query(asked, 0);
     told.waits = true;
   }
@@ -223,6 +224,15 @@ TEST_CASE("an answer that has grown old pushes back by the ball's spring where t
   CHECK_FALSE(none.touching);
   CHECK_FALSE(none.force_N);
   CHECK(none.valid);
+}
+
+TEST_CASE("an answer that has grown old pushes back by the spring with the gain that was set last") {
+  Stale stale(8);
+  const double stiffness_N_mm = 1e-3 * 8 * toolSpring(smallScene().tool, kMatterStep_s).stiffness;
+  const DVec3 way(0.7, -1.1, 0.2), went = 4.0 * kVelocity_m_s;
+  const Contact later = stale.later(0.004, way);
+  REQUIRE(later.force_N);
+  CHECK(glm::distance(*later.force_N, kForce_N - stiffness_N_mm * (way - went)) < 1e-9);
 }
 
 TEST_CASE("a failed simulation answers nothing that is valid, and one that is held nothing that is felt") {

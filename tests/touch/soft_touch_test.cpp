@@ -174,6 +174,30 @@ TEST_CASE("random hands get no more than a millijoule out of a soft body by its 
   }
 }
 
+TEST_CASE("the energy of a hand that presses is that of the force that it feels, whatever its gain") {
+  for (const double gain : {1.0, 8.0}) {
+    CAPTURE(gain);
+    MatterScene scene = softBlock();
+    scene.gain = gain;
+    scene.pinned_mm = {DVec3(0), DVec3(100, 0.1, 100)};
+    const SoftTouching options;
+    SoftScene block = touched(scene, options);
+    FeltSpring spring(options.spring);
+    DVec3 before = atDepth(-1), force(0);
+    double work_mJ = 0;
+    for (int k = 0; k < 600; ++k) {
+      const DVec3 hip = atDepth(-1 + 0.01 * k);
+      const DVec3 now = spring.add(block.touch().query({.time_s = 1e-3 * k, .hip = hip}, 0), hip, 1e-3);
+      work_mJ -= glm::dot((force + now) / 2.0, hip - before);
+      force = now;
+      before = hip;
+    }
+    REQUIRE(work_mJ > 1);
+    const PortEnergy port = block.touch().simulation()->portEnergies().front();
+    CHECK(1e3 * port.now_J == doctest::Approx(work_mJ).epsilon(0.1));
+  }
+}
+
 TEST_CASE("two hands press one body: each feels the other, and both are what the body gets") {
   SoftTouching options;
   options.touch.tools.resize(2);
