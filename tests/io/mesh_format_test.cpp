@@ -238,6 +238,7 @@ TEST_CASE("as triangles a mesh comes with its corners, from any format into any 
       writeCloud(folder / to, mesh.cloud, {.triangles = &mesh.triangles});
       const StoredCloud again = readCloud(folder / to, nullptr, {.asTriangles = true});
       CHECK(again.cloud.origin == DVec3(0));
+      CHECK(stlFormat().lacks(mesh).empty());
       REQUIRE(again.triangles.size() == 12);
       for (std::size_t t = 0; t < 12; ++t)
         for (std::size_t k = 0; k < 3; ++k)

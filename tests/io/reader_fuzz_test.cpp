@@ -42,6 +42,10 @@ void tryOne(const std::filesystem::path& folder, const Specimen& specimen, Damag
     const StoredCloud stored = readCloud(source, nullptr, {.samples = 40});
     const std::string ending = cloudFormats().endingToSave(file);
     writeCloud(folder / ("b" + ending), stored.cloud);
+    if (cloudFormats().toRead(source).ofTriangles) {
+      const StoredCloud mesh = readCloud(source, nullptr, {.asTriangles = true});
+      writeCloud(folder / "b.stl", mesh.cloud, {.triangles = &mesh.triangles});
+    }
     ++tally.read;
   } catch (const FileError& error) {
     REQUIRE(std::string(error.what()).find(source.string()) == 0);
