@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_arrays.hpp"
@@ -50,7 +51,11 @@ PointCloud cornersOf(const std::filesystem::path& file, const TriangleSoup& soup
   std::vector<Vec3> narrow;
   bool exact = true;
   for (const DVec3& corner : soup.corners) {
-    if (!isFinite(corner)) throw FileError(file, "a corner of its triangles is no place");
+    constexpr double kFarthest = 1e30;
+    if (!(std::abs(corner.x) < kFarthest && std::abs(corner.y) < kFarthest && std::abs(corner.z) < kFarthest))
+      throw FileError(file,
+                      fmt::format("a corner of its triangles is at ({}, {}, {}); expected finite numbers below 1e30",
+                                  corner.x, corner.y, corner.z));
     narrow.emplace_back(corner);
     exact = exact && isNarrow(corner.x) && isNarrow(corner.y) && isNarrow(corner.z);
   }
