@@ -9,6 +9,7 @@
 #include "engine/io/cloud_arrays.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_writer.hpp"
+#include "engine/io/ply_faces.hpp"
 #include "engine/io/text_number.hpp"
 
 namespace palpate {
@@ -77,6 +78,11 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
   if (options.normalsFromFaces) mesh.soup.normals.clear();
   if (options.asTriangles) {
     PointCloud corners = cornersOf(file, mesh.soup, log);
+    if (options.normalsFromFaces) {
+      PlyFaces faces(corners.size());
+      for (const auto& [a, b, c] : mesh.soup.triangles) faces.add(std::array<std::int64_t, 3>{a, b, c}, false);
+      faces.applyTo(corners, file, log);
+    }
     return {.cloud = std::move(corners), .triangles = std::move(mesh.soup.triangles), .lost = std::move(mesh.lost)};
   }
   const std::size_t count = options.samples > 0 ? options.samples : kUsualSamples;

@@ -244,6 +244,10 @@ TEST_CASE("as triangles a mesh comes with its corners, from any format into any 
         for (std::size_t k = 0; k < 3; ++k)
           CHECK(again.cloud.positions[again.triangles[t][k]] == box.corners.positions[box.triangles[t][k]]);
     }
+  const PointCloud facing = readCloud(folder / "a.obj", nullptr, {.normalsFromFaces = true, .asTriangles = true}).cloud;
+  REQUIRE(facing.hasNormals());
+  for (std::size_t i = 0; i < 8; ++i)  // outwards from the middle of the box
+    CHECK(glm::dot(facing.normals[i], box.corners.positions[i] - 0.1f * Vec3(0.5f, 1, 1.5f)) > 0);
   // Double precision where the corners need it, and no sentence of what is lost where they do not.
   std::ofstream(folder / "far.off") << "OFF\n3 1 0\n5000000.125 0 0\n5000001.001 0 0\n5000000 1 0\n3 0 1 2\n";
   const StoredCloud far = readCloud(folder / "far.off", nullptr, {.asTriangles = true});
