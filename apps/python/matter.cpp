@@ -100,7 +100,9 @@ void bindMatter(py::module_& module) {
   py::class_<PyMatter>(module, "_Matter")
       .def(py::init<const std::string&, const std::optional<std::string>&, std::uint32_t>(), py::arg("scene"),
            py::arg("gpu") = py::none(), py::arg("threads") = 0)
-      .def("close", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.close(); }); })
+      .def(
+          "close", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.close(); }); },
+          "close()\n\nEnds it; what is called then raises Error. A with statement does it.")
       .def(
           "step",
           [](PyMatter& self, std::uint64_t steps) { self.with([&](pp::Matter& matter) { matter.step(steps); }); },

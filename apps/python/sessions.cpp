@@ -106,8 +106,12 @@ void bindSessions(py::module_& module) {
            py::arg("keeps_points") = false, py::arg("most_points") = 0, py::arg("speed") = 1.0, py::arg("loop") = false,
            py::arg("fuse") = false, py::arg("law") = py::none(),
            py::arg("allow_python") = false)
-      .def("close", &PySession::close)
-      .def_property_readonly("remarks", &PySession::remarks)
+      .def("close", &PySession::close,
+           "close()\n\nEnds it, and a live session with it; what is called then raises Error. A with statement does\n"
+           "it.")
+      .def_property_readonly("remarks", &PySession::remarks,
+                             "What was said while it was opened and since, a line each: what of a file is not\n"
+                             "kept, which GPU answers.")
       .def("_info", [](PySession& self) {
         const pp_session_info info = self.with([](pp::Session& open) { return open.info(); });
         py::dict told;

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_arrays.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_writer.hpp"
+#include "engine/io/ply_faces.hpp"
+#include "engine/io/text_number.hpp"
 
 namespace palpate {
 
@@ -36,17 +39,27 @@ FileContents contentsOfMesh(const std::filesystem::path& file) {
   return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = madeFrom(mesh.soup)};
 }
 
-/// In single precision where that holds all of them.
+/// Whether single precision holds a number: to the last bit, or to the last digit that somebody wrote of it.
+bool isNarrow(double number) {
+  const auto narrow = static_cast<float>(number);
+  if (static_cast<double>(narrow) == number) return true;
+  std::array<char, 32> text;
+  const auto end = fmt::format_to_n(text.data(), text.size(), "{}", narrow).out;
+  return textNumber<double>({text.data(), static_cast<std::size_t>(end - text.data())}) == number;
+}
+
 PointCloud cornersOf(const std::filesystem::path& file, const TriangleSoup& soup, Log* log) {
   std::vector<Vec3> narrow;
+  bool exact = true;
   for (const DVec3& corner : soup.corners) {
-    if (!isFinite(corner)) throw FileError(file, "a corner of its triangles is no place");
+    constexpr double kFarthest = 1e30;
+    if (!(std::abs(corner.x) < kFarthest && std::abs(corner.y) < kFarthest && std::abs(corner.z) < kFarthest))
+      throw FileError(file,
+                      fmt::format("a corner of its triangles is at ({}, {}, {}); expected finite numbers below 1e30",
+                                  corner.x, corner.y, corner.z));
     narrow.emplace_back(corner);
+    exact = exact && isNarrow(corner.x) && isNarrow(corner.y) && isNarrow(corner.z);
   }
-  const auto holds = [&](const DVec3& corner) {
-    return DVec3(narrow[static_cast<std::size_t>(&corner - soup.corners.data())]) == corner;
-  };
-  const bool exact = std::all_of(soup.corners.begin(), soup.corners.end(), holds);
   const auto rows = [](const auto& values, ScalarType type) {
     return values.empty() ? NumberRows{}
                           : NumberRows{reinterpret_cast<const std::byte*>(values.data()), type, sizeof(values[0])};
@@ -65,6 +78,11 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
   if (options.normalsFromFaces) mesh.soup.normals.clear();
   if (options.asTriangles) {
     PointCloud corners = cornersOf(file, mesh.soup, log);
+    if (options.normalsFromFaces) {
+      PlyFaces faces(corners.size());
+      for (const auto& [a, b, c] : mesh.soup.triangles) faces.add(std::array<std::int64_t, 3>{a, b, c}, false);
+      faces.applyTo(corners, file, log);
+    }
     return {.cloud = std::move(corners), .triangles = std::move(mesh.soup.triangles), .lost = std::move(mesh.lost)};
   }
   const std::size_t count = options.samples > 0 ? options.samples : kUsualSamples;

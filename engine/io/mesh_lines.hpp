@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/error.hpp"
+#include "engine/core/vec.hpp"
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/text_number.hpp"

@@ -1,6 +1,5 @@
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_lines.hpp"

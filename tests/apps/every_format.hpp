@@ -35,18 +35,18 @@ inline std::map<std::string, std::filesystem::path> filesOfAllFormats(const std:
     files[std::string(format.name)] = file;
   }
   const std::map<std::string, std::string> names{
-      {"copc", "COPC"}, {"e57", "E57"}, {"gltf", "glTF"}, {"colmap", "COLMAP"}};
+      {"copc", "COPC"}, {"e57", "E57"}, {"gltf", "glTF"}, {"colmap", "COLMAP"}, {"colmap-dense", "COLMAP dense"}};
   for (const test::Specimen& specimen : test::specimens()) {
     const auto name = names.find(specimen.format);
     if (name == names.end() || files.contains(name->second)) continue;
-    const std::filesystem::path place = specimen.beside.empty() ? folder : folder / "colmap";
-    std::filesystem::create_directories(place);
+    const std::filesystem::path place = specimen.beside.empty() ? folder : folder / specimen.format;
     const auto put = [&](const std::string& file, const std::string& text) {
+      std::filesystem::create_directories((place / file).parent_path());
       std::ofstream(place / file, std::ios::binary) << text;
     };
     put(specimen.name, specimen.dressed ? specimen.dressed(specimen.text) : specimen.text);
     for (const auto& [file, text] : specimen.beside) put(file, text);
-    files[name->second] = specimen.beside.empty() ? place / specimen.name : place;
+    files[name->second] = specimen.sourceIn(place);
   }
   return files;
 }

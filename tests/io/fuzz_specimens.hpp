@@ -20,8 +20,13 @@ struct Specimen {
   std::size_t head;  ///< how many of the first bytes say what it holds
   /// What stands around it in the file, checksums as they must be; null: nothing.
   std::function<std::string(const std::string&)> dressed = {};
-  /// Files beside it, by name, where it is one of a folder that is read as a whole.
+  /// Files beside it, by name, where it is one of a folder that is read as a whole, or by one of them.
   std::vector<std::pair<std::string, std::string>> beside = {};
+  std::string opened = {};  ///< that one
+
+  std::filesystem::path sourceIn(const std::filesystem::path& folder) const {
+    return beside.empty() ? folder / name : folder / opened;
+  }
 };
 
 inline Specimen specimenOf(std::string format, std::string name, std::string text) {
@@ -138,6 +143,30 @@ inline void addColmap(std::vector<Specimen>& all) {
   }
 }
 
+inline void addColmapDense(std::vector<Specimen>& all) {
+  std::string cloud =
+      "ply\nformat ascii 1.0\nelement vertex 100\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n";
+  std::string views = npy::bytes<std::uint64_t>({100});
+  for (int i = 0; i < 100; ++i) {
+    cloud += fmt::format("{} {} 5\n", 0.1 * (i % 10), 0.1 * (i / 10));
+    views += i % 3 == 0 ? npy::bytes<std::uint32_t>({2, 0, 1}) : npy::bytes<std::uint32_t>({1, 0});
+  }
+  const colmap::Files model = colmap::text();
+  const std::vector<std::pair<std::string, std::string>> parts{{"fused.ply", cloud},
+                                                               {"fused.ply.vis", views},
+                                                               {"sparse/cameras.txt", model.cameras},
+                                                               {"sparse/images.txt", model.images},
+                                                               {"sparse/points3D.txt", model.points}};
+  for (std::size_t damaged = 0; damaged < 2; ++damaged) {
+    Specimen specimen = specimenOf("colmap-dense", parts[damaged].first, parts[damaged].second);
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      if (k != damaged) specimen.beside.push_back(parts[k]);
+    specimen.opened = "fused.ply";
+    all.push_back(std::move(specimen));
+  }
+}
+
 inline std::vector<Specimen> specimens() {
   std::vector<Specimen> all;
   addWritten(all);
@@ -148,6 +177,7 @@ inline std::vector<Specimen> specimens() {
   addGltf(all);
   addGaussians(all);
   addColmap(all);
+  addColmapDense(all);
   return all;
 }
 

@@ -238,19 +238,26 @@ TEST_CASE("as triangles a mesh comes with its corners, from any format into any 
       writeCloud(folder / to, mesh.cloud, {.triangles = &mesh.triangles});
       const StoredCloud again = readCloud(folder / to, nullptr, {.asTriangles = true});
       CHECK(again.cloud.origin == DVec3(0));
+      CHECK(stlFormat().lacks(mesh).empty());
       REQUIRE(again.triangles.size() == 12);
       for (std::size_t t = 0; t < 12; ++t)
         for (std::size_t k = 0; k < 3; ++k)
           CHECK(again.cloud.positions[again.triangles[t][k]] == box.corners.positions[box.triangles[t][k]]);
     }
+  const PointCloud facing = readCloud(folder / "a.obj", nullptr, {.normalsFromFaces = true, .asTriangles = true}).cloud;
+  REQUIRE(facing.hasNormals());
+  for (std::size_t i = 0; i < 8; ++i)  // outwards from the middle of the box
+    CHECK(glm::dot(facing.normals[i], box.corners.positions[i] - 0.1f * Vec3(0.5f, 1, 1.5f)) > 0);
   // Double precision where the corners need it, and no sentence of what is lost where they do not.
   std::ofstream(folder / "far.off") << "OFF\n3 1 0\n5000000.125 0 0\n5000001.001 0 0\n5000000 1 0\n3 0 1 2\n";
   const StoredCloud far = readCloud(folder / "far.off", nullptr, {.asTriangles = true});
   CHECK(far.cloud.fileCoordinates(1) == DVec3(5000001.001, 0, 0));
   CHECK(stlFormat().lacks(far) == std::vector<std::string>{"coordinates finer than single precision"});
-  std::ofstream(folder / "none.off") << "OFF\n3 1 0\nnan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-  CHECK_THROWS_WITH_AS(readCloud(folder / "none.off", nullptr, {.asTriangles = true}),
-                       doctest::Contains("none.off: a corner of its triangles is no place"), FileError);
+  for (const char* nowhere : {"nan", "inf", "1e37"}) {
+    std::ofstream(folder / "none.off") << "OFF\n3 1 0\n" << nowhere << " 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    CHECK_THROWS_WITH_AS(readCloud(folder / "none.off", nullptr, {.asTriangles = true}),
+                         doctest::Contains("none.off: a corner of its triangles is at ("), FileError);
+  }
 }
 
 TEST_CASE("whatever is damaged in a mesh, it is read or refused") {

@@ -27,14 +27,17 @@ struct Tally {
   std::int64_t mostBytes = 0;
 };
 
-void put(const std::filesystem::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+void put(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
 
 /// Anything but a refusal with the file's name ends the test, and so does memory beyond what such a file can need.
 void tryOne(const std::filesystem::path& folder, const Specimen& specimen, Damage& damage, Tally& tally) {
   const std::filesystem::path file = folder / specimen.name;
   const std::string text = damage.of(specimen.text, specimen.head);
   put(file, specimen.dressed ? specimen.dressed(text) : text);
-  const std::filesystem::path& source = specimen.beside.empty() ? file : folder;
+  const std::filesystem::path source = specimen.sourceIn(folder);
   const Stopwatch watch;
   const MemoryBound bound(kMostBytes);
   try {
@@ -42,9 +45,14 @@ void tryOne(const std::filesystem::path& folder, const Specimen& specimen, Damag
     const StoredCloud stored = readCloud(source, nullptr, {.samples = 40});
     const std::string ending = cloudFormats().endingToSave(file);
     writeCloud(folder / ("b" + ending), stored.cloud);
+    if (cloudFormats().toRead(source).ofTriangles) {
+      const StoredCloud mesh = readCloud(source, nullptr, {.asTriangles = true});
+      writeCloud(folder / "b.stl", mesh.cloud, {.triangles = &mesh.triangles});
+    }
     ++tally.read;
   } catch (const FileError& error) {
-    REQUIRE(std::string(error.what()).find(source.string()) == 0);
+    const std::filesystem::path& named = specimen.beside.empty() ? file : folder;
+    REQUIRE(std::string(error.what()).find(named.string()) == 0);
     ++tally.refused;
   }
   REQUIRE_FALSE(MemoryBound::isBroken());
@@ -75,10 +83,8 @@ TEST_CASE("no reader falls over whatever a file has become") {
   constexpr std::uint32_t kRounds = 25;  // where nobody says how long
   const std::vector<Specimen> all = wantedSpecimens();
   const ScratchFolder scratch;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    std::filesystem::create_directories(scratch / std::to_string(k));
+  for (std::size_t k = 0; k < all.size(); ++k)
     for (const auto& [name, text] : all[k].beside) put(scratch / std::to_string(k) / name, text);
-  }
   if (given) std::printf("the files are in %s\n", scratch.path().string().c_str());
   std::map<std::string, Tally> tallies;
   const Stopwatch watch;

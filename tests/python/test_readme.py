@@ -23,8 +23,9 @@ def example() -> str:
 def test_the_example_of_the_readme_runs(tmp_path, monkeypatch):
     source = example()
     assert source.startswith("import numpy as np, palpate as pp\n")
-    # A scan, a device and a minute stand in for those of whoever reads it; everything else is as it is shown.
-    for shown, here in (("gpu=0", 'gpu="cpu", mm_per_unit=1'), ('"openhaptics"', '"sim"'), ("live.wait(60)", "live.wait(0.3)")):
+    # A scan, a device, a moment and a small lattice stand in for those of whoever reads it; all else is as it is shown.
+    for shown, here in (("gpu=0", 'gpu="cpu", mm_per_unit=1'), ('"openhaptics"', '"sim", builtin="press"'),
+                        ("live.wait(60)", "live.wait(0.3)"), ("lattice=256", "lattice=64")):
         assert source.count(shown) == 1, shown
         source = source.replace(shown, here)
     xyz, normals = ball_arrays(20_000)
