@@ -34,6 +34,11 @@ std::shared_ptr<const MatterModel> modelFor(const MatterScene& scene, const Matt
 
 }  // namespace
 
+MatterOptions onMachine(MatterOptions options, std::uint64_t machine_bytes) {
+  if (options.memory_bytes == 0) options.memory_bytes = matterMemory(machine_bytes);
+  return options;
+}
+
 MatterSimulation::MatterSimulation(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places)
     : scene_(scene),
       plan_(planOf(scene, options.memory_bytes)),

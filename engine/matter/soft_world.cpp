@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/check.hpp"
+#include "engine/core/processor.hpp"
 #include "engine/matter/soft_scene.hpp"
 
 namespace palpate {
@@ -28,14 +29,14 @@ double dotOf(std::span<const DVec3> a, std::span<const DVec3> b) {
 }  // namespace
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options)
-    : SoftWorld(scene, options, softModelFor(scene, options)) {}
+    : SoftWorld(scene, options, softModelFor(scene, onMachine(options, hostMemory_bytes()))) {}
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
                      std::span<const SurfacePlace> points)
     : SoftWorld(scene, options, softModelOf(std::move(solid), points)) {}
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std::shared_ptr<const SoftModel> model)
-    : MatterSimulation(scene, options, restOf(model->solid)),
+    : MatterSimulation(scene, onMachine(options, hostMemory_bytes()), restOf(model->solid)),
       team_(options.threads),
       model_(std::move(model)),
       body_(model_->solid.lattice, materialOf(scene), pinsOf(scene), matchingOf(scene, plan())),
