@@ -28,7 +28,7 @@ MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options)
     : MatterWorld(scene, options, placesAtRest(scene, onMachine(options, hostMemory_bytes()).memory_bytes)) {}
 
 MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places)
-    : MatterSimulation(scene, onMachine(options, hostMemory_bytes()), std::move(places)),
+    : MatterSimulation(scene, options, std::move(places)),
       team_(options.threads),
       tools_(options.tools, ToolBody(toolSpring(scene.tool, plan().substep_s))),
       bodies_(options.tools, ballBody(scene, plan())),

@@ -36,7 +36,7 @@ SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, Sof
     : SoftWorld(scene, options, softModelOf(std::move(solid), points)) {}
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std::shared_ptr<const SoftModel> model)
-    : MatterSimulation(scene, onMachine(options, hostMemory_bytes()), restOf(model->solid)),
+    : MatterSimulation(scene, options, restOf(model->solid)),
       team_(options.threads),
       model_(std::move(model)),
       body_(model_->solid.lattice, materialOf(scene), pinsOf(scene), matchingOf(scene, plan())),
