@@ -54,8 +54,16 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
   }
   if (contact.force_N) {
     stretching_.reset();
-    return given(*contact.force_N, contact.velocity, dt_s);
+    if (!isFinite(contact.torque_mNm)) {
+      reset();
+      return DVec3(0);
+    }
+    const DVec3 felt_N = given(*contact.force_N, contact.velocity, dt_s);
+    const double wanted_N = glm::length(*contact.force_N);
+    torque_mNm_ = (wanted_N > 0 ? std::min(1.0, glm::length(felt_N) / wanted_N) : 1) * contact.torque_mNm;
+    return felt_N;
   }
+  torque_mNm_ = DVec3(0);
   const DVec3 force_N = spring(contact, pose.hip, dt_s, stretching_);
   if (custom_) return given(custom_.function(custom_.user, contact, pose, dt_s, force_N), contact.velocity, dt_s);
   if (!isFinite(force_N) || !isFinite(contact.normal) || !std::isfinite(dt_s)) {

@@ -61,7 +61,8 @@ class ForceLaw {
   DVec3 update(const Contact& whole, std::span<const PointContact> points, const Pose& pose, double dt_s) noexcept;
 
   /// What a tool's forces on its points, which update() has summed up, turn the hand with: about the HIP, mN m, and
-  /// less in proportion where a limit took from the force. Zero for a single point.
+  /// less in proportion where a limit took from the force. So for a single point where the contact says a torque, as a
+  /// ball's in matter does; otherwise zero.
   const DVec3& torque_mNm() const noexcept { return torque_mNm_; }
 
   /// The size of what spring and damper asked for at the last tick, before any limit, N.

@@ -17,7 +17,7 @@ struct TraceRow {
   DVec3 proxy{0};   ///< the HIP where nothing is touched
   DVec3 normal{0};  ///< unit, outward; zero where no surface was in reach
   DVec3 force_N{0};
-  DVec3 torque_mNm{0};        ///< of a tool of many points, about the HIP; reported, not rendered
+  DVec3 torque_mNm{0};        ///< of a tool of many points or a ball in matter, about the HIP; reported, not rendered
   double penetration_mm = 0;  ///< from HIP to proxy; 0 where nothing is touched
   bool contact = false;
   bool fresh = false;    ///< from this tick's own query

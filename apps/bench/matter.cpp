@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "apps/bench/bench.hpp"
+#include "apps/bench/matter_bytes.hpp"
 #include "apps/cli/matter_backend.hpp"
 #include "engine/matter/soft_model.hpp"
 #include "engine/matter/soft_scene.hpp"
@@ -197,6 +198,15 @@ Json passTimes(Context& context, const MatterCase& one) {
   return passes;
 }
 
+// By pass, what one that works moves; nothing where passes are not timed, or it is not counted.
+Json passBytes(const MatterCase& one, std::size_t particles) {
+  Json passes = Json::object();
+  if (one.backend != "vulkan" || one.scene.matter == Matter::soft) return passes;
+  for (const auto& [name, bytes] : matterBytes(one.scene, particles))
+    passes[name] = {{"moved", bytes.moved}, {"asked", bytes.asked}, {"mostly_ends", bytes.mostlyEnds}};
+  return passes;
+}
+
 // All times over the substeps that they are of.
 std::vector<double> eachOf(std::vector<double> times, std::uint32_t substeps) {
   for (double& time : times) time /= substeps;
@@ -260,6 +270,7 @@ Json measure(Context& context, const MatterCase& one, const MatterBenchOptions& 
           {"presses", one.presses},
           {"compliance", one.presses > 0 ? complianceTimes(stirred) : Json(nullptr)},
           {"frame", one.scene.matter == Matter::soft ? frameTimes(options, stirred) : Json(nullptr)},
+          {"passes_bytes", options.passes ? passBytes(one, stirred.world().particles()) : Json::object()},
           {"passes_us", options.passes ? passTimes(context, one) : Json::object()}};
 }
 
@@ -267,6 +278,14 @@ std::string said(const Json& summary) {
   return summary.is_null()
              ? "–"
              : fmt::format("{:.1f} / {:.1f}", summary["p50"].get<double>(), summary["p999"].get<double>());
+}
+
+// What a pass moves, and how fast it did in the time that it worked.
+std::string inWords(const Json& bytes, const Json& times) {
+  const double moved = bytes["moved"].get<double>(), asked = bytes["asked"].get<double>();
+  const double time_us = times[bytes["mostly_ends"].get<bool>() ? "max" : "p50"].get<double>();
+  return fmt::format("  {:.1f} MB moved, {:.0f} GB/s; {:.1f} MB asked for", moved * 1e-6,
+                     moved * 1e-3 / std::max(time_us, 1e-3), asked * 1e-6);
 }
 
 void print(std::FILE* out, const Json& records) {
@@ -290,8 +309,12 @@ void print(std::FILE* out, const Json& records) {
     if (const Json& compliance = record["compliance"]; !compliance.is_null())
       fmt::print(out, "  with {} presses; how the surface gives way: {} in all\n", record["presses"].get<std::size_t>(),
                  said(compliance["wall_us"]));
-    for (const auto& [name, times] : record["passes_us"].items())
-      fmt::print(out, "  {:<24}{:>24}\n", name, said(times));
+    for (const auto& [name, times] : record["passes_us"].items()) {
+      fmt::print(out, "  {:<24}{:>24}", name, said(times));
+      if (const Json bytes = record["passes_bytes"].value(name, nullptr); !bytes.is_null())
+        fmt::print(out, "{}", inWords(bytes, times));
+      fmt::print(out, "\n");
+    }
   }
 }
 

@@ -1,7 +1,5 @@
 #include "apps/cli/matter_backend.hpp"
 
-#include <algorithm>
-
 #include "engine/core/clock.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/io/cloud_formats.hpp"
@@ -30,7 +28,6 @@ std::unique_ptr<MatterSimulation> softBody(Context& context, const std::string& 
     const auto model = softModelFor(scene, options);
     return startSoft(context, backend, scene, options, model->solid, model->points);
   }
-  planOf(scene, options.memory_bytes);  // before the file is read
   PointCloud cloud = readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
   const Stopwatch watch;
   const auto model = softModelOf(scene, std::move(cloud), options.threads);
@@ -52,12 +49,12 @@ std::unique_ptr<MatterSimulation> startSoft(Context& context, const std::string&
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options) {
   options.threads = context.threads();
+  options.memory_bytes = context.backends().named(backend).matterMemory_bytes();
+  planOf(scene, options.memory_bytes);  // before a file is read
   if (scene.matter != Matter::soft) {
-    planOf(scene, options.memory_bytes);  // before the file is read
     options.model = standingModel(scene, {.log = context.log(), .threads = options.threads});
     return context.backends().named(backend).simulate(scene, options);
   }
-  if (backend == "vulkan") options.memory_bytes = std::max(options.memory_bytes, context.device().ownMemory() / 2);
   return softBody(context, backend, scene, options);
 }
 

@@ -214,6 +214,8 @@ void printReport(std::FILE* out, const TouchReport& report) {
                     report.error.undefined ? fmt::format("; no surface there at {} of them", report.error.undefined)
                                            : std::string()));
   row("peak force", fmt::format("{:.3f} N", trace.peakForce_N));
+  if (report.matter && report.matter->coupling_N_mm > 0)
+    row("peak torque", fmt::format("{:.3g} mN m about the middle of the ball", trace.peakTorque_mNm));
   if (report.toolPoints)
     row("peak torque", fmt::format("{:.3f} mN m about the HIP, of a {} with {} points", trace.peakTorque_mNm,
                                    report.tool, report.toolPoints));
@@ -334,6 +336,7 @@ Json toJson(const TouchReport& report) {
     json["tool_points"] = report.toolPoints;
     json["peak_torque_mNm"] = trace.peakTorque_mNm;
   }
+  if (report.matter && report.matter->coupling_N_mm > 0) json["peak_torque_mNm"] = trace.peakTorque_mNm;
   if (report.frames) json["frames"] = toJson(*report.frames);
   if (report.shared) json["shared"] = toJson(*report.shared);
   if (report.second) json["second_hand"] = toJson(*report.second);

@@ -39,6 +39,7 @@ struct Contact {
   /// On the hand, N, where it is known as such, as in matter that is simulated; otherwise a spring between HIP and proxy
   /// says it.
   std::optional<DVec3> force_N;
+  DVec3 torque_mNm{0};  ///< on the hand about the proxy, beside such a force
 };
 
 /// What the surface answers to one point of a tool (ToolShape).

@@ -21,6 +21,12 @@ int coresToUse() noexcept {
   return ::GetProcessAffinityMask(::GetCurrentProcess(), &allowed, &there) ? std::popcount(allowed) : 1;
 }
 
+std::uint64_t hostMemory_bytes() {
+  MEMORYSTATUSEX status{};
+  status.dwLength = sizeof status;
+  return ::GlobalMemoryStatusEx(&status) ? status.ullTotalPhys : 0;
+}
+
 int currentCore() noexcept { return static_cast<int>(::GetCurrentProcessorNumber()); }
 
 }  // namespace palpate

@@ -91,11 +91,12 @@ std::vector<T> copyOf(std::span<const T> values) {
 }  // namespace
 
 GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options)
-    : GpuMatterWorld(device, queue, scene, options, placesAtRest(scene, options.memory_bytes)) {}
+    : GpuMatterWorld(device, queue, scene, options,
+                     placesAtRest(scene, onMachine(options, device.ownMemory()).memory_bytes)) {}
 
 GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                                std::vector<Vec3> places)
-    : MatterSimulation(scene, options, std::move(places)),
+    : MatterSimulation(scene, onMachine(options, device.ownMemory()), std::move(places)),
       device_(device),
       queue_(queue),
       ball_(ballBody(scene, plan())),

@@ -85,7 +85,7 @@ CarriedPoints GpuSoftWorld::Frames::points() const {
 }
 
 GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options)
-    : GpuSoftWorld(device, queue, scene, options, softModelFor(scene, options)) {}
+    : GpuSoftWorld(device, queue, scene, options, softModelFor(scene, onMachine(options, device.ownMemory()))) {}
 
 GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                            const SoftSolid& solid, std::span<const SurfacePlace> points)
@@ -97,7 +97,8 @@ GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scen
 
 GpuSoftWorld::GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene,
                            const MatterOptions& options)
-    : GpuSoftWorld(device, std::move(queue), scene, options, softModelFor(scene, options)) {}
+    : GpuSoftWorld(device, std::move(queue), scene, options,
+                   softModelFor(scene, onMachine(options, device.ownMemory()))) {}
 
 GpuSoftWorld::GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene,
                            const MatterOptions& options, std::shared_ptr<const SoftModel> model)
@@ -105,7 +106,7 @@ GpuSoftWorld::GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const M
 
 GpuSoftWorld::GpuSoftWorld(Device& device, Queue* queue, const MatterScene& scene, const MatterOptions& options,
                            std::shared_ptr<const SoftModel> model, const SoftLayout& layout, std::unique_ptr<Queue> own)
-    : MatterSimulation(scene, options, restOf(*model)),
+    : MatterSimulation(scene, onMachine(options, device.ownMemory()), restOf(*model)),
       device_(device),
       own_(std::move(own)),
       queue_(own_ ? *own_ : *queue),

@@ -123,7 +123,9 @@ void requireMemory(const MatterPlan& plan, double cells, std::uint64_t memory_by
   if (cells > kMostCells)
     throw Error("spacing_mm: is so small that the box has {:.3g} cells, {:g} at most; take a larger one", cells,
                 kMostCells);
-  if (plan.bytes > memory_bytes || plan.particles > kMostParticles)
+  if (plan.particles > kMostParticles)
+    throw Error("spacing_mm: makes {} particles, {} at most; take a larger one", plan.particles, kMostParticles);
+  if (plan.bytes > memory_bytes)
     throw Error("spacing_mm: makes {} particles, which take about {} MiB of {}; take a larger one", plan.particles,
                 plan.bytes >> 20, memory_bytes >> 20);
 }

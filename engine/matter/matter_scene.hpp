@@ -94,8 +94,8 @@ inline constexpr double kMatterStep_s = 1e-3;
 
 inline constexpr std::uint32_t kMostSubsteps = 1000;
 
-/// Memory that a simulation takes at most, as it is planned.
-inline constexpr std::uint64_t kMostMatterBytes = std::uint64_t{2} << 30;
+/// Memory of a machine that is not known yet: a scene is planned as if there were any.
+inline constexpr std::uint64_t kAnyMemory = ~std::uint64_t{0};
 
 /// What a scene comes to.
 struct MatterPlan {
@@ -115,11 +115,11 @@ struct MatterPlan {
 };
 
 /// Throws Error that begins with the field and says its bounds, for what cannot be simulated within `memory_bytes`.
-MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
+MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes = kAnyMemory);
 
 /// Where the particles of a scene begin, m: a cubic lattice from the corner at 0, half a spacing from the walls; grains
 /// a little beside that. Throws as planOf().
-std::vector<Vec3> placesAtRest(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
+std::vector<Vec3> placesAtRest(const MatterScene& scene, std::uint64_t memory_bytes = kAnyMemory);
 
 /// Names of the scenes that need no file.
 std::vector<std::string_view> matterSceneNames();

@@ -4,6 +4,7 @@
 
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/processor.hpp"
 #include "engine/matter/matter_parameters.hpp"
 #include "engine/matter/matter_pressure.hpp"
 #include "engine/matter/matter_rules.hpp"
@@ -34,10 +35,15 @@ std::shared_ptr<const MatterModel> modelFor(const MatterScene& scene, const Matt
 
 }  // namespace
 
+MatterOptions onMachine(MatterOptions options, std::uint64_t machine_bytes) {
+  if (options.memory_bytes == 0) options.memory_bytes = matterMemory(machine_bytes);
+  return options;
+}
+
 MatterSimulation::MatterSimulation(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places)
     : scene_(scene),
-      plan_(planOf(scene, options.memory_bytes)),
-      memory_bytes_(options.memory_bytes),
+      plan_(planOf(scene, onMachine(options, hostMemory_bytes()).memory_bytes)),
+      memory_bytes_(onMachine(options, hostMemory_bytes()).memory_bytes),
       model_(modelFor(scene, options)),
       beginning_(insideOf(std::move(places), scene, plan_.spacing_m)),
       balls_(options.tools),

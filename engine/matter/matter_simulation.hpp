@@ -80,7 +80,7 @@ struct ToolReport {
 struct MatterOptions {
   unsigned threads = 0;  ///< of the CPU; 0: one per core; results are the same for any number
   std::size_t tools = 0;
-  std::uint64_t memory_bytes = kMostMatterBytes;
+  std::uint64_t memory_bytes = 0;  ///< that it may take; 0: half of what the machine has on which it runs
   /// Of a scene of water or sand whose model is a file; others are made from the scene.
   std::shared_ptr<const MatterModel> model = nullptr;
   bool timesPasses = false;  ///< on a GPU, one by one, which holds it up
@@ -88,6 +88,13 @@ struct MatterOptions {
   /// file.
   std::shared_ptr<const SoftModel> soft;
 };
+
+/// Memory that matter may take on a machine that has so much.
+constexpr std::uint64_t matterMemory(std::uint64_t machine_bytes) {
+  return machine_bytes > 0 ? machine_bytes / 2 : kAnyMemory;
+}
+/// The same options, on a machine that has so much memory.
+MatterOptions onMachine(MatterOptions options, std::uint64_t machine_bytes);
 
 /// For one thread at a time. The same scene and the same hands give the same bytes, on the same machine.
 class MatterSimulation {
@@ -178,8 +185,8 @@ class MatterSimulation {
   virtual void setVelocities(std::span<const Vec3> byId) = 0;
 
  protected:
-  /// Throws Error as planOf() does. `places`: where particles begin, m; those outside of the box stand at its walls.
-  /// Who derives calls reset() when it is made.
+  /// Throws Error as planOf() does. `options`: with the memory of the machine (onMachine()). `places`: where particles
+  /// begin, m; those outside of the box stand at its walls. Who derives calls reset() when it is made.
   MatterSimulation(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places);
 
   struct StepReport {

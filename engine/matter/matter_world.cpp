@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/core/check.hpp"
+#include "engine/core/processor.hpp"
 #include "engine/matter/matter_rules.hpp"
 
 namespace palpate {
@@ -24,7 +25,7 @@ MatterParticles::Config particlesOf(const MatterScene& scene, const MatterPlan& 
 }  // namespace
 
 MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options)
-    : MatterWorld(scene, options, placesAtRest(scene, options.memory_bytes)) {}
+    : MatterWorld(scene, options, placesAtRest(scene, onMachine(options, hostMemory_bytes()).memory_bytes)) {}
 
 MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places)
     : MatterSimulation(scene, options, std::move(places)),

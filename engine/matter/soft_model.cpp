@@ -54,7 +54,7 @@ std::shared_ptr<const SoftModel> softModelOf(const MatterScene& scene, PointClou
 
 std::shared_ptr<const SoftModel> softModelFor(const MatterScene& scene, const MatterOptions& options) {
   if (options.soft) return options.soft;
-  planOf(scene, options.memory_bytes);
+  planOf(scene, options.memory_bytes > 0 ? options.memory_bytes : kAnyMemory);
   return softModelOf(scene, {}, options.threads);
 }
 

@@ -25,7 +25,7 @@ std::shared_ptr<const SoftModel> softModelFor(const MatterScene& scene, const Ma
 /// A body that was filled, and what it carries: where there are no points, its skin.
 std::shared_ptr<const SoftModel> softModelOf(SoftSolid solid, std::span<const SurfacePlace> points);
 /// The solid of such a scene alone.
-SoftSolid solidOf(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
+SoftSolid solidOf(const MatterScene& scene, std::uint64_t memory_bytes = kAnyMemory);
 
 /// The points as a cloud at rest in the scene: mm, with normals, in the order of their ids.
 PointCloud cloudOf(const SoftModel& model, const MatterScene& scene);

@@ -92,7 +92,9 @@ MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes) {
   }
   plan.particles = static_cast<std::uint64_t>(std::min(nodes, 1e18));
   plan.bytes = static_cast<std::uint64_t>(std::min(nodes * kBytesOfNode + cells * kBytesOfCell, 1e18));
-  if (plan.bytes > memory_bytes || nodes > kMostNodes)
+  if (nodes > kMostNodes)
+    throw Error("spacing_mm: makes {} nodes, {:.0f} at most; take a larger one", plan.particles, kMostNodes);
+  if (plan.bytes > memory_bytes)
     throw Error("spacing_mm: makes {} nodes, which take about {} MiB of {}; take a larger one", plan.particles,
                 plan.bytes >> 20, memory_bytes >> 20);
   const SoftMaterial material = materialOf(scene);

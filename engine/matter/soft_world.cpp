@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/check.hpp"
+#include "engine/core/processor.hpp"
 #include "engine/matter/soft_scene.hpp"
 
 namespace palpate {
@@ -28,7 +29,7 @@ double dotOf(std::span<const DVec3> a, std::span<const DVec3> b) {
 }  // namespace
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options)
-    : SoftWorld(scene, options, softModelFor(scene, options)) {}
+    : SoftWorld(scene, options, softModelFor(scene, onMachine(options, hostMemory_bytes()))) {}
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
                      std::span<const SurfacePlace> points)

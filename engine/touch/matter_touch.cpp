@@ -96,6 +96,7 @@ Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, con
   const DVec3 force_N = left * (tool.force_N - tool.coupling_N_m * (moved_m - went_m));
   const double size_N = glm::length(force_N);
   contact.force_N = force_N;
+  contact.torque_mNm = left * 1e3 * tool.torque_Nm;
   contact.touching = size_N > kLeastForce_N;
   if (!contact.touching) return contact;
   contact.normal = force_N / size_N;

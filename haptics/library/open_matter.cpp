@@ -49,6 +49,7 @@ OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options
   Remarks remarks(options.log, options.log_user);
   SessionConfig config{.model = {.file = name}};
   config.matter = scene;
+  planOf(scene, backend_->matterMemory_bytes());
   model_ = loadModel(config, {.log = remarks.sink(), .threads = options.threads});
   MatterOptions matter{.threads = options.threads, .model = model_.standing};
   matter.soft = model_.soft;

@@ -32,6 +32,14 @@ void checkSecondHand(const SessionConfig& config, const TouchCapabilities& can, 
   if (config.backend.ahead == true) throw ConfigError("backend.ahead", "two hands are not asked ahead; leave it out");
 }
 
+void checkMemory(const MatterScene& scene, std::uint64_t memory_bytes) {
+  try {
+    planOf(scene, memory_bytes);
+  } catch (const Error& error) {
+    throw ConfigError("matter", "{}", error.what());
+  }
+}
+
 }  // namespace
 
 void BackendKind::check(const SessionConfig& config) const {
@@ -60,6 +68,7 @@ void BackendKind::check(const SessionConfig& config) const {
     throw ConfigError("backend.name", "{} feels only what stands still; take vulkan or cpu for a depth camera", name());
   if (!can.followsMotion && config.matter)
     throw ConfigError("backend.name", "{} feels only what stands still; take vulkan or cpu for matter", name());
+  if (config.matter) checkMemory(*config.matter, matterMemory_bytes());
   if (!can.keepsEdits && config.undo.undo > 0)
     throw ConfigError("undo.undo", "backend.name {} tells nobody of its edits; take vulkan or cpu", name());
 }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/core/processor.hpp"
 #include "engine/core/touch_backend.hpp"
 #include "engine/core/touch_capabilities.hpp"
 #include "engine/matter/matter_simulation.hpp"
@@ -40,7 +41,9 @@ class BackendKind {
   /// How it can find neighbours; the first one unless another is asked for.
   virtual const std::vector<std::string>& methods() const = 0;
   virtual TouchCapabilities capabilities() const { return {}; }
-  /// Throws ConfigError for what it cannot do, as its capabilities say.
+  /// Memory that matter may take there, bytes.
+  virtual std::uint64_t matterMemory_bytes() const { return matterMemory(hostMemory_bytes()); }
+  /// Throws ConfigError for what it cannot do, as its capabilities say, and for matter that it has no memory for.
   void check(const SessionConfig& config) const;
   /// The surface that the configuration asks for on this model.
   SurfaceOptions surface(const Model& model, const SurfaceConfig& config) const {

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "engine/core/error.hpp"
+#include "engine/io/cloud_formats.hpp"
 #include "engine/io/matter_scene_file.hpp"
 
 namespace palpate {
@@ -22,7 +23,36 @@ bool isFile(const std::string& name) {
   return std::filesystem::is_regular_file(name, ignored);
 }
 
-// A file in place of what stands in a scene that is built in, or is soft there; nothing where the name is no such thing.
+// The first file beside `beginning` that is called so and goes on with what clouds' files end with; empty: there is
+// none.
+std::string fileThatBegins(const std::string& beginning) {
+  const std::filesystem::path path(beginning);
+  const std::string endings = cloudFormats().endingsRead();
+  std::string first;
+  std::error_code ignored;
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string(), ending = entry.path().extension().string();
+    if (!name.starts_with(path.filename().string()) || ending.empty() || endings.find(ending) == std::string::npos)
+      continue;
+    const std::string found = path.has_parent_path() ? entry.path().string() : name;
+    if (first.empty() || found < first) first = found;
+  }
+  return first;
+}
+
+// Says what to type in place of "bunny in water" or "soft scan", where there is no file of that name.
+[[noreturn]] void refuseFile(const std::string& name, const std::string& file) {
+  const std::string found = fileThatBegins(file);
+  std::string as = name;
+  as.replace(as.find(file), file.size(), found.empty() ? "bunny.ply" : found);
+  throw FileError(
+      name, fmt::format("there is no file '{}'; type the name of a closed cloud's file with its ending{} \"{}\"", file,
+                        found.empty() ? ", as in" : ", here", as));
+}
+
+// A file in place of what stands in a scene that is built in, or is soft there; nothing where the name is no such
+// thing.
 std::optional<MatterScene> sceneOfFile(const std::string& name) {
   const auto around = [](MatterScene scene, const std::string& file) {
     scene.model = file;
@@ -32,13 +62,15 @@ std::optional<MatterScene> sceneOfFile(const std::string& name) {
   if (name.ends_with(inWater) || name.ends_with(inSand)) {
     const bool water = name.ends_with(inWater);
     const std::string file = name.substr(0, name.size() - (water ? inWater : inSand).size());
-    if (!isFile(file)) return std::nullopt;
+    if (!isFile(file)) refuseFile(name, file);
     MatterScene scene = around(matterSceneNamed("statue in water"), file);
     if (!water) scene.matter = Matter::sand;
     return scene;
   }
-  if (!name.starts_with(soft) || !isFile(name.substr(soft.size()))) return std::nullopt;
-  MatterScene scene = around(matterSceneNamed("soft statue"), name.substr(soft.size()));
+  if (!name.starts_with(soft)) return std::nullopt;
+  const std::string file = name.substr(soft.size());
+  if (!isFile(file)) refuseFile(name, file);
+  MatterScene scene = around(matterSceneNamed("soft statue"), file);
   scene.shape = MatterScene{}.shape;  // the file has it
   return scene;
 }
@@ -47,12 +79,15 @@ std::optional<MatterScene> sceneOfFile(const std::string& name) {
 
 MatterScene readSceneNamed(const std::string& name) {
   if (isFile(name)) return readMatterScene(name);
+  if (isBuiltIn(name)) return matterSceneNamed(name);
   if (const auto scene = sceneOfFile(name)) return *scene;
-  return isBuiltIn(name) ? matterSceneNamed(name) : readMatterScene(name);
+  return readMatterScene(name);
 }
 
 std::optional<MatterScene> matterScene(const std::string& model) {
-  const bool names = !isFile(model) && (isBuiltIn(model) || sceneOfFile(model));
+  std::error_code ignored;
+  const bool isThere = std::filesystem::exists(model, ignored);  // a folder may be a recording
+  const bool names = (!isFile(model) && isBuiltIn(model)) || (!isThere && sceneOfFile(model));
   if (!names && std::filesystem::path(model).extension() != ".json") return std::nullopt;
   MatterScene scene = readSceneNamed(model);
   if (scene.tool.radius_mm == 0 && scene.matter != Matter::soft) scene.tool = usualTool(scene);
@@ -60,7 +95,10 @@ std::optional<MatterScene> matterScene(const std::string& model) {
 }
 
 std::string builtInScenes() {
-  return fmt::format("{}, FILE in water, FILE in sand, soft FILE", fmt::join(matterSceneNames(), ", "));
+  return fmt::format(
+      "{}, or of a closed cloud's file, with its ending and in quotes: \"bunny.ply in water\", \"bunny.ply in sand\", "
+      "\"soft bunny.ply\"",
+      fmt::join(matterSceneNames(), ", "));
 }
 
 std::string elasticityInWords(const MatterScene& scene) {

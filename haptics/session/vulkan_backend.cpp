@@ -29,13 +29,12 @@ class VulkanBackend final : public BackendKind {
   }
   std::string machine(unsigned) const override { return device_().name(); }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
+  std::uint64_t matterMemory_bytes() const override { return matterMemory(device_().ownMemory()); }
   std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
-    MatterOptions there = options;
-    there.memory_bytes = std::max(options.memory_bytes, device_().ownMemory() / 2);
     // Beside the questions, which have the surface of its points meanwhile.
     if (scene.matter == Matter::soft)
-      return std::make_unique<GpuSoftWorld>(device_(), device_().backgroundQueue().another(), scene, there);
-    return std::make_unique<GpuMatterWorld>(device_(), device_().latencyQueue(), scene, there);
+      return std::make_unique<GpuSoftWorld>(device_(), device_().backgroundQueue().another(), scene, options);
+    return std::make_unique<GpuMatterWorld>(device_(), device_().latencyQueue(), scene, options);
   }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     if (request.config.matter && !request.source) return matterTouch(request);

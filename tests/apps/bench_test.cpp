@@ -349,6 +349,19 @@ TEST_CASE("bench matter measures what is stirred on each back end, and its passe
     const bool onGpu = record["backend"] == "vulkan";
     CHECK(record["step"]["gpu_us"].is_null() == !onGpu);
     CHECK(record["passes_us"].contains("matter_list") == onGpu);
+    CHECK(record["passes_bytes"].contains("matter_list") == onGpu);
+    if (!onGpu) continue;
+    const char* const pass = record["matter"] == "water" ? "matter_compress" : "matter_rub";
+    const double particles = record["particles"], moved = record["passes_bytes"][pass]["moved"];
+    // A list of 32 words and a length, a place and what is written; a list of 8, and contacts of 6 that are read and
+    // written.
+    CHECK(moved / particles == doctest::Approx(record["matter"] == "water" ? 164 : 304));
+    CHECK(record["passes_bytes"][pass]["asked"] > moved);
+    for (const char* name :
+         {"matter_predict", "matter_count", "matter_scan", "matter_place", "matter_sort", "matter_list", pass}) {
+      CHECK(record["passes_us"].contains(name));
+      CHECK(record["passes_bytes"][name]["moved"] > 0);
+    }
   }
   works("bench matter --matter soft --sizes 700 --points 500 --backend vulkan,cpu --repeat 5 --passes --json " + json);
   const auto soft = jsonOf(json)["matter"];

@@ -43,6 +43,7 @@ TEST_CASE("a ball that dives into water is lifted by what it displaces, the same
   CHECK(report["moved_points"] > 500);
   CHECK(report["matter"]["kind"] == "water");
   CHECK(report["matter"]["left_out_s"] == 0);
+  CHECK(report["peak_torque_mNm"] > 0);
   CHECK(report["matter"]["gain"] == 1);
   const double coupling_N_mm = 1e-3 * 0.0335 * std::pow(2 * 3.14159265 * 30, 2);  // of a ball on its spring at 30 Hz
   CHECK(report["matter"]["coupling_N_mm"].get<double>() == doctest::Approx(coupling_N_mm));
@@ -320,7 +321,17 @@ TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn a
   works("info \"soft " + in("ring.ply") + "\"");
   const Outcome none = palpate("touch \"" + in("none.ply") + " in water\" --path builtin:press");
   CHECK(none.code == 1);
-  CHECK(says(none.text, "none.ply in water: cannot be read"));
+  CHECK(says(none.text, "none.ply in water: there is no file"));
+  // Who leaves the ending out is told what to type.
+  for (const std::string command : {"touch", "simulate", "info"}) {
+    const Outcome inWater = palpate(command + " \"" + in("rin") + " in water\"");
+    CHECK(inWater.code == 1);
+    CHECK(says(inWater.text, "with its ending, here \"" + in("ring.ply") + " in water\""));
+    const Outcome soft = palpate(command + " \"soft scan\"");
+    CHECK(soft.code == 1);
+    CHECK(says(soft.text, "there is no file 'scan'; type the name of a closed cloud's file with its ending"));
+  }
+  for (const std::string command : {"simulate", "touch"}) CHECK(says(palpate(command + " --help").text, "bunny.ply"));
 }
 
 TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and says which brush it does not take") {

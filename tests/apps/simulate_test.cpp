@@ -1,6 +1,7 @@
 // Matter that moves by itself, as a user meets it.
 #include <cmath>
 
+#include "engine/core/processor.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/says.hpp"
@@ -125,6 +126,31 @@ TEST_CASE("a scan that is closed is soft: its points fall and bend, and keep the
   CHECK(inWater["inside"] == 0);
   works("make plane -n 5000 -o " + (folder / "plane.ply").string());
   CHECK(says(palpate("simulate jelly --model " + (folder / "plane.ply").string()).text, "model: "));
+}
+
+TEST_CASE("matter that this machine has no memory for is refused before anything runs, and told of all the same") {
+  // Half of the machine's memory is for 1600 bytes a particle; of these there are more.
+  const double particles = 1.2 * 0.5 * static_cast<double>(hostMemory_bytes()) / 1600;
+  if (particles > 8e7) {
+    MESSAGE("skipped: this machine has memory for more particles than can be numbered");
+    return;
+  }
+  const ScratchFolder folder;
+  const std::string scene = (folder / "sea.json").string(), json = (folder / "out.json").string();
+  std::ofstream(scene) << fmt::format(
+      R"({{"matter": "water", "box_mm": [1000, 1100, 1000], "fill_mm": [1000, 1000, 1000],
+                                          "spacing_mm": {}}})",
+      1000 / std::cbrt(particles));
+  works("info " + scene + " --json " + json);
+  CHECK(jsonOf(json)["particles"].get<double>() == doctest::Approx(particles).epsilon(0.02));
+  for (const std::string command : {"simulate ", "touch --path builtin:press "})
+    for (const std::string backend : {"cpu", "vulkan"}) {
+      CAPTURE(command);
+      CAPTURE(backend);
+      const Outcome outcome = palpate(command + scene + " --backend " + backend);
+      CHECK(outcome.code != 0);
+      CHECK_MESSAGE(outcome.text.find("MiB of") != std::string::npos, outcome.text);
+    }
 }
 
 TEST_CASE("what cannot be simulated is refused in a sentence, and leaves no file") {

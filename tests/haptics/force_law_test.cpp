@@ -194,6 +194,26 @@ TEST_CASE("a force that is given is felt as it is, pulls included, within the sa
   CHECK(law.update({.touching = true, .force_N = DVec3(1)}, below(1), kTick_s) == DVec3(0));
 }
 
+TEST_CASE("a torque that is given goes with its force, less where a limit takes from that, and is none without it") {
+  ForceLaw law({.maxForce_N = 2, .maxRise_N_per_s = 1e9}, ModelScale{10});
+  Contact contact = onPlane(below(1));
+  contact.force_N = DVec3(0, 1, 0);
+  contact.torque_mNm = {3, 0, -6};
+  law.update(contact, below(1), kTick_s);
+  CHECK(law.torque_mNm() == DVec3(3, 0, -6));
+  contact.force_N = DVec3(0, 4, 0);
+  law.update(contact, below(1), kTick_s);
+  CHECK(glm::distance(law.torque_mNm(), DVec3(1.5, 0, -3)) < 1e-12);
+  contact.torque_mNm.x = kNaN;
+  CHECK(law.update(contact, below(1), kTick_s) == DVec3(0));
+  CHECK(law.torque_mNm() == DVec3(0));
+  contact.torque_mNm.x = 3;
+  law.update(contact, below(1), kTick_s);
+  contact.force_N.reset();  // the plane's own spring
+  law.update(contact, below(1), kTick_s);
+  CHECK(law.torque_mNm() == DVec3(0));
+}
+
 TEST_CASE("a law of another program's has the say in contact, knows the usual force, and keeps within the limits") {
   struct Seen {
     DVec3 usual_N{0}, force_N{0.1, 0, -0.2};

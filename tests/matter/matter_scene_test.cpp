@@ -2,7 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/matter/matter_scenes.hpp"
+#include "engine/core/processor.hpp"
+#include "tests/matter/matter_truths.hpp"
 #include "tests/says.hpp"
 
 namespace palpate {
@@ -61,6 +62,22 @@ TEST_CASE("particles begin on a lattice, half a spacing from the walls") {
   CHECK(places.size() == 2 * 3 * 2);
   CHECK(places.front() == Vec3(0.005f));
   CHECK(glm::length(places.back() - Vec3(0.015f, 0.025f, 0.015f)) < 1e-7f);
+}
+
+TEST_CASE("a scene is refused for the memory of the machine that it is to run on, and for no other") {
+  const MatterScene large{.box_mm = DVec3(2000), .fill_mm = DVec3(1000), .spacing_mm = 5};
+  CHECK(planOf(large).bytes > std::uint64_t{4} << 30);  // of a machine that is not known
+  CHECK(refusal(large, std::uint64_t{64} << 30) == "taken");
+  CHECK(refusal(large, std::uint64_t{4} << 30).find("8000000 particles, which take about") != std::string::npos);
+  MatterScene beyond = large;
+  beyond.spacing_mm = 0.5;
+  CHECK(refusal(beyond, kAnyMemory) != "taken");
+  CHECK(hostMemory_bytes() > std::uint64_t{64} << 20);
+  CHECK(onMachine({}, 1000).memory_bytes == 500);
+  CHECK(onMachine({.memory_bytes = 7}, 1000).memory_bytes == 7);
+  CHECK(onMachine({}, 0).memory_bytes == kAnyMemory);
+  CHECK(atRest(onCpu(), {})->memory_bytes() == hostMemory_bytes() / 2);
+  CHECK_THROWS_AS(MatterWorld({}, {.memory_bytes = 1 << 20}), Error);
 }
 
 TEST_CASE("there are scenes that need no file, and another name is told which") {

@@ -81,7 +81,7 @@ inline bool sameBytes(const MatterSimulation& a, const MatterSimulation& b) {
 }
 
 /// What a scene is refused with; "taken" where it is not.
-inline std::string refusal(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes) {
+inline std::string refusal(const MatterScene& scene, std::uint64_t memory_bytes = std::uint64_t{2} << 30) {
   try {
     planOf(scene, memory_bytes);
   } catch (const Error& error) {

@@ -40,6 +40,10 @@ void checkBuoyancy(const MatterMaker& make, double radius_m, int settling, int s
 void checkRandomHands(const MatterMaker& make, Matter matter, double gain, int hands, int steps);
 /// The energy of a hand is the sum over steps of what it moved against the force that it got, while the gain changes.
 void checkPortEnergy(const MatterMaker& make, int steps, double share);
+/// What turns a ball that goes round slowly in a tank full of viscous water is against the spin, and goes with that and
+/// with viscosity; of 8 pi mu R^3 omega it is such a share, a mean over the second half of the steps. Water gets the
+/// opposite.
+void checkTorque(const MatterMaker& make, int steps, double least, double most);
 void checkReactions(const MatterMaker& make, int steps);
 
 /// A grain on a slope of 30 degrees.

@@ -19,6 +19,8 @@ TEST_CASE("the energy of a hand is that of the force that it gets, while the gai
   checkPortEnergy(onCpu(), 300, 1e-9);
 }
 
+TEST_CASE("a ball that turns in viscous water is held back by it") { checkTorque(onCpu(), 400, 0.4, 0.6); }
+
 TEST_CASE("what a ball got is what water lost") { checkReactions(onCpu(), 300); }
 
 }  // namespace palpate

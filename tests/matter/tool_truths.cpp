@@ -1,6 +1,7 @@
 // What a tool in water has to be true to.
 #include <array>
 #include <cmath>
+#include <glm/gtc/quaternion.hpp>
 #include <random>
 
 #include "engine/core/named_values.hpp"
@@ -101,6 +102,56 @@ void checkPortEnergy(const MatterMaker& make, int steps, double share) {
   REQUIRE(throughput_J > 1e-3);
   checkAtMost("energy at the port against force times way while the gain changes, share of all that went through",
               std::abs(world->portEnergy_J(0) - against_J) / throughput_J, share);
+}
+
+namespace {
+
+// What turns a ball that goes round in a tank full of so viscous water, of 8 pi mu R^3 omega, and how much turning the
+// water has after ten steps, before it comes to walls, of what the ball gave.
+struct Turned {
+  double share = 0, got = 0;
+};
+
+Turned turned(const MatterMaker& make, double viscosity_Pa_s, double spin_rad_s, int steps) {
+  MatterScene scene = tankForBall(40, 14, 14);
+  scene.box_mm.y = 140;
+  scene.gravity_m_s2 = DVec3(0);
+  scene.viscosity_Pa_s = viscosity_Pa_s;
+  const DVec3 middle_m(0.07), axis(0, 1, 0);
+  const auto world = make(scene, 1, placesAround(middle_m, scene));
+  DVec3 torque(0), given(0), turning(0);
+  for (int k = 0; k < steps; ++k) {
+    const HandPose hand{.place_m = middle_m, .orientation = glm::angleAxis(kMatterStep_s * spin_rad_s * k, axis)};
+    world->step({&hand, 1});
+    const DVec3& now = world->answers()[0].torque_Nm;
+    if (k < 10) given -= kMatterStep_s * now;
+    if (k >= steps / 2) torque += now / double(steps - steps / 2);
+    if (k != 9) continue;
+    const std::vector<Vec3> places = world->positionsById(), velocities = world->velocitiesById();
+    for (std::size_t i = 0; i < places.size(); ++i)
+      turning += world->plan().mass_kg * glm::cross(DVec3(places[i]) - middle_m, DVec3(velocities[i]));
+  }
+  REQUIRE(world->state() == MatterState::running);
+  CHECK(std::hypot(torque.x, torque.z) <= 0.05 * std::abs(torque.y));
+  const double stokes_Nm = 8 * kPi * viscosity_Pa_s * std::pow(scene.tool.radius_mm * 1e-3, 3) * spin_rad_s;
+  return {.share = -torque.y / stokes_Nm, .got = turning.y / given.y};
+}
+
+}  // namespace
+
+void checkTorque(const MatterMaker& make, int steps, double least, double most) {
+  const Turned slow = turned(make, 1, 0.5, steps), swift = turned(make, 1, 1, steps), thick = turned(make, 5, 1, steps);
+  // Coarse as it is, a ball drags only what its points meet; and what they give acts on the water a little farther out.
+  for (const Turned& each : {slow, swift, thick}) {
+    MESSAGE(fmt::format("torque on a turning ball of 4 spacings: {:.2f} of 8 pi mu R^3 omega; water gets {:.2f} of it",
+                        each.share, each.got));
+    CHECK(each.share > least);
+    CHECK(each.share < most);
+    CHECK(each.got > 1);
+    CHECK(each.got < 1.4);
+  }
+  checkTruth("the same over omega, at twice the spin", swift.share, slow.share, 0.02);
+  checkTruth("the same over mu, at five times the viscosity", thick.share, swift.share, 0.3);
 }
 
 void checkReactions(const MatterMaker& make, int steps) {

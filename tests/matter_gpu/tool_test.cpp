@@ -21,4 +21,8 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
   checkPortEnergy(onGpu(device), 90, 1e-4);
 }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball that turns in viscous water is held back by it") {
+  checkTorque(onGpu(device), 150, 0.4, 0.7);
+}
+
 }  // namespace palpate

@@ -16,7 +16,8 @@ namespace palpate {
 
 namespace {
 
-constexpr DVec3 kForce_N(0.3, 1.2, -0.4), kPlace_m(0.02, 0.03, 0.04), kVelocity_m_s(0.05, -0.2, 0.1);
+constexpr DVec3 kForce_N(0.3, 1.2, -0.4), kPlace_m(0.02, 0.03, 0.04), kVelocity_m_s(0.05, -0.2, 0.1),
+    kTorque_Nm(0.002, 0, -0.003);
 
 // What a told simulation has seen, and whether it may go on.
 struct Told {
@@ -50,7 +51,11 @@ class ToldSimulation final : public MatterSimulation {
     told_.to.push_back(to[0]);
     const DVec3 impulse = -kMatterStep_s / scene().gain * kForce_N;
     return {.state = told_.state,
-            .tools = {{.springImpulse = impulse, .impulse = -impulse, .place_m = kPlace_m, .velocity_m_s = kVelocity_m_s}}};
+            .tools = {{.springImpulse = impulse,
+                       .impulse = -impulse,
+                       .angular = kMatterStep_s / scene().gain * kTorque_Nm,
+                       .place_m = kPlace_m,
+                       .velocity_m_s = kVelocity_m_s}}};
   }
   std::vector<Vec4> pressedPlaces() const override { return {}; }
 
@@ -192,6 +197,7 @@ TEST_CASE("an answer that is of its tick is felt as it is") {
   CHECK(stale.first.dataTime_s == 0.1);
   REQUIRE(stale.first.force_N);
   CHECK(glm::distance(*stale.first.force_N, kForce_N) < 1e-12);
+  CHECK(glm::distance(stale.first.torque_mNm, 1e3 * kTorque_Nm) < 1e-12);
   CHECK(glm::distance(stale.first.proxy, 1e3 * kPlace_m) < 1e-9);
   CHECK(glm::distance(stale.first.velocity, 1e3 * kVelocity_m_s) < 1e-9);
   CHECK(glm::distance(stale.first.normal, glm::normalize(kForce_N)) < 1e-12);
@@ -220,9 +226,11 @@ TEST_CASE("an answer that has grown old pushes back by the ball's spring where t
   const double older_s = 0.0125;
   const Contact half = stale.later(older_s, 1e3 * older_s * kVelocity_m_s);
   CHECK(glm::distance(*half.force_N, 0.5 * kForce_N) < 1e-9);
+  CHECK(glm::distance(half.torque_mNm, 500.0 * kTorque_Nm) < 1e-9);
   const Contact none = stale.later(0.021, {});
   CHECK_FALSE(none.touching);
   CHECK_FALSE(none.force_N);
+  CHECK(none.torque_mNm == DVec3(0));
   CHECK(none.valid);
 }
 

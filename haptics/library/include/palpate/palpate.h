@@ -313,7 +313,7 @@ PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_ti
 PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
 /* The same for all hands of a session at once: `poses`, `contacts` and the others have `hands` of them, all of the same
  * time, that of the first one. `turns`: of each hand's tool, unit quaternions w x y z; null: none is turned.
- * `torques_mNm`: of tools, about the HIP, 3 for each hand; null: not wanted. */
+ * `torques_mNm`: of tools, and of balls in matter, about the HIP, 3 for each hand; null: not wanted. */
 PP_API pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* turns, uint32_t hands,
                                 pp_contact* contacts, double* torques_mNm);
 /* All hands were lifted, and are put down elsewhere with the next poses. */
