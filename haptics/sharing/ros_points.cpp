@@ -145,6 +145,7 @@ class Taking {
   }
 
   void takeAll() {
+    if (points_.width == 0) return;  // however many rows of nothing are announced
     for (std::uint64_t row = 0; row < points_.height; ++row)
       for (std::uint64_t i = 0; i < points_.width; ++i)
         take(reinterpret_cast<const std::byte*>(points_.data.data()) + row * points_.rowStep + i * points_.pointStep);

@@ -11,6 +11,7 @@
 #include <limits>
 #include <random>
 
+#include "engine/core/clock.hpp"
 #include "haptics/sharing/network.hpp"
 
 namespace palpate {
@@ -145,6 +146,17 @@ TEST_CASE("points without a place are left out and counted; normals that are non
   message.fields.insert(message.fields.end(), {{"normal_x", 0}, {"normal_y", 0}, {"normal_z", 0}});
   std::memset(message.data.data(), 0, message.data.size());
   CHECK_FALSE(message.take().cloud.hasNormals());
+}
+
+TEST_CASE("rows of nothing, however many, are nothing, and take no time") {
+  Message message(0, RosField::f32);
+  message.says.height = 0xffffffffu;
+  const Stopwatch since;
+  CHECK(message.take().cloud.empty());
+  CHECK(since.elapsed_s() < 1);
+  message.says.width = 5;
+  message.says.height = 0;
+  CHECK(message.take().cloud.empty());
 }
 
 TEST_CASE("a message that contradicts itself is refused in words, and takes no memory for what it claims") {
