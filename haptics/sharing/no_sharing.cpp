@@ -27,6 +27,8 @@ std::unique_ptr<SharedFollower> shareEdits(const SharedParts&) { refuse(); }
 
 JoinedCloud joinCloud(const std::string&, const JoinOptions&) { refuse(); }
 
+void requireRosName(const std::string&) { refuse(); }
+
 class RosHand::Link {};
 RosHand::RosHand(const RosPublishing&, double) { refuse(); }
 RosHand::~RosHand() = default;

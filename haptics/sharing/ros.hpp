@@ -15,6 +15,9 @@
 
 namespace palpate {
 
+/// Throws UsageError for what is no name in ROS, of a topic or of a namespace.
+void requireRosName(const std::string& name);
+
 struct RosPublishing {
   NetworkConfig network;
   std::string name;        ///< of the namespace, and of the frame that all places are in; as ROS has names

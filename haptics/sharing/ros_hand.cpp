@@ -36,6 +36,8 @@ void put(V& to, const DVec3& from) {
 
 }  // namespace
 
+void requireRosName(const std::string& name) { rosName(name); }
+
 class RosHand::Link {
  public:
   Link(const RosPublishing& publishing, double rate_Hz)
