@@ -122,7 +122,8 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
   if (taken->cloud.empty())
     throw NetworkError("ros:{}: a PointCloud2 has come without a point that has a place ({} have none)", topic, taken->skipped);
   if (listening.log)
-    listening.log->say("ros:{}: {} points, {} without a place left out", topic, taken->cloud.size(), taken->skipped);
+    listening.log->say("ros:{}: {} points{}", topic, taken->cloud.size(),
+                       taken->skipped > 0 ? fmt::format("; {} without a place are left out", taken->skipped) : "");
   sayScale(taken->cloud.storedAs.comments, kMmPerMetre);
   return std::move(taken->cloud);
 }

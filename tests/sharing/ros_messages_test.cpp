@@ -6,15 +6,14 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <functional>
-#include <thread>
+#include <ctime>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/length_unit.hpp"
-#include "engine/core/clock.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_points.hpp"
 #include "tests/sharing/own_network.hpp"
+#include "tests/sharing/ros_discovery.hpp"
 
 namespace palpate {
 
@@ -33,15 +32,6 @@ std::string withoutSpaces(std::string text) {
   return text;
 }
 
-bool waitFor(const std::function<bool()>& sign, double most_s = 5) {
-  const Stopwatch since;
-  while (!sign()) {
-    if (since.elapsed_s() > most_s) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return true;
-}
-
 /// A message as it is on the wire, its encapsulation before it.
 template <class T>
 std::string wireOf(const T& message) {
@@ -53,40 +43,11 @@ std::string wireOf(const T& message) {
   CHECK(publisher.write(message));
   ddsi_serdata* taken = nullptr;
   dds_sample_info_t about;
-  REQUIRE(waitFor([&] { return dds_takecdr(reader, &taken, 1, &about, DDS_ANY_STATE) == 1; }));
+  REQUIRE(comesTrue([&] { return dds_takecdr(reader, &taken, 1, &about, DDS_ANY_STATE) == 1; }));
   std::vector<std::uint8_t> bytes(ddsi_serdata_size(taken));
   ddsi_serdata_to_ser(taken, 0, bytes.size(), bytes.data());
   ddsi_serdata_unref(taken);
   return hexOf(bytes);
-}
-
-/// What others discover of who writes or reads on that topic: a type's name and user data.
-struct Discovered {
-  std::string type, userData;
-};
-std::string userDataOf(const dds_qos_t* qos) {
-  void* data = nullptr;
-  std::size_t size = 0;
-  if (!dds_qget_userdata(qos, &data, &size)) return {};
-  const std::string text(static_cast<const char*>(data), size);
-  dds_free(data);
-  return text;
-}
-Discovered discovered(dds_entity_t from, dds_entity_t builtin, const std::string& topic) {
-  const Entity reader(dds_create_reader(from, builtin, nullptr, nullptr), "a reader");
-  Discovered found;
-  waitFor([&] {
-    void* samples[64] = {};
-    dds_sample_info_t about[64];
-    const dds_return_t count = dds_take(reader, samples, about, 64, 64);
-    for (dds_return_t i = 0; i < count; ++i) {
-      const auto* endpoint = static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
-      if (about[i].valid_data && topic == endpoint->topic_name) found = {endpoint->type_name, userDataOf(endpoint->qos)};
-    }
-    if (count > 0) dds_return_loan(reader, samples, count);
-    return !found.type.empty();
-  });
-  return found;
 }
 
 char text[] = "x";
@@ -152,7 +113,7 @@ TEST_CASE("those who write are discovered with ROS's names of types, their hashe
   const RosCloud cloud({.network = ownNetwork(), .name = "lab"});
   const auto writes = [&](const std::string& topic, const std::string& type, const std::string& hash) {
     CAPTURE(topic);
-    const Discovered found = discovered(other, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, topic);
+    const DiscoveredWriter found = discoveredWriter(other, topic);
     CHECK(found.type == type);
     CHECK(found.userData == "typehash=" + hash + ";");
   };
@@ -165,7 +126,7 @@ TEST_CASE("those who write are discovered with ROS's names of types, their hashe
          "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5");
   const Entity reader(dds_create_reader(other, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr), "a reader");
   int enclaves = 0;
-  CHECK(waitFor([&] {
+  CHECK(comesTrue([&] {
     void* samples[16] = {};
     dds_sample_info_t about[16];
     const dds_return_t count = dds_take(reader, samples, about, 16, 16);
@@ -197,7 +158,7 @@ TEST_CASE("a hand is heard where it is, in metres, newtons and newton metres, at
   const Reader<RosWrenchStamped> wrench(participant, wrenches, all);
   const Reader<RosPoseStamped> sensor(participant, poses, rosQos(RosDelivery::bestEffort, poseType));
   RosHand hand({.network = ownNetwork(), .name = "hand", .mm_per_unit = 2}, 100);
-  REQUIRE(waitFor([&] {
+  REQUIRE(comesTrue([&] {
     dds_subscription_matched_status_t matched[4];
     int count = 0;
     for (const dds_entity_t reader : {dds_entity_t(pose), dds_entity_t(proxy), dds_entity_t(wrench), dds_entity_t(sensor)})
@@ -247,8 +208,8 @@ TEST_CASE("a cloud is heard by who comes later, as it is then") {
   CHECK(glm::distance(first.normals[1000], cloud.normals[1000]) < 1e-6f);
   CHECK(scaleSaidIn(first.storedAs.comments) == 1000);
   points[0].id |= PointState::kGone;
-  CHECK(waitFor([&] { return shown.show(points, {}); }));
-  CHECK(waitFor([&] { return shown.show(points, {}); }));
+  CHECK(comesTrue([&] { return shown.show(points, {}); }));
+  CHECK(comesTrue([&] { return shown.show(points, {}); }));
   CHECK(shown.shown() == 2);
   CHECK(hearRosCloud("/clay/cloud", listening).size() == 2999);
 }
