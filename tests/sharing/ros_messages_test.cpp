@@ -58,7 +58,7 @@ TEST_CASE("a PoseStamped has the bytes that ROS gives it") {
   char frame[] = "ab";
   RosPoseStamped pose{};
   pose.header = {.stamp = {.sec = 7, .nanosec = 8}, .frame_id = frame};
-  pose.pose = {.position = {1, 2, -1}, .orientation = {0, 0, 0.5, 1}};
+  pose.pose = {.position = {.x = 1, .y = 2, .z = -1}, .orientation = {.x = 0, .y = 0, .z = 0.5, .w = 1}};
   CHECK(wireOf(pose) == withoutSpaces("00010000 07000000 08000000 03000000 616200 00 "
                                       "000000000000f03f 0000000000000040 000000000000f0bf "
                                       "0000000000000000 0000000000000000 000000000000e03f 000000000000f03f"));
@@ -68,7 +68,7 @@ TEST_CASE("a WrenchStamped has the bytes that ROS gives it") {
   char frame[] = "";
   RosWrenchStamped wrench{};
   wrench.header = {.stamp = {.sec = -1, .nanosec = 256}, .frame_id = frame};
-  wrench.wrench = {.force = {1, 0, 0}, .torque = {0, 2, -1}};
+  wrench.wrench = {.force = {.x = 1, .y = 0, .z = 0}, .torque = {.x = 0, .y = 2, .z = -1}};
   CHECK(wireOf(wrench) == withoutSpaces("00010000 ffffffff 00010000 01000000 00 000000 "
                                         "000000000000f03f 0000000000000000 0000000000000000 "
                                         "0000000000000000 0000000000000040 000000000000f0bf"));
@@ -203,6 +203,7 @@ TEST_CASE("a cloud is heard by who comes later, as it is then") {
   CHECK(shown.show(points, {}));
   const RosListening listening{.network = ownNetwork()};
   const PointCloud first = hearRosCloud("clay/cloud", listening);
+  CHECK(hearRosCloud("clay/cloud", listening).positions == first.positions);  // later than it was written
   REQUIRE(first.size() == 3000);
   CHECK(glm::distance(DVec3(first.positions[1000]), DVec3(cloud.positions[1000]) * 0.005) < 1e-6);
   CHECK(glm::distance(first.normals[1000], cloud.normals[1000]) < 1e-6f);

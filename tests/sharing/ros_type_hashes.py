@@ -1,10 +1,14 @@
 """The type hashes of ROS's messages (REP-2016, RIHS01), from their published definitions: SHA-256 of a description as JSON.
 
-Prints a line for each message. Held against the published hash of std_msgs/msg/String.
+Prints a line for each message. Held against the published hash of std_msgs/msg/String, and, where they are given, against
+the types of an IDL file and the hashes that stand in a file of C++:
+
+    ros_type_hashes.py haptics/sharing/ros.idl haptics/sharing/ros_messages.cpp
 """
 
 import hashlib
 import json
+import re
 import sys
 
 # type_description_interfaces/msg/FieldType.
@@ -84,10 +88,60 @@ def hash_of(message):
     return "RIHS01_" + hashlib.sha256(text.encode()).hexdigest()
 
 
+# What IDL calls them.
+IDL_NAMES = {"uint8": "octet", "int32": "long", "uint32": "unsigned long", "float64": "double"}
+
+
+def idl_of(type_name):
+    element = element_of(type_name)
+    name = IDL_NAMES.get(element, element)
+    if "/" in element:
+        package, _, message = element.split("/")
+        name = f"{package}::msg::dds_::{message}_"
+    return f"sequence<{name}>" if type_name.endswith("[]") else name
+
+
+def fields_in_idl(text):
+    """By message: its fields as (name, type), as MESSAGES has them, but with types of IDL."""
+    found, package = {}, None
+    text = re.sub(r"//[^\n]*", "", text)
+    for match in re.finditer(r"module (\w+) \{ module msg|struct (\w+)_ \{([^}]*)\}", text):
+        if match[1]:
+            package = match[1]
+            continue
+        fields = []
+        for field in filter(None, (field.strip() for field in match[3].split(";"))):
+            type_name, names = re.fullmatch(r"(.*?)\s+(\w+(?:,\s*\w+)*)", field, re.S).groups()
+            if re.fullmatch(r"(sequence<)?\w+_>?", type_name):  # of the same package
+                type_name = re.sub(r"(\w+_)\b", rf"{package}::msg::dds_::\1", type_name)
+            fields += [(name.strip(), type_name) for name in names.split(",")]
+        found[f"{package}/msg/{match[2]}"] = fields
+    return found
+
+
+def complaints(idl, code):
+    in_idl = fields_in_idl(idl)
+    for message, fields in MESSAGES.items():
+        if message not in PUBLISHED and in_idl.get(message) != [(name, idl_of(kind)) for name, kind in fields]:
+            yield f"{message} is otherwise in the IDL: {in_idl.get(message)}"
+    known = {message.split("/")[2]: hash_of(message) for message in MESSAGES}
+    in_code = re.findall(r"rosTypeOf<Ros(\w+)>\(\).*?(RIHS01_\w+)", code, re.S)
+    if not in_code:
+        yield "the code has no hashes"
+    for name, type_hash in in_code:
+        if known.get(name) != type_hash:
+            yield f"the code has another hash of {name}"
+
+
 def main():
     for message in MESSAGES:
         print(message, hash_of(message))
-    return any(hash_of(message) != published for message, published in PUBLISHED.items())
+    wrong = [f"{message} has another hash" for message, known in PUBLISHED.items() if hash_of(message) != known]
+    if len(sys.argv) == 3:
+        with open(sys.argv[1]) as idl, open(sys.argv[2]) as code:
+            wrong += complaints(idl.read(), code.read())
+    print("\n".join(wrong), file=sys.stderr, end="\n" if wrong else "")
+    return bool(wrong)
 
 
 if __name__ == "__main__":
