@@ -3,6 +3,7 @@
 #include "apps/cli/context.hpp"
 #include "apps/cli/fused_folder.hpp"
 #include "apps/cli/model.hpp"
+#include "apps/cli/sharing_options.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/io/cloud_formats.hpp"
@@ -20,6 +21,7 @@ struct ConvertOptions {
   std::string intrinsics;
   double depthScale = 0;
   std::int64_t samples = 0;
+  NetworkOptions network;
 };
 
 bool ontoItself(const ConvertOptions& options) {
@@ -74,6 +76,8 @@ std::size_t samplesOf(const ConvertOptions& options, const CloudFormat& from) {
 }
 
 ConvertInput readInput(Context& context, const ConvertOptions& options, const CloudFormat& to) {
+  if (isRosModel(options.input))
+    return {.stored = {.cloud = rosFetcher(options.network)(options.input, context.log())}, .format = "ROS"};
   if (!isRgbdFolder(options.input)) {
     const CloudFormat& from = cloudFormats().toRead(options.input);
     return {.stored = readCloud(options.input, &context.log(),
@@ -94,7 +98,8 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
 }
 
 void convert(Context& context, const ConvertOptions& options) {
-  if (!isRgbdFolder(options.input)) cloudFormats().toRead(options.input);  // says what it is not, before all else
+  // Says what it is not, before all else.
+  if (!isRosModel(options.input) && !isRgbdFolder(options.input)) cloudFormats().toRead(options.input);
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   const double mm_per_unit = options.scale.given();
   checkTarget(options);
@@ -134,8 +139,8 @@ void addConvert(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("convert", "a cloud from one file into another; says what is lost on the way");
   auto options = std::make_shared<ConvertOptions>();
   sub.add("input", options->input,
-          fmt::format("file to read: {}; or {}, whose frames become one cloud", cloudFormats().endingsRead(),
-                      rgbdFoldersRead()))
+          fmt::format("file to read: {}; or {}, whose frames become one cloud; or ros:TOPIC, of which the first PointCloud2 is taken",
+                      cloudFormats().endingsRead(), rgbdFoldersRead()))
       .required()
       .typeName("IN");
   sub.add("output", options->output, "file to write: " + cloudFormats().endingsWritten()).required().typeName("OUT");
@@ -157,6 +162,7 @@ void addConvert(Options& app, Context& context, Command& command) {
       .check(between(1e-3, 1e6));
   addAllPointsOption(sub, options->allPoints);
   addScaleOptions(sub, options->scale);
+  addNetworkOptions(sub, options->network);
   sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
   sub.addFlag("--force", options->force, "replace OUT where it exists; where it is IN, that is kept as IN.bak");
   sub.footer(

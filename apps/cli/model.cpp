@@ -92,20 +92,21 @@ double supportRadius(const std::string& text, const Model& model) {
 
 namespace {
 
-ModelLoading loadingOf(Context& context, EstimateOn where) {
+ModelLoading loadingOf(Context& context, EstimateOn where, const NetworkOptions* network) {
   ModelLoading loading{.log = context.log(), .threads = context.threads(), .join = pointsJoiner()};
+  if (network) loading.fetch = rosFetcher(*network);
   if (where == EstimateOn::gpu) loading.estimate = estimateNormalsOn([&]() -> Device& { return context.device(); });
   return loading;
 }
 
 }  // namespace
 
-Model loadModel(Context& context, const SessionConfig& config, EstimateOn where) {
-  return loadModel(config, loadingOf(context, where));
+Model loadModel(Context& context, const SessionConfig& config, EstimateOn where, const NetworkOptions* network) {
+  return loadModel(config, loadingOf(context, where, network));
 }
 
-Model loadModel(Context& context, const ModelOptions& options, EstimateOn where) {
-  return loadModel(options.config(), loadingOf(context, where));
+Model loadModel(Context& context, const ModelOptions& options, EstimateOn where, const NetworkOptions* network) {
+  return loadModel(options.config(), loadingOf(context, where, network));
 }
 
 }  // namespace palpate

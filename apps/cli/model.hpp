@@ -6,6 +6,8 @@
 
 namespace palpate {
 
+struct NetworkOptions;
+
 /// How large the model is in the hand.
 struct ScaleOptions {
   double mm_per_unit = 0;  ///< 0: as the file says, or the longest side becomes 100 mm
@@ -39,8 +41,9 @@ double supportRadius(const std::string& text, const Model& model);
 
 /// Where normals are estimated: on the GPU where one is going to be opened anyway.
 enum class EstimateOn { cpu, gpu };
-/// Reads the file, and sees to normals as the options say. Throws FileError, UsageError.
-Model loadModel(Context& context, const ModelOptions& options, EstimateOn where);
-Model loadModel(Context& context, const SessionConfig& config, EstimateOn where);
+/// Reads the file, and sees to normals as the options say. `network`: where a topic of ROS may be heard in place of a file;
+/// null: nowhere. Throws FileError, UsageError.
+Model loadModel(Context& context, const ModelOptions& options, EstimateOn where, const NetworkOptions* network = nullptr);
+Model loadModel(Context& context, const SessionConfig& config, EstimateOn where, const NetworkOptions* network = nullptr);
 
 }  // namespace palpate

@@ -36,7 +36,7 @@ void render(Context& context, const RenderOptions& options) {
     config.matter = matterScene(config.model.file);
   }
   validate(config);
-  const Model model = loadModel(context, config, EstimateOn::gpu);
+  const Model model = loadModel(context, config, EstimateOn::gpu, &options.join.network);
   if (options.mode == "mesh") {
     drawMesh(context, model, options);
   } else {

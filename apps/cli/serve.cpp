@@ -2,7 +2,9 @@
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"
+#include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 
 namespace palpate {
@@ -12,17 +14,32 @@ namespace {
 struct ServeOptions {
   ModelOptions model;
   NetworkOptions network;
-  std::string name, journalFile, saveFile;
+  std::string name, ros, journalFile, saveFile;
   bool readOnly = false;
   double duration_s = 0;
 };
 
+/// Serves until it is asked to end, or the time is over; meanwhile ROS hears the points as they are, after each second in
+/// which they have changed.
+void serveWith(CloudServer& server, RosCloud& ros, const PointCloud& cloud, double duration_s) {
+  constexpr double kAgain_s = 1;
+  std::optional<std::uint64_t> shownStates;
+  for (const Stopwatch since; !StopBySignal::requested();) {
+    const double left_s = duration_s > 0 ? duration_s - since.elapsed_s() : kAgain_s;
+    if (left_s <= 0) break;
+    const std::uint64_t states = server.counts().states;
+    if (shownStates != states && ros.show(server.points(), cloud.origin)) shownStates = states;
+    server.serve(StopBySignal::requested(), std::min(kAgain_s, left_s));
+  }
+}
+
 void serve(Context& context, const ServeOptions& options) {
+  if (!options.ros.empty()) requireRosName(options.ros);
   if (options.readOnly && (!options.journalFile.empty() || !options.saveFile.empty()))
     throw UsageError("--read-only: nobody sculpts it; leave --journal and --save out");
   Context::checkWritable(options.saveFile);
   sayWhatIsLost(options.saveFile, context.log());
-  const Model model = loadModel(context, options.model, EstimateOn::cpu);
+  const Model model = loadModel(context, options.model, EstimateOn::cpu, &options.network);
   const StopBySignal stop;
   CloudServer server(model.cloud, {.network = options.network.config(),
                                    .name = options.name,
@@ -33,7 +50,12 @@ void serve(Context& context, const ServeOptions& options) {
                                    .log = &context.log()});
   context.log().say("serving '{}': {} points of {}; {}", options.name, model.cloud.size(), options.model.file,
                     opennessOf(options.network.config()));
-  server.serve(StopBySignal::requested(), options.duration_s);
+  if (options.ros.empty()) {
+    server.serve(StopBySignal::requested(), options.duration_s);
+  } else {
+    RosCloud ros({.network = options.network.config(), .name = options.ros, .mm_per_unit = model.scale.mm_per_unit});
+    serveWith(server, ros, model.cloud, options.duration_s);
+  }
   const ServedCounts counts = server.counts();
   context.log().say("served '{}' to {} client{}: {} blocks of points; {} sculpted it, {} states of points in {} pieces",
                     options.name, counts.clients, counts.clients == 1 ? "" : "s", counts.blocks, counts.sculptors,
@@ -69,6 +91,7 @@ void addServe(Options& app, Context& context, Command& command) {
       .typeName("FILE");
   sub.add("--save", options->saveFile, "the points as they are in the end; an older file is kept").typeName("FILE");
   sub.addFlag("--read-only", options->readOnly, "whoever joins feels it and does not sculpt it");
+  sub.add("--ros", options->ros, "programs of ROS 2 hear the points as NAME/cloud, and again while they are sculpted").typeName("NAME");
   addNetworkOptions(sub, options->network);
   sub.add("--duration", options->duration_s, "s (default: until it is asked to end, as by Ctrl+C)")
       .check(between(bounds::kShortest_s, bounds::kLongest_s));

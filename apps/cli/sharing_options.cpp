@@ -3,6 +3,7 @@
 #include "apps/cli/stop_by_signal.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "haptics/session/bounds.hpp"
+#include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/shared_edits.hpp"
 
@@ -30,11 +31,24 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
   addNetworkOptions(command, options.network);
 }
 
+void addRosOptions(Options& command, RosOptions& options) {
+  command
+      .add("--ros", options.name,
+           "programs of ROS 2 hear where the hand is (NAME/pose, NAME/proxy) and what it feels (NAME/wrench); on the network of "
+           "--interface, --peer and --domain, else on this machine alone")
+      .typeName("NAME");
+  command.add("--ros-rate", options.rate_Hz, "Hz; ticks in between are left out").check(between(1, bounds::kMostRate_Hz)).showDefault();
+}
+
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile) {
   const NetworkOptions& network = options.network;
+  if (!options.ros.name.empty()) requireRosName(options.ros.name);
   if (options.name.empty()) {
-    if (!network.interface.empty() || !network.peers.empty() || network.domain != 0 || !options.hand.empty())
-      throw UsageError("--interface, --peer, --domain and --as are for --join, which names a session");
+    const bool hasNetwork = !network.interface.empty() || !network.peers.empty() || network.domain != 0;
+    const bool isUsed = isRosModel(modelFile) || !options.ros.name.empty();
+    if ((hasNetwork && !isUsed) || !options.hand.empty())
+      throw UsageError(
+          "--interface, --peer, --domain and --as are for --join, which names a session (the first three for ROS, too)");
     return std::nullopt;
   }
   if (!modelFile.empty()) throw UsageError("--join: the session that is joined is the model; leave {} out", modelFile);
@@ -60,6 +74,13 @@ JoinedCloud join(const std::string& name, const JoinConfig& join, Log& log, bool
 SessionJoiner pointsJoiner() {
   return [](const std::string& name, const JoinConfig& config, Log& log) {
     return JoinedModel{.cloud = join(name, config, log, true).cloud};
+  };
+}
+
+CloudFetcher rosFetcher(const NetworkOptions& network) {
+  return [config = network.config()](const std::string& name, Log& log) {
+    const StopBySignal stop;
+    return hearRosCloud(name.substr(kRosModel.size()), {.network = config, .log = &log, .stop = &StopBySignal::requested()});
   };
 }
 

@@ -22,14 +22,23 @@ struct NetworkOptions {
 /// --interface, --peer and --domain.
 void addNetworkOptions(Options& command, NetworkOptions& options);
 
+/// What programs of ROS hear of a hand.
+struct RosOptions {
+  std::string name;  ///< of the namespace; empty: nothing
+  double rate_Hz = 100;
+};
+
 struct JoinOptionsGiven {
   std::string name;  ///< empty: no session of others is joined
   std::string hand;  ///< what the others see this hand called; empty: as the machine
+  RosOptions ros;    ///< on the same network
   NetworkOptions network;
 };
 enum class JoinAs { hand, onlooker };
 /// --join, and those of the network; --as for a hand.
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as);
+/// --ros and --ros-rate.
+void addRosOptions(Options& command, RosOptions& options);
 /// What is joined, under whose name the model goes then; nothing where none is. Throws UsageError for options that do not go
 /// together.
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile);
@@ -38,5 +47,7 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
 SessionJoiner sessionJoiner(const std::string& hand);
 /// Fetches the points of a session as they are, to look at them.
 SessionJoiner pointsJoiner();
+/// Hears clouds of ROS on that network while nobody asks the program to end.
+CloudFetcher rosFetcher(const NetworkOptions& network);
 
 }  // namespace palpate

@@ -42,7 +42,7 @@ void addStreamOptions(Options& command, StreamOptions& options) {
 }
 
 std::string modelsAndStreams() {
-  return fmt::format("{} file, a recorded depth camera ({}), or a scene of matter (a .json file, or one of {})",
+  return fmt::format("{} file, a recorded depth camera ({}), a scene of matter (a .json file, or one of {}), or a PointCloud2 of ROS 2 (ros:TOPIC)",
                      cloudFormats().namesRead(), rgbdFoldersRead(), builtInScenes());
 }
 

@@ -11,6 +11,7 @@
 #include "haptics/session/drawn_follower.hpp"
 #include "haptics/session/matter_scenes.hpp"
 #include "haptics/session/session.hpp"
+#include "haptics/sharing/ros.hpp"
 
 namespace palpate {
 
@@ -72,8 +73,11 @@ class StartStages {
 /// Counts the ticks for the bar, and notes the first one.
 class ShownTicks final : public TickRecorder {
  public:
-  ShownTicks(Log& log, double duration_s) : progress_(log, "touch"), duration_s_(std::max(duration_s, 1e-9)) {}
-  void ticked(const TraceRow& row, const DeviceState&) noexcept override {
+  /// `next` is notified of each tick, too; null: nobody is.
+  ShownTicks(Log& log, double duration_s, TickRecorder* next)
+      : progress_(log, "touch"), duration_s_(std::max(duration_s, 1e-9)), next_(next) {}
+  void ticked(const TraceRow& row, const DeviceState& device) noexcept override {
+    if (next_) next_->ticked(row, device);
     if (!first_s_) first_s_ = since_.elapsed_s();
     progress_.set(row.time_s / duration_s_);
   }
@@ -83,6 +87,7 @@ class ShownTicks final : public TickRecorder {
  private:
   Progress progress_;
   double duration_s_;
+  TickRecorder* next_;
   Stopwatch since_;
   std::optional<double> first_s_;
 };
@@ -191,8 +196,14 @@ void touch(Context& context, const TouchCommandOptions& options) {
   checkTouchOptions(options, kind.capabilities());
   checkOutputs(context, options);
   Model model =
-      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator(), .join = sessionJoiner(options.join.hand)});
+      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator(), .join = sessionJoiner(options.join.hand), .fetch = rosFetcher(options.join.network)});
   start.ended("model");
+  std::optional<RosHand> ros;
+  if (!options.join.ros.name.empty())
+    ros.emplace(RosPublishing{.network = options.join.network.config(),
+                              .name = options.join.ros.name,
+                              .mm_per_unit = model.scale.mm_per_unit},
+                options.join.ros.rate_Hz);
   std::vector<HandSource> sources;
   for (const HandConfig& hand : config.hands) sources.push_back(openHand(context, model, config, hand));
   std::vector<OpenHand> hands;
@@ -219,12 +230,16 @@ void touch(Context& context, const TouchCommandOptions& options) {
   std::vector<StartStage> stages = start.all();
   const ServoResult result = [&] {
     const StopBySignal stop;
-    ShownTicks shown(context.log(), session.durationOf(hands));
+    ShownTicks shown(context.log(), session.durationOf(hands), ros ? &*ros : nullptr);
     ServoResult ran = session.run(hands, {.stop = &StopBySignal::requested(), .recorder = &shown});
     if (const auto first_s = shown.first_s()) stages.push_back({"first answer", *first_s});
     return ran;
   }();
   Outputs outputs;
+  std::optional<RosHand::Counts> heard;
+  outputs.write([&] {
+    if (ros) heard = ros->finish();
+  });
   outputs.write([&] {
     if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace());
   });
@@ -251,6 +266,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   const SculptedCloud end = changes ? session.sculpted() : SculptedCloud{};
   TouchReport report = reportOf(session, result, end);
   report.start = std::move(stages);
+  report.ros = heard;
   report.tool = options.backend.tool;
   report.back = undone;
   if (hands.size() > 1) report.second = secondReport(options.secondDevice, result.hands[1]);

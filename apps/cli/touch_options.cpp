@@ -165,6 +165,7 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
   addStreamOptions(command, options.stream);
   heading("A session of others");
   addJoinOptions(command, options.join, JoinAs::hand);
+  addRosOptions(command, options.join.ros);
   heading("What answers");
   addBackendOptions(command, options.backend);
   heading("A tool of many points");

@@ -185,6 +185,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const TraceSummary& trace = report.trace;
   const auto& shortfalls = report.shortfalls;
+  if (report.ros) row("for ROS", fmt::format("{} ticks sent, {} left out for want of room", report.ros->ticks, report.ros->lost));
   if (report.shared) row("others", inWords(*report.shared));
   if (report.matter)
     row(report.matter->matter == Matter::soft ? "points" : "particles", inWords(*report.matter, report.points));
@@ -338,6 +339,7 @@ Json toJson(const TouchReport& report) {
   }
   if (report.matter && report.matter->coupling_N_mm > 0) json["peak_torque_mNm"] = trace.peakTorque_mNm;
   if (report.frames) json["frames"] = toJson(*report.frames);
+  if (report.ros) json["ros"] = {{"ticks", report.ros->ticks}, {"lost", report.ros->lost}};
   if (report.shared) json["shared"] = toJson(*report.shared);
   if (report.second) json["second_hand"] = toJson(*report.second);
   if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);

@@ -8,6 +8,7 @@
 #include "engine/motion/rigid_motion.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session/edit_relay.hpp"
+#include "haptics/sharing/ros.hpp"
 #include "haptics/trajectory.hpp"
 
 namespace palpate {
@@ -87,6 +88,7 @@ struct TouchReport {
   std::optional<MatterReport> matter;  ///< where the model is a scene
   std::optional<StrokeCounts> shape;   ///< of a soft body with a brush
   std::optional<UndoneStrokes> back;  ///< where undo was asked for
+  std::optional<RosHand::Counts> ros;  ///< where programs of ROS hear it
   std::optional<SharedCounts> shared;  ///< where others feel and sculpt it, too
   std::optional<LogReport> log;
   std::optional<SecondHandReport> second;   ///< where there was one

@@ -19,7 +19,8 @@ void Loader::open(WindowOptions options, const BrushSettings& brush, const FeelS
   cancel();
   given_.reset();
   const std::string name = std::filesystem::path(options.config.model.file).filename().string();
-  const std::string what = (options.config.join ? "joining " : "reading ") + name;
+  const bool isHeard = isRosModel(options.config.model.file);
+  const std::string what = (options.config.join ? "joining " : isHeard ? "hearing " : "reading ") + name;
   begin(std::move(options), brush, feel, what);
 }
 
@@ -60,7 +61,8 @@ Loader::Result Loader::load() {
     Model model = given_ ? std::move(*given_)
                          : loadModel(options_.config, {.log = context_.log(),
                                                       .threads = context_.threads(),
-                                                      .join = sessionJoiner(options_.hand)});
+                                                      .join = sessionJoiner(options_.hand),
+                                                      .fetch = rosFetcher(options_.network)});
     isRead_ = true;
     mayBuild_.get_future().wait();
     if (cancelled_) return {};

@@ -8,6 +8,7 @@
 
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/context.hpp"
+#include "apps/cli/sharing_options.hpp"
 #include "engine/contact/query_method.hpp"
 #include "haptics/session/drawn_follower.hpp"
 #include "haptics/session/live_session.hpp"
@@ -35,6 +36,7 @@ struct FeelSettings {
 /// What the window is opened with.
 struct WindowOptions {
   SessionConfig config;  ///< the file of its model changes from model to model
+  NetworkOptions network;  ///< that topics of ROS are heard on
   std::string hand;      ///< what others see it called in the session that is joined; empty: as the machine
   StreamConfig stream;   ///< of models that are depth cameras
   std::uint64_t undo_bytes = 1ull << 30;

@@ -55,6 +55,7 @@ void setStream(const StreamOptions& options, ViewOptions& view) {
 void setJoin(const JoinOptionsGiven& options, ViewOptions& view) {
   std::string first = view.models.empty() ? std::string() : view.models.front();
   view.session.config.join = joinConfig(options, first);
+  view.session.network = options.network;
   if (!view.session.config.join) return;
   if (view.session.config.motion) throw UsageError("--motion: what is joined stands as it is served");
   view.models = {first};

@@ -49,7 +49,18 @@ ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
   return ModelScale::fitting(boundsOf(cloud).longestSide());
 }
 
+namespace {
+
+Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
+  if (!loading.fetch) throw Error("{}: topics of ROS are not heard here", config.file);
+  if (config.normals == NormalSource::face) throw ConfigError("model.normals", "points that are sent have no faces; take keep or estimate");
+  return modelOf(loading.fetch(config.file, loading.log), config, loading);
+}
+
+}  // namespace
+
 Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
+  if (isRosModel(config.file)) return fetchModel(config, loading);
   if (isRgbdFolder(config.file))
     throw FileError(config.file, "is a recorded depth camera, and not one cloud; touch, view, render and info read it");
   StoredCloud stored = readCloud(

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -69,11 +70,18 @@ struct JoinedModel {
 /// Fetches the session that is served under a name.
 using SessionJoiner = std::function<JoinedModel(const std::string& name, const JoinConfig& join, Log& log)>;
 
+/// A model of this beginning is no file, but a topic of ROS: a cloud that somebody sends.
+inline constexpr std::string_view kRosModel = "ros:";
+inline bool isRosModel(std::string_view name) { return name.starts_with(kRosModel); }
+/// Gets the cloud of such a name.
+using CloudFetcher = std::function<PointCloud(const std::string& name, Log& log)>;
+
 struct ModelLoading {
   Log& log;
   unsigned threads = 0;  ///< 0: one per core
   NormalEstimator estimate = estimateNormalsOnCpu;
   SessionJoiner join = {};  ///< empty: this program joins none
+  CloudFetcher fetch = {};  ///< empty: this program hears nothing of ROS
 };
 /// A cloud that is in memory: sees to normals as the configuration says, whose file is only its name.
 Model modelOf(PointCloud cloud, const ModelConfig& config, const ModelLoading& loading);

@@ -148,9 +148,9 @@ struct Participant::Domain {
   }
 };
 
-Participant::Participant(const NetworkConfig& network)
+Participant::Participant(const NetworkConfig& network, const Qos& qos)
     : domain_(Domain::of(network)),
-      participant_(dds_create_participant(network.domain, nullptr, nullptr), "the network") {}
+      participant_(dds_create_participant(network.domain, qos.get(), nullptr), "the network") {}
 
 void ReaderWait::attach(dds_entity_t reader) {
   conditions_.emplace_back(dds_create_readcondition(reader, DDS_ANY_STATE), "a condition");

@@ -55,7 +55,7 @@ Qos bestEffortQos();
 /// throws UsageError where they are not.
 class Participant {
  public:
-  explicit Participant(const NetworkConfig& network);
+  explicit Participant(const NetworkConfig& network, const Qos& qos = {});
   operator dds_entity_t() const { return participant_; }  // NOLINT: as above
 
  private:

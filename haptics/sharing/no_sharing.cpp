@@ -1,3 +1,4 @@
+#include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/shared_edits.hpp"
 
@@ -25,5 +26,21 @@ std::span<const PointState> CloudServer::points() const { refuse(); }
 std::unique_ptr<SharedFollower> shareEdits(const SharedParts&) { refuse(); }
 
 JoinedCloud joinCloud(const std::string&, const JoinOptions&) { refuse(); }
+
+void requireRosName(const std::string&) { refuse(); }
+
+class RosHand::Link {};
+RosHand::RosHand(const RosPublishing&, double) { refuse(); }
+RosHand::~RosHand() = default;
+void RosHand::ticked(const TraceRow&, const DeviceState&) noexcept {}
+RosHand::Counts RosHand::finish() { refuse(); }
+
+class RosCloud::Link {};
+RosCloud::RosCloud(const RosPublishing&) { refuse(); }
+RosCloud::~RosCloud() = default;
+bool RosCloud::show(std::span<const PointState>, const DVec3&) { refuse(); }
+std::uint64_t RosCloud::shown() const { refuse(); }
+
+PointCloud hearRosCloud(const std::string&, const RosListening&) { refuse(); }
 
 }  // namespace palpate

@@ -1,0 +1,81 @@
+// A hand, and a cloud, for programs of ROS 2 to hear; and a cloud that they send. Nothing of DDS is seen here.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/core/log.hpp"
+#include "engine/core/point_state.hpp"
+#include "haptics/servo_loop.hpp"
+#include "haptics/sharing/network.hpp"
+
+namespace palpate {
+
+/// Throws UsageError for what is no name in ROS, of a topic or of a namespace.
+void requireRosName(const std::string& name);
+
+struct RosPublishing {
+  NetworkConfig network;
+  std::string name;        ///< of the namespace, and of the frame that all places are in; as ROS has names
+  double mm_per_unit = 1;  ///< of coordinates of the file, which go out in metres
+};
+
+/// Publishes NAME/pose and NAME/proxy (PoseStamped: where the hand is, and where the surface holds it) and NAME/wrench
+/// (WrenchStamped: what the hand feels, N and N m, in the axes of the model) from a thread of its own, which the servo thread
+/// waits for at no time. Stamps are the wall clock's at the first tick, and from there on go with the ticks.
+class RosHand final : public TickRecorder {
+ public:
+  struct Counts {
+    std::uint64_t ticks = 0;  ///< that were published, three messages each
+    std::uint64_t lost = 0;   ///< ticks for which there was no room
+  };
+  /// Throws UsageError, NetworkError. `rate_Hz`: by the time of the ticks; where it is more than theirs each is published.
+  RosHand(const RosPublishing& publishing, double rate_Hz);
+  ~RosHand() override;
+  RosHand(const RosHand&) = delete;
+  RosHand& operator=(const RosHand&) = delete;
+
+  void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
+  /// After the last tick: sends what is left, and waits a second for those who read it. Throws NetworkError where something
+  /// has gone wrong since the beginning.
+  Counts finish();
+
+ private:
+  class Link;
+  std::unique_ptr<Link> link_;
+};
+
+/// Publishes NAME/cloud (PointCloud2), kept for who comes later, from a thread of its own.
+class RosCloud {
+ public:
+  /// Throws UsageError, NetworkError.
+  explicit RosCloud(const RosPublishing& publishing);
+  ~RosCloud();
+  RosCloud(const RosCloud&) = delete;
+  RosCloud& operator=(const RosCloud&) = delete;
+
+  /// Copies the points and begins to publish them. False where it is still about the last ones: try again later. Throws
+  /// NetworkError of the last one.
+  bool show(std::span<const PointState> points, const DVec3& origin);
+  std::uint64_t shown() const;
+
+ private:
+  class Link;
+  std::unique_ptr<Link> link_;
+};
+
+struct RosListening {
+  NetworkConfig network;
+  double patience_s = 20;  ///< for the first message
+  Log* log = nullptr;
+  const std::atomic<bool>* stop = nullptr;  ///< ends it when it becomes true
+};
+/// The first PointCloud2 that comes on that topic, in metres, whose scale its comments say. Throws UsageError, NetworkError
+/// where none comes, or it is none.
+PointCloud hearRosCloud(const std::string& topic, const RosListening& listening);
+
+}  // namespace palpate

@@ -1,0 +1,252 @@
+// Messages of ROS on the wire of this machine: their bytes, what others discover of who writes them, and clouds and hands from
+// one end to the other.
+#include "haptics/sharing/ros_messages.hpp"
+
+#include <dds/ddsi/ddsi_serdata.h>
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <ctime>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/length_unit.hpp"
+#include "haptics/sharing/ros.hpp"
+#include "haptics/sharing/ros_points.hpp"
+#include "tests/sharing/own_network.hpp"
+#include "tests/sharing/ros_discovery.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+std::string hexOf(const std::vector<std::uint8_t>& bytes) {
+  std::string hex;
+  for (const std::uint8_t byte : bytes) hex += fmt::format("{:02x}", byte);
+  return hex;
+}
+
+std::string withoutSpaces(std::string text) {
+  std::erase(text, ' ');
+  return text;
+}
+
+/// A message as it is on the wire, its encapsulation before it.
+template <class T>
+std::string wireOf(const T& message) {
+  const Participant participant = rosParticipant(ownNetwork());
+  const RosType type = rosTypeOf<T>();
+  const RosPublisher<T> publisher(participant, "rt/bytes", RosDelivery::reliable);
+  const Topic<T> topic(participant, type.descriptor, "rt/bytes");
+  const Reader<T> reader(participant, topic, rosQos(RosDelivery::reliable, type));
+  CHECK(publisher.write(message));
+  ddsi_serdata* taken = nullptr;
+  dds_sample_info_t about;
+  REQUIRE(comesTrue([&] { return dds_takecdr(reader, &taken, 1, &about, DDS_ANY_STATE) == 1; }));
+  std::vector<std::uint8_t> bytes(ddsi_serdata_size(taken));
+  ddsi_serdata_to_ser(taken, 0, bytes.size(), bytes.data());
+  ddsi_serdata_unref(taken);
+  return hexOf(bytes);
+}
+
+char text[] = "x";
+
+}  // namespace
+
+TEST_CASE("a PoseStamped has the bytes that ROS gives it") {
+  char frame[] = "ab";
+  RosPoseStamped pose{};
+  pose.header = {.stamp = {.sec = 7, .nanosec = 8}, .frame_id = frame};
+  pose.pose = {.position = {.x = 1, .y = 2, .z = -1}, .orientation = {.x = 0, .y = 0, .z = 0.5, .w = 1}};
+  CHECK(wireOf(pose) == withoutSpaces("00010000 07000000 08000000 03000000 616200 00 "
+                                      "000000000000f03f 0000000000000040 000000000000f0bf "
+                                      "0000000000000000 0000000000000000 000000000000e03f 000000000000f03f"));
+}
+
+TEST_CASE("a WrenchStamped has the bytes that ROS gives it") {
+  char frame[] = "";
+  RosWrenchStamped wrench{};
+  wrench.header = {.stamp = {.sec = -1, .nanosec = 256}, .frame_id = frame};
+  wrench.wrench = {.force = {.x = 1, .y = 0, .z = 0}, .torque = {.x = 0, .y = 2, .z = -1}};
+  CHECK(wireOf(wrench) == withoutSpaces("00010000 ffffffff 00010000 01000000 00 000000 "
+                                        "000000000000f03f 0000000000000000 0000000000000000 "
+                                        "0000000000000000 0000000000000040 000000000000f0bf"));
+}
+
+TEST_CASE("a PointCloud2 has the bytes that ROS gives it") {
+  char frame[] = "map";
+  RosPointField field{.name = text, .offset = 0, .datatype = 7, .count = 1};
+  std::array<std::uint8_t, 8> data{1, 2, 3, 4, 5, 6, 7, 8};
+  RosPointCloud2 cloud{};
+  cloud.header = {.stamp = {.sec = 1, .nanosec = 2}, .frame_id = frame};
+  cloud.height = 1;
+  cloud.width = 2;
+  cloud.fields = {._maximum = 1, ._length = 1, ._buffer = &field, ._release = false};
+  cloud.point_step = 4;
+  cloud.row_step = 8;
+  cloud.data = {._maximum = 8, ._length = 8, ._buffer = data.data(), ._release = false};
+  cloud.is_dense = true;
+  // The last byte is followed by three that fill it up to four, which the encapsulation says.
+  CHECK(wireOf(cloud) == withoutSpaces("00010003 01000000 02000000 04000000 6d617000 01000000 02000000 "
+                                       "01000000 02000000 7800 0000 00000000 07 000000 01000000 "
+                                       "00 000000 04000000 08000000 08000000 0102030405060708 01 000000"));
+}
+
+TEST_CASE("an Image has the bytes that ROS gives it") {
+  char frame[] = "c", encoding[] = "16UC1";
+  std::array<std::uint8_t, 4> data{9, 8, 7, 6};
+  RosImage image{};
+  image.header = {.stamp = {.sec = 3, .nanosec = 4}, .frame_id = frame};
+  image.height = 1;
+  image.width = 2;
+  image.encoding = encoding;
+  image.step = 4;
+  image.data = {._maximum = 4, ._length = 4, ._buffer = data.data(), ._release = false};
+  CHECK(wireOf(image) == withoutSpaces("00010000 03000000 04000000 02000000 6300 0000 01000000 02000000 "
+                                       "06000000 313655433100 00 00 04000000 04000000 09080706"));
+}
+
+TEST_CASE("those who write are discovered with ROS's names of types, their hashes and the enclave") {
+  const Participant other(ownNetwork());
+  const RosHand hand({.network = ownNetwork(), .name = "/lab/hand"}, 100);
+  const RosCloud cloud({.network = ownNetwork(), .name = "lab"});
+  const auto writes = [&](const std::string& topic, const std::string& type, const std::string& hash) {
+    CAPTURE(topic);
+    const DiscoveredWriter found = discoveredWriter(other, topic);
+    CHECK(found.type == type);
+    CHECK(found.userData == "typehash=" + hash + ";");
+  };
+  const std::string pose = "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8";
+  writes("rt/lab/hand/pose", "geometry_msgs::msg::dds_::PoseStamped_", pose);
+  writes("rt/lab/hand/proxy", "geometry_msgs::msg::dds_::PoseStamped_", pose);
+  writes("rt/lab/hand/wrench", "geometry_msgs::msg::dds_::WrenchStamped_",
+         "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77");
+  writes("rt/lab/cloud", "sensor_msgs::msg::dds_::PointCloud2_",
+         "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5");
+  const Entity reader(dds_create_reader(other, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr), "a reader");
+  int enclaves = 0;
+  CHECK(comesTrue([&] {
+    void* samples[16] = {};
+    dds_sample_info_t about[16];
+    const dds_return_t count = dds_take(reader, samples, about, 16, 16);
+    for (dds_return_t i = 0; i < count; ++i)
+      enclaves += userDataOf(static_cast<const dds_builtintopic_participant_t*>(samples[i])->qos) == "enclave=/;";
+    if (count > 0) dds_return_loan(reader, samples, count);
+    return enclaves == 2;
+  }));
+}
+
+TEST_CASE("names that are none in ROS are refused") {
+  CHECK(rosName("/camera/points_2") == "camera/points_2");
+  for (const char* name : {"", "/", "a//b", "a/", "//a", "2a", "a/2b", "a b", "a-b", "a__b", "a.b", "\xc3\xa4"}) {
+    CAPTURE(name);
+    CHECK_THROWS_AS(rosName(name), UsageError);
+  }
+  CHECK_THROWS_AS(rosName(std::string(201, 'a')), UsageError);
+}
+
+TEST_CASE("a hand is heard where it is, in metres, newtons and newton metres, at the rate that is asked for") {
+  const Participant participant = rosParticipant(ownNetwork());
+  const RosType poseType = rosTypeOf<RosPoseStamped>(), wrenchType = rosTypeOf<RosWrenchStamped>();
+  const Topic<RosPoseStamped> poses(participant, poseType.descriptor, "rt/hand/pose"),
+      proxies(participant, poseType.descriptor, "rt/hand/proxy");
+  const Topic<RosWrenchStamped> wrenches(participant, wrenchType.descriptor, "rt/hand/wrench");
+  Qos all = rosQos(RosDelivery::reliable, poseType);
+  dds_qset_history(all.get(), DDS_HISTORY_KEEP_ALL, 0);
+  const Reader<RosPoseStamped> pose(participant, poses, all), proxy(participant, proxies, all);
+  const Reader<RosWrenchStamped> wrench(participant, wrenches, all);
+  const Reader<RosPoseStamped> sensor(participant, poses, rosQos(RosDelivery::bestEffort, poseType));
+  RosHand hand({.network = ownNetwork(), .name = "hand", .mm_per_unit = 2}, 100);
+  REQUIRE(comesTrue([&] {
+    dds_subscription_matched_status_t matched[4];
+    int count = 0;
+    for (const dds_entity_t reader : {dds_entity_t(pose), dds_entity_t(proxy), dds_entity_t(wrench), dds_entity_t(sensor)})
+      count += dds_get_subscription_matched_status(reader, matched) == 0 && matched[0].current_count == 1;
+    return count == 4;
+  }));
+  for (int tick = 0; tick <= 1000; ++tick)
+    hand.ticked({.time_s = 5 + tick * 1e-3, .hip = {10.0 * tick, 0, 3}, .proxy = {0, 1, 0}, .force_N = {0, 0, -2}, .torque_mNm = {500, 0, 0}},
+                {.turn = DQuat(0, 0, 1, 0)});
+  const RosHand::Counts counts = hand.finish();
+  CHECK(counts.ticks == 101);
+  CHECK(counts.lost == 0);
+  std::vector<double> x, stamps;
+  CHECK(pose.take([&](const RosPoseStamped& message) {
+    x.push_back(message.pose.position.x);
+    stamps.push_back(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec);
+    CHECK(std::string(message.header.frame_id) == "hand");
+    CHECK(message.pose.position.z == doctest::Approx(0.006));
+    CHECK(message.pose.orientation.y == 1);
+    CHECK(message.pose.orientation.w == 0);
+  }) == 101);
+  CHECK(x[0] == 0);
+  CHECK(x[37] == doctest::Approx(37 * 10 * 10 * 2e-3));
+  CHECK(stamps.back() - stamps.front() == doctest::Approx(1).epsilon(1e-5));
+  CHECK(std::abs(stamps.front() - static_cast<double>(std::time(nullptr))) < 60);
+  CHECK(proxy.take([](const RosPoseStamped& message) { CHECK(message.pose.position.y == doctest::Approx(0.002)); }) == 101);
+  CHECK(wrench.take([](const RosWrenchStamped& message) {
+    CHECK(message.wrench.force.z == -2);
+    CHECK(message.wrench.torque.x == 0.5);
+  }) == 101);
+  CHECK(sensor.take([](const RosPoseStamped&) {}) > 0);
+}
+
+TEST_CASE("a cloud is heard by who comes later, as it is then") {
+  PointCloud cloud;
+  for (int i = 0; i < 3000; ++i) {
+    cloud.positions.emplace_back(std::sin(i) * 40, std::cos(i) * 40, 0.001 * i);
+    cloud.normals.push_back(glm::normalize(Vec3(std::sin(i), std::cos(i), 0)));
+  }
+  std::vector<PointState> points = statesOf(cloud);
+  RosCloud shown({.network = ownNetwork(), .name = "clay", .mm_per_unit = 5});
+  CHECK(shown.show(points, {}));
+  const RosListening listening{.network = ownNetwork()};
+  const PointCloud first = hearRosCloud("clay/cloud", listening);
+  CHECK(hearRosCloud("clay/cloud", listening).positions == first.positions);  // later than it was written
+  REQUIRE(first.size() == 3000);
+  CHECK(glm::distance(DVec3(first.positions[1000]), DVec3(cloud.positions[1000]) * 0.005) < 1e-6);
+  CHECK(glm::distance(first.normals[1000], cloud.normals[1000]) < 1e-6f);
+  CHECK(scaleSaidIn(first.storedAs.comments) == 1000);
+  points[0].id |= PointState::kGone;
+  CHECK(comesTrue([&] { return shown.show(points, {}); }));
+  CHECK(comesTrue([&] { return shown.show(points, {}); }));
+  CHECK(shown.shown() == 2);
+  CHECK(hearRosCloud("/clay/cloud", listening).size() == 2999);
+}
+
+TEST_CASE("a million points are one message") {
+  std::vector<PointState> points(1'000'000);
+  for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = {.position = Vec3(i, 0, 1), .id = i, .normal = {0, 0, 1}};
+  RosCloud shown({.network = ownNetwork(), .name = "many", .mm_per_unit = 1000});
+  CHECK(shown.show(points, {}));
+  const PointCloud heard = hearRosCloud("many/cloud", {.network = ownNetwork()});
+  REQUIRE(heard.size() == points.size());
+  CHECK(heard.positions.back() == Vec3(999'999, 0, 1));
+}
+
+TEST_CASE("what does not come, and what comes and is none, is said") {
+  const auto says = [](const std::string& topic, const std::string& words) {
+    try {
+      hearRosCloud(topic, {.network = ownNetwork(), .patience_s = 0.5});
+    } catch (const Error& error) {
+      INFO(error.what());
+      CHECK(std::string(error.what()).find(words) != std::string::npos);
+      return;
+    }
+    CHECK_MESSAGE(false, "nothing was said");
+  };
+  says("nothing", "no PointCloud2 has come in 0.5 s");
+  says("no name", "is no name there");
+  const Participant participant = rosParticipant(ownNetwork());
+  const RosPublisher<RosPointCloud2> foreign(participant, "rt/foreign", RosDelivery::latched);
+  RosPointCloud2 cloud{};
+  cloud.header.frame_id = text;
+  cloud.height = cloud.width = cloud.row_step = 1000;
+  RosPointField field{.name = text, .offset = 0xfffffff0u, .datatype = 7, .count = 0xffffffffu};
+  cloud.fields = {._maximum = 1, ._length = 1, ._buffer = &field, ._release = false};
+  CHECK(foreign.write(cloud));
+  says("foreign", "contradicts itself");
+}
+
+}  // namespace palpate
