@@ -284,7 +284,7 @@ std::string said(const Json& summary) {
 std::string inWords(const Json& bytes, const Json& times) {
   const double moved = bytes["moved"].get<double>(), asked = bytes["asked"].get<double>();
   const double time_us = times[bytes["mostly_ends"].get<bool>() ? "max" : "p50"].get<double>();
-  return fmt::format("  {:.1f} MB moved, {:.0f} GB/s; {:.1f} MB asked for", moved * 1e-6,
+  return fmt::format("  {:.1f} MB moved, {:.3g} GB/s; {:.1f} MB asked for", moved * 1e-6,
                      moved * 1e-3 / std::max(time_us, 1e-3), asked * 1e-6);
 }
 
