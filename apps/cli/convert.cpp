@@ -98,7 +98,8 @@ ConvertInput readInput(Context& context, const ConvertOptions& options) {
 }
 
 void convert(Context& context, const ConvertOptions& options) {
-  if (!isRosModel(options.input) && !isRgbdFolder(options.input)) cloudFormats().toRead(options.input);  // says what it is not, before all else
+  if (!isRosModel(options.input) && !isRgbdFolder(options.input))
+    cloudFormats().toRead(options.input);  // says what it is not, before all else
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   const double mm_per_unit = options.scale.given();
   checkTarget(options);
@@ -138,7 +139,8 @@ void addConvert(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("convert", "a cloud from one file into another; says what is lost on the way");
   auto options = std::make_shared<ConvertOptions>();
   sub.add("input", options->input,
-          fmt::format("file to read: {}; or {}, whose frames become one cloud; or ros:TOPIC, of which the first PointCloud2 is taken",
+          fmt::format("file to read: {}; or {}, whose frames become one cloud; or ros:TOPIC, of which the first "
+                      "PointCloud2 is taken",
                       cloudFormats().endingsRead(), rgbdFoldersRead()))
       .required()
       .typeName("IN");

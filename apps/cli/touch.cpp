@@ -1,6 +1,5 @@
 #include "apps/cli/touch.hpp"
 
-#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/progress.hpp"
 #include "apps/cli/stop_by_signal.hpp"
@@ -9,6 +8,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/drawn_follower.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/sharing/ros.hpp"
 
@@ -193,8 +193,11 @@ void touch(Context& context, const TouchCommandOptions& options) {
   kind.check(config);
   checkTouchOptions(options, kind.capabilities());
   checkOutputs(context, options);
-  Model model =
-      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator(), .join = sessionJoiner(options.join.hand), .fetch = rosFetcher(options.join.network)});
+  Model model = loadModel(config, {.log = context.log(),
+                                   .threads = context.threads(),
+                                   .estimate = kind.normalEstimator(),
+                                   .join = sessionJoiner(options.join.hand),
+                                   .fetch = rosFetcher(options.join.network)});
   start.ended("model");
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())
