@@ -105,8 +105,11 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
   // before.
   std::vector<Reader<RosPointCloud2>> readers;
   ReaderWait wait(participant);
-  for (const RosDelivery delivery : {RosDelivery::bestEffort, RosDelivery::reliable, RosDelivery::latched})
-    wait.attach(readers.emplace_back(participant, clouds, rosQos(delivery, type)));
+  for (const RosDelivery delivery : {RosDelivery::bestEffort, RosDelivery::reliable, RosDelivery::latched}) {
+    const Qos qos = rosQos(delivery, type);
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);  // of large ones no more are kept than are looked at
+    wait.attach(readers.emplace_back(participant, clouds, qos));
+  }
   if (listening.log) listening.log->say("ros:{}: waiting for a PointCloud2", topic);
   std::optional<TakenRosPoints> taken;
   const Stopwatch since;
