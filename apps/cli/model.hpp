@@ -41,9 +41,11 @@ double supportRadius(const std::string& text, const Model& model);
 
 /// Where normals are estimated: on the GPU where one is going to be opened anyway.
 enum class EstimateOn { cpu, gpu };
-/// Reads the file, and sees to normals as the options say. `network`: where a topic of ROS may be heard in place of a file;
-/// null: nowhere. Throws FileError, UsageError.
-Model loadModel(Context& context, const ModelOptions& options, EstimateOn where, const NetworkOptions* network = nullptr);
-Model loadModel(Context& context, const SessionConfig& config, EstimateOn where, const NetworkOptions* network = nullptr);
+/// Reads the file, and sees to normals as the options say. `network`: where a topic of ROS may be heard in place of a
+/// file; null: nowhere. Throws FileError, UsageError.
+Model loadModel(Context& context, const ModelOptions& options, EstimateOn where,
+                const NetworkOptions* network = nullptr);
+Model loadModel(Context& context, const SessionConfig& config, EstimateOn where,
+                const NetworkOptions* network = nullptr);
 
 }  // namespace palpate

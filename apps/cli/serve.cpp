@@ -19,8 +19,8 @@ struct ServeOptions {
   double duration_s = 0;
 };
 
-/// Serves until it is asked to end, or the time is over; meanwhile ROS hears the points as they are, after each second in
-/// which they have changed.
+/// Serves until it is asked to end, or the time is over; meanwhile ROS hears the points as they are, after each second
+/// in which they have changed.
 void serveWith(CloudServer& server, RosCloud& ros, const PointCloud& cloud, double duration_s) {
   constexpr double kAgain_s = 1;
   std::optional<std::uint64_t> shownStates;
@@ -91,7 +91,8 @@ void addServe(Options& app, Context& context, Command& command) {
       .typeName("FILE");
   sub.add("--save", options->saveFile, "the points as they are in the end; an older file is kept").typeName("FILE");
   sub.addFlag("--read-only", options->readOnly, "whoever joins feels it and does not sculpt it");
-  sub.add("--ros", options->ros, "programs of ROS 2 hear the points as NAME/cloud, and again while they are sculpted").typeName("NAME");
+  sub.add("--ros", options->ros, "programs of ROS 2 hear the points as NAME/cloud, and again while they are sculpted")
+      .typeName("NAME");
   addNetworkOptions(sub, options->network);
   sub.add("--duration", options->duration_s, "s (default: until it is asked to end, as by Ctrl+C)")
       .check(between(bounds::kShortest_s, bounds::kLongest_s));

@@ -34,10 +34,12 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
 void addRosOptions(Options& command, RosOptions& options) {
   command
       .add("--ros", options.name,
-           "programs of ROS 2 hear where the hand is (NAME/pose, NAME/proxy) and what it feels (NAME/wrench); on the network of "
-           "--interface, --peer and --domain, else on this machine alone")
+           "programs of ROS 2 hear where the hand is (NAME/pose, NAME/proxy) and what it feels (NAME/wrench), on the "
+           "network of --interface, --peer and --domain, else on this machine alone")
       .typeName("NAME");
-  command.add("--ros-rate", options.rate_Hz, "Hz; ticks in between are left out").check(between(1, bounds::kMostRate_Hz)).showDefault();
+  command.add("--ros-rate", options.rate_Hz, "Hz; ticks in between are left out")
+      .check(between(1, bounds::kMostRate_Hz))
+      .showDefault();
 }
 
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile) {
@@ -48,7 +50,7 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
     const bool isUsed = isRosModel(modelFile) || !options.ros.name.empty();
     if ((hasNetwork && !isUsed) || !options.hand.empty())
       throw UsageError(
-          "--interface, --peer, --domain and --as are for --join, which names a session (the first three for ROS, too)");
+          "--interface, --peer, --domain and --as are for --join, which names a session (and but for --as for ROS, too)");
     return std::nullopt;
   }
   if (!modelFile.empty()) throw UsageError("--join: the session that is joined is the model; leave {} out", modelFile);
@@ -80,7 +82,8 @@ SessionJoiner pointsJoiner() {
 CloudFetcher rosFetcher(const NetworkOptions& network) {
   return [config = network.config()](const std::string& name, Log& log) {
     const StopBySignal stop;
-    return hearRosCloud(name.substr(kRosModel.size()), {.network = config, .log = &log, .stop = &StopBySignal::requested()});
+    return hearRosCloud(name.substr(kRosModel.size()),
+                        {.network = config, .log = &log, .stop = &StopBySignal::requested()});
   };
 }
 

@@ -42,8 +42,10 @@ void addStreamOptions(Options& command, StreamOptions& options) {
 }
 
 std::string modelsAndStreams() {
-  return fmt::format("{} file, a recorded depth camera ({}), a scene of matter (a .json file, or one of {}), or a PointCloud2 of ROS 2 (ros:TOPIC)",
-                     cloudFormats().namesRead(), rgbdFoldersRead(), builtInScenes());
+  return fmt::format(
+      "{} file, a recorded depth camera ({}), a scene of matter (a .json file, or one of {}), or a "
+      "PointCloud2 of ROS 2 (ros:TOPIC)",
+      cloudFormats().namesRead(), rgbdFoldersRead(), builtInScenes());
 }
 
 std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile) {

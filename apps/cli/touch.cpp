@@ -195,8 +195,11 @@ void touch(Context& context, const TouchCommandOptions& options) {
   kind.check(config);
   checkTouchOptions(options, kind.capabilities());
   checkOutputs(context, options);
-  Model model =
-      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator(), .join = sessionJoiner(options.join.hand), .fetch = rosFetcher(options.join.network)});
+  Model model = loadModel(config, {.log = context.log(),
+                                   .threads = context.threads(),
+                                   .estimate = kind.normalEstimator(),
+                                   .join = sessionJoiner(options.join.hand),
+                                   .fetch = rosFetcher(options.join.network)});
   start.ended("model");
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())

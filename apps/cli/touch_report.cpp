@@ -185,7 +185,8 @@ void printReport(std::FILE* out, const TouchReport& report) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const TraceSummary& trace = report.trace;
   const auto& shortfalls = report.shortfalls;
-  if (report.ros) row("for ROS", fmt::format("{} ticks sent, {} left out for want of room", report.ros->ticks, report.ros->lost));
+  if (report.ros)
+    row("for ROS", fmt::format("{} ticks sent, {} left out for want of room", report.ros->ticks, report.ros->lost));
   if (report.shared) row("others", inWords(*report.shared));
   if (report.matter)
     row(report.matter->matter == Matter::soft ? "points" : "particles", inWords(*report.matter, report.points));

@@ -86,7 +86,8 @@ bool Document::load(const std::function<void()>& letGo) {
   auto result = loader_.take();
   if (!result) return false;
   if (result->session) {
-    if (!isLive() && !opened_.config.join && !isRosModel(opened_.config.model.file)) recent_.add(result->session->file());
+    if (!isLive() && !opened_.config.join && !isRosModel(opened_.config.model.file))
+      recent_.add(result->session->file());
     letGo();
     const bool isAnother = handedOn_ == HandedOn::no;
     install(std::move(result->session));
@@ -113,7 +114,7 @@ void Document::install(std::unique_ptr<WindowSession> session) {
   if (handedOn == HandedOn::held) messages_.say("what is held can be sculpted; K lets the frames go on");
   if (handedOn == HandedOn::toGoOn) holdFrames();
   if (handedOn != HandedOn::no) return;
-  saveFile_ = isLive()                    ? "camera.ply"
+  saveFile_ = isLive() ? "camera.ply"
               : session_->config().matter || session_->config().join || isRosModel(session_->file())
                   ? std::filesystem::path(session_->file()).stem().string() + ".ply"
                   : whereToSave(session_->file()).string();

@@ -60,9 +60,9 @@ Loader::Result Loader::load() {
     // Normals on the CPU: the GPU's queues belong to the session that is open still.
     Model model = given_ ? std::move(*given_)
                          : loadModel(options_.config, {.log = context_.log(),
-                                                      .threads = context_.threads(),
-                                                      .join = sessionJoiner(options_.hand),
-                                                      .fetch = rosFetcher(options_.network)});
+                                                       .threads = context_.threads(),
+                                                       .join = sessionJoiner(options_.hand),
+                                                       .fetch = rosFetcher(options_.network)});
     isRead_ = true;
     mayBuild_.get_future().wait();
     if (cancelled_) return {};

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/context.hpp"
+#include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "engine/contact/query_method.hpp"
 #include "haptics/session/drawn_follower.hpp"

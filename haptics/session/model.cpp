@@ -53,7 +53,8 @@ namespace {
 
 Model fetchModel(const ModelConfig& config, const ModelLoading& loading) {
   if (!loading.fetch) throw Error("{}: topics of ROS are not heard here", config.file);
-  if (config.normals == NormalSource::face) throw ConfigError("model.normals", "points that are sent have no faces; take keep or estimate");
+  if (config.normals == NormalSource::face)
+    throw ConfigError("model.normals", "points that are sent have no faces; take keep or estimate");
   return modelOf(loading.fetch(config.file, loading.log), config, loading);
 }
 

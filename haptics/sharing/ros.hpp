@@ -25,23 +25,24 @@ struct RosPublishing {
 };
 
 /// Publishes NAME/pose and NAME/proxy (PoseStamped: where the hand is, and where the surface holds it) and NAME/wrench
-/// (WrenchStamped: what the hand feels, N and N m, in the axes of the model) from a thread of its own, which the servo thread
-/// waits for at no time. Stamps are the wall clock's at the first tick, and from there on go with the ticks.
+/// (WrenchStamped: what the hand feels, N and N m, in the axes of the model) from a thread of its own, which the servo
+/// thread waits for at no time. Stamps are the wall clock's at the first tick, and from there on go with the ticks.
 class RosHand final : public TickRecorder {
  public:
   struct Counts {
     std::uint64_t ticks = 0;  ///< that were published, three messages each
     std::uint64_t lost = 0;   ///< ticks for which there was no room
   };
-  /// Throws UsageError, NetworkError. `rate_Hz`: by the time of the ticks; where it is more than theirs each is published.
+  /// Throws UsageError, NetworkError. `rate_Hz`: by the time of the ticks; where it is more than theirs each is
+  /// published.
   RosHand(const RosPublishing& publishing, double rate_Hz);
   ~RosHand() override;
   RosHand(const RosHand&) = delete;
   RosHand& operator=(const RosHand&) = delete;
 
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
-  /// After the last tick: sends what is left, and waits a second for those who read it. Throws NetworkError where something
-  /// has gone wrong since the beginning.
+  /// After the last tick: sends what is left, and waits a second for those who read it. Throws NetworkError where
+  /// something has gone wrong since the beginning.
   Counts finish();
 
  private:
@@ -74,8 +75,8 @@ struct RosListening {
   Log* log = nullptr;
   const std::atomic<bool>* stop = nullptr;  ///< ends it when it becomes true
 };
-/// The first PointCloud2 that comes on that topic, in metres, whose scale its comments say. Throws UsageError, NetworkError
-/// where none comes, or it is none.
+/// The first PointCloud2 that comes on that topic, in metres, whose scale its comments say. Throws UsageError,
+/// NetworkError where none comes, or it is none.
 PointCloud hearRosCloud(const std::string& topic, const RosListening& listening);
 
 }  // namespace palpate

@@ -79,7 +79,8 @@ TakenRosPoints take(const RosPointCloud2& message, Log* log) {
   std::vector<RosField> fields;
   for (std::uint32_t i = 0; i < message.fields._length; ++i) {
     const RosPointField& field = message.fields._buffer[i];
-    fields.push_back({.name = field.name ? field.name : "", .offset = field.offset, .type = field.datatype, .count = field.count});
+    fields.push_back(
+        {.name = field.name ? field.name : "", .offset = field.offset, .type = field.datatype, .count = field.count});
   }
   return takeRosPoints({.height = message.height,
                         .width = message.width,
@@ -100,19 +101,24 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
   const Participant participant = rosParticipant(listening.network);
   const RosType type = rosTypeOf<RosPointCloud2>();
   const Topic<RosPointCloud2> clouds(participant, type.descriptor, name);
-  // One that a sensor sends fits the first, a large one comes whole to the second, and the third gets one that was sent before.
+  // One that a sensor sends fits the first, a large one comes whole to the second, and the third gets one that was sent
+  // before.
   std::vector<Reader<RosPointCloud2>> readers;
   ReaderWait wait(participant);
-  for (const RosDelivery delivery : {RosDelivery::bestEffort, RosDelivery::reliable, RosDelivery::latched})
-    wait.attach(readers.emplace_back(participant, clouds, rosQos(delivery, type)));
+  for (const RosDelivery delivery : {RosDelivery::bestEffort, RosDelivery::reliable, RosDelivery::latched}) {
+    const Qos qos = rosQos(delivery, type);
+    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);  // of large ones no more are kept than are looked at
+    wait.attach(readers.emplace_back(participant, clouds, qos));
+  }
   if (listening.log) listening.log->say("ros:{}: waiting for a PointCloud2", topic);
   std::optional<TakenRosPoints> taken;
   const Stopwatch since;
   while (!taken) {
     if (listening.stop && *listening.stop) throw NetworkError("ros:{}: interrupted", topic);
     if (since.elapsed_s() > listening.patience_s)
-      throw NetworkError("ros:{}: no PointCloud2 has come in {:g} s; is the topic sent on domain {}, and on this network?", topic,
-                         listening.patience_s, listening.network.domain);
+      throw NetworkError(
+          "ros:{}: no PointCloud2 has come in {:g} s; is the topic sent on domain {}, and on this network?", topic,
+          listening.patience_s, listening.network.domain);
     wait.sleep(kLook_s);
     for (const auto& reader : readers)
       reader.take([&](const RosPointCloud2& message) {
@@ -120,7 +126,8 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
       });
   }
   if (taken->cloud.empty())
-    throw NetworkError("ros:{}: a PointCloud2 has come without a point that has a place ({} have none)", topic, taken->skipped);
+    throw NetworkError("ros:{}: a PointCloud2 has come without a point that has a place ({} have none)", topic,
+                       taken->skipped);
   if (listening.log)
     listening.log->say("ros:{}: {} points{}", topic, taken->cloud.size(),
                        taken->skipped > 0 ? fmt::format("; {} without a place are left out", taken->skipped) : "");

@@ -24,7 +24,8 @@ struct HandTick {
 };
 
 std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
 }
 
 template <class V>
@@ -140,7 +141,8 @@ class RosHand::Link {
   std::jthread thread_;  // ends before all that it uses
 };
 
-RosHand::RosHand(const RosPublishing& publishing, double rate_Hz) : link_(std::make_unique<Link>(publishing, rate_Hz)) {}
+RosHand::RosHand(const RosPublishing& publishing, double rate_Hz)
+    : link_(std::make_unique<Link>(publishing, rate_Hz)) {}
 RosHand::~RosHand() = default;
 
 void RosHand::ticked(const TraceRow& row, const DeviceState& device) noexcept {

@@ -29,15 +29,18 @@ bool isToken(std::string_view token) {
 
 template <>
 RosType rosTypeOf<RosPoseStamped>() {
-  return {geometry_msgs_msg_dds__PoseStamped__desc, "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8"};
+  return {geometry_msgs_msg_dds__PoseStamped__desc,
+          "RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8"};
 }
 template <>
 RosType rosTypeOf<RosWrenchStamped>() {
-  return {geometry_msgs_msg_dds__WrenchStamped__desc, "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77"};
+  return {geometry_msgs_msg_dds__WrenchStamped__desc,
+          "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77"};
 }
 template <>
 RosType rosTypeOf<RosPointCloud2>() {
-  return {sensor_msgs_msg_dds__PointCloud2__desc, "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"};
+  return {sensor_msgs_msg_dds__PointCloud2__desc,
+          "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"};
 }
 template <>
 RosType rosTypeOf<RosImage>() {
@@ -65,7 +68,8 @@ std::string rosName(const std::string& name) {
   }
   if (!isName)
     throw UsageError(
-        "ros: '{}' is no name there: letters, digits and single underscores between single slashes, none beginning with a "
+        "ros: '{}' is no name there: letters, digits and single underscores between single slashes, none beginning "
+        "with a "
         "digit",
         printable(name.c_str()));
   return std::string(relative);

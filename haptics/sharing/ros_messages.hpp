@@ -1,5 +1,5 @@
-// What ROS 2 programs see of us on the wire, as those of rmw_cyclonedds write it: names of topics and types, and in the user
-// data of readers, writers and participants the hash of the type and the enclave.
+// What ROS 2 programs see of us on the wire, as those of rmw_cyclonedds write it: names of topics and types, and in the
+// user data of readers, writers and participants the hash of the type and the enclave.
 #pragma once
 
 #include <string>

@@ -16,13 +16,8 @@ namespace palpate {
 
 namespace {
 
-constexpr std::array<RosField, 7> kFields{{{"x", 0},
-                                           {"y", 4},
-                                           {"z", 8},
-                                           {"normal_x", 12},
-                                           {"normal_y", 16},
-                                           {"normal_z", 20},
-                                           {"rgb", 24}}};
+constexpr std::array<RosField, 7> kFields{
+    {{"x", 0}, {"y", 4}, {"z", 8}, {"normal_x", 12}, {"normal_y", 16}, {"normal_z", 20}, {"rgb", 24}}};
 
 constexpr std::size_t kMostFields = 256;
 
@@ -44,7 +39,8 @@ void requireWhole(const RosPoints& points) {
   }
   const std::uint64_t row = std::uint64_t{points.width} * points.pointStep;
   if (points.height == 0 || points.width == 0) return;
-  if (row > points.rowStep) refuse("a row of {} points of {} bytes has {}", points.width, points.pointStep, points.rowStep);
+  if (row > points.rowStep)
+    refuse("a row of {} points of {} bytes has {}", points.width, points.pointStep, points.rowStep);
   // Not even the bytes behind the last point of the last row are always sent.
   const std::uint64_t least = std::uint64_t{points.height - 1} * points.rowStep + row;
   if (least > points.data.size()) refuse("{} bytes of points are announced, and {} there", least, points.data.size());
@@ -110,16 +106,19 @@ struct OtherNumbers {
 
 // What a file can name, one of each name; together no more than a point has bytes, whoever reads one of them twice.
 std::vector<OtherNumbers> othersOf(const RosPoints& points) {
-  constexpr std::array<std::string_view, 15> kTaken{"x",  "y",  "z",  "normal_x", "normal_y", "normal_z", "rgb",  "rgba",
-                                                    "nx", "ny", "nz", "red",      "green",    "blue",     "alpha"};
+  constexpr std::array<std::string_view, 15> kTaken{"x",        "y",   "z",     "normal_x", "normal_y",
+                                                    "normal_z", "rgb", "rgba",  "nx",       "ny",
+                                                    "nz",       "red", "green", "blue",     "alpha"};
   constexpr std::size_t kLongest = 64;
   std::vector<OtherNumbers> others;
   std::size_t bytes = 0;
   for (const RosField& field : points.fields) {
     const auto isNamed = [&](const auto& other) { return other.name == field.name; };
-    const bool isPlain = !field.name.empty() && field.name.size() <= kLongest &&
-                         std::ranges::all_of(field.name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
-    if (field.count != 1 || !isPlain || std::ranges::count(kTaken, field.name) > 0 || std::ranges::any_of(others, isNamed))
+    const bool isPlain =
+        !field.name.empty() && field.name.size() <= kLongest &&
+        std::ranges::all_of(field.name, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+    if (field.count != 1 || !isPlain || std::ranges::count(kTaken, field.name) > 0 ||
+        std::ranges::any_of(others, isNamed))
       continue;
     bytes += sizeOf(scalarOf(field.type));
     if (bytes > points.pointStep) break;
@@ -154,7 +153,8 @@ class Taking {
   TakenRosPoints finish(Log* log) {
     if (isWide_) placeOrigin();
     if (!zeroNormals_.empty() && zeroNormals_.size() == cloud_.size()) cloud_.normals.clear();
-    if (!cloud_.normals.empty() && !zeroNormals_.empty()) fillMissingNormals(cloud_, zeroNormals_, "the PointCloud2", log);
+    if (!cloud_.normals.empty() && !zeroNormals_.empty())
+      fillMissingNormals(cloud_, zeroNormals_, "the PointCloud2", log);
     return {.cloud = std::move(cloud_), .skipped = skipped_};
   }
 

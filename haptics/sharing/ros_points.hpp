@@ -1,5 +1,5 @@
-// PointCloud2 of ROS, which says itself what stands at which byte of a point: from a cloud, and to one. Nothing of DDS is
-// seen here.
+// PointCloud2 of ROS, which says itself what stands at which byte of a point: from a cloud, and to one. Nothing of DDS
+// is seen here.
 #pragma once
 
 #include <cstddef>
@@ -40,16 +40,16 @@ struct RosPoints {
 std::span<const RosField> fieldsOfRosPoints();
 inline constexpr std::uint32_t kRosPointStep = 28;  // bytes
 
-/// Data of such a message of the points that are there: metres, of coordinates of the file. Points without a colour are shown
-/// as kUnpainted.
+/// Data of such a message of the points that are there: metres, of coordinates of the file. Points without a colour are
+/// shown as kUnpainted.
 std::vector<std::uint8_t> rosDataOf(std::span<const PointState> points, const DVec3& origin, double mm_per_unit);
 
 struct TakenRosPoints {
   PointCloud cloud;           ///< in metres; other numbers of its points, one by one, are attributes of that name
   std::uint64_t skipped = 0;  ///< points without a place: NaN, or beyond 1e30
 };
-/// Throws NetworkError where the message contradicts itself, or has no places. Memory is taken for what is there, and not for
-/// what is claimed. `log` may hear of normals that are missing.
+/// Throws NetworkError where the message contradicts itself, or has no places. Memory is taken for what is there, and
+/// not for what is claimed. `log` may hear of normals that are missing.
 TakenRosPoints takeRosPoints(const RosPoints& points, Log* log = nullptr);
 
 }  // namespace palpate

@@ -37,7 +37,8 @@ TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as i
   const Reader<RosWrenchStamped> wrench(participant, wrenches, all);
   const auto discovered = [&] { return discoveredWriter(participant, "rt/lab/pose", 0.01).userData; };
 
-  RunningProgram hand("touch " + in("m.ply") + " --mm-per-unit 20 --backend cpu --realtime --duration 2 --ros lab --ros-rate 50" + domain() +
+  RunningProgram hand("touch " + in("m.ply") +
+                          " --mm-per-unit 20 --backend cpu --realtime --duration 2 --ros lab --ros-rate 50" + domain() +
                           " --trace " + in("t.csv") + " --json " + in("r.json"),
                       folder / "said");
   std::string userData;
@@ -50,7 +51,8 @@ TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as i
   CHECK(jsonOf(in("r.json"))["ros"]["lost"] == 0);
 
   const std::vector<Row> rows = readTrace(in("t.csv"));
-  // Who is discovered late misses the first ones, and a busy machine leaves ticks out; the others come in the trace's order.
+  // Who is discovered late misses the first ones, and a busy machine leaves ticks out; the others come in the trace's
+  // order.
   const auto checkAll = [&]<class T>(const Reader<T>& reader, const auto& isRight) {
     std::vector<T> heard;
     std::vector<std::string> frames;
@@ -61,12 +63,15 @@ TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as i
     CHECK(heard.size() > 20);
     CHECK(heard.size() <= 101);
     std::size_t found = 0;
-    for (auto row = rows.begin(); row != rows.end() && found < heard.size(); ++row) found += isRight(heard[found], *row);
+    for (auto row = rows.begin(); row != rows.end() && found < heard.size(); ++row)
+      found += isRight(heard[found], *row);
     CHECK(found == heard.size());
     CHECK(std::ranges::count(frames, "lab") == std::ranges::ssize(heard));
   };
-  checkAll(pose, [](const RosPoseStamped& message, const Row& row) { return isNear(message.pose.position, row.hip, 20); });
-  checkAll(proxy, [](const RosPoseStamped& message, const Row& row) { return isNear(message.pose.position, row.proxy, 20); });
+  checkAll(pose,
+           [](const RosPoseStamped& message, const Row& row) { return isNear(message.pose.position, row.hip, 20); });
+  checkAll(proxy,
+           [](const RosPoseStamped& message, const Row& row) { return isNear(message.pose.position, row.proxy, 20); });
   double most_N = 0;
   checkAll(wrench, [&](const RosWrenchStamped& message, const Row& row) {
     const DVec3 force(message.wrench.force.x, message.wrench.force.y, message.wrench.force.z);
@@ -85,7 +90,8 @@ TEST_CASE("a served cloud is heard as a model of ROS, felt, sculpted, and heard 
   const std::string topic = "ros:/lab/cloud" + domain();
   works("convert ros:lab/cloud " + in("before.ply") + domain());
   CHECK(contentOf(in("before.ply")).find("comment mm_per_unit: 1000") != std::string::npos);
-  works("touch " + topic + " --backend cpu --duration 0.4 --path builtin:slide --edit push --save " + in("own.ply") + " --json " + in("r.json"));
+  works("touch " + topic + " --backend cpu --duration 0.4 --path builtin:slide --edit push --save " + in("own.ply") +
+        " --json " + in("r.json"));
   const Result felt = jsonOf(in("r.json"));
   CHECK(felt["points"] == 20000);
   CHECK(felt["mm_per_unit"] == 1000);
@@ -113,7 +119,7 @@ TEST_CASE("what ROS cannot name, and options of its network without it, are refu
   refuses("serve a.ply --name a --ros a-b", "is no name there");
   refuses("touch ros:a//b", "is no name there");
   refuses("touch a.ply --ros-rate 0 --ros a", "--ros-rate");
-  refuses("touch a.ply --domain 3", "for ROS, too");
+  refuses("touch a.ply --domain 3", "for --as for ROS");
   CHECK(palpate("mesh ros:a -o never.ply").text.find("are not heard here") != std::string::npos);
 }
 

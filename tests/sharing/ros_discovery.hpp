@@ -34,7 +34,8 @@ struct DiscoveredWriter {
   std::string type, userData;
 };
 inline DiscoveredWriter discoveredWriter(dds_entity_t participant, const std::string& topic, double most_s = 5) {
-  const sharing::Entity reader(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr), "a reader");
+  const sharing::Entity reader(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+                               "a reader");
   DiscoveredWriter found;
   comesTrue(
       [&] {
@@ -43,7 +44,8 @@ inline DiscoveredWriter discoveredWriter(dds_entity_t participant, const std::st
         const dds_return_t count = dds_take(reader, samples, about, 64, 64);
         for (dds_return_t i = 0; i < count; ++i) {
           const auto* endpoint = static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
-          if (about[i].valid_data && topic == endpoint->topic_name) found = {endpoint->type_name, userDataOf(endpoint->qos)};
+          if (about[i].valid_data && topic == endpoint->topic_name)
+            found = {endpoint->type_name, userDataOf(endpoint->qos)};
         }
         if (count > 0) dds_return_loan(reader, samples, count);
         return !found.type.empty();

@@ -1,5 +1,5 @@
-// Messages of ROS on the wire of this machine: their bytes, what others discover of who writes them, and clouds and hands from
-// one end to the other.
+// Messages of ROS on the wire of this machine: their bytes, what others discover of who writes them, and clouds and
+// hands from one end to the other.
 #include "haptics/sharing/ros_messages.hpp"
 
 #include <dds/ddsi/ddsi_serdata.h>
@@ -161,12 +161,17 @@ TEST_CASE("a hand is heard where it is, in metres, newtons and newton metres, at
   REQUIRE(comesTrue([&] {
     dds_subscription_matched_status_t matched[4];
     int count = 0;
-    for (const dds_entity_t reader : {dds_entity_t(pose), dds_entity_t(proxy), dds_entity_t(wrench), dds_entity_t(sensor)})
+    for (const dds_entity_t reader :
+         {dds_entity_t(pose), dds_entity_t(proxy), dds_entity_t(wrench), dds_entity_t(sensor)})
       count += dds_get_subscription_matched_status(reader, matched) == 0 && matched[0].current_count == 1;
     return count == 4;
   }));
   for (int tick = 0; tick <= 1000; ++tick)
-    hand.ticked({.time_s = 5 + tick * 1e-3, .hip = {10.0 * tick, 0, 3}, .proxy = {0, 1, 0}, .force_N = {0, 0, -2}, .torque_mNm = {500, 0, 0}},
+    hand.ticked({.time_s = 5 + tick * 1e-3,
+                 .hip = {10.0 * tick, 0, 3},
+                 .proxy = {0, 1, 0},
+                 .force_N = {0, 0, -2},
+                 .torque_mNm = {500, 0, 0}},
                 {.turn = DQuat(0, 0, 1, 0)});
   const RosHand::Counts counts = hand.finish();
   CHECK(counts.ticks == 101);
@@ -184,7 +189,8 @@ TEST_CASE("a hand is heard where it is, in metres, newtons and newton metres, at
   CHECK(x[37] == doctest::Approx(37 * 10 * 10 * 2e-3));
   CHECK(stamps.back() - stamps.front() == doctest::Approx(1).epsilon(1e-5));
   CHECK(std::abs(stamps.front() - static_cast<double>(std::time(nullptr))) < 60);
-  CHECK(proxy.take([](const RosPoseStamped& message) { CHECK(message.pose.position.y == doctest::Approx(0.002)); }) == 101);
+  CHECK(proxy.take([](const RosPoseStamped& message) { CHECK(message.pose.position.y == doctest::Approx(0.002)); }) ==
+        101);
   CHECK(wrench.take([](const RosWrenchStamped& message) {
     CHECK(message.wrench.force.z == -2);
     CHECK(message.wrench.torque.x == 0.5);
@@ -217,7 +223,8 @@ TEST_CASE("a cloud is heard by who comes later, as it is then") {
 
 TEST_CASE("a million points are one message") {
   std::vector<PointState> points(1'000'000);
-  for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = {.position = Vec3(i, 0, 1), .id = i, .normal = {0, 0, 1}};
+  for (std::uint32_t i = 0; i < points.size(); ++i)
+    points[i] = {.position = Vec3(i, 0, 1), .id = i, .normal = {0, 0, 1}};
   RosCloud shown({.network = ownNetwork(), .name = "many", .mm_per_unit = 1000});
   CHECK(shown.show(points, {}));
   const PointCloud heard = hearRosCloud("many/cloud", {.network = ownNetwork()});

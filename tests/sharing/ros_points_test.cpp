@@ -106,7 +106,7 @@ TEST_CASE("single and double precision come in either order of bytes, far from z
 
 TEST_CASE("rows with bytes behind them, gaps between fields and other numbers are read") {
   Message message(0, RosField::f32);
-  message.fields = {{"intensity", 2, RosField::u16}, {"z", 12, RosField::f32}, {"y", 8, RosField::f32},
+  message.fields = {{"intensity", 2, RosField::u16}, {"z", 12, RosField::f32},    {"y", 8, RosField::f32},
                     {"x", 4, RosField::f32},         {"rgba", 16, RosField::u32}, {"bad name", 20, RosField::u8},
                     {"several", 20, RosField::u8, 4}};
   message.says = {.height = 2, .width = 2, .pointStep = 24, .rowStep = 53};
@@ -135,7 +135,8 @@ TEST_CASE("rows with bytes behind them, gaps between fields and other numbers ar
 
 TEST_CASE("points without a place are left out and counted; normals that are none go") {
   Message message(6, RosField::f32);
-  const float nan = std::numeric_limits<float>::quiet_NaN(), far = 1e31f, infinite = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN(), far = 1e31f,
+              infinite = std::numeric_limits<float>::infinity();
   std::memcpy(message.data.data() + 12, &nan, 4);
   std::memcpy(message.data.data() + 24 + 8, &far, 4);
   std::memcpy(message.data.data() + 36 + 4, &infinite, 4);
@@ -171,8 +172,10 @@ TEST_CASE("a message that contradicts itself is refused in words, and takes no m
   spoiled([](Message& m) { m.says.height = kMost; }, "bytes of points are announced");
   spoiled([](Message& m) { m.says.width = kMost; }, "a row of 4294967295 points");
   spoiled([](Message& m) { m.says.width = m.says.height = m.says.rowStep = m.says.pointStep = kMost; }, "a row of");
-  spoiled([](Message& m) { m.says.width = 1, m.says.height = m.says.rowStep = m.says.pointStep = kMost; }, "are announced");
-  spoiled([](Message& m) { m.says.width = kMost, m.says.pointStep = 0, m.says.height = kMost; }, "ends at byte 4 of points of 0");
+  spoiled([](Message& m) { m.says.width = 1, m.says.height = m.says.rowStep = m.says.pointStep = kMost; },
+          "are announced");
+  spoiled([](Message& m) { m.says.width = kMost, m.says.pointStep = 0, m.says.height = kMost; },
+          "ends at byte 4 of points of 0");
   spoiled([](Message& m) { m.fields[2].offset = 9; }, "field 3 ends at byte 13 of points of 12");
   spoiled([](Message& m) { m.fields[2].offset = kMost; }, "field 3 ends at byte");
   spoiled([](Message& m) { m.fields[0].count = kMost; }, "field 1 ends at byte");
@@ -195,8 +198,11 @@ TEST_CASE("random bytes in place of a message are read or refused, and never any
   std::mt19937 random(24);
   const auto any = [&](std::uint32_t most) { return static_cast<std::uint32_t>(random() % (most + 1ull)); };
   // Mostly about right, so that what is behind the first check is reached.
-  const auto number = [&](std::uint32_t most) { return any(19) == 0 ? static_cast<std::uint32_t>(random()) : any(most); };
-  constexpr std::array<const char*, 9> kNames{"x", "y", "z", "normal_x", "normal_y", "normal_z", "rgb", "ring", "\x01\xff"};
+  const auto number = [&](std::uint32_t most) {
+    return any(19) == 0 ? static_cast<std::uint32_t>(random()) : any(most);
+  };
+  constexpr std::array<const char*, 9> kNames{"x",        "y",   "z",    "normal_x", "normal_y",
+                                              "normal_z", "rgb", "ring", "\x01\xff"};
   std::size_t read = 0, refused = 0;
   for (int round = 0; round < 20'000; ++round) {
     std::vector<std::uint8_t> data(any(3) == 0 ? any(200) : 600);
@@ -221,7 +227,8 @@ TEST_CASE("random bytes in place of a message are read or refused, and never any
       const PointCloud& cloud = taken.cloud;
       const std::uint64_t all = std::uint64_t{points.width} * points.height;
       const auto fits = [&](const auto& array) { return array.empty() || array.size() == cloud.size(); };
-      bool isRight = cloud.size() + taken.skipped == all && cloud.size() <= data.size() && fits(cloud.normals) && fits(cloud.colors);
+      bool isRight = cloud.size() + taken.skipped == all && cloud.size() <= data.size() && fits(cloud.normals) &&
+                     fits(cloud.colors);
       for (const Vec3& place : cloud.positions) isRight = isRight && isFinite(place);
       for (const Vec3& normal : cloud.normals) isRight = isRight && std::abs(glm::length(normal) - 1) < 1e-3;
       for (const Attribute& attribute : cloud.extra)

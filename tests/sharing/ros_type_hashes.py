@@ -1,7 +1,7 @@
-"""The type hashes of ROS's messages (REP-2016, RIHS01), from their published definitions: SHA-256 of a description as JSON.
+"""The type hashes of ROS's messages (REP-2016, RIHS01), from their published definitions: SHA-256 of JSON.
 
-Prints a line for each message. Held against the published hash of std_msgs/msg/String, and, where they are given, against
-the types of an IDL file and the hashes that stand in a file of C++:
+Prints a line for each message. Held against the published hash of std_msgs/msg/String, and, where they are given,
+against the types of an IDL file and the hashes that stand in a file of C++:
 
     ros_type_hashes.py haptics/sharing/ros.idl haptics/sharing/ros_messages.cpp
 """
@@ -22,11 +22,19 @@ MESSAGES = {
     "geometry_msgs/msg/Point": [("x", "float64"), ("y", "float64"), ("z", "float64")],
     "geometry_msgs/msg/Vector3": [("x", "float64"), ("y", "float64"), ("z", "float64")],
     "geometry_msgs/msg/Quaternion": [("x", "float64"), ("y", "float64"), ("z", "float64"), ("w", "float64")],
-    "geometry_msgs/msg/Pose": [("position", "geometry_msgs/msg/Point"), ("orientation", "geometry_msgs/msg/Quaternion")],
+    "geometry_msgs/msg/Pose": [
+        ("position", "geometry_msgs/msg/Point"),
+        ("orientation", "geometry_msgs/msg/Quaternion"),
+    ],
     "geometry_msgs/msg/PoseStamped": [("header", "std_msgs/msg/Header"), ("pose", "geometry_msgs/msg/Pose")],
     "geometry_msgs/msg/Wrench": [("force", "geometry_msgs/msg/Vector3"), ("torque", "geometry_msgs/msg/Vector3")],
     "geometry_msgs/msg/WrenchStamped": [("header", "std_msgs/msg/Header"), ("wrench", "geometry_msgs/msg/Wrench")],
-    "sensor_msgs/msg/PointField": [("name", "string"), ("offset", "uint32"), ("datatype", "uint8"), ("count", "uint32")],
+    "sensor_msgs/msg/PointField": [
+        ("name", "string"),
+        ("offset", "uint32"),
+        ("datatype", "uint8"),
+        ("count", "uint32"),
+    ],
     "sensor_msgs/msg/PointCloud2": [
         ("header", "std_msgs/msg/Header"),
         ("height", "uint32"),
