@@ -17,8 +17,6 @@ constexpr double kMostTicks = 50'000'000;  // 14 hours at 1 kHz; their rows take
 constexpr double kMostOfPeriod = 0.5;  // at most this share is spun, so that the core is left to others every tick
 /// Without real-time priority a thread that sleeps at all is now and then woken a whole tick late.
 constexpr double kSpinWithoutPriority_ns = 1'000'000;
-/// With fewer cores the spin would take the time of the driver's threads, on whose answer the tick depends.
-constexpr int kCoresToSpin = 4;
 
 }  // namespace
 

@@ -34,6 +34,7 @@ class MatterThread {
   LatestValue<MatterAnswer> answered_;
   std::optional<MatterAnswer> last_;
   std::optional<double> askedAt_s_;  // of the last question
+  bool spins_;  // within a budget: a thread that sleeps is now and then woken a whole tick late
   Semaphore wake_, done_;
   std::atomic<bool> stop_ = false;
   std::jthread thread_;  // goes first
