@@ -10,7 +10,6 @@
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
-#include "haptics/sharing/shared_points.hpp"
 
 namespace palpate {
 
@@ -174,16 +173,7 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
   wait.attach(results);
   EditExchange exchange(statesOf(cloud), 1);
   std::vector<PointState> states = statesOf(cloud), come;
-  const auto ask = [&] {
-    const Resume asked = exchange.resume();
-    ResumeRequest request{};
-    set(request.session, session.session);
-    set(request.client, session.client);
-    put(request.host, ownHost());
-    request.epoch = asked.epoch;
-    request.upTo = asked.upTo;
-    requests.write(request);
-  };
+  const auto ask = [&] { requests.write(requestOf(session, exchange.resume())); };
   ask();
   Stopwatch lastCame, lastAsked;
   for (bool isWhole = false; !isWhole;) {
@@ -191,18 +181,7 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
     wait.sleep(kLook_s);
     bool again = lastAsked.elapsed_s() > kAskAgain_s && lastCame.elapsed_s() > kAskAgain_s;
     results.take([&](const Result& result) {
-      come.clear();
-      for (std::uint32_t i = 0; i < result.states._length; ++i) come.push_back(pointOf(result.states._buffer[i]));
-      for (const PointState& state : come)
-        if (!sharing::isWhole(state, states.size()))
-          throw NetworkError("'{}' of {}: what came as the change of a point is none", session.name, session.host);
-      const EditExchange::Heard heard = exchange.hear({.epoch = result.epoch,
-                                                       .counter = result.counter,
-                                                       .acked = result.acked,
-                                                       .upTo = result.upTo,
-                                                       .head = result.head,
-                                                       .digest = result.digest,
-                                                       .states = come});
+      const EditExchange::Heard heard = exchange.hear(resultsOf(session, result, states.size(), come));
       if (heard == EditExchange::Heard::gap) again = true;
       if (heard != EditExchange::Heard::taken) return;
       lastCame = {};

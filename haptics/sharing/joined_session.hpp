@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "haptics/sharing/edit_exchange.hpp"
 #include "haptics/sharing/messages.hpp"
 
 namespace palpate {
@@ -19,5 +21,12 @@ class JoinedSession {
   std::string name, host;
   bool sculptable = false;
 };
+
+/// What is asked of its server.
+sharing::ResumeRequest requestOf(const JoinedSession& session, const sharing::Resume& asked);
+/// What its server has said, of a cloud of so many points; the states stand in `states`. Throws NetworkError where one of
+/// them is none.
+sharing::Results resultsOf(const JoinedSession& session, const sharing::Result& said, std::size_t points,
+                           std::vector<PointState>& states);
 
 }  // namespace palpate

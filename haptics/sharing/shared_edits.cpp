@@ -15,7 +15,6 @@
 #include "haptics/sharing/edit_exchange.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/session_notices.hpp"
-#include "haptics/sharing/shared_points.hpp"
 
 namespace palpate {
 
@@ -131,20 +130,8 @@ class SharedEdits final : public SharedFollower {
     bool gap = false;
     results_.take([&](const Result& result) {
       if (!isSame(result.session, session_.session) || gap) return;
-      states_.clear();
-      const std::span<const State> given(result.states._buffer, result.states._length);
-      for (const State& state : given) {
-        states_.push_back(pointOf(state));
-        if (!isWhole(states_.back(), exchange_.points().size()))
-          throw NetworkError("'{}' of {}: what came as the change of a point is none", session_.name, session_.host);
-      }
-      const EditExchange::Heard heard = exchange_.hear({.epoch = result.epoch,
-                                                        .counter = result.counter,
-                                                        .acked = result.acked,
-                                                        .upTo = result.upTo,
-                                                        .head = result.head,
-                                                        .digest = result.digest,
-                                                        .states = states_});
+      const EditExchange::Heard heard =
+          exchange_.hear(resultsOf(session_, result, exchange_.points().size(), states_));
       if (heard == EditExchange::Heard::old) return;
       gap = heard == EditExchange::Heard::gap;
       if (result.acked != lastAcked_) lastTaken_ = {};
@@ -181,13 +168,7 @@ class SharedEdits final : public SharedFollower {
   }
 
   void resume(const Resume& asked) {
-    ResumeRequest request{};
-    set(request.session, session_.session);
-    set(request.client, session_.client);
-    put(request.host, ownHost());
-    request.epoch = asked.epoch;
-    request.upTo = asked.upTo;
-    resumes_.write(request);
+    resumes_.write(requestOf(session_, asked));
     lastResumed_ = {};
     ++counts_.resumed;
   }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A cloud is served in one network namespace and joined in another one, over a link that delays and loses as it is told:
 # the trace is byte by byte that of the file, through a cable that is out for seconds, too, and a server that is killed is
-# said. Exit code 77, with the reason, where this machine lets nobody make such a link.
+# said; hands at both ends sculpt at once, and in the end have the same points. Exit code 77, with the reason, where this machine lets nobody make such a link.
 #   tests/sharing/over_slow_link.sh PALPATE
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -49,7 +49,38 @@ joined() {  # OUT: the trace of what is joined
   ip netns exec "$near" "$palpate" --quiet touch --join far --interface a --backend cpu --duration 0.2 --trace "$1" > "$folder/touch.log" 2>&1
 }
 
-"$palpate" --quiet make sculpture -n 60000 -o "$folder/model.ply"
+touched() {  # NAMESPACE INTERFACE NAME OPTIONS...: a hand, with the points as it has them in the end
+  local at=$1 interface=$2 name=$3
+  shift 3
+  ip netns exec "$at" "$palpate" --quiet touch --join far --interface "$interface" --backend cpu --save "$folder/$name.ply" \
+    --json "$folder/$name.json" "$@" > "$folder/$name.log" 2>&1 || fail "the hand '$name' has ended"
+}
+sculpted() {  # ROUND_TRIP LOSS: hands at both ends sculpt one place at once, through a cable that is out for a while
+  touched "$near" a near --realtime --duration 3 --edit push --penetration 4 &
+  local hand=$!
+  touched "$far" b far --realtime --duration 3 --edit inflate &
+  local other=$!
+  if [ "$1" = 100 ]; then sleep 2.5; touch "$folder/cut"; sleep 1.5; rm "$folder/cut"; fi
+  wait "$hand"; wait "$other"
+  touched "$near" a later --duration 0.02
+  touched "$far" b latest --duration 0.02
+  cmp "$folder/later.ply" "$folder/latest.ply" || fail "other points at either end at $1 ms and $2 % loss"
+  cmp -s "$folder/later.ply" "$folder/model.ply" && fail "nothing was sculpted at $1 ms and $2 % loss"
+  python3 - "$folder" "$1" "$2" << 'CHECK' || fail "strokes were lost at $1 ms and $2 % loss"
+import json, sys
+folder, trip, loss = sys.argv[1:]
+hands = {name: json.load(open(f"{folder}/{name}.json"))["shared"] for name in ("near", "far", "later", "latest")}
+near, far = hands["near"], hands["far"]
+print(f"over_slow_link: round trip {trip} ms, {loss} % lost: {near['sent']} and {far['sent']} states of points sculpted at either "
+      f"end, {near['received']} and {far['received']} taken in, {near['resent']} pieces sent again, longest silence "
+      f"{near['longest_silence_s']:.1f} s: the same points")
+assert all(h["delivered"] for h in hands.values()), hands
+assert hands["later"]["same"] and hands["latest"]["same"], hands
+assert near["sent"] > 100 and far["sent"] > 100, hands
+CHECK
+}
+
+"$palpate" --quiet make sculpture -n 30000 -o "$folder/model.ply"
 "$palpate" --quiet touch "$folder/model.ply" --backend cpu --duration 0.2 --trace "$folder/own.csv" > /dev/null
 
 for way in '0 0' '100 1' '1000 5'; do
@@ -60,6 +91,10 @@ for way in '0 0' '100 1' '1000 5'; do
   joined "$folder/joined.csv" || fail "nothing was joined at $trip ms and $loss % loss"
   cmp "$folder/joined.csv" "$folder/own.csv" || fail "another trace at $trip ms and $loss % loss"
   echo "over_slow_link: round trip $trip ms, $loss % lost: the same trace, within $((SECONDS - begin)) s"
+  sculpted "$trip" "$loss"
+  # What others have done is no longer the file's: the next checks are of a server of their own.
+  end_server INT
+  start_server
   if [ "$trip" = 100 ]; then
     listed=$(ip netns exec "$near" "$palpate" doctor --network --interface a)
     trip_ms=$(sed -n 's/.*round trip \([0-9]*\).*/\1/p' <<< "$listed")
