@@ -255,7 +255,10 @@ void touch(Context& context, const TouchCommandOptions& options) {
   std::optional<UndoneStrokes> undone;
   try {
     session.finish();
-    if (options.undo > 0) undone = session.undo(options.undo, options.redo);
+    if (options.undo > 0) {
+      undone = session.undo(options.undo, options.redo);
+      session.settleShared(Session::kShared_s);
+    }
   } catch (const Error& error) {
     session.relay().stop();
     saveAndThrow(error, session, options.saveFile);

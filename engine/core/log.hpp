@@ -34,8 +34,11 @@ class Log {
   void endProgress();
   bool isQuiet() const { return quiet_; }
 
-  /// From now on, or until null, a listener receives all of it as well. While nobody uses the log.
-  void listen(LogListener* listener) { listener_ = listener; }
+  /// From now on, or until null, a listener receives all of it as well, whoever says it.
+  void listen(LogListener* listener) {
+    const std::scoped_lock hold(lock_);
+    listener_ = listener;
+  }
 
  private:
   void write(std::string_view line);

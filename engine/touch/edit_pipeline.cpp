@@ -131,16 +131,18 @@ bool EditPipeline::takeUpOffer(double time_s, bool realtime) {
   // Somebody's change has come between: what was offered may not be where it says any more, or be there twice.
   if (offered_.changesFollowed() != changes_) {
     offer_.isDone = true;
+    offer_.hasFailed = false;
     publish(static_cast<std::uint32_t>(log_.published()));
     return false;
   }
   offer_.rebuilds = options_.index == IndexFollow::rebuild || offer_.hasFailed;
   if (log_.room() < offered_.changes().size() || (offer_.rebuilds && !index_.mayBuild(realtime))) return false;
+  if (offer_.hasFailed) compact();  // points that come back need slots, which stand together then
   submitOffer(time_s);
   if (realtime) return true;
   collectOffer(nullptr);
   if (offer_.hasFailed) {
-    compact();  // so that the order of points in a bucket follows from the edits alone
+    compact();
     offer_.rebuilds = true;
     submitOffer(time_s);
     collectOffer(nullptr);

@@ -92,9 +92,10 @@ UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::fu
                           std::size_t undo, std::size_t redo) {
   UndoneStrokes strokes;
   using Turn = std::vector<PointChange> (Journal::*)();
-  const auto apply = [&](Turn turn, Turn opposite) {
+  const auto apply = [&](std::size_t available, Turn turn, Turn opposite) {
+    if (available == 0) return false;
     const std::vector<PointChange> changes = (journal.*turn)();
-    if (changes.empty()) return false;
+    if (changes.empty()) return true;  // others have changed all of it since
     try {
       backend.change(changes);
       catchUp();
@@ -104,8 +105,8 @@ UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::fu
     }
     return true;
   };
-  while (strokes.undone < undo && apply(&Journal::undo, &Journal::redo)) ++strokes.undone;
-  while (strokes.redone < redo && apply(&Journal::redo, &Journal::undo)) ++strokes.redone;
+  while (strokes.undone < undo && apply(journal.undoable(), &Journal::undo, &Journal::redo)) ++strokes.undone;
+  while (strokes.redone < redo && apply(journal.redoable(), &Journal::redo, &Journal::undo)) ++strokes.redone;
   strokes.strokes = journal.strokes();
   strokes.dropped = journal.dropped();
   strokes.tooLarge = journal.tooLarge();

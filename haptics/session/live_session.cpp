@@ -23,10 +23,14 @@ DVec3 parkingPlace(const Model& model, const Bounds& bounds) {
   return model.cloud.origin + bounds.center() + DVec3(0, kParked * std::max(bounds.longestSide(), 1e-3), 0);
 }
 
+// A session of others that nobody sculpts.
+bool isFeltAlone(const SessionConfig& config, const Model& model) { return config.join && !model.share; }
+
 // Whichever brush comes first, others may follow; to what moves none does.
-SessionConfig withBrush(SessionConfig config) {
+SessionConfig withBrush(SessionConfig config, const Model& model) {
   config.realtime = true;
-  if (config.moves()) return config;  // a soft body takes one whenever it comes
+  if (isFeltAlone(config, model)) config.brush.reset();
+  if (isFeltAlone(config, model) || config.moves()) return config;  // a soft body takes one whenever it comes
   BrushConfig brush = config.brush.value_or(BrushConfig{.keepsDensity = !config.join});
   brush.kind = BrushKind::push;
   config.brush = brush;
@@ -46,7 +50,7 @@ SessionParts withJournal(SessionParts parts) {
 }  // namespace
 
 LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts parts, const LiveOptions& options)
-    : session_(withBrush(config), withPoints(std::move(model), config.model.file), withJournal(std::move(parts))),
+    : session_{withBrush(config, model), withPoints(std::move(model), config.model.file), withJournal(std::move(parts))},
       options_(options),
       bounds_(boundsOf(this->model().cloud)),
       journal_(session_.journal()),
@@ -54,7 +58,8 @@ LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts 
       map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model(), bounds_)),
       seen_(1 / config.rate_Hz) {
   if (DepthPlayer* const player = session_.player()) held_ = player->isPaused();
-  if (!config.moves() && (!config.brush || config.brush->kind != BrushKind::push)) session_.setBrush(config.brush);
+  if (!config.moves() && !isFeltAlone(config, this->model()) && (!config.brush || config.brush->kind != BrushKind::push))
+    session_.setBrush(config.brush);
   start();
 }
 
@@ -152,6 +157,7 @@ std::optional<std::string> LiveSession::tickUntil(double clock_s) {
 
 void LiveSession::setBrush(const std::optional<BrushConfig>& brush) {
   if (brush == config().brush || servo_.lost) return;
+  if (isFeltAlone(config(), model())) throw Error("'{}' is served to be felt alone", file());
   endRecording();
   between([&] { session_.setBrush(brush); });
 }

@@ -1,6 +1,7 @@
 #include "haptics/sharing/edit_exchange.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "engine/core/check.hpp"
 
@@ -9,6 +10,12 @@ namespace palpate::sharing {
 namespace {
 
 constexpr std::size_t kMostUnacked = 4096;  // pieces; what is made meanwhile goes together, each point once
+
+// As the digest has it: zero has two signs.
+bool isSameToTheBit(const PointState& a, const PointState& b) {
+  static_assert(sizeof(PointState) == 36);  // no padding
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
 
 }  // namespace
 
@@ -78,7 +85,7 @@ std::span<const PointChange> EditExchange::nextOffer() {
   for (auto next = waiting_.begin(); next != waiting_.end() && offer_.size() < mostOffered_; next = waiting_.erase(next)) {
     const auto& [point, state] = *next;
     // Of a point that is not there nothing else counts, and what answers keeps it as it was when it went.
-    if (shown_[point] == state || (shown_[point].gone() && state.gone())) continue;
+    if (isSameToTheBit(shown_[point], state) || (shown_[point].gone() && state.gone())) continue;
     offer_.push_back({.from = shown_[point], .to = state});
     inFlight_.emplace(point, state);
   }

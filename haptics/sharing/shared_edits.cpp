@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -32,6 +33,7 @@ constexpr std::size_t kTrips = 32;     // of which the round trip is the median
 constexpr std::size_t kMostHands = 256;
 constexpr double kSettled_s = 0.3;     // at rest, before it is judged whether the points are the same
 constexpr int kMostDiffered = 3;
+constexpr int kMostStuck = 12;         // times in a row that nothing was taken, though the server is heard
 
 class SharedEdits final : public SharedFollower {
  public:
@@ -50,12 +52,12 @@ class SharedEdits final : public SharedFollower {
         echoes_(session_.participant, session_.topics.echoes, bestEffortQos()),
         handReader_(session_.participant, session_.topics.hands, bestEffortQos()),
         notices_(session_.participant, session_.topics),
-        wait_(session_.participant) {
+        wait_(std::in_place, session_.participant) {
     PALPATE_CHECK_LT(0U, parts.backend.mostOffered());
     std::uint8_t own[16];
     set(own, session_.client);
     results_ = Reader<Result>(session_.participant, session_.topics.results, reliableQos(false, partitionOf(own)));
-    wait_.attach(results_);
+    wait_->attach(results_);
     resume(exchange_.resume());
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
@@ -104,16 +106,18 @@ class SharedEdits final : public SharedFollower {
 
   void run(const std::stop_token& stop) {
     try {
-      while (!stop.stop_requested()) {
-        wait_.sleep(kLook_s);
+      while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
+        wait_->sleep(kLook_s);
         const std::scoped_lock hold(lock_);
-        if (!fault_.empty()) continue;
         turn();
       }
     } catch (const std::exception& error) {
       const std::scoped_lock hold(lock_);
       fail(error.what());
     }
+    // What comes from now on is not kept for anybody.
+    wait_.reset();
+    results_ = {};
   }
 
   void turn() {
@@ -134,7 +138,10 @@ class SharedEdits final : public SharedFollower {
           exchange_.hear(resultsOf(session_, result, exchange_.points().size(), states_));
       if (heard == EditExchange::Heard::old) return;
       gap = heard == EditExchange::Heard::gap;
-      if (result.acked != lastAcked_) lastTaken_ = {};
+      if (result.acked != lastAcked_) {
+        lastTaken_ = {};
+        stuck_ = 0;
+      }
       lastAcked_ = result.acked;
       counts_.longestSilent_s = std::max(counts_.longestSilent_s, lastHeard_.elapsed_s());
       lastHeard_ = {};
@@ -146,17 +153,20 @@ class SharedEdits final : public SharedFollower {
   void watchServer() {
     const double silent_s = lastHeard_.elapsed_s();
     if (silent_s <= kSilent_s) {
-      if (!heard_.exchange(true) && log_) log_->say("{} of {} is heard again", session_.name, session_.host);
+      if (!heard_.exchange(true)) say(fmt::format("{} of {} is heard again", session_.name, session_.host));
       if (exchange_.isDelivered()) lastTaken_ = {};
       if (lastTaken_.elapsed_s() > kStuck_s) {
+        if (++stuck_ > kMostStuck)
+          return fail(fmt::format("'{}' of {} takes nothing of what this hand does; save what is here, and join it again",
+                                  session_.name, session_.host));
         resume(exchange_.resume());
         lastTaken_ = {};
       }
       return;
     }
-    if (heard_.exchange(false) && log_)
-      log_->say("{} of {} has not been heard for {:.0f} s: the force fades until it is; what is done here is kept for it",
-                session_.name, session_.host, silent_s);
+    if (heard_.exchange(false))
+      say(fmt::format("{} of {} has not been heard for {:.0f} s: the force fades until it is; what is done here is kept for it",
+                      session_.name, session_.host, silent_s));
     if (lastResumed_.elapsed_s() > kSilent_s) resume(exchange_.resume());
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != session_.name || notice.session == session_.session) continue;
@@ -266,7 +276,16 @@ class SharedEdits final : public SharedFollower {
     if (!fault_.empty()) return;
     fault_ = why;
     heard_ = false;
-    if (log_) log_->say("{}", why);
+    say(why);
+  }
+
+  // Whoever listens may end what says it (LogListener), which would be this hand's part in the session.
+  void say(const std::string& what) const {
+    if (!log_) return;
+    try {
+      log_->say("{}", what);
+    } catch (...) {
+    }
   }
 
   const JoinedSession& session_;
@@ -286,11 +305,12 @@ class SharedEdits final : public SharedFollower {
   Reader<Ping> echoes_;
   Reader<Hand> handReader_;
   SessionNotices notices_;
-  ReaderWait wait_;  // the thread's alone
+  std::optional<ReaderWait> wait_;  // the thread's alone
   SharedCounts counts_;
   std::string fault_;
   std::map<Id, Other> others_;
   std::uint64_t handsShown_ = 0, lastAcked_ = 0;
+  int stuck_ = 0;
   std::deque<double> trips_ms_;
   std::vector<PointState> states_;
   std::vector<State> sent_;

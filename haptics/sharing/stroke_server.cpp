@@ -71,7 +71,11 @@ void StrokeServer::take(const Stroke& stroke) {
       break;
     case SharedPoints::Taken::known:
     case SharedPoints::Taken::early: ++counts_.again; break;
-    case SharedPoints::Taken::refused: ++counts_.refused; break;
+    case SharedPoints::Taken::refused:
+      if (counts_.refused++ == 0 && parts_.log)
+        parts_.log->say("a piece of a stroke was refused, as others may be: no hand of ours makes it, or {} hands have sculpted "
+                        "and no more can", parts_.points.clients());
+      break;
   }
 }
 

@@ -95,7 +95,15 @@ TEST_CASE("two hands sculpt what a third program serves: in the end all three ha
   const Result later = jsonOf(in("later.json"))["shared"];
   CHECK(later["same"] == true);
   CHECK(later["sent"] == 0);
+  // Taken back, a stroke leaves what others have done.
+  works("touch " + joins + " --backend cpu --duration 0.3 --edit push --penetration 4 --undo 1 --save " + in("undone.ply") + " --json " +
+        in("undone.json"));
+  const Result undone = jsonOf(in("undone.json"));
+  CHECK(undone["shared"]["sent"] > 10);
+  CHECK(undone["shared"]["same"] == true);
+  works("convert " + in("undone.ply") + " " + in("undone.npy"));
   works("convert " + in("later.ply") + " " + in("later.npy"));
+  CHECK(contentOf(in("undone.npy")) == contentOf(in("later.npy")));
   works("render " + joins + " -o " + in("p.png"));
   CHECK(serving.program.wait(SIGINT) == 0);
   works("convert " + in("end.ply") + " " + in("end.npy"));
@@ -103,8 +111,8 @@ TEST_CASE("two hands sculpt what a third program serves: in the end all three ha
   works("convert " + in("m.ply") + " " + in("m.npy"));
   CHECK(contentOf(in("m.npy")) != contentOf(in("end.npy")));
   const Result served = jsonOf(in("s.json"));
-  CHECK(served["sculptors"] == 2);
-  CHECK(served["states"] == l["sent"].get<int>() + r["sent"].get<int>());
+  CHECK(served["sculptors"] == 3);
+  CHECK(served["states"] == l["sent"].get<int>() + r["sent"].get<int>() + undone["shared"]["sent"].get<int>());
   CHECK(served["refused"] == 0);
   CHECK(served["again"] == 0);
 }
@@ -114,6 +122,17 @@ TEST_CASE("two windows on one model show each other's hands, and what both do to
   const ScratchFolder folder;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
   works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
+  {
+    // One that nobody sculpts is seen and felt; who takes a brush is told so.
+    Serving still(in("m.ply") + " --name still --read-only", folder / "still.said");
+    std::ofstream(in("still.txt")) << "1 key 2\n2 state " << in("still.json") << "\n2 quit\n";
+    CHECK(std::system(("XDG_STATE_HOME=" + in("still") + " xvfb-run -a " + program() + " view --join still" + domain() +
+                       " --backend cpu --script " + in("still.txt") + " > " + in("still.txt.said") + " 2>&1")
+                          .c_str()) == 0);
+    const Result state = jsonOf(in("still.json"));
+    CHECK(state["points"] == 20000);
+    CHECK(state["last_message"] == "'still' is served to be felt alone");
+  }
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply"), folder / "said");
   const auto view = [&](const std::string& name, const std::string& place) {
     std::ofstream(in(name + ".txt")) << "2 key T\n2 mouse " << place << "\n2.2 key 2\n2.3 button left down\n"

@@ -308,6 +308,24 @@ TEST_CASE("a hand that is alone is never taken anything from, and each of its pi
   CHECK(world.takenPieces() == world.points().lastOf(world.client(0).id));
 }
 
+TEST_CASE("a zero of the other sign is another state, as the digest has it") {
+  const auto points = pointsOf(3);
+  EditExchange exchange(points, kAtOnce);
+  const Resume asked = exchange.resume();
+  PointState other = points[1];
+  other.normal.x = -0.0F;
+  SharedPoints server(points);
+  REQUIRE(server.take(Id{1}, 1, {&other, 1}) == SharedPoints::Taken::taken);
+  CHECK(exchange.hear({.epoch = asked.epoch, .counter = 1, .upTo = 1, .head = 1, .digest = server.digest(), .states = {&other, 1}}) ==
+        EditExchange::Heard::taken);
+  const auto offer = exchange.nextOffer();
+  REQUIRE(offer.size() == 1);
+  exchange.offered();
+  exchange.follow({.points = {offer[0].to}, .marks = {{1, EditMark::Kind::received}}});
+  CHECK(exchange.isAtRest());
+  CHECK(exchange.isSame());
+}
+
 TEST_CASE("of a point that changes faster than a link carries only the last state goes on") {
   SharedPoints points(pointsOf(10));
   const Id maker{1}, follower{2};
