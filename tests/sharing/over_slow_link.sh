@@ -55,10 +55,10 @@ touched() {  # NAMESPACE INTERFACE NAME OPTIONS...: a hand, with the points as i
   ip netns exec "$at" "$palpate" --quiet touch --join far --interface "$interface" --backend cpu --save "$folder/$name.ply" \
     --json "$folder/$name.json" "$@" > "$folder/$name.log" 2>&1 || fail "the hand '$name' has ended"
 }
-sculpted() {  # ROUND_TRIP LOSS: hands at both ends sculpt one place at once, through a cable that is out for a while
+sculpted() {  # ROUND_TRIP LOSS: hands at both ends sculpt at once, in one place and across it, through a cable that is out for a while
   touched "$near" a near --realtime --duration 3 --edit push --penetration 4 &
   local hand=$!
-  touched "$far" b far --realtime --duration 3 --edit inflate &
+  touched "$far" b far --realtime --duration 3 --path builtin:slide --edit inflate --penetration 6 &
   local other=$!
   if [ "$1" = 100 ]; then sleep 2.5; touch "$folder/cut"; sleep 1.5; rm "$folder/cut"; fi
   wait "$hand"; wait "$other"
