@@ -27,7 +27,7 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU strokes go on amid what others do, wit
 TEST_CASE_FIXTURE(GpuFixture, "on the GPU an offer that comes too late for a point leaves it as it is") {
   const Scene scene = makeScene("sphere", 5'000);
   for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
-    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = kPush, .index = index});
+    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = kPush, .paintable = true, .index = index});
     checkOffersThatAreLate(touch, scene.cloud);
   }
 }

@@ -162,6 +162,7 @@ inline void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud)
   // Points 1 and 2 stand elsewhere by far than two of the changes say.
   PointChange wrong = moved(1, 5), gone = moved(2, 0);
   wrong.from.position += Vec3(30, 30, 30);
+  wrong.to.color = 0xff112233;  // what is left out does not paint either
   gone.from.position += Vec3(-30, 0, 7);
   gone.to.id |= PointState::kGone;
   REQUIRE(others.offerThese({moved(0, 5), wrong, gone, moved(3, -5)}));
