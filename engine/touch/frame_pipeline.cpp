@@ -23,11 +23,7 @@ FramePipeline::FramePipeline(Device& device, FrameWriter& writer, LiveIndex& ind
       incoming_{Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming positions"),
                 Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming normals"), 0},
       beside_(device.backgroundQueue().another()),
-      task_([this] {
-        made_ = writer_.make(wanted_s_, incoming_);
-        // Only here, where questions are known to be urgent, they are recorded in pieces that give way.
-        if (made_ != MadeFrame::none) record(*beside_, listsBeside_);
-      }) {
+      task_([this] { make(); }) {
   PALPATE_CHECK_EQ(writer.size(), std::size_t{index.cloud().slots()});
   CommandList clear(device, device.latencyQueue(), "no velocities");
   clear.begin();
@@ -57,13 +53,28 @@ void FramePipeline::record(const Queue& queue, Lists& lists) {
     }
 }
 
+// On its own thread, against the clock.
+void FramePipeline::make() {
+  made_ = writer_.make(wanted_s_, incoming_);
+  if (made_ == MadeFrame::none) return;
+  // Only here, where questions are known to be urgent, they are recorded in pieces that give way.
+  record(*beside_, listsBeside_);
+  if (mayWrite_.load(std::memory_order_acquire)) submitBeside();
+}
+
+// Unless somebody reads the half that it goes into.
+void FramePipeline::submitBeside() {
+  if (!exchange_.beginWriting(back())) return;
+  submit(*beside_, listsBeside_);
+  isSubmitted_ = true;
+}
+
 void FramePipeline::submit(Queue& queue, const Lists& lists) {
   times_[back()] = {.true_s = writer_.time_s(), .goOn_s = writer_.goOn_s()};
   colored_[back()] = writer_.isColored();
   const auto& ways = made_ == MadeFrame::incoming ? lists.builds : lists.frames;
   on_ = &queue;
   ticket_ = queue.submit(*ways[index_.parity()].at(index_.hash().sort()));
-  stage_ = Stage::building;
 }
 
 void FramePipeline::hasArrived() {
@@ -72,8 +83,10 @@ void FramePipeline::hasArrived() {
   stage_ = Stage::idle;
 }
 
-void FramePipeline::startMaking(double time_s) {
+void FramePipeline::startMaking(double time_s, bool mayWrite) {
   wanted_s_ = time_s;
+  isSubmitted_ = false;
+  mayWrite_.store(mayWrite, std::memory_order_relaxed);
   stage_ = Stage::making;
   task_.start();
 }
@@ -98,15 +111,20 @@ bool FramePipeline::goOn(double time_s) {
   if (stage_ == Stage::building) {
     if (!on_->isDone(ticket_)) return false;
     hasArrived();
-    return true;  // the half that was felt is written once the next tick is answered: its last patch has come by then
+    // The half that was felt is written once the next tick is answered: its last patch has come by then.
+    startMaking(time_s, false);
+    return true;
   }
-  if (stage_ == Stage::idle) startMaking(time_s);
+  if (stage_ == Stage::idle)
+    startMaking(time_s, true);
+  else
+    mayWrite_.store(true, std::memory_order_release);
   if (!task_.finishedWithin(kLook_us)) return false;
-  if (made_ == MadeFrame::none) {
-    stage_ = Stage::idle;
-    return false;
-  }
-  if (exchange_.beginWriting(back())) submit(*beside_, listsBeside_);
+  stage_ = Stage::idle;
+  if (made_ == MadeFrame::none) return false;
+  if (!isSubmitted_) submitBeside();
+  // Where the half is read, its turn comes again.
+  stage_ = isSubmitted_ ? Stage::building : Stage::making;
   return false;
 }
 
@@ -115,8 +133,11 @@ void FramePipeline::finish() {
     task_.finishedWithin(0);
     stage_ = Stage::idle;
     if (made_ != MadeFrame::none) {
-      while (!exchange_.beginWriting(back())) std::this_thread::yield();
-      submit(device_.latencyQueue(), listsFirst_);
+      if (!isSubmitted_) {
+        while (!exchange_.beginWriting(back())) std::this_thread::yield();
+        submit(device_.latencyQueue(), listsFirst_);
+      }
+      stage_ = Stage::building;
     }
   }
   if (stage_ != Stage::building) return;
@@ -127,10 +148,8 @@ void FramePipeline::finish() {
 void FramePipeline::stop() noexcept {
   if (stage_ == Stage::idle) return;
   try {
-    if (stage_ == Stage::making)
-      task_.finishedWithin(0);
-    else
-      on_->wait(ticket_);  // of a queue that waiting for the device may not wait for
+    if (stage_ == Stage::making) task_.finishedWithin(0);
+    if (stage_ == Stage::building || isSubmitted_) on_->wait(ticket_);  // of a queue that waiting for the device may not wait for
   } catch (...) {  // a frame that could not be made is nobody's any more
   }
   stage_ = Stage::idle;

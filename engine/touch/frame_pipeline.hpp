@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
@@ -26,9 +27,9 @@ class FramePipeline {
 
   /// Virtual time: the frame of that time is felt from now on. Waits for it.
   void bring(double time_s);
-  /// Against the clock, between ticks: the frame that is ready goes to the GPU, beside the questions, and is felt once it
-  /// is done; where none is under way the next one is begun, for that time. True where the points have moved. Throws
-  /// what the making of a frame has thrown.
+  /// Against the clock, between ticks: where none is under way the next frame is begun, for that time; as soon as it is
+  /// made it goes to the GPU, beside the questions, and is felt from the call on that finds it done, which begins the next
+  /// one. True where the points have moved. Throws what the making of a frame has thrown.
   bool goOn(double time_s);
   /// Waits for the frame that is under way.
   void finish();
@@ -60,7 +61,7 @@ class FramePipeline {
  private:
   enum class Stage {
     idle,
-    making,   // on the host, by a thread of its own
+    making,   // on the host, by a thread of its own, which hands it to the GPU where it may
     building  // on the GPU
   };
   std::uint32_t back() const { return 1 - index_.parity(); }
@@ -70,8 +71,10 @@ class FramePipeline {
   };
   void record(const Queue& queue, Lists& lists);
   void runNow();
-  void startMaking(double time_s);
+  void make();
+  void startMaking(double time_s, bool mayWrite);
   void submit(Queue& queue, const Lists& lists);
+  void submitBeside();
   // It is felt from now on.
   void hasArrived();
   CloudFrame fetch(Queue& queue, const Placed& placed) const;
@@ -88,6 +91,8 @@ class FramePipeline {
   Stage stage_ = Stage::idle;
   double wanted_s_ = 0;
   MadeFrame made_ = MadeFrame::none;  // last
+  bool isSubmitted_ = false;          // that one; while it is made for the thread that makes it, as the ticket
+  std::atomic<bool> mayWrite_ = false;  // the back half, which nobody feels any more
   std::unique_ptr<Queue> beside_;  // of the background, which no picture has before it, and which gives way
   Queue* on_ = nullptr;            // that builds
   Queue::Ticket ticket_ = 0;
