@@ -147,6 +147,8 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
         .coupling_N_mm = config.matter->matter == Matter::soft ? 0 : 1e-3 * couplingStiffness_N_m(*config.matter),
         .elasticity = config.matter->matter == Matter::soft ? elasticityInWords(*config.matter) : std::string(),
         .leftOut_s = session.simulation()->leftOut_s(),
+        .advances = session.simulation()->advances(),
+        .duration_s = durationOf(result.trace()),
         .ports = session.simulation()->portEnergies()};
   if (const ShapeStrokes* const shape = backend.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.

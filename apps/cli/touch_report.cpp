@@ -136,6 +136,8 @@ std::string inWords(const MatterReport& matter, std::size_t particles) {
   if (matter.coupling_N_mm > 0) words += fmt::format(", a hand holds its ball by {:.3g} N/mm", matter.coupling_N_mm);
   if (!matter.elasticity.empty()) words += "; " + matter.elasticity;
   if (matter.leftOut_s > 0) words += fmt::format("; {:.3f} s behind the clock, left out", matter.leftOut_s);
+  if (matter.duration_s > 0)
+    words += fmt::format("; it went on {:.0f} times a second", static_cast<double>(matter.advances) / matter.duration_s);
   for (const PortEnergy& port : matter.ports)
     words += fmt::format("; a hand put in {:.3g} mJ, {:.3g} at the least", 1e3 * port.now_J, 1e3 * port.least_J);
   return words;
@@ -176,6 +178,7 @@ Json toJson(const MatterReport& matter) {
           {"coupling_N_mm", matter.coupling_N_mm > 0 ? Json(matter.coupling_N_mm) : Json(nullptr)},
           {"elasticity", matter.elasticity.empty() ? Json(nullptr) : Json(matter.elasticity)},
           {"left_out_s", matter.leftOut_s},
+          {"advances", matter.advances},
           {"ports", ports}};
 }
 

@@ -53,6 +53,8 @@ struct MatterReport {
       0;  ///< of the hand to its ball, with the gain; 0: of a soft body, which the hand itself presses
   std::string elasticity;      ///< of a soft body, in words
   double leftOut_s = 0;        ///< by which it stayed behind the clock
+  std::uint64_t advances = 0;  ///< times that it went on, each some milliseconds at once
+  double duration_s = 0;       ///< in which it did
   std::vector<PortEnergy> ports = {};  ///< of each hand
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,8 @@ class SimulationControl {
   virtual void set(std::string_view name, double value) = 0;
   /// Time by which it has stayed behind the clock, and which it leaves out, s.
   virtual double leftOut_s() const noexcept = 0;
+  /// How often it has gone on: each time hands feel it anew.
+  virtual std::uint64_t advances() const noexcept = 0;
   /// Of each hand.
   virtual std::vector<PortEnergy> portEnergies() const = 0;
   /// Why it goes on no more, in words that follow "the simulation"; empty while it does.

@@ -63,6 +63,7 @@ void SteppedControl::forget() noexcept {
 std::uint32_t SteppedControl::stepsTo(std::int64_t step, std::uint32_t atFirst) {
   const std::int64_t steps = last_ ? step - *last_ : atFirst;
   last_ = step;
+  if (steps > 0) advances_.fetch_add(1, std::memory_order_relaxed);
   if (mostAtOnce_ == 0 || !leavesOut_.load() || steps <= mostAtOnce_) return static_cast<std::uint32_t>(steps);
   leftOut_.fetch_add(static_cast<std::uint64_t>(steps - mostAtOnce_), std::memory_order_relaxed);
   return mostAtOnce_;

@@ -25,6 +25,7 @@ class SteppedControl : public SimulationControl {
   double leftOut_s() const noexcept override {
     return kMatterStep_s * static_cast<double>(leftOut_.load(std::memory_order_relaxed));
   }
+  std::uint64_t advances() const noexcept override { return advances_.load(std::memory_order_relaxed); }
   std::vector<PortEnergy> portEnergies() const override;
   std::string failure() const override;
   std::vector<SimulationParameter> parameters() const override;
@@ -59,6 +60,7 @@ class SteppedControl : public SimulationControl {
   std::optional<std::int64_t> last_;
   std::atomic<bool> reset_ = false, held_ = false, changed_ = false, leavesOut_ = true;
   std::atomic<std::uint64_t> leftOut_ = 0;  // steps
+  std::atomic<std::uint64_t> advances_ = 0;
   std::atomic<MatterState> state_ = MatterState::running;
   struct Meter {
     std::atomic<double> now_J = 0, least_J = 0;
