@@ -1,7 +1,9 @@
 #include "engine/touch/frame_pipeline.hpp"
 
 #include <bit>
+#include <chrono>
 #include <thread>
+#include <utility>
 
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -11,6 +13,7 @@ namespace palpate {
 namespace {
 
 constexpr double kLook_us = 1;  // a budget that lets no thread sleep
+constexpr std::chrono::microseconds kBetweenLooks{100};
 
 }  // namespace
 
@@ -53,20 +56,18 @@ void FramePipeline::record(const Queue& queue, Lists& lists) {
     }
 }
 
-// On its own thread, against the clock.
+// On its own thread, against the clock. The frame before is built first: its list reads what the next one is made in.
 void FramePipeline::make() {
-  made_ = writer_.make(wanted_s_, incoming_);
+  if (before_ > 0) beside_->wait(before_);
+  made_ = writer_.make(wanted_s_.load(), incoming_);
   if (made_ == MadeFrame::none) return;
+  mayWrite_.wait(false);
+  while (!isDropped_.load() && !exchange_.beginWriting(back()))
+    std::this_thread::sleep_for(kBetweenLooks);  // somebody reads that half
+  if (isDropped_.load()) return;
   // Only here, where questions are known to be urgent, they are recorded in pieces that give way.
   record(*beside_, listsBeside_);
-  if (mayWrite_.load(std::memory_order_acquire)) submitBeside();
-}
-
-// Unless somebody reads the half that it goes into.
-void FramePipeline::submitBeside() {
-  if (!exchange_.beginWriting(back())) return;
   submit(*beside_, listsBeside_);
-  isSubmitted_ = true;
 }
 
 void FramePipeline::submit(Queue& queue, const Lists& lists) {
@@ -80,15 +81,30 @@ void FramePipeline::submit(Queue& queue, const Lists& lists) {
 void FramePipeline::hasArrived() {
   index_.built();
   exchange_.publish(index_.parity(), pointsTime(index_.parity()).true_s);
-  stage_ = Stage::idle;
+  isBuilding_ = false;
 }
 
-void FramePipeline::startMaking(double time_s, bool mayWrite) {
-  wanted_s_ = time_s;
-  isSubmitted_ = false;
-  mayWrite_.store(mayWrite, std::memory_order_relaxed);
-  stage_ = Stage::making;
+void FramePipeline::startMaking() {
+  isMaking_ = true;
+  before_ = isBuilding_ ? ticket_ : 0;
   task_.start();
+}
+
+// What it was, too, once it is no more under way.
+bool FramePipeline::isMade(double budget_us) {
+  try {
+    if (!task_.finishedWithin(budget_us)) return false;
+  } catch (...) {
+    isMaking_ = false;
+    throw;
+  }
+  isMaking_ = false;
+  isBuilding_ = made_ != MadeFrame::none;
+  return true;
+}
+
+void FramePipeline::allowWriting(bool may) {
+  if (mayWrite_.exchange(may) != may && may) mayWrite_.notify_one();
 }
 
 void FramePipeline::runNow() {
@@ -108,51 +124,42 @@ void FramePipeline::bring(double time_s) {
 }
 
 bool FramePipeline::goOn(double time_s) {
-  if (stage_ == Stage::building) {
+  wanted_s_.store(time_s);
+  if (isBuilding_) {
     if (!on_->isDone(ticket_)) return false;
     hasArrived();
-    // The half that was felt is written once the next tick is answered: its last patch has come by then.
-    startMaking(time_s, false);
+    if (!isMaking_) startMaking();
     return true;
   }
-  if (stage_ == Stage::idle)
-    startMaking(time_s, true);
-  else
-    mayWrite_.store(true, std::memory_order_release);
-  if (!task_.finishedWithin(kLook_us)) return false;
-  stage_ = Stage::idle;
-  if (made_ == MadeFrame::none) return false;
-  if (!isSubmitted_) submitBeside();
-  // Where the half is read, its turn comes again.
-  stage_ = isSubmitted_ ? Stage::building : Stage::making;
+  // The half that was felt is written once the next tick is answered: its last patch has come by then.
+  allowWriting(true);
+  if (!isMaking_) startMaking();
+  if (!isMade(kLook_us) || !isBuilding_) return false;
+  allowWriting(false);
+  if (!writer_.looksAtPoints()) startMaking();
   return false;
 }
 
 void FramePipeline::finish() {
-  if (stage_ == Stage::making) {
-    task_.finishedWithin(0);
-    stage_ = Stage::idle;
-    if (made_ != MadeFrame::none) {
-      if (!isSubmitted_) {
-        while (!exchange_.beginWriting(back())) std::this_thread::yield();
-        submit(device_.latencyQueue(), listsFirst_);
-      }
-      stage_ = Stage::building;
+  while (isMaking_ || isBuilding_) {
+    if (isBuilding_) {
+      on_->wait(ticket_);
+      hasArrived();
     }
+    allowWriting(true);
+    if (isMaking_) isMade(0);
   }
-  if (stage_ != Stage::building) return;
-  on_->wait(ticket_);
-  hasArrived();
 }
 
 void FramePipeline::stop() noexcept {
-  if (stage_ == Stage::idle) return;
+  isDropped_.store(true);
+  allowWriting(true);
   try {
-    if (stage_ == Stage::making) task_.finishedWithin(0);
-    if (stage_ == Stage::building || isSubmitted_) on_->wait(ticket_);  // of a queue that waiting for the device may not wait for
+    if (std::exchange(isMaking_, false)) task_.finishedWithin(0);
+    if (on_) on_->finish();  // of a queue that waiting for the device may not wait for
   } catch (...) {  // a frame that could not be made is nobody's any more
   }
-  stage_ = Stage::idle;
+  isBuilding_ = false;
 }
 
 bool FramePipeline::read(const std::function<void(const Placed&)>& read) {

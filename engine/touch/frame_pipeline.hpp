@@ -17,23 +17,25 @@
 namespace palpate {
 
 /// Brings frames into the live cloud: has their points written, builds their index in the back half, and flips. Where a
-/// frame has fewer points than there are slots, the others are empty. One frame at a time is under way, and nobody waits
-/// for it: against the clock it is built beside the questions, on the queue of the background: in that of throughput it
-/// would wait until a picture is drawn.
+/// frame has fewer points than there are slots, the others are empty. Nobody waits for a frame: against the clock a thread
+/// makes it and hands it to the GPU, where it is built beside the questions, on the queue of the background: in that of
+/// throughput it would wait until a picture is drawn. Once it is built, and before it is felt, the next one is made.
 class FramePipeline {
  public:
   /// Begins with the frame of time 0. `writer` and `index`, which has as many slots, must outlive it.
   FramePipeline(Device& device, FrameWriter& writer, LiveIndex& index);
+  ~FramePipeline() { stop(); }
+  FramePipeline(const FramePipeline&) = delete;
+  FramePipeline& operator=(const FramePipeline&) = delete;
 
   /// Virtual time: the frame of that time is felt from now on. Waits for it.
   void bring(double time_s);
-  /// Against the clock, between ticks: where none is under way the next frame is begun, for that time; as soon as it is
-  /// made it goes to the GPU, beside the questions, and is felt from the call on that finds it done, which begins the next
-  /// one. True where the points have moved. Throws what the making of a frame has thrown.
+  /// Against the clock, between ticks: that time is the newest one, for which frames are made, and the one that is found
+  /// built is felt from now on. True where the points have moved. Throws what the making of a frame has thrown.
   bool goOn(double time_s);
-  /// Waits for the frame that is under way.
+  /// Waits for the frames that are under way.
   void finish();
-  /// Waits for the frame that is being made, and drops it: for who goes.
+  /// Waits for what is under way, and drops it: for who goes.
   void stop() noexcept;
 
   /// The time of the frame in each half of the live cloud, and the velocities of its points: a vec4 for each id, model
@@ -59,11 +61,6 @@ class FramePipeline {
   CloudFrame front() const;
 
  private:
-  enum class Stage {
-    idle,
-    making,   // on the host, by a thread of its own, which hands it to the GPU where it may
-    building  // on the GPU
-  };
   std::uint32_t back() const { return 1 - index_.parity(); }
   // By the half that is felt before; and the build alone.
   struct Lists {
@@ -72,9 +69,10 @@ class FramePipeline {
   void record(const Queue& queue, Lists& lists);
   void runNow();
   void make();
-  void startMaking(double time_s, bool mayWrite);
+  void startMaking();
+  bool isMade(double budget_us);
+  void allowWriting(bool may);
   void submit(Queue& queue, const Lists& lists);
-  void submitBeside();
   // It is felt from now on.
   void hasArrived();
   CloudFrame fetch(Queue& queue, const Placed& placed) const;
@@ -88,14 +86,16 @@ class FramePipeline {
   LiveCloud::Half incoming_;  // in any order
   Lists listsFirst_, listsBeside_;  // before all questions, and beside them
   FrameExchange exchange_;
-  Stage stage_ = Stage::idle;
-  double wanted_s_ = 0;
-  MadeFrame made_ = MadeFrame::none;  // last
-  bool isSubmitted_ = false;          // that one; while it is made for the thread that makes it, as the ticket
-  std::atomic<bool> mayWrite_ = false;  // the back half, which nobody feels any more
   std::unique_ptr<Queue> beside_;  // of the background, which no picture has before it, and which gives way
-  Queue* on_ = nullptr;            // that builds
+  Queue* on_ = nullptr;            // that builds, and the last frame there
   Queue::Ticket ticket_ = 0;
+  bool isBuilding_ = false;  // it is not felt yet
+  bool isMaking_ = false;    // the thread makes one: until it has, who builds and what was made are its own
+  Queue::Ticket before_ = 0;  // what it waits for first; 0: nothing
+  MadeFrame made_ = MadeFrame::none;
+  std::atomic<double> wanted_s_ = 0;     // the newest time
+  std::atomic<bool> mayWrite_ = true;    // the back half: the last answers from it have come
+  std::atomic<bool> isDropped_ = false;  // what is made is nobody's any more
   BackgroundTask task_;  // goes first
 };
 

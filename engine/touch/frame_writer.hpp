@@ -34,6 +34,8 @@ class FrameWriter {
   virtual double time_s() const = 0;
   virtual double goOn_s() const { return kMostPointsAge_s; }
   virtual bool isColored() const = 0;
+  /// Whether make() looks at the points so far: it runs then only once the frame before has become them.
+  virtual bool looksAtPoints() const { return false; }
 };
 
 }  // namespace palpate

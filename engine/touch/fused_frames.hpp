@@ -26,6 +26,7 @@ class FusedFrames final : public FrameWriter {
               const Buffer& velocities) const override;
   double time_s() const override { return time_s_; }
   bool isColored() const override { return colored_; }
+  bool looksAtPoints() const override { return true; }
 
   /// Frames that were fused, and that could not be placed, or read.
   std::uint64_t fused() const { return intake_.fused(); }
