@@ -123,16 +123,16 @@ void FramePipeline::bring(double time_s) {
   while ((made_ = writer_.make(time_s, incoming_)) != MadeFrame::none) runNow();
 }
 
-bool FramePipeline::goOn(double time_s) {
+bool FramePipeline::goOn(double time_s, bool isRead) {
   wanted_s_.store(time_s);
   if (isBuilding_) {
     if (!on_->isDone(ticket_)) return false;
     hasArrived();
+    if (!isRead) allowWriting(true);
     if (!isMaking_) startMaking();
     return true;
   }
-  // The half that was felt is written once the next tick is answered: its last patch has come by then.
-  allowWriting(true);
+  if (!isRead) allowWriting(true);
   if (!isMaking_) startMaking();
   if (!isMade(kLook_us) || !isBuilding_) return false;
   allowWriting(false);

@@ -31,8 +31,9 @@ class FramePipeline {
   /// Virtual time: the frame of that time is felt from now on. Waits for it.
   void bring(double time_s);
   /// Against the clock, between ticks: that time is the newest one, for which frames are made, and the one that is found
-  /// built is felt from now on. True where the points have moved. Throws what the making of a frame has thrown.
-  bool goOn(double time_s);
+  /// built is felt from now on. True where the points have moved. `isRead`: somebody may still read the points as they are
+  /// felt so far; after the answer to a question. Throws what the making of a frame has thrown.
+  bool goOn(double time_s, bool isRead);
   /// Waits for the frames that are under way.
   void finish();
   /// Waits for what is under way, and drops it: for who goes.

@@ -27,6 +27,11 @@ class PatchBridge {
   /// Asks for a patch at `pose`, unless the one that is there, or on its way, will do. After a question was submitted,
   /// so that the host's part is done while the GPU works on that. `points`: the time of those of that half, where they move.
   void renew(const Pose& pose, std::uint32_t parity, const PointsTime& points);
+  /// Whether a patch is on its way.
+  bool isFetching() {
+    takeIn();
+    return underWay_.has_value();
+  }
   /// An edit was submitted at `time_s`.
   void edited(double time_s);
   /// The GPU's answer to `pose`, taken in at `now_s`, and the state that it left.

@@ -35,7 +35,7 @@ class TouchFrames {
 
   /// FramePipeline's.
   void bring(double time_s) { frames_->bring(time_s); }
-  bool goOn(double time_s) { return frames_ && frames_->goOn(time_s); }
+  bool goOn(double time_s, bool isRead) { return frames_ && frames_->goOn(time_s, isRead); }
   void finish() {
     if (frames_) frames_->finish();
   }

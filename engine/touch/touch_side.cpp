@@ -268,7 +268,9 @@ bool TouchSide::lateAnswerIsIn(double now_s, double budget_us) {
   // After an edit the next one waits for an answer in time: until the hand has felt the last. Where no edit was in the
   // way the GPU is slower than the ticks, and late answers are all there are.
   if (realtime && !behindEdit) editIfYielding(true);
-  if (realtime) goOn(now_s, true);
+  if (!realtime) return true;
+  bringFrame(now_s);
+  index_.compactFurther(true);
   return true;
 }
 
@@ -387,15 +389,17 @@ void TouchSide::closeTick() {
   if (!questions_.isInTick()) return;
   const bool answered = questions_.state() == QuestionState::answered, realtime = questions_.question().realtime;
   questions_.closeTick();
+  const double asked_s = questions_.question().time_s;
+  // Before a patch is asked for, which is then of the new frame.
+  if (answered && realtime) bringFrame(asked_s);
   if (realtime) bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_.pointsTime());
   if (!answered) return;
   editIfYielding(realtime);
-  goOn(questions_.question().time_s, realtime);
+  index_.compactFurther(realtime);
 }
 
-void TouchSide::goOn(double time_s, bool realtime) {
-  index_.compactFurther(realtime);
-  if (realtime && frames_.goOn(time_s)) bridge_->edited(time_s);
+void TouchSide::bringFrame(double time_s) {
+  if (frames_.goOn(time_s, bridge_->isFetching())) bridge_->edited(time_s);
 }
 
 void TouchSide::editIfYielding(bool realtime) {

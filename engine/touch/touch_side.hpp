@@ -126,7 +126,7 @@ class TouchSide final : public TouchBackend {
   // What an answer leads to: in virtual time with it, in real time once its force is out.
   void closeTick();
   // The next step of what is done to the cloud between ticks.
-  void goOn(double time_s, bool realtime);
+  void bringFrame(double time_s);
   // Waits for all that is under way.
   void settle();
   bool isFiniteAt(std::span<const Pose> poses) const;
