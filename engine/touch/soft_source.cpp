@@ -18,8 +18,12 @@ constexpr double kTrustInFelt = 0.1;
 // Of the support radius: what the weights of touch press on is about as wide as an even pressure on that.
 constexpr double kPressedShare = 0.5;
 // Steps of a touch after which its compliance is asked for, and again each time so many more have passed: it takes as
-// long as about fifteen of them.
-constexpr std::uint32_t kFirstCompliance = 50, kNextCompliance = 250;
+// long as about fifteen of them, and as 150 where there are 200,000 nodes.
+constexpr std::uint32_t kFirstCompliance = 50, kNextCompliance = 250, kNodesOfNext = 20'000;
+
+std::uint32_t stepsToNext(const MatterPlan& plan) {
+  return kNextCompliance * std::max(1u, static_cast<std::uint32_t>(plan.particles / kNodesOfNext));
+}
 
 // The step that a time is in: a frame is never of a time to come.
 std::int64_t stepAt(double time_s) { return static_cast<std::int64_t>(std::floor((time_s + kSameTime_s) / kMatterStep_s)); }
@@ -173,13 +177,16 @@ void SoftSource::advance(std::uint32_t steps) {
     for (std::size_t hand = 0; hand < options_.hands; ++hand) seeEnergy(hand, energies_J_[hand]);
   }
   sculpt(steps);
-  for (std::size_t i = 0; i < question_.count && question_.goesOn; ++i) findCompliance(question_.touches[i], slots_[i]);
+  for (std::size_t i = 0; i < question_.count && question_.goesOn; ++i) findCompliance(question_.touches[i], slots_[i], steps);
 }
 
-// Of a tool the first point that touches speaks for all.
-void SoftSource::findCompliance(const SurfaceTouch& touch, const Slot& slot) {
-  const bool first = slot.steps == kFirstCompliance;
-  if (!slot.presses || !(first || (slot.steps > 0 && slot.steps % kNextCompliance == 0))) return;
+// Of a tool the first point that touches speaks for all. `steps`: the last ones of the touch.
+void SoftSource::findCompliance(const SurfaceTouch& touch, const Slot& slot, std::uint32_t steps) {
+  if (!slot.presses) return;
+  const auto parts = [&](std::uint32_t pressed) {
+    return (pressed >= kFirstCompliance ? 1 : 0) + pressed / stepsToNext(world_->plan());
+  };
+  if (parts(slot.steps) == parts(slot.steps - steps)) return;
   const double reach = touch.hand == 0 ? options_.toolReach : 0;
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, reach);
   const double compliance = world_->localCompliance_m_N(slot.place_m, radius_m, -touch.normal) / kMatterUnit_m;

@@ -106,7 +106,7 @@ class SoftSource final : public CloudSource, public SteppedControl {
   void countStrokes();
   void advance(std::uint32_t steps);
   DVec3 placeOf(const SurfaceTouch& touch, const Slot& slot) const;
-  void findCompliance(const SurfaceTouch& touch, const Slot& slot);
+  void findCompliance(const SurfaceTouch& touch, const Slot& slot, std::uint32_t steps);
 
   std::unique_ptr<MatterSimulation> world_;
   SoftSourceOptions options_;

@@ -295,6 +295,14 @@ TEST_CASE("where points are older than the tick the surface gives way as the bod
   CHECK(back.proxy.y == doctest::Approx(fresh.proxy.y).epsilon(1e-4));
 }
 
+TEST_CASE("where several steps come at once the body is asked, too, how far it gives way") {
+  SoftScene block = touched(softBlock());
+  const double halfSpace = block.source().compliance(0);
+  // Three and four steps in turn, every other time half a one after the last of them.
+  for (int k = 0; k < 60; ++k) block.touch().query(press(3.5e-3 * k, 3, 0.05), 0);
+  CHECK(block.source().compliance(0) != halfSpace);
+}
+
 TEST_CASE("against the clock nobody waits for a step, what is too slow is left out, and the body is pressed all the same") {
   SoftTouching options;
   options.realtime = true;
