@@ -25,7 +25,17 @@ struct OpenedStream {
   std::optional<UpAxis> up = UpAxis::minusY;  ///< in the world of its poses; the camera's without
 };
 
-std::shared_ptr<DepthStream> openLive(const std::string& device, const StreamConfig& stream) {
+OpenedStream watchRos(const std::string& topic, const StreamConfig& stream, const ModelLoading& loading) {
+  if (!loading.watch) throw Error("{}: topics of ROS are not heard here", topic);
+  std::optional<DepthCamera> intrinsics;
+  if (!stream.intrinsics.empty()) intrinsics = readCamera(stream.intrinsics).camera;
+  OpenedStream opened{.stream = loading.watch(topic, stream, intrinsics, loading.log)};
+  // Points are in any axes at all; those of a picture are its camera's.
+  if (!(opened.stream->camera().fx > 0)) opened.up.reset();
+  return opened;
+}
+
+std::shared_ptr<DepthStream> openDevice(const std::string& device, const StreamConfig& stream) {
   if (device == kStandardInput) {
     if (!stream.intrinsics.empty())
       throw ConfigError("stream.intrinsics", "raw frames say them in their first line; leave it out");
@@ -80,9 +90,14 @@ FirstFrame firstMap(const DepthCamera& camera, const DepthFrame& frame) {
   return first;
 }
 
-OpenedStream open(const SessionConfig& config, Log* log) {
+OpenedStream openLive(const SessionConfig& config, const ModelLoading& loading) {
+  const std::string& name = config.model.file;
+  if (isRosModel(name)) return watchRos(name, *config.stream, loading);
+  return {.stream = openDevice(name, *config.stream)};
+}
+
+OpenedStream openFolder(const SessionConfig& config, Log* log) {
   const StreamConfig& stream = *config.stream;
-  if (stream.live) return {.stream = openLive(config.model.file, stream)};
   const auto folder = std::make_shared<RgbdFolder>(
       config.model.file, RgbdOptions{.intrinsics = stream.intrinsics, .depthScale = stream.depthScale}, log);
   return {.stream = folder, .up = folder->up()};
@@ -90,8 +105,9 @@ OpenedStream open(const SessionConfig& config, Log* log) {
 
 }  // namespace
 
-FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
-  const auto [stream, up] = open(config, &log);
+FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loading) {
+  Log& log = loading.log;
+  const auto [stream, up] = config.stream->live ? openLive(config, loading) : openFolder(config, &log);
   DepthFrame frame;
   FirstFrame first;
   while (first.cloud.empty()) {
@@ -119,7 +135,7 @@ std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Mode
   if (stream.live || (model.stream && !model.stream->behind))
     throw Error("{}: is played by another session", config.model.file);
   const PlayOptions options{.speed = stream.speed, .loop = stream.loop, .exact = !config.realtime};
-  auto opened = playedStream(open(config, nullptr).stream, options);
+  auto opened = playedStream(openFolder(config, nullptr).stream, options);
   if (!model.stream) return opened;
   opened->player->beginBehind(*model.stream->behind);
   opened->seenFrom = model.stream->seenFrom;
