@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/depth_camera.hpp"
@@ -23,13 +24,15 @@ constexpr int kMostSaid = 3;  // frames that are lost before the first good one:
 struct OpenedStream {
   std::shared_ptr<DepthStream> stream;
   std::optional<UpAxis> up = UpAxis::minusY;  ///< in the world of its poses; the camera's without
+  double mm_per_unit = 0;  ///< that the session is to have where nobody says another; 0: as fits a hand
 };
 
 OpenedStream watchRos(const std::string& topic, const StreamConfig& stream, const ModelLoading& loading) {
   if (!loading.watch) throw Error("{}: topics of ROS are not heard here", topic);
   std::optional<DepthCamera> intrinsics;
   if (!stream.intrinsics.empty()) intrinsics = readCamera(stream.intrinsics).camera;
-  OpenedStream opened{.stream = loading.watch(topic, stream, intrinsics, loading.log)};
+  constexpr double kMmPerMetre = 1000;
+  OpenedStream opened{.stream = loading.watch(topic, stream, intrinsics, loading.log), .mm_per_unit = kMmPerMetre};
   // Points are in any axes at all; those of a picture are its camera's.
   if (!(opened.stream->camera().fx > 0)) opened.up.reset();
   return opened;
@@ -107,7 +110,7 @@ OpenedStream openFolder(const SessionConfig& config, Log* log) {
 
 FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loading) {
   Log& log = loading.log;
-  const auto [stream, up] = config.stream->live ? openLive(config, loading) : openFolder(config, &log);
+  const auto [stream, up, mm_per_unit] = config.stream->live ? openLive(config, loading) : openFolder(config, &log);
   DepthFrame frame;
   FirstFrame first;
   while (first.cloud.empty()) {
@@ -116,6 +119,7 @@ FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loadi
                                 : FirstFrame{.cloud = firstCloud(stream->camera(), frame), .stream = nullptr};
   }
   if (frame.pose) first.camera = frustumOf(stream->camera(), *frame.pose);
+  if (mm_per_unit > 0) sayScale(first.cloud.storedAs.comments, mm_per_unit);
   if (up) first.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
   if (stream->isRecorded()) return first;
   const std::optional<CameraPose> seenFrom = first.stream ? first.stream->seenFrom : std::nullopt;

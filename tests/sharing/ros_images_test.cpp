@@ -174,7 +174,14 @@ TEST_CASE("normals of a grid stand on the surface that it saw, face the sensor, 
     }
   const std::vector<Vec3> normals = gridNormals(places, {.width = 8, .height = 6, .cells = cells, .sensor = sensor});
   REQUIRE(normals.size() == 47);
-  for (const Vec3& normal : normals) CHECK(glm::distance(DVec3(normal), upright) < 1e-4);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    CAPTURE(cells[i]);
+    // The first ray of the row with a gap has no neighbour in it.
+    if (cells[i] == 16)
+      CHECK(normals[i] == Vec3(0));
+    else
+      CHECK(glm::distance(DVec3(normals[i]), upright) < 1e-4);
+  }
   const std::vector<Vec3> alone = gridNormals(std::span(places).first(1), {.width = 8, .height = 6, .cells = std::span(cells).first(1)});
   CHECK(alone[0] == Vec3(0));
   CHECK_THROWS_AS(gridNormals(places, {.width = 3, .height = 2, .cells = cells}), Error);
