@@ -1,9 +1,13 @@
-// Hears a hand and a cloud of palpate, as a program of ROS would, so that somebody has it sent over the network:
+// Hears a hand and a cloud of palpate, as a program of ROS would, so that somebody has it sent over the network, and says
+// how long poses were on their way:
 //   ros_listener DOMAIN NAME SECONDS
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <thread>
+#include <exception>
+#include <string>
+#include <vector>
 
 #include "haptics/sharing/ros_messages.hpp"
 
@@ -17,7 +21,13 @@ class Heard {
   Heard(dds_entity_t participant, const std::string& topic, RosDelivery delivery)
       : topic_(participant, rosTypeOf<T>().descriptor, kRosTopics + topic),
         reader_(participant, topic_, rosQos(delivery, rosTypeOf<T>())) {}
-  std::size_t take() const { return reader_.take([](const T&) {}); }
+  void attachTo(ReaderWait& wait) const { wait.attach(reader_); }
+  /// Adds how long each was on its way, us.
+  void take(std::vector<double>& late_us) const {
+    reader_.take([&](const T&, const dds_sample_info_t& about) {
+      late_us.push_back(static_cast<double>(dds_time() - about.source_timestamp) * 1e-3);
+    });
+  }
 
  private:
   Topic<T> topic_;
@@ -32,13 +42,21 @@ void listen(std::uint32_t domain, const std::string& name, double seconds) {
   const Heard<RosPointCloud2> cloud(participant, name + "/cloud", RosDelivery::latched);
   std::puts("listening");
   std::fflush(stdout);
-  std::size_t poses = 0, wrenches = 0, clouds = 0;
+  ReaderWait wait(participant);
+  pose.attachTo(wait), proxy.attachTo(wait), wrench.attachTo(wait), cloud.attachTo(wait);
+  std::vector<double> poses, others;
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (std::chrono::steady_clock::now() < end) {
-    poses += pose.take() + proxy.take(), wrenches += wrench.take(), clouds += cloud.take();
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    wait.sleep(0.05);
+    pose.take(poses);
+    proxy.take(others), wrench.take(others), cloud.take(others);
   }
-  std::printf("%zu poses, %zu wrenches, %zu clouds\n", poses, wrenches, clouds);
+  std::ranges::sort(poses);
+  const auto within = [&](double part) {
+    return poses.empty() ? 0 : poses[static_cast<std::size_t>(part * static_cast<double>(poses.size() - 1))];
+  };
+  std::printf("%zu poses and %zu others; poses came within %.1f us (50 %%), %.1f us (99 %%)\n", poses.size(),
+              others.size(), within(0.5), within(0.99));
 }
 
 }  // namespace
