@@ -81,8 +81,8 @@ std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::stri
   if (stream.live) return stream;
   if (stream != StreamConfig{})
     throw UsageError(
-        "{}: is no depth camera, which --speed, --loop, --fuse, --depth-scale and --intrinsics are for; "
-        "that is --live, or {}",
+        "{}: is no recorded depth camera, which --speed, --loop, --fuse, --depth-scale and --intrinsics are for; "
+        "that is {}",
         modelFile, rgbdFoldersRead());
   return std::nullopt;
 }

@@ -143,7 +143,7 @@ TEST_CASE("topics of ROS that are no live camera, and options that do not go wit
   refuses("touch ros:/pose --realtime", 1, "what is sent there is geometry_msgs/msg/PoseStamped");
   refuses("touch ros:/depth/image_raw", 2, "--realtime: what is live goes by the clock; turn it on");
   refuses("touch --live ros:/points --realtime --fuse on", 1, "what is sent there are points");
-  refuses("touch ros:/points --loop", 2, "is no depth camera");
+  refuses("touch ros:/points --loop", 2, "is no recorded depth camera");
   refuses("convert ros:/depth/image_raw never.ply", 1, "what is sent there is sensor_msgs/msg/Image");
   refuses("touch --live ros:/a//b --realtime", 2, "is no name there");
 }
