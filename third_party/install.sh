@@ -42,6 +42,9 @@ packages=(
   xvfb                       # a display for the tests of the window, and
   xauth                      # what its xvfb-run needs
   iproute2                   # a slow link between two network namespaces, for the tests of sharing
+  libfastrtps-dev            # another maker's DDS hears ours and is heard, in the tests of sharing, and
+  libfastcdr-dev             # how it writes messages
+  tshark                     # whose dissector reads what goes over the wire there
   python3-pysph              # another program's dam that breaks, to hold ours against
   python3-matplotlib         # forces.png
 )

@@ -94,7 +94,10 @@ namespace {
 
 ModelLoading loadingOf(Context& context, EstimateOn where, const NetworkOptions* network) {
   ModelLoading loading{.log = context.log(), .threads = context.threads(), .join = pointsJoiner()};
-  if (network) loading.fetch = rosFetcher(*network);
+  if (network) {
+    loading.fetch = rosFetcher(*network);
+    loading.watch = rosWatcher(*network, context.threads());
+  }
   if (where == EstimateOn::gpu) loading.estimate = estimateNormalsOn([&]() -> Device& { return context.device(); });
   return loading;
 }

@@ -32,7 +32,9 @@ void render(Context& context, const RenderOptions& options) {
   config.join = joinConfig(options.join, config.model.file);
   if (config.model.file.empty()) throw UsageError("model: is required; name a file, or a session with --join");
   if (!config.join) {
-    config.stream = streamConfig(options.stream, config.model.file);
+    const RosQuestion ros{options.join.network, context.log()};
+    config.stream = streamConfig(options.stream, config.model.file, &ros);
+    config.realtime = config.stream && config.stream->live;
     config.matter = matterScene(config.model.file);
   }
   validate(config);

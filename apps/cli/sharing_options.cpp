@@ -42,12 +42,12 @@ void addRosOptions(Options& command, RosOptions& options) {
       .showDefault();
 }
 
-std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile) {
+std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile, const std::string& live) {
   const NetworkOptions& network = options.network;
   if (!options.ros.name.empty()) requireRosName(options.ros.name);
   if (options.name.empty()) {
     const bool hasNetwork = !network.interface.empty() || !network.peers.empty() || network.domain != 0;
-    const bool isUsed = isRosModel(modelFile) || !options.ros.name.empty();
+    const bool isUsed = isRosModel(modelFile) || isRosModel(live) || !options.ros.name.empty();
     if ((hasNetwork && !isUsed) || !options.hand.empty())
       throw UsageError(
           "--interface, --peer, --domain and --as are for --join, which names a session (and but for --as for ROS, too)");
@@ -82,8 +82,20 @@ SessionJoiner pointsJoiner() {
 CloudFetcher rosFetcher(const NetworkOptions& network) {
   return [config = network.config()](const std::string& name, Log& log) {
     const StopBySignal stop;
-    return hearRosCloud(name.substr(kRosModel.size()),
-                        {.network = config, .log = &log, .stop = &StopBySignal::requested()});
+    return hearRosCloud(rosTopicOf(name), {.network = config, .log = &log, .stop = &StopBySignal::requested()});
+  };
+}
+
+FrameWatcher rosWatcher(const NetworkOptions& network, unsigned threads) {
+  return [config = network.config(), threads](const std::string& name, const StreamConfig& stream,
+                                              const std::optional<DepthCamera>& intrinsics, Log& log) {
+    const StopBySignal stop;
+    return watchRosFrames(rosTopicOf(name),
+                          {.listening = {.network = config, .log = &log, .stop = &StopBySignal::requested()},
+                           .camera = intrinsics,
+                           .depthScale = stream.depthScale,
+                           .needsPictures = stream.fuse,
+                           .threads = threads});
   };
 }
 

@@ -39,9 +39,10 @@ enum class JoinAs { hand, onlooker };
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as);
 /// --ros and --ros-rate.
 void addRosOptions(Options& command, RosOptions& options);
-/// What is joined, under whose name the model goes then; nothing where none is. Throws UsageError for options that do not go
-/// together.
-std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile);
+/// What is joined, under whose name the model goes then; nothing where none is. `live`: what is given in place of a model
+/// otherwise. Throws UsageError for options that do not go together.
+std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile,
+                                     const std::string& live = {});
 
 /// Joins sessions while nobody asks the program to end, as one more hand of this name.
 SessionJoiner sessionJoiner(const std::string& hand);
@@ -49,5 +50,7 @@ SessionJoiner sessionJoiner(const std::string& hand);
 SessionJoiner pointsJoiner();
 /// Hears clouds of ROS on that network while nobody asks the program to end.
 CloudFetcher rosFetcher(const NetworkOptions& network);
+/// Opens topics of ROS as streams, likewise. `threads`: for what comes without normals.
+FrameWatcher rosWatcher(const NetworkOptions& network, unsigned threads);
 
 }  // namespace palpate

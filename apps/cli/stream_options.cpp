@@ -3,7 +3,9 @@
 #include "haptics/session/matter_scenes.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "apps/cli/stop_by_signal.hpp"
 #include "haptics/session/bounds.hpp"
+#include "haptics/sharing/ros.hpp"
 
 namespace palpate {
 
@@ -24,10 +26,11 @@ void addStreamOptions(Options& command, StreamOptions& options) {
   command
       .add(
           "--live", options.live,
-          "in place of MODEL: a V4L2 device that speaks Z16, as /dev/video2, with --intrinsics; or -, raw frames on "
+          "in place of MODEL: a V4L2 device that speaks Z16, as /dev/video2, with --intrinsics; ros:TOPIC, each message of "
+          "a topic of ROS 2 (PointCloud2, or Image of depth with its camera_info); or -, raw frames on "
           "standard input: one line of JSON (width height fx fy cx cy depth_scale, format z16 or z16+rgb8, pose), then "
           "frames, each a line 'frame TIME_S [16 numbers, camera to world]' and its bytes")
-      .typeName("DEVICE|-");
+      .typeName("DEVICE|ros:TOPIC|-");
   command.add("--speed", options.speed, "of a recording: its seconds in one second")
       .check(between(bounds::kLeastSpeed, bounds::kMostSpeed))
       .showDefault();
@@ -44,11 +47,23 @@ void addStreamOptions(Options& command, StreamOptions& options) {
 std::string modelsAndStreams() {
   return fmt::format(
       "{} file, a recorded depth camera ({}), a scene of matter (a .json file, or one of {}), or a "
-      "PointCloud2 of ROS 2 (ros:TOPIC)",
+      "topic of ROS 2 (ros:TOPIC: the first PointCloud2, or a camera's live pictures of depth)",
       cloudFormats().namesRead(), rgbdFoldersRead(), builtInScenes());
 }
 
-std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile) {
+namespace {
+
+bool isRosCamera(const std::string& modelFile, const RosQuestion& ros) {
+  const StopBySignal stop;
+  return whatRosSends(rosTopicOf(modelFile), {.network = ros.network.config(),
+                                              .log = &ros.log,
+                                              .stop = &StopBySignal::requested()}) == RosContent::pictures;
+}
+
+}  // namespace
+
+std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile,
+                                         const RosQuestion* ros) {
   StreamConfig stream{.speed = options.speed,
                       .loop = options.loop,
                       .fuse = options.fuse == "on",
@@ -62,6 +77,8 @@ std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::stri
   }
   if (modelFile.empty()) throw UsageError("model: is required; name a file, or a camera with --live");
   if (isRgbdFolder(modelFile)) return stream;
+  if (ros && isRosModel(modelFile)) stream.live = isRosCamera(modelFile, *ros);
+  if (stream.live) return stream;
   if (stream != StreamConfig{})
     throw UsageError(
         "{}: is no recorded depth camera, which --speed, --loop, --fuse, --depth-scale and --intrinsics are for; "

@@ -5,12 +5,13 @@
 #include <string>
 
 #include "apps/cli/options.hpp"
+#include "apps/cli/sharing_options.hpp"
 #include "haptics/session/session_config.hpp"
 
 namespace palpate {
 
 struct StreamOptions {
-  std::string live;  ///< a device, or "-"; empty: none
+  std::string live;  ///< a device, "-", or a topic of ROS; empty: none
   std::string intrinsics;
   double depthScale = 0, speed = 1;
   bool loop = false;
@@ -24,8 +25,15 @@ void addStreamOptions(Options& command, StreamOptions& options);
 /// Of the model, as the help calls it.
 std::string modelsAndStreams();
 
-/// What the options say of a model's file, which a live camera is instead of one; nothing where it is a cloud. Throws
-/// UsageError for options that do not go with it.
-std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile);
+/// Where it is asked what is sent on a topic of ROS, and who hears of it.
+struct RosQuestion {
+  const NetworkOptions& network;
+  Log& log;
+};
+/// What the options say of a model's file, which a live camera is instead of one; nothing where it is a cloud. A topic of
+/// ROS is a live camera where pictures of depth are sent there: `ros`, if any, is asked, and waits for who sends. Throws
+/// UsageError for options that do not go with it, NetworkError.
+std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile,
+                                         const RosQuestion* ros = nullptr);
 
 }  // namespace palpate

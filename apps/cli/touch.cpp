@@ -191,7 +191,7 @@ void checkOutputs(Context& context, const TouchCommandOptions& options) {
 
 void touch(Context& context, const TouchCommandOptions& options) {
   StartStages start;
-  const SessionConfig config = sessionConfig(options);
+  const SessionConfig config = sessionConfig(options, context.log());
   const BackendKind& kind = context.backends().named(config.backend.name);
   validate(config);
   kind.check(config);
@@ -201,7 +201,8 @@ void touch(Context& context, const TouchCommandOptions& options) {
                                    .threads = context.threads(),
                                    .estimate = kind.normalEstimator(),
                                    .join = sessionJoiner(options.join.hand),
-                                   .fetch = rosFetcher(options.join.network)});
+                                   .fetch = rosFetcher(options.join.network),
+                                   .watch = rosWatcher(options.join.network, context.threads())});
   start.ended("model");
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())

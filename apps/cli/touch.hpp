@@ -42,6 +42,6 @@ std::string remarkOnSmallBrush(double radius_mm, double spacing_mm, std::string_
 void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can);
 
 /// What the options ask for. Throws UsageError.
-SessionConfig sessionConfig(const TouchCommandOptions& options);
+SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log);
 
 }  // namespace palpate

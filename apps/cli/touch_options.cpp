@@ -194,7 +194,7 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
     throw UsageError("--log: --backend {} tells nobody of its edits; take vulkan or cpu", options.backend.backend);
 }
 
-SessionConfig sessionConfig(const TouchCommandOptions& options) {
+SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
   SessionConfig config{.model = options.model.config(),
                        .force = options.force,
                        .undo = {.undo = options.undo, .redo = options.redo, .memory_MiB = options.undoMemory_MiB},
@@ -204,12 +204,13 @@ SessionConfig sessionConfig(const TouchCommandOptions& options) {
   setBackend(config, options.backend);
   config.realtime = options.realtime;
   config.motion = motionConfig(options.motion);
-  config.join = joinConfig(options.join, config.model.file);
+  config.join = joinConfig(options.join, config.model.file, options.stream.live);
   if (config.join) {
     std::string joined = "--join " + config.model.file;  // whose options are none of a stream
     streamConfig(options.stream, joined);
   } else {
-    config.stream = streamConfig(options.stream, config.model.file);
+    const RosQuestion ros{options.join.network, log};
+    config.stream = streamConfig(options.stream, config.model.file, &ros);
     config.matter = matterScene(config.model.file);
   }
   if (!options.secondDevice.empty())

@@ -1,6 +1,7 @@
 #include "apps/view/document.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -134,7 +135,8 @@ void Document::sayWhatFramesLack() {
   const bool hasLost = counts->lost > 0, isSilent = counts->silentSince_s.has_value();
   if (hasLost && !saidOfFrames_.lost) messages_.say("a frame is lost: " + counts->lastLoss);
   if (isSilent && !saidOfFrames_.silent)
-    messages_.say(fmt::format("no frame has come since {:.1f} s; the last one stays", *counts->silentSince_s));
+    messages_.say(fmt::format("no frame has come since {:.1f} s; the last one stays{}", *counts->silentSince_s,
+                              std::isinf(counts->staysTrue_s) ? "" : fmt::format(" {:g} s", counts->staysTrue_s)));
   saidOfFrames_ = {.lost = hasLost, .silent = isSilent};
 }
 

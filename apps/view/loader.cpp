@@ -62,7 +62,8 @@ Loader::Result Loader::load() {
                          : loadModel(options_.config, {.log = context_.log(),
                                                        .threads = context_.threads(),
                                                        .join = sessionJoiner(options_.hand),
-                                                       .fetch = rosFetcher(options_.network)});
+                                                       .fetch = rosFetcher(options_.network),
+                                                       .watch = rosWatcher(options_.network, context_.threads())});
     isRead_ = true;
     mayBuild_.get_future().wait();
     if (cancelled_) return {};

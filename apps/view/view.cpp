@@ -42,19 +42,19 @@ void hold(Context& context, const ViewCommandOptions& options, WindowOptions& se
 }
 
 /// Of the first model; others are played in the same way where they are depth cameras.
-void setStream(const StreamOptions& options, ViewOptions& view) {
+void setStream(const StreamOptions& options, const RosQuestion& ros, ViewOptions& view) {
   std::string first = view.models.empty() ? std::string() : view.models.front();
   if (first.empty() && options.live.empty()) return;
-  view.session.stream = streamConfig(options, first).value_or(StreamConfig{});
+  view.session.stream = streamConfig(options, first, &ros).value_or(StreamConfig{});
   if (!view.session.stream.live) return;
   view.models = {first};
   view.session.config.model.file = first;
 }
 
 /// A session of others is the first model; others can be opened after it.
-void setJoin(const JoinOptionsGiven& options, ViewOptions& view) {
+void setJoin(const JoinOptionsGiven& options, const std::string& live, ViewOptions& view) {
   std::string first = view.models.empty() ? std::string() : view.models.front();
-  view.session.config.join = joinConfig(options, first);
+  view.session.config.join = joinConfig(options, first, live);
   view.session.network = options.network;
   if (!view.session.config.join) return;
   if (view.session.config.motion) throw UsageError("--motion: what is joined stands as it is served");
@@ -74,8 +74,8 @@ void view(Context& context, const ViewCommandOptions& options) {
   view.session.config.motion = motionConfig(options.motion);
   if (view.session.config.motion && options.edit != "none")
     throw UsageError("--edit: what moves (--motion) cannot be sculpted yet");
-  setJoin(options.join, view);
-  if (!view.session.config.join) setStream(options.stream, view);
+  setJoin(options.join, options.stream.live, view);
+  if (!view.session.config.join) setStream(options.stream, {options.join.network, context.log()}, view);
   constexpr double kMiB = 1 << 20;
   view.session.undo_bytes = static_cast<std::uint64_t>(options.undoMemory_MiB * kMiB);
   for (const auto& [name, kind] : kSurfaceKinds)

@@ -1,10 +1,11 @@
-// What depth cameras see, frame by frame, live or recorded: the seam between whoever reads it and whoever makes points
-// of it.
+// What depth cameras and scanners see, frame by frame, live or recorded: the seam between whoever reads it and whoever
+// makes points of it.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <glm/ext/quaternion_common.hpp>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -58,6 +59,12 @@ class CameraAxes {
   DVec3 right_, down_, ahead_, centre_;
 };
 
+/// What a sensor saw that sends points, and no picture of depth.
+struct SensedPoints {
+  std::vector<DVec3> places;  ///< in the world of the stream, metres
+  std::vector<Vec3> normals;  ///< unit, of each
+};
+
 /// What a depth camera saw at one time.
 struct DepthFrame {
   double time_s = 0;         ///< since the stream began
@@ -65,6 +72,7 @@ struct DepthFrame {
   std::vector<float> depth_m;  ///< along z, row by row; 0 where none was measured
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< of the same pixels; empty where there are none
   std::optional<CameraPose> pose;                   ///< where it is known
+  std::optional<SensedPoints> points;  ///< in place of depths; colours are theirs, then
 };
 
 /// Frames in the order of their times. For one thread at a time.
@@ -72,6 +80,7 @@ class DepthStream {
  public:
   virtual ~DepthStream() = default;
 
+  /// Of a sensor that sends points: as wide as a frame may have some, and one pixel high.
   virtual const DepthCamera& camera() const = 0;
   /// The next frame, into memory that is used again; waits where it is still to come. False after the last one, and once
   /// stop() was called. Throws Error, with file and place, for a frame that cannot be read: it counts as lost, and the
@@ -81,6 +90,8 @@ class DepthStream {
   virtual void stop() noexcept {}
   /// Whether all of it is there already, so that it can begin again; otherwise it comes as it is seen.
   virtual bool isRecorded() const = 0;
+  /// Live: so long its last frame is taken for what is there while no other comes; then nothing is.
+  virtual double staysTrue_s() const { return std::numeric_limits<double>::infinity(); }
   /// Recorded: from the first frame again.
   virtual void rewind() = 0;
   /// Recorded: passes over frames, unread, so that the next one is the last of those up to that time, or stays the next

@@ -215,6 +215,11 @@ void DepthPlayer::beginBehind(const Place& place) {
   ++played_;
 }
 
+bool DepthPlayer::isOutdated(double time_s) const {
+  const std::scoped_lock lock(mutex_);
+  return !ahead_.stream().isRecorded() && time_s - lastCame_s_ > ahead_.stream().staysTrue_s();
+}
+
 void DepthPlayer::leaveOut(const std::string& why) {
   const std::scoped_lock lock(mutex_);
   --played_;
@@ -254,6 +259,7 @@ PlayCounts DepthPlayer::counts() const {
                     .lastLoss = lastLeftOut_.empty() ? read.lastLoss : lastLeftOut_,
                     .silentSince_s = {}};
   const bool isLive = !ahead_.stream().isRecorded();
+  counts.staysTrue_s = ahead_.stream().staysTrue_s();
   if (isLive && (read.ended || asked_s_ - lastCame_s_ > kSilent_s)) counts.silentSince_s = lastCame_s_;
   return counts;
 }

@@ -57,6 +57,9 @@ class DepthPlayer {
   void beginBehind(const Place& place);
   /// Likewise, behind the present frame.
   void beginHere() { begin_ = current_; }
+  /// Live: whether none has come for so long that the last one says nothing any more (DepthStream::staysTrue_s()).
+  bool isOutdated(double time_s) const;
+
   /// The last frame that was handed out did not go into the map: it counts as lost, for that reason.
   void leaveOut(const std::string& why);
   /// Frames that could not be read since the last call, and why the last one of them.

@@ -78,6 +78,14 @@ class DepthGrid {
 
 void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
   const std::size_t pixels = std::size_t{camera.width} * camera.height;
+  if (frame.points) {
+    const std::size_t points = frame.points->places.size(), colors = frame.colors.size();
+    if (points > pixels) throw Error("frame {} has {} points, and there is room for {}", frame.number, points, pixels);
+    if (frame.points->normals.size() != points || (colors != 0 && colors != points))
+      throw Error("frame {} has {} points, {} normals and {} colours", frame.number, points,
+                  frame.points->normals.size(), colors);
+    return;
+  }
   if (frame.depth_m.size() != pixels || (!frame.colors.empty() && frame.colors.size() != pixels))
     throw Error("frame {} has {} depths and {} colours, and the camera {} x {} pixels", frame.number,
                 frame.depth_m.size(), frame.colors.size(), camera.width, camera.height);
@@ -87,6 +95,31 @@ void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
 
 void DepthPoints::make(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points) {
   requireWhole(camera, frame);
+  points.positions.clear(), points.normals.clear(), points.velocities.clear();
+  points.colors.clear(), points.ids.clear(), pixels_.clear();
+  if (frame.points)
+    makeFromPoints(frame, origin, points);
+  else
+    makeFromDepths(camera, frame, origin, points);
+  if (frame.colors.empty()) return;
+  points.colors.resize(pixels_.size());
+  for (std::size_t i = 0; i < pixels_.size(); ++i) points.colors[i] = frame.colors[pixels_[i]];
+}
+
+void DepthPoints::makeFromPoints(const DepthFrame& frame, const DVec3& origin, CloudFrame& points) {
+  const SensedPoints& sensed = *frame.points;
+  const CameraAxes axes(frame.pose.value_or(CameraPose{}));
+  for (std::uint32_t i = 0; i < sensed.places.size(); ++i) {
+    const Vec3 place(axes.toWorld(sensed.places[i]) - origin);
+    if (!isFinite(place)) continue;
+    points.positions.push_back(place);
+    points.normals.push_back(Vec3(axes.turned(DVec3(sensed.normals[i]))));
+    pixels_.push_back(i);
+  }
+}
+
+void DepthPoints::makeFromDepths(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin,
+                                 CloudFrame& points) {
   const DepthGrid grid(camera, frame);
   const CameraAxes axes(frame.pose.value_or(CameraPose{}));
   const auto makeRow = [&](std::uint32_t row, Part& part) {
@@ -109,12 +142,7 @@ void DepthPoints::make(const DepthCamera& camera, const DepthFrame& frame, const
     const auto firstRow = [&](std::size_t k) { return static_cast<std::uint32_t>(camera.height * k / parts_.size()); };
     for (std::uint32_t row = firstRow(i); row < firstRow(i + 1); ++row) makeRow(row, part);
   });
-  points.positions.clear(), points.normals.clear(), points.velocities.clear();
-  points.colors.clear(), points.ids.clear(), pixels_.clear();
   for (const Part& part : parts_) append(part, points);
-  if (frame.colors.empty()) return;
-  points.colors.resize(pixels_.size());
-  for (std::size_t i = 0; i < pixels_.size(); ++i) points.colors[i] = frame.colors[pixels_[i]];
 }
 
 void DepthPoints::append(const Part& part, CloudFrame& points) {

@@ -17,16 +17,16 @@ namespace palpate {
 /// for it; where both do, there is no normal, and no point. Another surface begins where depth jumps by more than a
 /// surface can from pixel to pixel that is seen at less than 84 degrees from upright, or than a depth camera's noise.
 ///
-/// Depths that are not positive or not finite were not measured. For one thread at a time, with memory that is used
-/// again for each frame.
+/// Depths that are not positive or not finite were not measured. Of a frame of points they are the points, without
+/// those that single precision does not reach. For one thread at a time, with memory that is used again for each frame.
 class DepthPoints {
  public:
   /// The points do not depend on `threads` (0: one per core).
   explicit DepthPoints(unsigned threads = 1) : threads_(threads) {}
 
-  /// Throws Error for another number of depths, or of colours, than the camera has pixels.
+  /// Throws Error for another number of depths, or of colours, than the camera has pixels, and for more points.
   void make(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points);
-  /// Of the last frame: the pixel that each point is of.
+  /// Of the last frame: the pixel that each point is of, or the point of the frame.
   const std::vector<std::uint32_t>& pixels() const { return pixels_; }
 
  private:
@@ -34,6 +34,8 @@ class DepthPoints {
     std::vector<Vec3> positions, normals;
     std::vector<std::uint32_t> pixels;
   };
+  void makeFromDepths(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points);
+  void makeFromPoints(const DepthFrame& frame, const DVec3& origin, CloudFrame& points);
   void append(const Part& part, CloudFrame& points);
 
   unsigned threads_;

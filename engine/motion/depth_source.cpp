@@ -43,16 +43,21 @@ DepthSource::Made DepthSource::wanted(const DepthPlayer::Played& played, double 
   const bool isNew = !made_ || made_->serial != played.serial;
   const double setOut_s = isExact_ ? played.time_s : setOut_s_;
   return {.serial = played.serial,
-          .isAtRest = (isExact_ || !isNew) && time_s >= setOut_s + played.lasts_s + kSettled_s};
+          .isAtRest = (isExact_ || !isNew) && time_s >= setOut_s + played.lasts_s + kSettled_s,
+          .isOutdated = stream_->player->isOutdated(time_s)};
 }
 
 void DepthSource::makeFrame(double time_s, CloudFrame& frame) {
   if (!stream_->player) return;
   const Stopwatch watch;
   const DepthPlayer::Played& played = playedAt(time_s);
+  made_ = wanted(played, time_s);
+  if (made_->isOutdated) {
+    frame = {.time_s = time_s};
+    return;
+  }
   points_.make(stream_->player->camera(), played.frame, origin_, frame);
   frame.time_s = played.time_s;
-  made_ = wanted(played, time_s);
   if (made_->isAtRest)
     blend_.begin(frame);
   else
@@ -61,7 +66,7 @@ void DepthSource::makeFrame(double time_s, CloudFrame& frame) {
 
 void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double ready_s, CloudFrame& frame) {
   const double between_s = played.before ? played.frame.time_s - played.before->time_s : 0;
-  const bool follows = between_s > 0 && between_s <= kLongestGap_s && played.lasts_s > 0;
+  const bool follows = between_s > 0 && between_s <= kLongestGap_s && played.lasts_s > 0 && !played.frame.points;
   if (!follows) {
     setOut_s_ = played.time_s;
     return blend_.begin(frame);

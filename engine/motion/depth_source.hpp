@@ -9,7 +9,8 @@ namespace palpate {
 
 /// The newest frame of a depth stream is the cloud: points in metres, in the world of the stream's poses, or in the
 /// camera's axes where it has none (DepthPoints). No point of one frame is one of the next; their surface goes from the
-/// one to the other until the next frame is due (DepthBlend). Where the stream is taken from it, the last frame stays.
+/// one to the other until the next frame is due (DepthBlend). Where the stream is taken from it, the last frame stays;
+/// where a live one falls silent for longer than that is true, there are no points until another frame comes.
 class DepthSource final : public CloudSource {
  public:
   /// `origin`: of the cloud, metres.
@@ -26,7 +27,8 @@ class DepthSource final : public CloudSource {
  private:
   struct Made {
     std::uint64_t serial = 0;
-    bool isAtRest = false;  // its points have come to where they were measured
+    bool isAtRest = false;    // its points have come to where they were measured
+    bool isOutdated = false;  // it is no longer there
     bool operator==(const Made&) const = default;
   };
   const DepthPlayer::Played& playedAt(double time_s);

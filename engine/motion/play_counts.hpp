@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -17,6 +18,7 @@ struct PlayCounts {
   /// Of a live camera: the session's time at which its last frame came, where that is more than a second ago, or no
   /// more will come.
   std::optional<double> silentSince_s;
+  double staysTrue_s = std::numeric_limits<double>::infinity();  ///< of a live camera: DepthStream::staysTrue_s()
 };
 
 /// From where the frame that a depth camera plays was seen.

@@ -161,7 +161,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
     return model;
   }
   if (!config.stream) return loadModel(config.model, loading);
-  FirstFrame first = readFirstFrame(config, loading.log);
+  FirstFrame first = readFirstFrame(config, loading);
   Model model;
   model.cloud = std::move(first.cloud);
   model.stream = std::move(first.stream);

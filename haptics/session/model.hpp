@@ -70,11 +70,15 @@ struct JoinedModel {
 /// Fetches the session that is served under a name.
 using SessionJoiner = std::function<JoinedModel(const std::string& name, const JoinConfig& join, Log& log)>;
 
-/// A model of this beginning is no file, but a topic of ROS: a cloud that somebody sends.
+/// A model of this beginning is no file, but a topic of ROS: a cloud that somebody sends, or frames one after another.
 inline constexpr std::string_view kRosModel = "ros:";
 inline bool isRosModel(std::string_view name) { return name.starts_with(kRosModel); }
+inline std::string rosTopicOf(std::string_view name) { return std::string(name.substr(kRosModel.size())); }
 /// Gets the cloud of such a name.
 using CloudFetcher = std::function<PointCloud(const std::string& name, Log& log)>;
+/// Gets the frames of such a name. The intrinsics are those that the stream's configuration names, if any.
+using FrameWatcher = std::function<std::shared_ptr<DepthStream>(const std::string& name, const StreamConfig& stream,
+                                                                const std::optional<DepthCamera>& intrinsics, Log& log)>;
 
 struct ModelLoading {
   Log& log;
@@ -82,6 +86,7 @@ struct ModelLoading {
   NormalEstimator estimate = estimateNormalsOnCpu;
   SessionJoiner join = {};  ///< empty: this program joins none
   CloudFetcher fetch = {};  ///< empty: this program hears nothing of ROS
+  FrameWatcher watch = {};  ///< likewise
 };
 /// A cloud that is in memory: sees to normals as the configuration says, whose file is only its name.
 Model modelOf(PointCloud cloud, const ModelConfig& config, const ModelLoading& loading);

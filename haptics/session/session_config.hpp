@@ -140,7 +140,7 @@ struct MotionConfig {
 
 /// A depth camera, whose newest frame is the model: recorded in the folder that ModelConfig::file names, or live.
 struct StreamConfig {
-  bool live = false;   ///< ModelConfig::file is a camera's device, or "-": raw frames on standard input
+  bool live = false;   ///< ModelConfig::file is a camera's device, "-": raw frames on standard input, or a topic of ROS
   double speed = 1;    ///< of a recording: its seconds in one of the session's
   bool loop = false;   ///< of a recording: after its last frame it begins again
   bool fuse = false;   ///< its frames become one map; otherwise the newest one is the cloud

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/depth_camera.hpp"
@@ -23,9 +24,21 @@ constexpr int kMostSaid = 3;  // frames that are lost before the first good one:
 struct OpenedStream {
   std::shared_ptr<DepthStream> stream;
   std::optional<UpAxis> up = UpAxis::minusY;  ///< in the world of its poses; the camera's without
+  double mm_per_unit = 0;  ///< that the session is to have where nobody says another; 0: as fits a hand
 };
 
-std::shared_ptr<DepthStream> openLive(const std::string& device, const StreamConfig& stream) {
+OpenedStream watchRos(const std::string& topic, const StreamConfig& stream, const ModelLoading& loading) {
+  if (!loading.watch) throw Error("{}: topics of ROS are not heard here", topic);
+  std::optional<DepthCamera> intrinsics;
+  if (!stream.intrinsics.empty()) intrinsics = readCamera(stream.intrinsics).camera;
+  constexpr double kMmPerMetre = 1000;
+  OpenedStream opened{.stream = loading.watch(topic, stream, intrinsics, loading.log), .mm_per_unit = kMmPerMetre};
+  // Points are in any axes at all; those of a picture are its camera's.
+  if (!(opened.stream->camera().fx > 0)) opened.up.reset();
+  return opened;
+}
+
+std::shared_ptr<DepthStream> openDevice(const std::string& device, const StreamConfig& stream) {
   if (device == kStandardInput) {
     if (!stream.intrinsics.empty())
       throw ConfigError("stream.intrinsics", "raw frames say them in their first line; leave it out");
@@ -80,9 +93,14 @@ FirstFrame firstMap(const DepthCamera& camera, const DepthFrame& frame) {
   return first;
 }
 
-OpenedStream open(const SessionConfig& config, Log* log) {
+OpenedStream openLive(const SessionConfig& config, const ModelLoading& loading) {
+  const std::string& name = config.model.file;
+  if (isRosModel(name)) return watchRos(name, *config.stream, loading);
+  return {.stream = openDevice(name, *config.stream)};
+}
+
+OpenedStream openFolder(const SessionConfig& config, Log* log) {
   const StreamConfig& stream = *config.stream;
-  if (stream.live) return {.stream = openLive(config.model.file, stream)};
   const auto folder = std::make_shared<RgbdFolder>(
       config.model.file, RgbdOptions{.intrinsics = stream.intrinsics, .depthScale = stream.depthScale}, log);
   return {.stream = folder, .up = folder->up()};
@@ -90,8 +108,9 @@ OpenedStream open(const SessionConfig& config, Log* log) {
 
 }  // namespace
 
-FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
-  const auto [stream, up] = open(config, &log);
+FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loading) {
+  Log& log = loading.log;
+  const auto [stream, up, mm_per_unit] = config.stream->live ? openLive(config, loading) : openFolder(config, &log);
   DepthFrame frame;
   FirstFrame first;
   while (first.cloud.empty()) {
@@ -100,6 +119,7 @@ FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
                                 : FirstFrame{.cloud = firstCloud(stream->camera(), frame), .stream = nullptr};
   }
   if (frame.pose) first.camera = frustumOf(stream->camera(), *frame.pose);
+  if (mm_per_unit > 0) sayScale(first.cloud.storedAs.comments, mm_per_unit);
   if (up) first.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
   if (stream->isRecorded()) return first;
   const std::optional<CameraPose> seenFrom = first.stream ? first.stream->seenFrom : std::nullopt;
@@ -119,7 +139,7 @@ std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Mode
   if (stream.live || (model.stream && !model.stream->behind))
     throw Error("{}: is played by another session", config.model.file);
   const PlayOptions options{.speed = stream.speed, .loop = stream.loop, .exact = !config.realtime};
-  auto opened = playedStream(open(config, nullptr).stream, options);
+  auto opened = playedStream(openFolder(config, nullptr).stream, options);
   if (!model.stream) return opened;
   opened->player->beginBehind(*model.stream->behind);
   opened->seenFrom = model.stream->seenFrom;

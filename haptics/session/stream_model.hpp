@@ -21,7 +21,7 @@ struct FirstFrame {
   std::shared_ptr<PlayedStream> stream;
   std::optional<CameraFrustum> camera;  ///< that took it; none where the frame does not say where it stood
 };
-FirstFrame readFirstFrame(const SessionConfig& config, Log& log);
+FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loading);
 
 /// The stream of the configuration, to be played behind the model's cloud: the one that the model has, held as it is,
 /// or else the recording. Null where the configuration has none. Throws FileError, and Error where another session has

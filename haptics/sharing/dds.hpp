@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -101,7 +102,11 @@ class Reader {
   Reader() = default;
   Reader(dds_entity_t participant, const Topic<T>& topic, const Qos& qos)
       : reader_(dds_create_reader(participant, topic, qos.get(), nullptr), "a reader") {}
-  /// Takes what has come, sample by sample. Those that only say that an instance has ended are not seen.
+  /// Of a topic that DDS has itself (DDS_BUILTIN_TOPIC_…), whose type is T.
+  Reader(dds_entity_t participant, dds_entity_t builtInTopic)
+      : reader_(dds_create_reader(participant, builtInTopic, nullptr, nullptr), "a reader") {}
+  /// Takes what has come, sample by sample, as `visit` wants it: the sample, or that and what DDS says of it. Those that
+  /// only say that an instance has ended are not seen.
   template <class Visit>
   std::size_t take(Visit&& visit) const {
     std::size_t seen = 0;
@@ -120,7 +125,11 @@ class Reader {
       } const loan{reader_, samples, count};
       for (dds_return_t i = 0; i < count; ++i) {
         if (!about[i].valid_data) continue;
-        visit(*static_cast<const T*>(samples[i]));
+        const T& sample = *static_cast<const T*>(samples[i]);
+        if constexpr (std::is_invocable_v<Visit, const T&, const dds_sample_info_t&>)
+          visit(sample, about[i]);
+        else
+          visit(sample);
         ++seen;
       }
       if (count < static_cast<dds_return_t>(kAtOnce)) return seen;

@@ -42,5 +42,7 @@ bool RosCloud::show(std::span<const PointState>, const DVec3&) { refuse(); }
 std::uint64_t RosCloud::shown() const { refuse(); }
 
 PointCloud hearRosCloud(const std::string&, const RosListening&) { refuse(); }
+RosContent whatRosSends(const std::string&, const RosListening&) { refuse(); }
+std::shared_ptr<DepthStream> watchRosFrames(const std::string&, const RosWatching&) { refuse(); }
 
 }  // namespace palpate

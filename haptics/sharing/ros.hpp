@@ -1,13 +1,16 @@
-// A hand, and a cloud, for programs of ROS 2 to hear; and a cloud that they send. Nothing of DDS is seen here.
+// A hand, and a cloud, for programs of ROS 2 to hear; and clouds and pictures of depth that they send. Nothing of DDS is
+// seen here.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/depth_stream.hpp"
 #include "engine/core/log.hpp"
 #include "engine/core/point_state.hpp"
 #include "haptics/servo_loop.hpp"
@@ -71,12 +74,31 @@ class RosCloud {
 
 struct RosListening {
   NetworkConfig network;
-  double patience_s = 20;  ///< for the first message
+  double patience_s = 20;  ///< for who sends, and for the first message
   Log* log = nullptr;
   const std::atomic<bool>* stop = nullptr;  ///< ends it when it becomes true
 };
 /// The first PointCloud2 that comes on that topic, in metres, whose scale its comments say. Throws UsageError,
-/// NetworkError where none comes, or it is none.
+/// NetworkError where none comes, it is none, or something else is sent there.
 PointCloud hearRosCloud(const std::string& topic, const RosListening& listening);
+
+/// What can be heard on a topic.
+enum class RosContent { points, pictures };
+/// Which of the two is sent on a topic, as is discovered before a message comes. Throws UsageError, and NetworkError where
+/// it is something else, or nobody sends.
+RosContent whatRosSends(const std::string& topic, const RosListening& listening);
+
+struct RosWatching {
+  RosListening listening;
+  std::optional<DepthCamera> camera;  ///< of pictures; nothing: as the CameraInfo beside them says
+  double depthScale = 0;              ///< of pictures, values per metre; 0: as their encoding says
+  bool needsPictures = false;         ///< points are of no use
+  unsigned threads = 0;               ///< for normals of points that come without; 0: one per core
+};
+/// The messages of a topic, PointCloud2 or Image of depth, as frames that come as they are sent: in metres, in the axes of
+/// their frame_id. Points that come without normals get some that face the zero of those axes, where a sensor stands.
+/// Waits for the first good one. What is none, or of another size or frame than the first one, is a lost frame (next()
+/// throws NetworkError); after three seconds without any nothing is there. Throws UsageError, NetworkError.
+std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosWatching& watching);
 
 }  // namespace palpate

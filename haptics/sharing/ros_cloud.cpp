@@ -3,11 +3,8 @@
 #include <vector>
 
 #include "engine/cloud/length_unit.hpp"
-#include "engine/core/clock.hpp"
-#include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/ros.hpp"
-#include "haptics/sharing/ros_messages.hpp"
-#include "haptics/sharing/ros_points.hpp"
+#include "haptics/sharing/ros_intake.hpp"
 
 namespace palpate {
 
@@ -73,58 +70,25 @@ RosCloud::~RosCloud() = default;
 bool RosCloud::show(std::span<const PointState> points, const DVec3& origin) { return link_->show(points, origin); }
 std::uint64_t RosCloud::shown() const { return link_->shown(); }
 
-namespace {
-
-TakenRosPoints take(const RosPointCloud2& message, Log* log) {
-  std::vector<RosField> fields;
-  for (std::uint32_t i = 0; i < message.fields._length; ++i) {
-    const RosPointField& field = message.fields._buffer[i];
-    fields.push_back(
-        {.name = field.name ? field.name : "", .offset = field.offset, .type = field.datatype, .count = field.count});
-  }
-  return takeRosPoints({.height = message.height,
-                        .width = message.width,
-                        .fields = fields,
-                        .isBigEndian = message.is_bigendian,
-                        .pointStep = message.point_step,
-                        .rowStep = message.row_step,
-                        .data = {message.data._buffer, message.data._length},
-                        .isDense = message.is_dense},
-                       log);
-}
-
-}  // namespace
-
 PointCloud hearRosCloud(const std::string& topic, const RosListening& listening) {
-  constexpr double kLook_s = 0.05, kMmPerMetre = 1000;
-  const std::string name = kRosTopics + rosName(topic);
+  constexpr double kMmPerMetre = 1000;
+  const std::string name = rosName(topic);
   const Participant participant = rosParticipant(listening.network);
-  const RosType type = rosTypeOf<RosPointCloud2>();
-  const Topic<RosPointCloud2> clouds(participant, type.descriptor, name);
-  // One that a sensor sends fits the first, a large one comes whole to the second, and the third gets one that was sent
-  // before.
-  std::vector<Reader<RosPointCloud2>> readers;
-  ReaderWait wait(participant);
-  for (const RosDelivery delivery : {RosDelivery::bestEffort, RosDelivery::reliable, RosDelivery::latched}) {
-    const Qos qos = rosQos(delivery, type);
-    dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);  // of large ones no more are kept than are looked at
-    wait.attach(readers.emplace_back(participant, clouds, qos));
-  }
+  RosIntake<RosPointCloud2> clouds(participant, name);
+  RosWriters writers(participant, name);
   if (listening.log) listening.log->say("ros:{}: waiting for a PointCloud2", topic);
   std::optional<TakenRosPoints> taken;
-  const Stopwatch since;
-  while (!taken) {
-    if (listening.stop && *listening.stop) throw NetworkError("ros:{}: interrupted", topic);
-    if (since.elapsed_s() > listening.patience_s)
-      throw NetworkError(
-          "ros:{}: no PointCloud2 has come in {:g} s; is the topic sent on domain {}, and on this network?", topic,
-          listening.patience_s, listening.network.domain);
-    wait.sleep(kLook_s);
-    for (const auto& reader : readers)
-      reader.take([&](const RosPointCloud2& message) {
-        if (!taken) taken = take(message, listening.log);
-      });
-  }
+  const bool came = waitFor(listening, topic, [&] {
+    clouds.take(kRosLook_s, [&](const RosPointCloud2& message) {
+      if (!taken) taken = takeMessage(message, listening.log);
+    });
+    if (!taken) requireSent(topic, writers, {rosTypeOf<RosPointCloud2>().name()});
+    return taken.has_value();
+  });
+  if (!came)
+    throw NetworkError(
+        "ros:{}: no PointCloud2 has come in {:g} s; is the topic sent on domain {}, and on this network?", topic,
+        listening.patience_s, listening.network.domain);
   if (taken->cloud.empty())
     throw NetworkError("ros:{}: a PointCloud2 has come without a point that has a place ({} have none)", topic,
                        taken->skipped);

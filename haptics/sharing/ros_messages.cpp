@@ -47,6 +47,12 @@ RosType rosTypeOf<RosImage>() {
   return {sensor_msgs_msg_dds__Image__desc, "RIHS01_d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47"};
 }
 
+template <>
+RosType rosTypeOf<RosCameraInfo>() {
+  return {sensor_msgs_msg_dds__CameraInfo__desc,
+          "RIHS01_b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275"};
+}
+
 Qos rosQos(RosDelivery delivery, const RosType& type) {
   Qos qos(dds_create_qos());
   const bool isReliable = delivery != RosDelivery::bestEffort, lasts = delivery == RosDelivery::latched;

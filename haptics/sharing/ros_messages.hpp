@@ -16,10 +16,13 @@ using RosWrenchStamped = geometry_msgs_msg_dds__WrenchStamped_;
 using RosPointField = sensor_msgs_msg_dds__PointField_;
 using RosPointCloud2 = sensor_msgs_msg_dds__PointCloud2_;
 using RosImage = sensor_msgs_msg_dds__Image_;
+using RosCameraInfo = sensor_msgs_msg_dds__CameraInfo_;
 
 struct RosType {
   const dds_topic_descriptor_t& descriptor;
   const char* hash;  ///< RIHS01, of REP-2016 (tests/sharing/ros_type_hashes.py)
+  /// On the wire.
+  const char* name() const { return descriptor.m_typename; }
 };
 /// Of one of the messages that are topics.
 template <class T>

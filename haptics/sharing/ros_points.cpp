@@ -146,8 +146,11 @@ class Taking {
   void takeAll() {
     if (points_.width == 0) return;  // however many rows of nothing are announced
     for (std::uint64_t row = 0; row < points_.height; ++row)
-      for (std::uint64_t i = 0; i < points_.width; ++i)
+      for (std::uint64_t i = 0; i < points_.width; ++i) {
+        const std::size_t before = count();
         take(reinterpret_cast<const std::byte*>(points_.data.data()) + row * points_.rowStep + i * points_.pointStep);
+        if (points_.height > 1 && count() > before) cells_.push_back(static_cast<std::uint32_t>(row * points_.width + i));
+      }
   }
 
   TakenRosPoints finish(Log* log) {
@@ -155,10 +158,11 @@ class Taking {
     if (!zeroNormals_.empty() && zeroNormals_.size() == cloud_.size()) cloud_.normals.clear();
     if (!cloud_.normals.empty() && !zeroNormals_.empty())
       fillMissingNormals(cloud_, zeroNormals_, "the PointCloud2", log);
-    return {.cloud = std::move(cloud_), .skipped = skipped_};
+    return {.cloud = std::move(cloud_), .skipped = skipped_, .cells = std::move(cells_)};
   }
 
  private:
+  std::size_t count() const { return isWide_ ? cloud_.exactPositions.size() : cloud_.positions.size(); }
   void take(const std::byte* point) {
     constexpr double kLargest = 1e30;  // as in files
     const DVec3 place = vectorAt(*places_, point);
@@ -202,6 +206,7 @@ class Taking {
   bool isWide_ = false;
   PointCloud cloud_;
   std::vector<std::size_t> zeroNormals_;
+  std::vector<std::uint32_t> cells_;
   std::uint64_t skipped_ = 0;
 };
 

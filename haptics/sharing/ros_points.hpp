@@ -47,6 +47,8 @@ std::vector<std::uint8_t> rosDataOf(std::span<const PointState> points, const DV
 struct TakenRosPoints {
   PointCloud cloud;           ///< in metres; other numbers of its points, one by one, are attributes of that name
   std::uint64_t skipped = 0;  ///< points without a place: NaN, or beyond 1e30
+  /// Of a message of several rows: where in it each point stood, row * width + column.
+  std::vector<std::uint32_t> cells;
 };
 /// Throws NetworkError where the message contradicts itself, or has no places. Memory is taken for what is there, and
 /// not for what is claimed. `log` may hear of normals that are missing.

@@ -1,6 +1,6 @@
 """The type hashes of ROS's messages (REP-2016, RIHS01), from their published definitions: SHA-256 of JSON.
 
-Prints a line for each message. Held against the published hash of std_msgs/msg/String, and, where they are given,
+Prints a line for each message. Held against the hashes that are published of some, and, where they are given,
 against the types of an IDL file and the hashes that stand in a file of C++:
 
     ros_type_hashes.py haptics/sharing/ros.idl haptics/sharing/ros_messages.cpp
@@ -13,7 +13,7 @@ import sys
 
 # type_description_interfaces/msg/FieldType.
 IDS = {"uint8": 3, "int32": 6, "uint32": 7, "float64": 11, "boolean": 15, "string": 17}
-NESTED, UNBOUNDED_SEQUENCE = 1, 144
+NESTED, ARRAY, UNBOUNDED_SEQUENCE = 1, 48, 144
 
 MESSAGES = {
     "builtin_interfaces/msg/Time": [("sec", "int32"), ("nanosec", "uint32")],
@@ -55,19 +55,49 @@ MESSAGES = {
         ("step", "uint32"),
         ("data", "uint8[]"),
     ],
+    "sensor_msgs/msg/RegionOfInterest": [
+        ("x_offset", "uint32"),
+        ("y_offset", "uint32"),
+        ("height", "uint32"),
+        ("width", "uint32"),
+        ("do_rectify", "boolean"),
+    ],
+    "sensor_msgs/msg/CameraInfo": [
+        ("header", "std_msgs/msg/Header"),
+        ("height", "uint32"),
+        ("width", "uint32"),
+        ("distortion_model", "string"),
+        ("d", "float64[]"),
+        ("k", "float64[9]"),
+        ("r", "float64[9]"),
+        ("p", "float64[12]"),
+        ("binning_x", "uint32"),
+        ("binning_y", "uint32"),
+        ("roi", "sensor_msgs/msg/RegionOfInterest"),
+    ],
 }
-PUBLISHED = {"std_msgs/msg/String": "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"}
+PUBLISHED = {
+    "std_msgs/msg/String": "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
+    "sensor_msgs/msg/Image": "RIHS01_d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47",
+    "sensor_msgs/msg/CameraInfo": "RIHS01_b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275",
+}
 
 
 def element_of(type_name):
-    return type_name.removesuffix("[]")
+    return type_name.partition("[")[0]
+
+
+def count_of(type_name):
+    """Of an array; 0: it is none."""
+    return int(type_name.partition("[")[2].rstrip("]") or 0)
 
 
 def field_type(type_name):
     element = element_of(type_name)
+    several = ARRAY if count_of(type_name) else UNBOUNDED_SEQUENCE if type_name.endswith("[]") else 0
     return {
-        "type_id": IDS.get(element, NESTED) + (UNBOUNDED_SEQUENCE if type_name.endswith("[]") else 0),
-        "capacity": 0,
+        "type_id": IDS.get(element, NESTED) + several,
+        "capacity": count_of(type_name),
         "string_capacity": 0,
         "nested_type_name": "" if element in IDS else element,
     }
@@ -106,6 +136,8 @@ def idl_of(type_name):
     if "/" in element:
         package, _, message = element.split("/")
         name = f"{package}::msg::dds_::{message}_"
+    if count_of(type_name):
+        return f"{name}[{count_of(type_name)}]"
     return f"sequence<{name}>" if type_name.endswith("[]") else name
 
 
@@ -119,10 +151,10 @@ def fields_in_idl(text):
             continue
         fields = []
         for field in filter(None, (field.strip() for field in match[3].split(";"))):
-            type_name, names = re.fullmatch(r"(.*?)\s+(\w+(?:,\s*\w+)*)", field, re.S).groups()
+            type_name, names, count = re.fullmatch(r"(.*?)\s+(\w+(?:,\s*\w+)*)(\[\d+\])?", field, re.S).groups()
             if re.fullmatch(r"(sequence<)?\w+_>?", type_name):  # of the same package
                 type_name = re.sub(r"(\w+_)\b", rf"{package}::msg::dds_::\1", type_name)
-            fields += [(name.strip(), type_name) for name in names.split(",")]
+            fields += [(name.strip(), type_name + (count or "")) for name in names.split(",")]
         found[f"{package}/msg/{match[2]}"] = fields
     return found
 
@@ -130,7 +162,7 @@ def fields_in_idl(text):
 def complaints(idl, code):
     in_idl = fields_in_idl(idl)
     for message, fields in MESSAGES.items():
-        if message not in PUBLISHED and in_idl.get(message) != [(name, idl_of(kind)) for name, kind in fields]:
+        if message != "std_msgs/msg/String" and in_idl.get(message) != [(name, idl_of(kind)) for name, kind in fields]:
             yield f"{message} is otherwise in the IDL: {in_idl.get(message)}"
     known = {message.split("/")[2]: hash_of(message) for message in MESSAGES}
     in_code = re.findall(r"rosTypeOf<Ros(\w+)>\(\).*?(RIHS01_\w+)", code, re.S)

@@ -1,0 +1,276 @@
+#include <atomic>
+#include <cstring>
+#include <utility>
+
+#include "engine/cloud/grid_normals.hpp"
+#include "engine/cloud/normals.hpp"
+#include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/ros_images.hpp"
+#include "haptics/sharing/ros_intake.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+constexpr double kStaysTrue_s = 3;  // as of what others do in a session
+
+/// The frames that all places are in is that of the first message.
+class OneFrame {
+ public:
+  void require(const RosHeader& header) {
+    const std::string frame = printable(header.frame_id ? header.frame_id : "");
+    if (!frame_) frame_ = frame;
+    if (frame != *frame_) throw NetworkError("is in the frame '{}', and the first one was in '{}'", frame, *frame_);
+  }
+
+ private:
+  std::optional<std::string> frame_;
+};
+
+/// Depths of the pictures of one camera.
+class FromPictures {
+ public:
+  using Message = RosImage;
+  FromPictures(const DepthCamera& camera, double depthScale) : camera_(camera), depthScale_(depthScale) {}
+  const DepthCamera& camera() const { return camera_; }
+
+  void make(const RosImage& image, DepthFrame& frame) {
+    frame.points.reset();
+    takeRosDepths({.height = image.height,
+                   .width = image.width,
+                   .encoding = image.encoding ? image.encoding : "",
+                   .isBigEndian = image.is_bigendian != 0,
+                   .step = image.step,
+                   .data = {image.data._buffer, image.data._length}},
+                  camera_, depthScale_, frame.depth_m);
+  }
+
+ private:
+  DepthCamera camera_;
+  double depthScale_;
+};
+
+/// Points with normals, no more than there is room for, which the first message says.
+class FromPoints {
+ public:
+  using Message = RosPointCloud2;
+  explicit FromPoints(unsigned threads) : threads_(threads) {}
+  const DepthCamera& camera() const { return camera_; }
+
+  void make(const RosPointCloud2& message, DepthFrame& frame) {
+    TakenRosPoints taken = takeMessage(message, nullptr);
+    requireRoom(taken.cloud.size(), message);
+    PointCloud& cloud = taken.cloud;
+    if (!cloud.hasNormals()) estimate(taken, message);
+    frame.depth_m.clear(), frame.colors.clear();
+    SensedPoints& points = frame.points.emplace();
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      if (cloud.normals[i] == Vec3(0)) continue;
+      points.places.push_back(cloud.fileCoordinates(i));
+      points.normals.push_back(cloud.normals[i]);
+      if (cloud.hasColors()) frame.colors.push_back({cloud.colors[i][0], cloud.colors[i][1], cloud.colors[i][2]});
+    }
+  }
+
+ private:
+  // A sensor without rows, which sends what its rays have met, may meet more.
+  void requireRoom(std::size_t points, const RosPointCloud2& message) {
+    constexpr std::uint64_t kLeast = 65'536, kMost = 100'000'000;
+    if (camera_.width == 0 && points > 0) {
+      const std::uint64_t first = std::uint64_t{message.width} * message.height;
+      camera_.width = static_cast<std::uint32_t>(std::min(message.height > 1 ? first : std::max(kLeast, 2 * first), kMost));
+      camera_.height = 1;
+    }
+    if (points > camera_.width) throw NetworkError("has {} points, and there is room for {}", points, camera_.width);
+  }
+
+  void estimate(TakenRosPoints& taken, const RosPointCloud2& message) const {
+    PointCloud& cloud = taken.cloud;
+    if (cloud.empty()) return;
+    if (message.height > 1) {
+      cloud.normals = gridNormals(cloud.positions, {.width = message.width,
+                                                    .height = message.height,
+                                                    .cells = taken.cells,
+                                                    .sensor = -cloud.origin});
+      return;
+    }
+    constexpr unsigned kNeighbours = 16;
+    estimateNormals(cloud, kNeighbours, threads_);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      if (glm::dot(DVec3(cloud.normals[i]), cloud.fileCoordinates(i)) > 0) cloud.normals[i] = -cloud.normals[i];
+  }
+
+  unsigned threads_;
+  DepthCamera camera_{};
+};
+
+template <class Maker>
+class RosFrames final : public DepthStream {
+ public:
+  RosFrames(Participant participant, std::string topic, Maker maker)
+      : participant_(std::move(participant)),
+        topic_(std::move(topic)),
+        maker_(std::move(maker)),
+        intake_(participant_, rosName(topic_)) {}
+
+  /// Waits for the first good frame, which next() gives again.
+  void begin(const RosListening& listening) {
+    std::string why = "none has come";
+    const bool came = waitFor(listening, topic_, [&] {
+      try {
+        if (!look(first_.emplace())) return false;
+        why = "they see nothing";
+        return hasSeen(*first_);
+      } catch (const NetworkError& error) {
+        why = error.what();
+        return false;
+      }
+    });
+    if (!came) throw NetworkError("ros:{}: no frame with points in {:g} s: {}", topic_, listening.patience_s, why);
+  }
+
+  const DepthCamera& camera() const override { return maker_.camera(); }
+  bool next(DepthFrame& frame) override {
+    if (first_) {
+      frame = *std::exchange(first_, std::nullopt);
+      return true;
+    }
+    while (!stops_)
+      if (look(frame)) return true;
+    return false;
+  }
+  void stop() noexcept override { stops_ = true; }
+  bool isRecorded() const override { return false; }
+  double staysTrue_s() const override { return kStaysTrue_s; }
+  void rewind() override { throw NetworkError("ros:{}: what is sent does not come again", topic_); }
+
+ private:
+  // Whether one has come. Of several that wait the last one is taken.
+  bool look(DepthFrame& frame) {
+    std::optional<std::string> why;
+    bool isThere = false;
+    intake_.take(kRosLook_s, [&](const typename Maker::Message& message) {
+      frame.number = count_++;
+      try {
+        where_.require(message.header);
+        maker_.make(message, frame);
+        frame.time_s = times_.timeOf(stampOf(message.header), clock_.elapsed_s());
+        isThere = true;
+      } catch (const NetworkError& error) {
+        why = error.what();
+      }
+    });
+    if (why) throw NetworkError("ros:{}: message {}: {}", topic_, count_ - 1, *why);
+    return isThere;
+  }
+  static bool hasSeen(const DepthFrame& frame) {
+    if (frame.points) return !frame.points->places.empty();
+    return std::ranges::any_of(frame.depth_m, [](float depth) { return depth > 0; });
+  }
+  static std::int64_t stampOf(const RosHeader& header) {
+    return std::int64_t{header.stamp.sec} * 1'000'000'000 + header.stamp.nanosec;
+  }
+
+  Participant participant_;
+  std::string topic_;
+  Maker maker_;
+  RosIntake<typename Maker::Message> intake_;
+  OneFrame where_;
+  RosFrameTimes times_;
+  Stopwatch clock_;
+  std::optional<DepthFrame> first_;
+  std::uint64_t count_ = 0;
+  std::atomic<bool> stops_ = false;
+};
+
+// A region of nothing, and one of all of the picture, are none.
+bool isPart(const RosCameraInfo& info) {
+  if (info.roi.width == 0 && info.roi.height == 0) return false;
+  return info.roi.x_offset != 0 || info.roi.y_offset != 0 || info.roi.width != info.width ||
+         info.roi.height != info.height;
+}
+
+RosCalibration calibrationOf(const RosCameraInfo& info) {
+  RosCalibration calibration{.height = info.height,
+                             .width = info.width,
+                             .distortion = info.distortion_model ? info.distortion_model : "",
+                             .d = {info.d._buffer, info.d._length},
+                             .binningX = info.binning_x,
+                             .binningY = info.binning_y,
+                             .isPart = isPart(info)};
+  std::memcpy(calibration.k.data(), info.k, sizeof(info.k));
+  std::memcpy(calibration.p.data(), info.p, sizeof(info.p));
+  return calibration;
+}
+
+DepthCamera hearCamera(dds_entity_t participant, const std::string& pictures, const RosListening& listening) {
+  const std::string topic = rosCameraTopic(rosName(pictures));
+  RosIntake<RosCameraInfo> infos(participant, topic);
+  std::optional<DepthCamera> camera;
+  const bool came = waitFor(listening, pictures, [&] {
+    try {
+      infos.take(kRosLook_s,
+                 [&](const RosCameraInfo& info) { camera = rosCamera(calibrationOf(info), isRectified(pictures)); });
+    } catch (const NetworkError& error) {
+      throw NetworkError("ros:{}: {}", topic, error.what());
+    }
+    return camera.has_value();
+  });
+  if (!came)
+    throw NetworkError("ros:{}: no CameraInfo has come on {} in {:g} s; the camera's intrinsics can be given", pictures,
+                       topic, listening.patience_s);
+  return *camera;
+}
+
+RosContent discover(dds_entity_t participant, const std::string& topic, const RosListening& listening) {
+  RosWriters writers(participant, rosName(topic));
+  const char* const pictures = rosTypeOf<RosImage>().name();
+  std::optional<std::string> sent;
+  if (listening.log) listening.log->say("ros:{}: waiting for who sends there", topic);
+  const bool came = waitFor(listening, topic, [&] {
+    sent = requireSent(topic, writers, {rosTypeOf<RosPointCloud2>().name(), pictures});
+    if (!sent) std::this_thread::sleep_for(std::chrono::duration<double>(kRosLook_s));
+    return sent.has_value();
+  });
+  if (!came)
+    throw NetworkError("ros:{}: nobody sends there in {:g} s; is the topic sent on domain {}, and on this network?",
+                       topic, listening.patience_s, listening.network.domain);
+  return *sent == pictures ? RosContent::pictures : RosContent::points;
+}
+
+template <class Maker>
+std::shared_ptr<DepthStream> begun(Participant participant, const std::string& topic, Maker maker,
+                                   const RosListening& listening) {
+  auto frames = std::make_shared<RosFrames<Maker>>(std::move(participant), topic, std::move(maker));
+  frames->begin(listening);
+  return frames;
+}
+
+}  // namespace
+
+RosContent whatRosSends(const std::string& topic, const RosListening& listening) {
+  rosName(topic);
+  return discover(rosParticipant(listening.network), topic, listening);
+}
+
+std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosWatching& watching) {
+  rosName(topic);
+  const RosListening& listening = watching.listening;
+  Participant participant = rosParticipant(listening.network);
+  if (discover(participant, topic, listening) == RosContent::points) {
+    if (watching.needsPictures || watching.camera || watching.depthScale > 0)
+      throw NetworkError("ros:{}: what is sent there are points, and no pictures of depth, which alone have intrinsics and a "
+                         "depth scale, and become a map",
+                         topic);
+    return begun(std::move(participant), topic, FromPoints(watching.threads), listening);
+  }
+  const DepthCamera camera = watching.camera ? *watching.camera : hearCamera(participant, topic, listening);
+  if (listening.log)
+    listening.log->say("ros:{}: a depth camera of {} x {} pixels, focal lengths {:g} and {:g}", topic, camera.width,
+                       camera.height, camera.fx, camera.fy);
+  return begun(std::move(participant), topic, FromPictures(camera, watching.depthScale), listening);
+}
+
+}  // namespace palpate
