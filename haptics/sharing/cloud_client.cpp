@@ -126,6 +126,13 @@ class Fetch {
   Stopwatch lastAsked_, lastCame_;
 };
 
+// Whom nobody without their keys hears is there nevertheless.
+std::string otherKeysInWords(const NetworkConfig& network) {
+  if (!metOtherKeys()) return {};
+  return network.security.empty() ? "; there are programs that only holders of their keys hear: join with keys (security)"
+                                  : "; there are programs with keys of another authority than " + network.security;
+}
+
 SessionNotice find(const std::string& name, const Participant& participant, const Topics& topics, const JoinOptions& options) {
   SessionNotices notices(participant, topics);
   const Stopwatch since;
@@ -144,10 +151,10 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
       others += (others.empty() ? "; there are '" : "', '") + notice.name;
   }
   if (same.empty())
-    throw NetworkError("nobody serves a session named '{}' on {}{}", printable(name.c_str()),
+    throw NetworkError("nobody serves a session named '{}' on {}{}{}", printable(name.c_str()),
                        options.network.interface.empty() ? "this machine (another network has to be named)"
                                                          : "the network of " + options.network.interface,
-                       others.empty() ? others : others + "'");
+                       others.empty() ? others : others + "'", otherKeysInWords(options.network));
   if (same.size() > 1)
     throw NetworkError("two sessions are named '{}', of {} and of {}; end one of them, or give it another name", name,
                        same[0].host, same[1].host);

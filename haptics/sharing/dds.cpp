@@ -1,22 +1,29 @@
 #include "haptics/sharing/dds.hpp"
 
+#include <dds/features.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <mutex>
 #include <string_view>
+
+#include "haptics/sharing/security.hpp"
 
 namespace palpate {
 
 bool canShare() { return true; }
 
 std::string opennessOf(const NetworkConfig& network) {
+  if (!network.security.empty())
+    return fmt::format("encrypted, for holders of keys of '{}' on {} (domain {})",
+                       readSecurityProfile(network.security).authority,
+                       network.interface.empty() ? "this machine" : "the network of " + network.interface, network.domain);
   if (network.interface.empty())
     return fmt::format("programs of this machine alone can join (domain {})", network.domain);
   return fmt::format(
-      "whoever is on the network of {} can join, and nothing is encrypted (domain {}); use a network that you trust, or a "
-      "tunnel",
+      "whoever is on the network of {} can join, and nothing is encrypted (domain {}); use a network that you trust, or keys",
       network.interface, network.domain);
 }
 
@@ -26,6 +33,11 @@ namespace palpate::sharing {
 
 namespace {
 
+#ifdef DDS_HAS_SECURITY
+constexpr bool kCanEncrypt = true;
+#else
+constexpr bool kCanEncrypt = false;
+#endif
 constexpr std::uint32_t kLastDomain = 230;  // of those that have ports
 constexpr auto kPatience = DDS_MSECS(2);  // of a writer whose readers do not keep up: it is tried again
 
@@ -53,14 +65,22 @@ class Remarks {
     const std::scoped_lock hold(lock_);
     return std::exchange(last_, {});
   }
+  // Whether somebody was met who has other keys, or keys where we have none.
+  bool saidOtherKeys() {
+    const std::scoped_lock hold(lock_);
+    return otherKeys_;
+  }
 
  private:
   void hear(std::string_view line) {
     const std::scoped_lock hold(lock_);
     last_ = line.substr(0, line.find_last_not_of(" .\n") + 1);
+    const auto says = [&](std::string_view words) { return line.find(words) != line.npos; };
+    otherKeys_ = otherKeys_ || says("Remote secure participant") || says("handshake") || says("Certificate not valid");
   }
   std::mutex lock_;
   std::string last_;
+  bool otherKeys_ = false;
 };
 
 // Several samples go into a datagram within this machine; elsewhere it is one frame, which is lost alone.
@@ -93,6 +113,24 @@ std::string configOf(const NetworkConfig& network) {
       interface, isHere ? "false" : "default", isHere ? kWholeDatagrams : kFrames, peers);
 }
 
+// DDS is given what the files say, not where they are: what was looked at is what is used, whatever their folder is called.
+void secure(dds_qos_t& qos, const SecurityProfile& profile) {
+  if (!kCanEncrypt) throw NetworkError("this palpate's Cyclone DDS was built without security, and encrypts nothing");
+  constexpr std::array<const char*, SecurityProfile::kFiles.size()> kNames{
+      "dds.sec.auth.identity_ca",      "dds.sec.auth.identity_certificate", "dds.sec.auth.private_key",
+      "dds.sec.access.permissions_ca", "dds.sec.access.governance",         "dds.sec.access.permissions"};
+  for (std::size_t i = 0; i < kNames.size(); ++i) dds_qset_prop(&qos, kNames[i], ("data:," + profile.contents[i]).c_str());
+  constexpr std::array<std::array<std::string_view, 3>, 3> kPlugins{{{"auth", "dds_security_auth", "authentication"},
+                                                                     {"access", "dds_security_ac", "access_control"},
+                                                                     {"crypto", "dds_security_crypto", "crypto"}}};
+  for (const auto& [part, library, function] : kPlugins) {
+    const std::string name = fmt::format("dds.sec.{}.library.", part);
+    dds_qset_prop(&qos, (name + "path").c_str(), std::string(library).c_str());
+    dds_qset_prop(&qos, (name + "init").c_str(), fmt::format("init_{}", function).c_str());
+    dds_qset_prop(&qos, (name + "finalize").c_str(), fmt::format("finalize_{}", function).c_str());
+  }
+}
+
 }  // namespace
 
 dds_return_t checked(dds_return_t result, const char* what) {
@@ -119,10 +157,12 @@ Qos bestEffortQos() {
   return qos;
 }
 
+bool metOtherKeys() { return Remarks::all().saidOtherKeys(); }
+
 struct Participant::Domain {
-  explicit Domain(const std::string& given, std::uint32_t id)
-      : config(given), entity(dds_create_domain(id, given.c_str()), "the network") {}
-  std::string config;
+  Domain(const NetworkConfig& given, const std::string& config)
+      : network(given), entity(dds_create_domain(given.domain, config.c_str()), "the network") {}
+  NetworkConfig network;
   Entity entity;
 
   static std::shared_ptr<Domain> of(const NetworkConfig& network) {
@@ -134,7 +174,7 @@ struct Participant::Domain {
     std::shared_ptr<Domain> there = all[network.domain].lock();
     if (!there) {
       try {
-        there = std::make_shared<Domain>(config, network.domain);
+        there = std::make_shared<Domain>(network, config);
       } catch (const NetworkError& error) {
         const std::string why = Remarks::all().take();
         throw NetworkError("the network of {} cannot be used: {}; is there such an interface, and does it carry IPv4?",
@@ -142,15 +182,27 @@ struct Participant::Domain {
       }
       all[network.domain] = there;
     }
-    if (there->config != config)
-      throw UsageError("domain: this program is on domain {} of another network already", network.domain);
+    if (there->network != network)
+      throw UsageError("domain: this program is on domain {} of another network, or with other keys, already", network.domain);
     return there;
   }
 };
 
-Participant::Participant(const NetworkConfig& network, const Qos& qos)
-    : domain_(Domain::of(network)),
-      participant_(dds_create_participant(network.domain, qos.get(), nullptr), "the network") {}
+Participant::Participant(const NetworkConfig& network, Qos qos) : domain_(Domain::of(network)) {
+  if (network.security.empty()) {
+    participant_ = Entity(dds_create_participant(network.domain, qos.get(), nullptr), "the network");
+    return;
+  }
+  if (!qos) qos.reset(dds_create_qos());
+  secure(*qos, readSecurityProfile(network.security));
+  Remarks::all().take();
+  const dds_entity_t made = dds_create_participant(network.domain, qos.get(), nullptr);
+  if (made < 0) {
+    const std::string why = Remarks::all().take();
+    throw NetworkError("{}: these keys cannot be used: {}", network.security, why.empty() ? dds_strretcode(-made) : why);
+  }
+  participant_ = Entity(made, "the network");
+}
 
 void ReaderWait::attach(dds_entity_t reader) {
   conditions_.emplace_back(dds_create_readcondition(reader, DDS_ANY_STATE), "a condition");

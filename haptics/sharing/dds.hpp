@@ -51,11 +51,14 @@ Qos reliableQos(bool lasting, const std::string& partition = {});
 /// The newest alone, and it may be lost.
 Qos bestEffortQos();
 
-/// A participant of the network that is named. All participants of a process that are on one domain of DDS are on one network;
-/// throws UsageError where they are not.
+/// Whether this process has met programs that have keys of another authority, or keys where it has none.
+bool metOtherKeys();
+
+/// A participant of the network that is named, with its keys. All participants of a process that are on one domain of DDS are
+/// on one network with the same keys; throws UsageError where they are not, FileError and NetworkError of the keys.
 class Participant {
  public:
-  explicit Participant(const NetworkConfig& network, const Qos& qos = {});
+  explicit Participant(const NetworkConfig& network, Qos qos = {});
   operator dds_entity_t() const { return participant_; }  // NOLINT: as above
 
  private:

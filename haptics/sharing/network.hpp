@@ -22,6 +22,9 @@ struct NetworkConfig {
   /// Addresses of machines that are asked by name, where the network carries no multicast.
   std::vector<std::string> peers;
   std::uint32_t domain = 0;  ///< of DDS; ROS has the same ones
+  /// A folder of keys (security.hpp): who has none of the same authority neither finds nor joins nor hears anything, and all
+  /// is encrypted. Empty: nothing is.
+  std::string security;
 
   bool operator==(const NetworkConfig&) const = default;
 };
@@ -29,7 +32,7 @@ struct NetworkConfig {
 /// False where palpate was built without DDS: everything here throws NetworkError then.
 bool canShare();
 
-/// What is open to whom on such a network, in a sentence.
+/// What is open to whom on such a network, in a sentence. Throws FileError of its keys.
 std::string opennessOf(const NetworkConfig& network);
 
 /// A session that somebody serves.
