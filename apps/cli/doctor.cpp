@@ -186,7 +186,7 @@ struct DoctorOptions {
 // The sessions that others serve.
 Json network(std::FILE* out, const NetworkConfig& config) {
   constexpr double kListen_s = 2;
-  const std::vector<SeenSession> seen = surveyNetwork(config, kListen_s);
+  const auto [seen, keyHolders] = surveyNetwork(config, kListen_s);
   fmt::print(out, "Sessions that are served on {}{}: {}\n",
              config.interface.empty() ? "this machine" : "the network of " + config.interface,
              config.security.empty() ? "" : " for holders of keys", seen.size());
@@ -209,6 +209,8 @@ Json network(std::FILE* out, const NetworkConfig& config) {
                     {"pings", session.pings},
                     {"answered", session.answered}});
   }
+  if (keyHolders && seen.empty())
+    fmt::print(out, "There are programs with keys, and what they serve is seen with keys of the same authority alone (--security)\n");
   return json;
 }
 

@@ -127,10 +127,10 @@ class Fetch {
 };
 
 // Whom nobody without their keys hears is there nevertheless.
-std::string otherKeysInWords(const NetworkConfig& network) {
-  if (!metOtherKeys()) return {};
-  return network.security.empty() ? "; there are programs that only holders of their keys hear: join with keys (security)"
-                                  : "; there are programs with keys of another authority than " + network.security;
+std::string keyHoldersInWords(dds_entity_t participant, const NetworkConfig& network) {
+  if (!seesKeyHolders(participant)) return {};
+  return network.security.empty() ? "; there are programs that only holders of their keys hear, and this one has none"
+                                  : "; there are programs with keys: are they of the authority of " + network.security + "?";
 }
 
 SessionNotice find(const std::string& name, const Participant& participant, const Topics& topics, const JoinOptions& options) {
@@ -154,7 +154,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
     throw NetworkError("nobody serves a session named '{}' on {}{}{}", printable(name.c_str()),
                        options.network.interface.empty() ? "this machine (another network has to be named)"
                                                          : "the network of " + options.network.interface,
-                       others.empty() ? others : others + "'", otherKeysInWords(options.network));
+                       others.empty() ? others : others + "'", keyHoldersInWords(participant, options.network));
   if (same.size() > 1)
     throw NetworkError("two sessions are named '{}', of {} and of {}; end one of them, or give it another name", name,
                        same[0].host, same[1].host);
@@ -221,7 +221,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   return joined;
 }
 
-std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seconds) {
+NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds) {
   const Participant participant(network);
   const Topics topics(participant);
   SessionNotices notices(participant, topics);
@@ -231,7 +231,8 @@ std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seco
   wait.attach(echoes);
   const std::vector<SessionNotice> known = notices.listen(seconds);
   const Id client = freshId();
-  std::vector<SeenSession> seen;
+  NetworkSurvey survey{.sessions = {}, .keyHolders = seesKeyHolders(participant)};
+  std::vector<SeenSession>& seen = survey.sessions;
   for (const SessionNotice& notice : known)
     seen.push_back({.name = notice.name, .host = notice.host, .model = notice.model, .points = notice.points,
                     .version = notice.version, .fits = notice.version == kVersion});
@@ -274,7 +275,7 @@ std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seco
   }
   for (std::size_t i = 0; i < known.size(); ++i)
     if (!trips_us[i].empty()) seen[i].roundTrip_ms = summarize(trips_us[i]).p50 * 1e-3;
-  return seen;
+  return survey;
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <map>
 #include <mutex>
 #include <string_view>
@@ -38,6 +39,7 @@ constexpr bool kCanEncrypt = true;
 #else
 constexpr bool kCanEncrypt = false;
 #endif
+constexpr std::string_view kHasKeys = "palpate=keys;";  // the user data of who has some
 constexpr std::uint32_t kLastDomain = 230;  // of those that have ports
 constexpr auto kPatience = DDS_MSECS(2);  // of a writer whose readers do not keep up: it is tried again
 
@@ -65,22 +67,14 @@ class Remarks {
     const std::scoped_lock hold(lock_);
     return std::exchange(last_, {});
   }
-  // Whether somebody was met who has other keys, or keys where we have none.
-  bool saidOtherKeys() {
-    const std::scoped_lock hold(lock_);
-    return otherKeys_;
-  }
 
  private:
   void hear(std::string_view line) {
     const std::scoped_lock hold(lock_);
     last_ = line.substr(0, line.find_last_not_of(" .\n") + 1);
-    const auto says = [&](std::string_view words) { return line.find(words) != line.npos; };
-    otherKeys_ = otherKeys_ || says("Remote secure participant") || says("handshake") || says("Certificate not valid");
   }
   std::mutex lock_;
   std::string last_;
-  bool otherKeys_ = false;
 };
 
 // Several samples go into a datagram within this machine; elsewhere it is one frame, which is lost alone.
@@ -157,7 +151,28 @@ Qos bestEffortQos() {
   return qos;
 }
 
-bool metOtherKeys() { return Remarks::all().saidOtherKeys(); }
+// That somebody is there is seen by all, whoever may hear him.
+bool seesKeyHolders(dds_entity_t participant) {
+  const Entity reader(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr), "a reader");
+  dds_guid_t own{};
+  checked(dds_get_guid(participant, &own), "the network");
+  constexpr std::uint32_t kAtOnce = 256;
+  std::array<void*, kAtOnce> samples{};
+  std::array<dds_sample_info_t, kAtOnce> about;
+  const auto count = checked(dds_take(reader, samples.data(), about.data(), kAtOnce, kAtOnce), "what has come");
+  bool sees = false;
+  for (dds_return_t i = 0; i < count; ++i) {
+    void* data = nullptr;
+    std::size_t size = 0;
+    const auto* other = static_cast<const dds_builtintopic_participant_t*>(samples[i]);
+    if (!about[i].valid_data || std::memcmp(&other->key, &own, sizeof own) == 0) continue;
+    if (!dds_qget_userdata(other->qos, &data, &size)) continue;
+    sees = sees || std::string_view(static_cast<const char*>(data), size) == kHasKeys;
+    dds_free(data);
+  }
+  if (count > 0) dds_return_loan(reader, samples.data(), count);
+  return sees;
+}
 
 struct Participant::Domain {
   Domain(const NetworkConfig& given, const std::string& config)
@@ -195,6 +210,9 @@ Participant::Participant(const NetworkConfig& network, Qos qos) : domain_(Domain
   }
   if (!qos) qos.reset(dds_create_qos());
   secure(*qos, readSecurityProfile(network.security));
+  std::size_t said = 0;
+  if (!dds_qget_userdata(qos.get(), nullptr, &said) || said == 0)
+    dds_qset_userdata(qos.get(), kHasKeys.data(), kHasKeys.size());
   Remarks::all().take();
   const dds_entity_t made = dds_create_participant(network.domain, qos.get(), nullptr);
   if (made < 0) {

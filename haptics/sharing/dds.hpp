@@ -51,8 +51,8 @@ Qos reliableQos(bool lasting, const std::string& partition = {});
 /// The newest alone, and it may be lost.
 Qos bestEffortQos();
 
-/// Whether this process has met programs that have keys of another authority, or keys where it has none.
-bool metOtherKeys();
+/// Whether there are programs with keys on the network of a participant, be they such that it hears them or not.
+bool seesKeyHolders(dds_entity_t participant);
 
 /// A participant of the network that is named, with its keys. All participants of a process that are on one domain of DDS are
 /// on one network with the same keys; throws UsageError where they are not, FileError and NetworkError of the keys.

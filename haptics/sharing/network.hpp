@@ -45,8 +45,13 @@ struct SeenSession {
   std::optional<double> roundTrip_ms;  ///< the median, where any was answered
 };
 
+struct NetworkSurvey {
+  std::vector<SeenSession> sessions;
+  bool keyHolders = false;  ///< there are other programs with keys, be they such that they are heard here or not
+};
+
 /// Listens for `seconds`, and then pings whom it has found, which takes half a second, and up to two more where pings
 /// are lost. Throws NetworkError, UsageError.
-std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seconds);
+NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds);
 
 }  // namespace palpate
