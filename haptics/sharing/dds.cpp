@@ -41,7 +41,7 @@ constexpr bool kCanEncrypt = false;
 #endif
 constexpr std::string_view kHasKeys = "palpate=keys;";  // the user data of who has some
 constexpr std::uint32_t kLastDomain = 230;  // of those that have ports
-constexpr auto kPatience = DDS_MSECS(2);  // of a writer whose readers do not keep up: it is tried again
+constexpr auto kPatience = DDS_MSECS(0);  // of a writer whose readers do not keep up: others have their turn, and it is tried again
 
 // Without characters that would end what they stand in.
 std::string plain(const std::string& word, const char* what) {
@@ -172,6 +172,17 @@ bool seesKeyHolders(dds_entity_t participant) {
   }
   if (count > 0) dds_return_loan(reader, samples.data(), count);
   return sees;
+}
+
+Qos keepingLast(Qos qos, std::int32_t samples) {
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, samples);
+  return qos;
+}
+
+Qos keepingInstances(Qos qos, std::int32_t instances) {
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+  dds_qset_resource_limits(qos.get(), DDS_LENGTH_UNLIMITED, instances, DDS_LENGTH_UNLIMITED);
+  return qos;
 }
 
 struct Participant::Domain {

@@ -50,6 +50,11 @@ using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 Qos reliableQos(bool lasting, const std::string& partition = {});
 /// The newest alone, and it may be lost.
 Qos bestEffortQos();
+// For readers, so that what waits to be taken has a bound, whoever sends however fast.
+/// The last samples of a topic without keys. Whoever misses an answer asks again.
+Qos keepingLast(Qos qos, std::int32_t samples);
+/// Of a topic with keys the last sample of each of so many instances; of others none.
+Qos keepingInstances(Qos qos, std::int32_t instances);
 
 /// Whether there are programs with keys on the network of a participant, be they such that it hears them or not.
 bool seesKeyHolders(dds_entity_t participant);
@@ -104,12 +109,13 @@ class Reader {
   Reader() = default;
   Reader(dds_entity_t participant, const Topic<T>& topic, const Qos& qos)
       : reader_(dds_create_reader(participant, topic, qos.get(), nullptr), "a reader") {}
-  /// Takes what has come, sample by sample. Those that only say that an instance has ended are not seen.
+  /// Takes what has come, sample by sample, as far as it is not so much that something else has its turn first. Those that only
+  /// say that an instance has ended are not seen.
   template <class Visit>
   std::size_t take(Visit&& visit) const {
+    constexpr std::uint32_t kAtOnce = 16, kInTurn = 2048;
     std::size_t seen = 0;
-    while (true) {
-      constexpr std::uint32_t kAtOnce = 16;
+    for (std::uint32_t taken = 0; taken < kInTurn; taken += kAtOnce) {
       void* samples[kAtOnce] = {};
       dds_sample_info_t about[kAtOnce];
       const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "what has come");
@@ -128,6 +134,7 @@ class Reader {
       }
       if (count < static_cast<dds_return_t>(kAtOnce)) return seen;
     }
+    return seen;
   }
   operator dds_entity_t() const { return reader_; }  // NOLINT: as above
 
