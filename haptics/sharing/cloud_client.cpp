@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -188,7 +189,9 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
     wait.sleep(kLook_s);
     bool again = lastAsked.elapsed_s() > kAskAgain_s && lastCame.elapsed_s() > kAskAgain_s;
     results.take([&](const Result& result) {
-      const EditExchange::Heard heard = exchange.hear(resultsOf(session, result, states.size(), come));
+      const std::optional<Results> said = resultsOf(session, result, states.size(), come);
+      if (!said) return;
+      const EditExchange::Heard heard = exchange.hear(*said);
       if (heard == EditExchange::Heard::gap) again = true;
       if (heard != EditExchange::Heard::taken) return;
       lastCame = {};

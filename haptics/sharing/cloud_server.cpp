@@ -23,6 +23,8 @@ constexpr std::size_t kMostClients = 64;   // at a time; one more takes the plac
 constexpr double kGone_s = 5;              // and for so long: who waits for points asks again before
 constexpr double kFull_s = 0.002;          // after which links that had no room are tried again
 constexpr std::int32_t kMostWaiting = 4096;  // requests, and pings
+// Blocks that are kept for clients who may not have them yet, 1.4 KB each: of all together, and what each may have of them.
+constexpr std::uint64_t kMostUnacked = 65'536, kLeastUnacked = 512;
 constexpr double kLook_s = 0.05;           // how often an end that is asked for is seen
 constexpr double kOthers_s = 1;            // in which a session of the same name is found, if there is one
 
@@ -41,6 +43,7 @@ struct CloudServer::Link {
   struct Client {
     Writer<Block> blocks;  // in its partition
     Stopwatch lastAsked;
+    std::uint64_t unacked = 0;  // blocks that were written since all had come, at most
     std::deque<Range> asked;  // and not written yet: as fast as the link takes them
   };
 
@@ -111,6 +114,7 @@ struct CloudServer::Link {
     if (clients.size() >= kMostClients) {
       const auto last = std::ranges::max_element(clients, {}, [](const auto& entry) { return entry.second.lastAsked.elapsed_s(); });
       if (last->second.lastAsked.elapsed_s() < kGone_s) return nullptr;
+      unacked -= last->second.unacked;
       clients.erase(last);
     }
     ++counts.clients;
@@ -144,15 +148,28 @@ struct CloudServer::Link {
     constexpr std::uint32_t kInTurn = 64;  // blocks
     bool isLeft = false;
     const std::uint64_t before = counts.blocks;
+    if (unacked >= kMostUnacked) countUnacked();
     for (auto& [id, client] : clients) {
       for (std::uint32_t i = 0; i < kInTurn && !client.asked.empty(); ++i) {
         Range& range = client.asked.front();
+        if (unacked >= kMostUnacked && client.unacked >= kLeastUnacked) break;
         if (!writeBlock(client, range.first)) break;
+        ++unacked;
+        ++client.unacked;
         if (++range.first == range.end) client.asked.pop_front();
       }
       isLeft = isLeft || !client.asked.empty();
     }
     return !isLeft ? kLook_s : counts.blocks == before ? kFull_s : 0;
+  }
+
+  // What has come to those who read it nobody keeps any more.
+  void countUnacked() {
+    unacked = 0;
+    for (auto& [id, client] : clients) {
+      if (client.blocks.isAcked()) client.unacked = 0;
+      unacked += client.unacked;
+    }
   }
 
   bool writeBlock(const Client& client, std::uint32_t number) {
@@ -187,6 +204,7 @@ struct CloudServer::Link {
   Reader<Ping> pings;
   ReaderWait wait;
   std::map<Id, Client> clients;
+  std::uint64_t unacked = 0;  // of all clients
   std::vector<Point> points;  // of the block that is written
   SharedPoints shared;
   std::optional<StrokeJournal> journal;

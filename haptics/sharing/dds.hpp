@@ -97,6 +97,8 @@ class Writer {
     checked(result, "a sample");
     return true;
   }
+  /// All that was written has come to those who read it.
+  bool isAcked() const { return dds_wait_for_acks(writer_, 0) == DDS_RETCODE_OK; }
   operator dds_entity_t() const { return writer_; }  // NOLINT: as above
 
  private:

@@ -133,9 +133,10 @@ class SharedEdits final : public SharedFollower {
   void hear() {
     bool gap = false;
     results_.take([&](const Result& result) {
-      if (!isSame(result.session, session_.session) || gap) return;
-      const EditExchange::Heard heard =
-          exchange_.hear(resultsOf(session_, result, exchange_.points().size(), states_));
+      if (gap) return;
+      const std::optional<Results> said = resultsOf(session_, result, exchange_.points().size(), states_);
+      if (!said) return;
+      const EditExchange::Heard heard = exchange_.hear(*said);
       if (heard == EditExchange::Heard::old) return;
       gap = heard == EditExchange::Heard::gap;
       if (result.acked != lastAcked_) {

@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t kMostFollowers = 64;  // at a time; one more takes the place of who was heard longest ago,
 constexpr double kGone_s = 5;               // and so long ago: who follows pings
-constexpr std::int32_t kMostWaiting = 4096;  // samples of each kind; what is lost of them is sent again
+constexpr std::int32_t kMostWaiting = 32'768;  // samples of each kind, of 1.4 KB; what is lost of them is sent again
+constexpr std::uint32_t kMostUnacked = 2048;   // results that are kept for one who may not have them yet
 constexpr double kApart_s = 0.008;          // what is done within goes together, each point once
 constexpr double kSilence_s = 0.2;          // after which who follows hears that there is nothing
 constexpr int kInTurn = 64;                 // results for one before it is the next one's turn
@@ -73,6 +74,7 @@ void StrokeServer::take(const Stroke& stroke) {
   states_.clear();
   for (const State& state : given) states_.push_back(pointOf(state));
   const Id client = idOf(stroke.client);
+  heard(client);
   switch (parts_.points.take(client, stroke.number, states_)) {
     case SharedPoints::Taken::taken:
       ++counts_.pieces;
@@ -131,7 +133,9 @@ bool StrokeServer::writeOne(const Id& client, Follower& follower) {
     result.states._buffer = follower.states.data();
     result.states._length = result.states._maximum = static_cast<std::uint32_t>(follower.states.size());
   }
-  if (!follower.results.write(result)) return false;
+  if (follower.unacked >= kMostUnacked && follower.results.isAcked()) follower.unacked = 0;
+  if (follower.unacked >= kMostUnacked || !follower.results.write(result)) return false;
+  ++follower.unacked;
   follower.holds = false;
   follower.toldAcked = result.acked;
   counts_.sent += follower.states.size();

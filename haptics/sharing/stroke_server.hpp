@@ -51,6 +51,7 @@ class StrokeServer {
     Result next{};              // as it was when its states were collected
     std::vector<State> states;  // of it
     bool holds = false;         // it is to be written
+    std::uint32_t unacked = 0;  // results that were written since all had come, at most
     Stopwatch lastHeard, lastWritten;
   };
   void take(const Stroke& stroke);

@@ -192,16 +192,63 @@ Outcome attacked(const std::string& attack, double seconds) {
                       outcome.served.sculptors, outcome.served.pieces, outcome.served.again, outcome.served.clients));
   CHECK(outcome.hand.delivered);
   CHECK(outcome.hand.same);
+  CHECK(outcome.hand.sent > 50);
+  CHECK(outcome.hand.longestSilent_s < 2.9);  // beyond which the force would fade
+  CHECK(outcome.grown_MB < 120);
   return outcome;
 }
 
 }  // namespace
 
-TEST_CASE("attack") {
-  if (const char* one = std::getenv("ATTACK")) { attacked(one, 4); return; }
-  for (const char* attack : {"requests", "resumes", "one-resumes", "strokes", "sculptors", "bad-strokes", "hands", "notices", "pings", "bytes"}) {
-    attacked(attack, 4);
+TEST_CASE("who asks for everything again and again, in the name of ten thousand, keeps nobody else waiting") {
+  const Outcome requests = attacked("requests", 1.5);
+  CHECK(requests.served.refused > 1000);
+  CHECK(requests.served.clients < 100);
+  const Outcome resumes = attacked("resumes", 1.5);
+  CHECK(resumes.served.refused > 1000);
+  attacked("one-resumes", 1.5);
+}
+
+TEST_CASE("strokes without end, of more hands than there can be, and such as no hand makes, are taken, counted or refused") {
+  CHECK(attacked("strokes", 1.5).served.pieces > 1000);
+  const Outcome sculptors = attacked("sculptors", 1.5);
+  CHECK(sculptors.served.sculptors == 4096);
+  CHECK(sculptors.served.refused > 0);
+  CHECK(attacked("bad-strokes", 1.5).served.refused > 0);
+}
+
+TEST_CASE("hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory") {
+  attacked("hands", 1.5);
+  attacked("notices", 1.5);
+  attacked("results", 1.5);
+}
+
+TEST_CASE("bytes that are no samples of ours are no more than noise") {
+  attacked("pings", 1.5);
+  attacked("bytes", 2);
+}
+
+TEST_CASE("readers that have fallen asleep with all that there is on the way to them hold up nobody") {
+  const PointCloud cloud = cloudOf(20'000);
+  Served served(cloud, "attacked");
+  HonestHand hand("attacked");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const double before_MB = allocated_MB();
+  double grown_MB = 0;
+  HostileSide side("unread", 30);
+  for (const Stopwatch since; since.elapsed_s() < 5; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    if (since.elapsed_s() > 1.5) side.signal(SIGSTOP);
+    grown_MB = std::max(grown_MB, allocated_MB() - before_MB);
   }
+  const SharedCounts counts = hand.end();
+  CHECK(side.end(SIGKILL) != 0);
+  const ServedCounts handed = served.end();
+  MESSAGE(fmt::format("asleep: {:.0f} MB at most, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients", grown_MB,
+                      counts.longestSilent_s, counts.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
+  CHECK(counts.same);
+  CHECK(counts.longestSilent_s < 2);
+  CHECK(grown_MB < 400);
+  CHECK(handed.clients > 40);
 }
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <thread>
 #include <vector>
@@ -113,6 +114,7 @@ class HostileSide {
         topics_(participant_),
         dice_(seed),
         writers_(participant_, topics_),
+        heardHands_(participant_, topics_.hands, bestEffortQos()),
         bytes_(domain) {}
 
   /// The session that is served there.
@@ -141,6 +143,7 @@ class HostileSide {
         {"strokes", [&] { stroke(idNumber(1), ++number_, true); }},
         {"sculptors", [&] { stroke(idNumber(++number_), 1, true); }},
         {"bad-strokes", [&] { stroke(idNumber(roll() % kManyIds), any64(), roll() % 2 == 0); }},
+        {"results", [&] { result(); }},
         {"hands", [&] { hand(); }},
         {"notices", [&] { notice(); }},
         {"pings", [&] { ping(); }},
@@ -220,6 +223,34 @@ class HostileSide {
     if (!writers_.strokes.write(stroke) && number == number_) --number_;
   }
 
+  // In the name of the server, to whoever follows: what no server says.
+  void result() {
+    heardHands_.take([&](const Hand& hand) { victim_ = idOf(hand.client); });
+    if (!victim_) return;
+    std::uint8_t partition[16];
+    set(partition, *victim_);
+    if (!results_) results_.emplace(participant_, topics_.results, reliableQos(false, partitionOf(partition)));
+    std::vector<State> states(1 + roll() % kStates);
+    for (State& state : states) state = {.id = roll() % points_, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = roll()};
+    State& bad = states[roll() % states.size()];
+    switch (roll() % 3) {
+      case 0: bad.id = points_ + roll() % 1000; break;
+      case 1: bad.position[roll() % 3] = std::numeric_limits<float>::quiet_NaN(); break;
+      default: bad.normal[roll() % 3] = 1e30F;
+    }
+    Result result{};
+    set(result.session, idOf(session_));
+    result.epoch = roll() % 8 ? 1 + roll() % 3 : roll();  // the first ones
+    result.counter = roll() % 2 ? roll() % 1000 : any64();
+    result.acked = any64();
+    result.upTo = any64();
+    result.head = any64();
+    result.digest = any64();
+    result.states._buffer = states.data();
+    result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
+    results_->write(result);
+  }
+
   void hand() {
     Hand hand{};
     set(hand.session, idOf(session_));
@@ -260,8 +291,11 @@ class HostileSide {
   Topics topics_;
   std::mt19937 dice_;
   Writers writers_;
+  Reader<Hand> heardHands_;
   AnyBytes bytes_;
   std::vector<Reader<Block>> unread_;
+  std::optional<Id> victim_;
+  std::optional<Writer<Result>> results_;
   std::uint8_t session_[16] = {};
   std::uint32_t points_ = 1, epoch_ = 0;
   std::uint64_t number_ = 0;
