@@ -73,9 +73,7 @@ RosCloud::~RosCloud() = default;
 bool RosCloud::show(std::span<const PointState> points, const DVec3& origin) { return link_->show(points, origin); }
 std::uint64_t RosCloud::shown() const { return link_->shown(); }
 
-namespace {
-
-TakenRosPoints take(const RosPointCloud2& message, Log* log) {
+TakenRosPoints sharing::takeRosCloud(const RosPointCloud2& message, Log* log) {
   std::vector<RosField> fields;
   for (std::uint32_t i = 0; i < message.fields._length; ++i) {
     const RosPointField& field = message.fields._buffer[i];
@@ -92,8 +90,6 @@ TakenRosPoints take(const RosPointCloud2& message, Log* log) {
                         .isDense = message.is_dense},
                        log);
 }
-
-}  // namespace
 
 PointCloud hearRosCloud(const std::string& topic, const RosListening& listening) {
   constexpr double kLook_s = 0.05, kMmPerMetre = 1000;
@@ -122,7 +118,7 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
     wait.sleep(kLook_s);
     for (const auto& reader : readers)
       reader.take([&](const RosPointCloud2& message) {
-        if (!taken) taken = take(message, listening.log);
+        if (!taken) taken = takeRosCloud(message, listening.log);
       });
   }
   if (taken->cloud.empty())

@@ -6,6 +6,7 @@
 
 #include "haptics/sharing/dds.hpp"
 #include "haptics/sharing/ros.h"
+#include "haptics/sharing/ros_points.hpp"
 
 namespace palpate::sharing {
 
@@ -55,6 +56,9 @@ class RosPublisher {
   Topic<T> topic_;
   Writer<T> writer_;
 };
+
+/// The points of a message that somebody else has sent. Throws as takeRosPoints() does.
+TakenRosPoints takeRosCloud(const RosPointCloud2& message, Log* log = nullptr);
 
 /// Nanoseconds since 1970, as a header has them.
 void setStamp(RosHeader& header, std::int64_t time_ns);
