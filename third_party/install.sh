@@ -38,6 +38,7 @@ packages=(
   mypy                       # and its types
   cyclonedds-dev             # DDS: sessions that several machines have, and
   cyclonedds-tools           # idlc, which compiles what is said on the network
+  libssl-dev                 # keys of sessions that are encrypted
   doctest-dev                # tests
   xvfb                       # a display for the tests of the window, and
   xauth                      # what its xvfb-run needs

@@ -85,6 +85,7 @@ void addRender(Options& app, Context& context, Command& command);
 void addView(Options& app, Context& context, Command& command);
 void addConvert(Options& app, Context& context, Command& command);
 void addServe(Options& app, Context& context, Command& command);
+void addKeys(Options& app, Context& context, Command& command);
 void addMesh(Options& app, Context& context, Command& command);
 void addBench(Options& app, Context& context, Command& command);
 void addDoctor(Options& app, Context& context, Command& command);

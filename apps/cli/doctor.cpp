@@ -186,9 +186,10 @@ struct DoctorOptions {
 // The sessions that others serve.
 Json network(std::FILE* out, const NetworkConfig& config) {
   constexpr double kListen_s = 2;
-  const std::vector<SeenSession> seen = surveyNetwork(config, kListen_s);
-  fmt::print(out, "Sessions that are served on {}: {}\n",
-             config.interface.empty() ? "this machine" : "the network of " + config.interface, seen.size());
+  const auto [seen, keyHolders] = surveyNetwork(config, kListen_s);
+  fmt::print(out, "Sessions that are served on {}{}: {}\n",
+             config.interface.empty() ? "this machine" : "the network of " + config.interface,
+             config.security.empty() ? "" : " for holders of keys", seen.size());
   Json json = Json::array();
   for (const SeenSession& session : seen) {
     const double lost = session.pings ? 1 - static_cast<double>(session.answered) / session.pings : 0;
@@ -208,6 +209,8 @@ Json network(std::FILE* out, const NetworkConfig& config) {
                     {"pings", session.pings},
                     {"answered", session.answered}});
   }
+  if (keyHolders && seen.empty())
+    fmt::print(out, "There are programs with keys, and what they serve is seen with keys of the same authority alone (--security)\n");
   return json;
 }
 
@@ -261,7 +264,7 @@ void doctor(Context& context, const DoctorOptions& options) {
     return;
   }
   if (options.which.config() != NetworkConfig{})
-    throw UsageError("--interface, --peer and --domain are for --network, which lists sessions");
+    throw UsageError("--interface, --peer, --domain and --security are for --network, which lists sessions");
   const Instance instance(Validation::off);
   const auto devices = instance.physicalDevices();
   Json gpus = Json::array();

@@ -19,6 +19,7 @@ void addSubcommands(Options& app, Context& context, Command& command) {
   addMake(app, context, command);
   addSimulate(app, context, command);
   addServe(app, context, command);
+  addKeys(app, context, command);
   addReplay(app, context, command);
   addBench(app, context, command);
   addDoctor(app, context, command);

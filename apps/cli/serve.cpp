@@ -101,7 +101,7 @@ void addServe(Options& app, Context& context, Command& command) {
       "them, in one order for all: each feels what the others do, and in the end all have the same points, bit by bit. "
       "Points are moved, painted and taken away; none come to keep the surface whole (--keep-points).\n"
       "Without --interface nobody but this machine can join; with it, whoever is on that network can, and nothing is "
-      "encrypted.\n");
+      "encrypted. With --security all is, and only who has keys of the same authority can join (palpate keys makes them).\n");
   sub.whenNamed([&, options] { command = [&context, options] { serve(context, *options); }; });
 }
 

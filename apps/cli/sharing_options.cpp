@@ -20,6 +20,11 @@ void addNetworkOptions(Options& command, NetworkOptions& options) {
            "address of a machine to look for, where the network carries no multicast; as often as there are some")
       .typeName("ADDRESS");
   command.add("--domain", options.domain, "of DDS, as ROS numbers them").check(inRange(0, bounds::kLastDomain)).showDefault();
+  command
+      .add("--security", options.security,
+           "a folder of keys (palpate keys): all is encrypted, and only holders of keys of the same authority find, join "
+           "and hear it")
+      .typeName("FOLDER");
 }
 
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
@@ -35,7 +40,7 @@ void addRosOptions(Options& command, RosOptions& options) {
   command
       .add("--ros", options.name,
            "programs of ROS 2 hear where the hand is (NAME/pose, NAME/proxy) and what it feels (NAME/wrench), on the "
-           "network of --interface, --peer and --domain, else on this machine alone")
+           "network of --interface, --peer, --domain and --security, else on this machine alone")
       .typeName("NAME");
   command.add("--ros-rate", options.rate_Hz, "Hz; ticks in between are left out")
       .check(between(1, bounds::kMostRate_Hz))
@@ -46,27 +51,30 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
   const NetworkOptions& network = options.network;
   if (!options.ros.name.empty()) requireRosName(options.ros.name);
   if (options.name.empty()) {
-    const bool hasNetwork = !network.interface.empty() || !network.peers.empty() || network.domain != 0;
+    const bool hasNetwork = !network.interface.empty() || !network.peers.empty() || network.domain != 0 || !network.security.empty();
     const bool isUsed = isRosModel(modelFile) || isRosModel(live) || !options.ros.name.empty();
     if ((hasNetwork && !isUsed) || !options.hand.empty())
       throw UsageError(
-          "--interface, --peer, --domain and --as are for --join, which names a session (and but for --as for ROS, too)");
+          "--interface, --peer, --domain, --security and --as are for --join, which names a session (and but for --as for ROS, too)");
     return std::nullopt;
   }
   if (!modelFile.empty()) throw UsageError("--join: the session that is joined is the model; leave {} out", modelFile);
   modelFile = options.name;
-  return JoinConfig{.network = network.interface, .peers = network.peers, .domain = network.domain};
+  return JoinConfig{
+      .network = network.interface, .peers = network.peers, .domain = network.domain, .security = network.security};
 }
 
 namespace {
 
 JoinedCloud join(const std::string& name, const JoinConfig& join, Log& log, bool present) {
   const StopBySignal stop;
-  JoinedCloud joined = joinCloud(name, {.network = {.interface = join.network, .peers = join.peers, .domain = join.domain},
+  const NetworkConfig network{
+      .interface = join.network, .peers = join.peers, .domain = join.domain, .security = join.security};
+  JoinedCloud joined = joinCloud(name, {.network = network,
                                         .present = present,
                                         .log = &log,
                                         .stop = &StopBySignal::requested()});
-  log.say("{}: {} points of {}, served by {}", name, joined.cloud.size(), joined.model, joined.host);
+  log.say("{}: {} points of {}, served by {}; {}", name, joined.cloud.size(), joined.model, joined.host, opennessOf(network));
   sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
   return joined;
 }

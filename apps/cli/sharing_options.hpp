@@ -16,10 +16,13 @@ struct NetworkOptions {
   std::string interface;
   std::vector<std::string> peers;
   std::uint32_t domain = 0;
+  std::string security;
 
-  NetworkConfig config() const { return {.interface = interface, .peers = peers, .domain = domain}; }
+  NetworkConfig config() const {
+    return {.interface = interface, .peers = peers, .domain = domain, .security = security};
+  }
 };
-/// --interface, --peer and --domain.
+/// --interface, --peer, --domain and --security.
 void addNetworkOptions(Options& command, NetworkOptions& options);
 
 /// What programs of ROS hear of a hand.

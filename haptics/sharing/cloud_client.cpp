@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -126,6 +127,13 @@ class Fetch {
   Stopwatch lastAsked_, lastCame_;
 };
 
+// Whom nobody without their keys hears is there nevertheless.
+std::string keyHoldersInWords(dds_entity_t participant, const NetworkConfig& network) {
+  if (!seesKeyHolders(participant)) return {};
+  return network.security.empty() ? "; there are programs that only holders of their keys hear, and this one has none"
+                                  : "; there are programs with keys: are they of the authority of " + network.security + "?";
+}
+
 SessionNotice find(const std::string& name, const Participant& participant, const Topics& topics, const JoinOptions& options) {
   SessionNotices notices(participant, topics);
   const Stopwatch since;
@@ -144,10 +152,10 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
       others += (others.empty() ? "; there are '" : "', '") + notice.name;
   }
   if (same.empty())
-    throw NetworkError("nobody serves a session named '{}' on {}{}", printable(name.c_str()),
+    throw NetworkError("nobody serves a session named '{}' on {}{}{}", printable(name.c_str()),
                        options.network.interface.empty() ? "this machine (another network has to be named)"
                                                          : "the network of " + options.network.interface,
-                       others.empty() ? others : others + "'");
+                       others.empty() ? others : others + "'", keyHoldersInWords(participant, options.network));
   if (same.size() > 1)
     throw NetworkError("two sessions are named '{}', of {} and of {}; end one of them, or give it another name", name,
                        same[0].host, same[1].host);
@@ -181,7 +189,9 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
     wait.sleep(kLook_s);
     bool again = lastAsked.elapsed_s() > kAskAgain_s && lastCame.elapsed_s() > kAskAgain_s;
     results.take([&](const Result& result) {
-      const EditExchange::Heard heard = exchange.hear(resultsOf(session, result, states.size(), come));
+      const std::optional<Results> said = resultsOf(session, result, states.size(), come);
+      if (!said) return;
+      const EditExchange::Heard heard = exchange.hear(*said);
       if (heard == EditExchange::Heard::gap) again = true;
       if (heard != EditExchange::Heard::taken) return;
       lastCame = {};
@@ -214,7 +224,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   return joined;
 }
 
-std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seconds) {
+NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds) {
   const Participant participant(network);
   const Topics topics(participant);
   SessionNotices notices(participant, topics);
@@ -224,7 +234,8 @@ std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seco
   wait.attach(echoes);
   const std::vector<SessionNotice> known = notices.listen(seconds);
   const Id client = freshId();
-  std::vector<SeenSession> seen;
+  NetworkSurvey survey{.sessions = {}, .keyHolders = seesKeyHolders(participant)};
+  std::vector<SeenSession>& seen = survey.sessions;
   for (const SessionNotice& notice : known)
     seen.push_back({.name = notice.name, .host = notice.host, .model = notice.model, .points = notice.points,
                     .version = notice.version, .fits = notice.version == kVersion});
@@ -267,7 +278,7 @@ std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seco
   }
   for (std::size_t i = 0; i < known.size(); ++i)
     if (!trips_us[i].empty()) seen[i].roundTrip_ms = summarize(trips_us[i]).p50 * 1e-3;
-  return seen;
+  return survey;
 }
 
 }  // namespace palpate

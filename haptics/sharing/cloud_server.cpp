@@ -19,7 +19,12 @@ using namespace sharing;
 namespace {
 
 constexpr std::size_t kLongestName = 200;
-constexpr std::size_t kMostClients = 64;   // at a time; one more takes the place of who has asked for nothing for longest
+constexpr std::size_t kMostClients = 64;   // at a time; one more takes the place of who has asked for nothing for longest,
+constexpr double kGone_s = 5;              // and for so long: who waits for points asks again before
+constexpr double kFull_s = 0.002;          // after which links that had no room are tried again
+constexpr std::int32_t kMostWaiting = 4096;  // requests, and pings
+// Blocks that are kept for clients who may not have them yet, 1.4 KB each: of all together, and what each may have of them.
+constexpr std::uint64_t kMostUnacked = 65'536, kLeastUnacked = 512;
 constexpr double kLook_s = 0.05;           // how often an end that is asked for is seen
 constexpr double kOthers_s = 1;            // in which a session of the same name is found, if there is one
 
@@ -37,7 +42,8 @@ struct CloudServer::Link {
   };
   struct Client {
     Writer<Block> blocks;  // in its partition
-    std::uint64_t lastAsked = 0;
+    Stopwatch lastAsked;
+    std::uint64_t unacked = 0;  // blocks that were written since all had come, at most
     std::deque<Range> asked;  // and not written yet: as fast as the link takes them
   };
 
@@ -48,8 +54,8 @@ struct CloudServer::Link {
         topics(participant),
         notices(participant, topics.notices, reliableQos(true)),
         echoes(participant, topics.echoes, bestEffortQos()),
-        requests(participant, topics.requests, reliableQos(false)),
-        pings(participant, topics.pings, bestEffortQos()),
+        requests(participant, topics.requests, keepingLast(reliableQos(false), kMostWaiting)),
+        pings(participant, topics.pings, keepingLast(bestEffortQos(), kMostWaiting)),
         wait(participant),
         shared(statesOf(cloud)) {
     wait.attach(requests);
@@ -101,16 +107,21 @@ struct CloudServer::Link {
     notices.write(notice);
   }
 
-  Client& clientOf(const Request& request) {
+  // Null where there are too many, who are all at it.
+  Client* clientOf(const Request& request) {
     const Id id = idOf(request.client);
-    if (const auto there = clients.find(id); there != clients.end()) return there->second;
-    if (clients.size() >= kMostClients)
-      clients.erase(std::ranges::min_element(clients, {}, [](const auto& entry) { return entry.second.lastAsked; }));
+    if (const auto there = clients.find(id); there != clients.end()) return &there->second;
+    if (clients.size() >= kMostClients) {
+      const auto last = std::ranges::max_element(clients, {}, [](const auto& entry) { return entry.second.lastAsked.elapsed_s(); });
+      if (last->second.lastAsked.elapsed_s() < kGone_s) return nullptr;
+      unacked -= last->second.unacked;
+      clients.erase(last);
+    }
     ++counts.clients;
     if (parts.log) parts.log->say("{}: {} takes the points", parts.name, printable(request.host));
     Client client;
     client.blocks = Writer<Block>(participant, topics.blocks, reliableQos(false, partitionOf(request.client)));
-    return clients.emplace(id, std::move(client)).first->second;
+    return &clients.emplace(id, std::move(client)).first->second;
   }
 
   void answer(const Request& request) {
@@ -120,26 +131,45 @@ struct CloudServer::Link {
       ++counts.refused;
       return;
     }
-    Client& client = clientOf(request);
-    client.lastAsked = ++counts.requests;
+    Client* const client = clientOf(request);
+    if (!client) {
+      ++counts.refused;
+      return;
+    }
+    ++counts.requests;
+    client->lastAsked = {};
     constexpr std::size_t kMostRanges = 64;  // whoever asks for more before any has come gets the last ones
-    if (client.asked.size() >= kMostRanges) client.asked.pop_front();
-    client.asked.push_back({request.first, request.first + request.count});
+    if (client->asked.size() >= kMostRanges) client->asked.pop_front();
+    client->asked.push_back({request.first, request.first + request.count});
   }
 
-  // Some blocks for each client in turn, as long as its link takes them. Whether there is more to do.
-  bool write() {
+  // Some blocks for each client in turn, as long as its link takes them. So many seconds later there is more to do.
+  double write() {
     constexpr std::uint32_t kInTurn = 64;  // blocks
     bool isLeft = false;
+    const std::uint64_t before = counts.blocks;
+    if (unacked >= kMostUnacked) countUnacked();
     for (auto& [id, client] : clients) {
       for (std::uint32_t i = 0; i < kInTurn && !client.asked.empty(); ++i) {
         Range& range = client.asked.front();
+        if (unacked >= kMostUnacked && client.unacked >= kLeastUnacked) break;
         if (!writeBlock(client, range.first)) break;
+        ++unacked;
+        ++client.unacked;
         if (++range.first == range.end) client.asked.pop_front();
       }
       isLeft = isLeft || !client.asked.empty();
     }
-    return isLeft;
+    return !isLeft ? kLook_s : counts.blocks == before ? kFull_s : 0;
+  }
+
+  // What has come to those who read it nobody keeps any more.
+  void countUnacked() {
+    unacked = 0;
+    for (auto& [id, client] : clients) {
+      if (client.blocks.isAcked()) client.unacked = 0;
+      unacked += client.unacked;
+    }
   }
 
   bool writeBlock(const Client& client, std::uint32_t number) {
@@ -174,6 +204,7 @@ struct CloudServer::Link {
   Reader<Ping> pings;
   ReaderWait wait;
   std::map<Id, Client> clients;
+  std::uint64_t unacked = 0;  // of all clients
   std::vector<Point> points;  // of the block that is written
   SharedPoints shared;
   std::optional<StrokeJournal> journal;
@@ -201,10 +232,11 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
       if (!isSame(ping.session, link_->session)) return;
       link_->echoes.write(ping);
       ++link_->counts.pings;
+      if (link_->strokes) link_->strokes->heard(idOf(ping.client));
     });
     link_->requests.take([&](const Request& request) { link_->answer(request); });
     if (link_->strokes) link_->strokes->take();
-    next_s = link_->write() ? 0 : kLook_s;
+    next_s = link_->write();
     if (link_->strokes) next_s = std::min(next_s, link_->strokes->write());
   }
 }

@@ -1,22 +1,30 @@
 #include "haptics/sharing/dds.hpp"
 
+#include <dds/features.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <map>
 #include <mutex>
 #include <string_view>
+
+#include "haptics/sharing/security.hpp"
 
 namespace palpate {
 
 bool canShare() { return true; }
 
 std::string opennessOf(const NetworkConfig& network) {
+  if (!network.security.empty())
+    return fmt::format("encrypted, for holders of keys of '{}' on {} (domain {})",
+                       readSecurityProfile(network.security).authority,
+                       network.interface.empty() ? "this machine" : "the network of " + network.interface, network.domain);
   if (network.interface.empty())
     return fmt::format("programs of this machine alone can join (domain {})", network.domain);
   return fmt::format(
-      "whoever is on the network of {} can join, and nothing is encrypted (domain {}); use a network that you trust, or a "
-      "tunnel",
+      "whoever is on the network of {} can join, and nothing is encrypted (domain {}); use a network that you trust, or keys",
       network.interface, network.domain);
 }
 
@@ -26,8 +34,14 @@ namespace palpate::sharing {
 
 namespace {
 
+#ifdef DDS_HAS_SECURITY
+constexpr bool kCanEncrypt = true;
+#else
+constexpr bool kCanEncrypt = false;
+#endif
+constexpr std::string_view kHasKeys = "palpate=keys;";  // the user data of who has some
 constexpr std::uint32_t kLastDomain = 230;  // of those that have ports
-constexpr auto kPatience = DDS_MSECS(2);  // of a writer whose readers do not keep up: it is tried again
+constexpr auto kPatience = DDS_MSECS(0);  // of a writer whose readers do not keep up: others have their turn, and it is tried again
 
 // Without characters that would end what they stand in.
 std::string plain(const std::string& word, const char* what) {
@@ -93,6 +107,24 @@ std::string configOf(const NetworkConfig& network) {
       interface, isHere ? "false" : "default", isHere ? kWholeDatagrams : kFrames, peers);
 }
 
+// DDS is given what the files say, not where they are: what was looked at is what is used, whatever their folder is called.
+void secure(dds_qos_t& qos, const SecurityProfile& profile) {
+  if (!kCanEncrypt) throw NetworkError("this palpate's Cyclone DDS was built without security, and encrypts nothing");
+  constexpr std::array<const char*, SecurityProfile::kFiles.size()> kNames{
+      "dds.sec.auth.identity_ca",      "dds.sec.auth.identity_certificate", "dds.sec.auth.private_key",
+      "dds.sec.access.permissions_ca", "dds.sec.access.governance",         "dds.sec.access.permissions"};
+  for (std::size_t i = 0; i < kNames.size(); ++i) dds_qset_prop(&qos, kNames[i], ("data:," + profile.contents[i]).c_str());
+  constexpr std::array<std::array<std::string_view, 3>, 3> kPlugins{{{"auth", "dds_security_auth", "authentication"},
+                                                                     {"access", "dds_security_ac", "access_control"},
+                                                                     {"crypto", "dds_security_crypto", "crypto"}}};
+  for (const auto& [part, library, function] : kPlugins) {
+    const std::string name = fmt::format("dds.sec.{}.library.", part);
+    dds_qset_prop(&qos, (name + "path").c_str(), std::string(library).c_str());
+    dds_qset_prop(&qos, (name + "init").c_str(), fmt::format("init_{}", function).c_str());
+    dds_qset_prop(&qos, (name + "finalize").c_str(), fmt::format("finalize_{}", function).c_str());
+  }
+}
+
 }  // namespace
 
 dds_return_t checked(dds_return_t result, const char* what) {
@@ -119,10 +151,44 @@ Qos bestEffortQos() {
   return qos;
 }
 
+// That somebody is there is seen by all, whoever may hear him.
+bool seesKeyHolders(dds_entity_t participant) {
+  const Entity reader(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr), "a reader");
+  dds_guid_t own{};
+  checked(dds_get_guid(participant, &own), "the network");
+  constexpr std::uint32_t kAtOnce = 256;
+  std::array<void*, kAtOnce> samples{};
+  std::array<dds_sample_info_t, kAtOnce> about;
+  const auto count = checked(dds_take(reader, samples.data(), about.data(), kAtOnce, kAtOnce), "what has come");
+  bool sees = false;
+  for (dds_return_t i = 0; i < count; ++i) {
+    void* data = nullptr;
+    std::size_t size = 0;
+    const auto* other = static_cast<const dds_builtintopic_participant_t*>(samples[i]);
+    if (!about[i].valid_data || std::memcmp(&other->key, &own, sizeof own) == 0) continue;
+    if (!dds_qget_userdata(other->qos, &data, &size)) continue;
+    sees = sees || std::string_view(static_cast<const char*>(data), size) == kHasKeys;
+    dds_free(data);
+  }
+  if (count > 0) dds_return_loan(reader, samples.data(), count);
+  return sees;
+}
+
+Qos keepingLast(Qos qos, std::int32_t samples) {
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, samples);
+  return qos;
+}
+
+Qos keepingInstances(Qos qos, std::int32_t instances) {
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+  dds_qset_resource_limits(qos.get(), DDS_LENGTH_UNLIMITED, instances, DDS_LENGTH_UNLIMITED);
+  return qos;
+}
+
 struct Participant::Domain {
-  explicit Domain(const std::string& given, std::uint32_t id)
-      : config(given), entity(dds_create_domain(id, given.c_str()), "the network") {}
-  std::string config;
+  Domain(const NetworkConfig& given, const std::string& config)
+      : network(given), entity(dds_create_domain(given.domain, config.c_str()), "the network") {}
+  NetworkConfig network;
   Entity entity;
 
   static std::shared_ptr<Domain> of(const NetworkConfig& network) {
@@ -134,7 +200,7 @@ struct Participant::Domain {
     std::shared_ptr<Domain> there = all[network.domain].lock();
     if (!there) {
       try {
-        there = std::make_shared<Domain>(config, network.domain);
+        there = std::make_shared<Domain>(network, config);
       } catch (const NetworkError& error) {
         const std::string why = Remarks::all().take();
         throw NetworkError("the network of {} cannot be used: {}; is there such an interface, and does it carry IPv4?",
@@ -142,15 +208,30 @@ struct Participant::Domain {
       }
       all[network.domain] = there;
     }
-    if (there->config != config)
-      throw UsageError("domain: this program is on domain {} of another network already", network.domain);
+    if (there->network != network)
+      throw UsageError("domain: this program is on domain {} of another network, or with other keys, already", network.domain);
     return there;
   }
 };
 
-Participant::Participant(const NetworkConfig& network, const Qos& qos)
-    : domain_(Domain::of(network)),
-      participant_(dds_create_participant(network.domain, qos.get(), nullptr), "the network") {}
+Participant::Participant(const NetworkConfig& network, Qos qos) : domain_(Domain::of(network)) {
+  if (network.security.empty()) {
+    participant_ = Entity(dds_create_participant(network.domain, qos.get(), nullptr), "the network");
+    return;
+  }
+  if (!qos) qos.reset(dds_create_qos());
+  secure(*qos, readSecurityProfile(network.security));
+  std::size_t said = 0;
+  if (!dds_qget_userdata(qos.get(), nullptr, &said) || said == 0)
+    dds_qset_userdata(qos.get(), kHasKeys.data(), kHasKeys.size());
+  Remarks::all().take();
+  const dds_entity_t made = dds_create_participant(network.domain, qos.get(), nullptr);
+  if (made < 0) {
+    const std::string why = Remarks::all().take();
+    throw NetworkError("{}: these keys cannot be used: {}", network.security, why.empty() ? dds_strretcode(-made) : why);
+  }
+  participant_ = Entity(made, "the network");
+}
 
 void ReaderWait::attach(dds_entity_t reader) {
   conditions_.emplace_back(dds_create_readcondition(reader, DDS_ANY_STATE), "a condition");

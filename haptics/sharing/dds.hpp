@@ -51,12 +51,20 @@ using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 Qos reliableQos(bool lasting, const std::string& partition = {});
 /// The newest alone, and it may be lost.
 Qos bestEffortQos();
+// For readers, so that what waits to be taken has a bound, whoever sends however fast.
+/// The last samples of a topic without keys. Whoever misses an answer asks again.
+Qos keepingLast(Qos qos, std::int32_t samples);
+/// Of a topic with keys the last sample of each of so many instances; of others none.
+Qos keepingInstances(Qos qos, std::int32_t instances);
 
-/// A participant of the network that is named. All participants of a process that are on one domain of DDS are on one network;
-/// throws UsageError where they are not.
+/// Whether there are programs with keys on the network of a participant, be they such that it hears them or not.
+bool seesKeyHolders(dds_entity_t participant);
+
+/// A participant of the network that is named, with its keys. All participants of a process that are on one domain of DDS are
+/// on one network with the same keys; throws UsageError where they are not, FileError and NetworkError of the keys.
 class Participant {
  public:
-  explicit Participant(const NetworkConfig& network, const Qos& qos = {});
+  explicit Participant(const NetworkConfig& network, Qos qos = {});
   operator dds_entity_t() const { return participant_; }  // NOLINT: as above
 
  private:
@@ -90,6 +98,8 @@ class Writer {
     checked(result, "a sample");
     return true;
   }
+  /// All that was written has come to those who read it.
+  bool isAcked() const { return dds_wait_for_acks(writer_, 0) == DDS_RETCODE_OK; }
   operator dds_entity_t() const { return writer_; }  // NOLINT: as above
 
  private:
@@ -105,13 +115,13 @@ class Reader {
   /// Of a topic that DDS has itself (DDS_BUILTIN_TOPIC_…), whose type is T.
   Reader(dds_entity_t participant, dds_entity_t builtInTopic)
       : reader_(dds_create_reader(participant, builtInTopic, nullptr, nullptr), "a reader") {}
-  /// Takes what has come, sample by sample, as `visit` wants it: the sample, or that and what DDS says of it. Those that
-  /// only say that an instance has ended are not seen.
+  /// Takes what has come, sample by sample, as `visit` wants it: the sample, or that and what DDS says of it; as far as it is
+  /// not so much that something else has its turn first. Those that only say that an instance has ended are not seen.
   template <class Visit>
   std::size_t take(Visit&& visit) const {
+    constexpr std::uint32_t kAtOnce = 16, kInTurn = 2048;
     std::size_t seen = 0;
-    while (true) {
-      constexpr std::uint32_t kAtOnce = 16;
+    for (std::uint32_t taken = 0; taken < kInTurn; taken += kAtOnce) {
       void* samples[kAtOnce] = {};
       dds_sample_info_t about[kAtOnce];
       const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "what has come");
@@ -134,6 +144,7 @@ class Reader {
       }
       if (count < static_cast<dds_return_t>(kAtOnce)) return seen;
     }
+    return seen;
   }
   operator dds_entity_t() const { return reader_; }  // NOLINT: as above
 

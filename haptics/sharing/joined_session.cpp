@@ -16,20 +16,21 @@ ResumeRequest requestOf(const JoinedSession& session, const Resume& asked) {
   return request;
 }
 
-Results resultsOf(const JoinedSession& session, const Result& said, std::size_t points, std::vector<PointState>& states) {
+std::optional<Results> resultsOf(const JoinedSession& session, const Result& said, std::size_t points,
+                                 std::vector<PointState>& states) {
   states.clear();
+  if (!isSame(said.session, session.session)) return std::nullopt;
   for (const State& state : std::span<const State>(said.states._buffer, said.states._length)) {
     states.push_back(pointOf(state));
-    if (!isWhole(states.back(), points))
-      throw NetworkError("'{}' of {}: what came as the change of a point is none", session.name, session.host);
+    if (!isWhole(states.back(), points)) return std::nullopt;
   }
-  return {.epoch = said.epoch,
-          .counter = said.counter,
-          .acked = said.acked,
-          .upTo = said.upTo,
-          .head = said.head,
-          .digest = said.digest,
-          .states = states};
+  return Results{.epoch = said.epoch,
+                 .counter = said.counter,
+                 .acked = said.acked,
+                 .upTo = said.upTo,
+                 .head = said.head,
+                 .digest = said.digest,
+                 .states = states};
 }
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,9 @@ class JoinedSession {
 
 /// What is asked of its server.
 sharing::ResumeRequest requestOf(const JoinedSession& session, const sharing::Resume& asked);
-/// What its server has said, of a cloud of so many points; the states stand in `states`. Throws NetworkError where one of
-/// them is none.
-sharing::Results resultsOf(const JoinedSession& session, const sharing::Result& said, std::size_t points,
-                           std::vector<PointState>& states);
+/// What its server has said, of a cloud of so many points; the states stand in `states`. Nothing where it is another session's,
+/// or one of them is none: no server of ours says that, and whoever else does is not heard.
+std::optional<sharing::Results> resultsOf(const JoinedSession& session, const sharing::Result& said, std::size_t points,
+                                          std::vector<PointState>& states);
 
 }  // namespace palpate

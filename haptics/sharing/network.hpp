@@ -22,6 +22,9 @@ struct NetworkConfig {
   /// Addresses of machines that are asked by name, where the network carries no multicast.
   std::vector<std::string> peers;
   std::uint32_t domain = 0;  ///< of DDS; ROS has the same ones
+  /// A folder of keys (security.hpp): who has none of the same authority neither finds nor joins nor hears anything, and all
+  /// is encrypted. Empty: nothing is.
+  std::string security;
 
   bool operator==(const NetworkConfig&) const = default;
 };
@@ -29,7 +32,7 @@ struct NetworkConfig {
 /// False where palpate was built without DDS: everything here throws NetworkError then.
 bool canShare();
 
-/// What is open to whom on such a network, in a sentence.
+/// What is open to whom on such a network, in a sentence. Throws FileError of its keys.
 std::string opennessOf(const NetworkConfig& network);
 
 /// A session that somebody serves.
@@ -42,8 +45,13 @@ struct SeenSession {
   std::optional<double> roundTrip_ms;  ///< the median, where any was answered
 };
 
+struct NetworkSurvey {
+  std::vector<SeenSession> sessions;
+  bool keyHolders = false;  ///< there are other programs with keys, be they such that they are heard here or not
+};
+
 /// Listens for `seconds`, and then pings whom it has found, which takes half a second, and up to two more where pings
 /// are lost. Throws NetworkError, UsageError.
-std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seconds);
+NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds);
 
 }  // namespace palpate

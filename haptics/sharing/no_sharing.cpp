@@ -14,7 +14,7 @@ namespace {
 
 bool canShare() { return false; }
 std::string opennessOf(const NetworkConfig&) { refuse(); }
-std::vector<SeenSession> surveyNetwork(const NetworkConfig&, double) { refuse(); }
+NetworkSurvey surveyNetwork(const NetworkConfig&, double) { refuse(); }
 
 struct CloudServer::Link {};
 CloudServer::CloudServer(const PointCloud&, Parts) { refuse(); }

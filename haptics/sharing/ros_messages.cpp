@@ -84,7 +84,7 @@ std::string rosName(const std::string& name) {
 Participant rosParticipant(const NetworkConfig& network) {
   Qos qos(dds_create_qos());
   setUserData(qos, "enclave=/;");
-  return Participant(network, qos);
+  return Participant(network, std::move(qos));
 }
 
 void setStamp(RosHeader& header, std::int64_t time_ns) {

@@ -6,8 +6,14 @@
 
 namespace palpate::sharing {
 
+namespace {
+
+constexpr std::size_t kMostKnown = 1000;  // whoever floods the network is not listened to any more
+
+}  // namespace
+
 SessionNotices::SessionNotices(dds_entity_t participant, const Topics& topics)
-    : reader_(participant, topics.notices, reliableQos(true)), wait_(participant) {
+    : reader_(participant, topics.notices, keepingInstances(reliableQos(true), kMostKnown)), wait_(participant) {
   wait_.attach(reader_);
 }
 
@@ -24,7 +30,6 @@ void SessionNotices::take() {
                         .colored = notice.colored,
                         .sculptable = notice.sculptable,
                         .checksum = notice.checksum};
-    constexpr std::size_t kMostKnown = 1000;  // whoever floods the network is not listened to any more
     const auto same = std::ranges::find(known_, known.session, &SessionNotice::session);
     if (same != known_.end())
       *same = std::move(known);

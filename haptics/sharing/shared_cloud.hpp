@@ -19,7 +19,8 @@ namespace palpate {
 struct ServedCounts {
   std::uint64_t clients = 0;  ///< that have ever asked for points
   std::uint64_t requests = 0, blocks = 0, pings = 0;
-  std::uint64_t refused = 0;  ///< requests that no client of ours makes, and pieces of strokes
+  /// Requests that no client of ours makes, or of one more than there is room for, and pieces of strokes.
+  std::uint64_t refused = 0;
   std::uint64_t sculptors = 0;  ///< clients of whom strokes were taken, before the server was started again included
   std::uint64_t pieces = 0, states = 0;  ///< of strokes; states of points in them
   std::uint64_t again = 0;  ///< pieces that had been taken before, or came before another one

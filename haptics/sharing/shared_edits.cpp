@@ -30,7 +30,7 @@ constexpr double kHand_s = 1.0 / 60;   // between two places of a hand
 constexpr double kHandSeen_s = 2;      // after which a hand that says nothing is gone
 constexpr double kPing_s = 0.5;
 constexpr std::size_t kTrips = 32;     // of which the round trip is the median
-constexpr std::size_t kMostHands = 256;
+constexpr std::size_t kMostHands = 256, kMostInstances = 1024;
 constexpr double kSettled_s = 0.3;     // at rest, before it is judged whether the points are the same
 constexpr int kMostDiffered = 3;
 constexpr int kMostStuck = 12;         // times in a row that nothing was taken, though the server is heard
@@ -50,7 +50,7 @@ class SharedEdits final : public SharedFollower {
         pings_(session_.participant, session_.topics.pings, bestEffortQos()),
         handWriter_(session_.participant, session_.topics.hands, bestEffortQos()),
         echoes_(session_.participant, session_.topics.echoes, bestEffortQos()),
-        handReader_(session_.participant, session_.topics.hands, bestEffortQos()),
+        handReader_(session_.participant, session_.topics.hands, keepingInstances(bestEffortQos(), kMostInstances)),
         notices_(session_.participant, session_.topics),
         wait_(std::in_place, session_.participant) {
     PALPATE_CHECK_LT(0U, parts.backend.mostOffered());
@@ -133,9 +133,10 @@ class SharedEdits final : public SharedFollower {
   void hear() {
     bool gap = false;
     results_.take([&](const Result& result) {
-      if (!isSame(result.session, session_.session) || gap) return;
-      const EditExchange::Heard heard =
-          exchange_.hear(resultsOf(session_, result, exchange_.points().size(), states_));
+      if (gap) return;
+      const std::optional<Results> said = resultsOf(session_, result, exchange_.points().size(), states_);
+      if (!said) return;
+      const EditExchange::Heard heard = exchange_.hear(*said);
       if (heard == EditExchange::Heard::old) return;
       gap = heard == EditExchange::Heard::gap;
       if (result.acked != lastAcked_) {

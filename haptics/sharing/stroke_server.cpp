@@ -7,7 +7,10 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostFollowers = 64;  // at a time; one more takes the place of who has asked longest ago
+constexpr std::size_t kMostFollowers = 64;  // at a time; one more takes the place of who was heard longest ago,
+constexpr double kGone_s = 5;               // and so long ago: who follows pings
+constexpr std::int32_t kMostWaiting = 32'768;  // samples of each kind, of 1.4 KB; what is lost of them is sent again
+constexpr std::uint32_t kMostUnacked = 2048;   // results that are kept for one who may not have them yet
 constexpr double kApart_s = 0.008;          // what is done within goes together, each point once
 constexpr double kSilence_s = 0.2;          // after which who follows hears that there is nothing
 constexpr int kInTurn = 64;                 // results for one before it is the next one's turn
@@ -16,8 +19,8 @@ constexpr int kInTurn = 64;                 // results for one before it is the 
 
 StrokeServer::StrokeServer(const Parts& parts)
     : parts_(parts),
-      strokes_(parts.participant, parts.topics.strokes, reliableQos(false)),
-      resumes_(parts.participant, parts.topics.resumes, reliableQos(false)) {
+      strokes_(parts.participant, parts.topics.strokes, keepingLast(reliableQos(false), kMostWaiting)),
+      resumes_(parts.participant, parts.topics.resumes, keepingLast(reliableQos(false), kMostWaiting)) {
   counts_.sculptors = parts_.points.clients();
   counts_.states = parts_.points.head();
   if (parts_.journal) counts_.pieces = parts_.journal->pieces();
@@ -37,15 +40,20 @@ void StrokeServer::take(const ResumeRequest& request) {
   if (!isSame(request.session, parts_.session)) return;
   const Id client = idOf(request.client);
   if (!followers_.contains(client)) {
-    if (followers_.size() >= kMostFollowers)
-      followers_.erase(std::ranges::min_element(
-          followers_, {}, [](const auto& one) { return one.second.lastResumed; }));
+    if (followers_.size() >= kMostFollowers) {
+      const auto last = std::ranges::max_element(followers_, {}, [](const auto& one) { return one.second.lastHeard.elapsed_s(); });
+      if (last->second.lastHeard.elapsed_s() < kGone_s) {
+        ++counts_.refused;
+        return;
+      }
+      followers_.erase(last);
+    }
     followers_[client].results =
         Writer<Result>(parts_.participant, parts_.topics.results, reliableQos(false, partitionOf(request.client)));
     if (parts_.log) parts_.log->say("{} follows", printable(request.host));
   }
   Follower& follower = followers_[client];
-  follower.lastResumed = ++resumed_;
+  follower.lastHeard = {};
   if (request.epoch <= follower.epoch) return;
   follower.epoch = request.epoch;
   follower.counter = 0;
@@ -56,12 +64,17 @@ void StrokeServer::take(const ResumeRequest& request) {
   follower.toldAcked = ~std::uint64_t{0};  // it hears at once
 }
 
+void StrokeServer::heard(const Id& client) {
+  if (const auto found = followers_.find(client); found != followers_.end()) found->second.lastHeard = {};
+}
+
 void StrokeServer::take(const Stroke& stroke) {
   if (!isSame(stroke.session, parts_.session)) return;
   const std::span<const State> given(stroke.states._buffer, stroke.states._length);
   states_.clear();
   for (const State& state : given) states_.push_back(pointOf(state));
   const Id client = idOf(stroke.client);
+  heard(client);
   switch (parts_.points.take(client, stroke.number, states_)) {
     case SharedPoints::Taken::taken:
       ++counts_.pieces;
@@ -120,7 +133,9 @@ bool StrokeServer::writeOne(const Id& client, Follower& follower) {
     result.states._buffer = follower.states.data();
     result.states._length = result.states._maximum = static_cast<std::uint32_t>(follower.states.size());
   }
-  if (!follower.results.write(result)) return false;
+  if (follower.unacked >= kMostUnacked && follower.results.isAcked()) follower.unacked = 0;
+  if (follower.unacked >= kMostUnacked || !follower.results.write(result)) return false;
+  ++follower.unacked;
   follower.holds = false;
   follower.toldAcked = result.acked;
   counts_.sent += follower.states.size();

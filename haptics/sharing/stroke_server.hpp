@@ -15,7 +15,7 @@ namespace palpate::sharing {
 struct StrokeCounts {
   std::uint64_t pieces = 0, states = 0;  ///< of strokes, that were taken; those in the journal included
   std::uint64_t again = 0;               ///< that had been taken before, or came too early
-  std::uint64_t refused = 0;             ///< that no client of ours makes
+  std::uint64_t refused = 0;             ///< that no client of ours makes; and who would follow and has no room
   std::uint64_t sent = 0;                ///< states, to all clients together
   std::uint64_t sculptors = 0;           ///< clients that have ever sent a piece that was taken
 };
@@ -35,6 +35,8 @@ class StrokeServer {
   void attach(ReaderWait& wait) const;
   /// What has come. Throws FileError of the journal.
   void take();
+  /// Somebody who may be one of those who follow is there.
+  void heard(const Id& client);
   /// What is due, as far as the links take it; so many seconds later there is more to do.
   double write();
   const StrokeCounts& counts() const { return counts_; }
@@ -49,8 +51,8 @@ class StrokeServer {
     Result next{};              // as it was when its states were collected
     std::vector<State> states;  // of it
     bool holds = false;         // it is to be written
-    std::uint64_t lastResumed = 0;
-    Stopwatch lastWritten;
+    std::uint32_t unacked = 0;  // results that were written since all had come, at most
+    Stopwatch lastHeard, lastWritten;
   };
   void take(const Stroke& stroke);
   void take(const ResumeRequest& request);
@@ -61,7 +63,6 @@ class StrokeServer {
   Reader<Stroke> strokes_;
   Reader<ResumeRequest> resumes_;
   std::map<Id, Follower> followers_;
-  std::uint64_t resumed_ = 0;
   std::vector<PointState> states_;
   StrokeCounts counts_;
 };

@@ -84,7 +84,7 @@ TEST_CASE("of one name there is one session; a name that is not there is said wi
 TEST_CASE("the sessions of a network are listed, and answer pings") {
   const PointCloud cloud = cloudOf(1234);
   Served served(cloud, "listed");
-  const auto seen = surveyNetwork(ownNetwork(), 1);
+  const auto seen = surveyNetwork(ownNetwork(), 1).sessions;
   REQUIRE(seen.size() == 1);
   CHECK(seen[0].name == "listed");
   CHECK(seen[0].points == 1234);

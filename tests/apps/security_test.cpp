@@ -1,0 +1,138 @@
+// Sessions with keys, as a user meets them: who has some joins, who has none or others finds nothing, and nothing that is
+// said can be read on the wire. Not where palpate was built without DDS.
+#include <cstring>
+
+#include "engine/io/cloud_formats.hpp"
+#include "tests/apps/running_program.hpp"
+#include "tests/apps/wire_capture.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::string domain() { return " --domain " + std::to_string(120 + ::getpid() % 80); }
+
+bool isBuilt(const ScratchFolder& folder) {
+  const Outcome network = palpate("doctor --network" + domain()), keys = palpate("keys " + (folder / "try").string() + " --name a");
+  if (network.code == 0 && keys.code == 0) return true;
+  MESSAGE("skipped: this palpate was built without DDS, or without what encrypts: " << network.text << keys.text);
+  return false;
+}
+
+/// How many of the cloud's points stand in what was heard, by their places, as they are sent.
+std::size_t placesIn(const std::string& heard, const PointCloud& cloud) {
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < cloud.size(); i += 97) {
+    char place[sizeof(Vec3)];
+    std::memcpy(place, &cloud.positions[i], sizeof place);
+    found += heard.find(std::string(place, sizeof place)) != std::string::npos;
+  }
+  return found;
+}
+
+class Serving {
+ public:
+  Serving(const std::string& arguments, const std::filesystem::path& said) : program("serve " + arguments + domain(), said) {
+    REQUIRE_MESSAGE(program.waitFor([&] { return contentOf(said).find("serving") != std::string::npos; }), contentOf(said));
+  }
+  RunningProgram program;
+};
+
+}  // namespace
+
+TEST_CASE("holders of keys join, sculpt, and have the same points; without keys, or with others', there is no session") {
+  const ScratchFolder folder;
+  if (!isBuilt(folder)) return;
+  const auto in = [&](const std::string& name) { return (folder / name).string(); };
+  works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
+  works("keys '" + in("the lab") + "' --name server");
+  works("keys '" + in("the lab") + "' --name surgeon --days 2 --json " + in("keys.json"));
+  works("keys " + in("other") + " --name surgeon");
+  CHECK(jsonOf(in("keys.json"))["new_authority"] == false);
+  const Outcome twice = palpate("keys '" + in("the lab") + "' --name surgeon");
+  CHECK(twice.code == 1);
+  CHECK(says(twice.text, "is there already"));
+  const std::string own = " --security '" + in("the lab") + "/surgeon'", others = " --security " + in("other") + "/surgeon";
+  WireCapture wire;
+  Serving serving(in("m.ply") + " --name clay --save " + in("end.ply") + " --security '" + in("the lab") + "/server'", folder / "said");
+  CHECK(says(contentOf(folder / "said"), "encrypted, for holders of keys of 'the_lab' on this machine"));
+  // Those who are turned away look for as long as they look for anything.
+  RunningProgram none("touch --join clay --backend cpu" + domain(), folder / "none.said"),
+      wrong("touch --join clay --backend cpu" + domain() + others, folder / "wrong.said");
+  works("touch --join clay --backend cpu --duration 0.1 --save " + in("joined.ply") + domain() + own);
+  works("touch --join clay --backend cpu --duration 0.3 --edit push --penetration 4 --save " + in("hand.ply") + " --json " +
+        in("hand.json") + domain() + own);
+  const Outcome listed = palpate("doctor --network" + domain() + own);
+  CHECK(says(listed.text, "clay: 20000 points of m.ply"));
+  const Outcome hidden = palpate("doctor --network" + domain());
+  CHECK(hidden.text.find("clay") == std::string::npos);
+  CHECK(says(hidden.text, "There are programs with keys"));
+  for (RunningProgram* outside : {&none, &wrong}) CHECK(outside->waitFor([&] { return outside->ended(); }));
+  CHECK(none.wait(0) != 0);
+  CHECK(wrong.wait(0) != 0);
+  CHECK(says(contentOf(folder / "none.said"), "nobody serves a session named 'clay'"));
+  CHECK(says(contentOf(folder / "none.said"), "only holders of their keys hear"));
+  CHECK(says(contentOf(folder / "wrong.said"), "nobody serves a session named 'clay'"));
+  CHECK(says(contentOf(folder / "wrong.said"), "are they of the authority of"));
+  const Outcome second = palpate("serve " + in("m.ply") + " --name clay" + domain() + own);
+  CHECK(second.code == 1);
+  CHECK(says(second.text, "served already"));
+  CHECK(serving.program.wait(SIGINT) == 0);
+  const Result shared = jsonOf(in("hand.json"))["shared"];
+  CHECK(shared["sent"] > 10);
+  CHECK(shared["delivered"] == true);
+  CHECK(shared["same"] == true);
+  for (const char* name : {"m", "joined", "hand", "end"}) works("convert " + in(name) + ".ply " + in(name) + ".npy");
+  CHECK(contentOf(in("joined.npy")) == contentOf(in("m.npy")));
+  CHECK(contentOf(in("hand.npy")) == contentOf(in("end.npy")));
+  CHECK(contentOf(in("end.npy")) != contentOf(in("m.npy")));
+
+  if (!wire.isListening()) {
+    MESSAGE("skipped: this user may not listen on the loopback, so that nothing is said of what is on the wire");
+    return;
+  }
+  const PointCloud cloud = readCloud(in("m.ply")).cloud;
+  const std::string& heard = wire.end();
+  CHECK(heard.size() > 20'000 * sizeof(Vec3) * 2);
+  CHECK(placesIn(heard, cloud) == 0);
+  CHECK(heard.find("clay") == std::string::npos);
+  CHECK(heard.find("m.ply") == std::string::npos);
+  CHECK(heard.find("palpate/1/block") == std::string::npos);
+  // The same without keys: whoever listens has all of it.
+  WireCapture clear;
+  Serving open(in("m.ply") + " --name clay", folder / "open.said");
+  works("touch --join clay --backend cpu --duration 0.05" + domain());
+  CHECK(open.program.wait(SIGINT) == 0);
+  const std::string& all = clear.end();
+  CHECK(placesIn(all, cloud) > 150);
+  CHECK(all.find("palpate/1/block") != std::string::npos);
+}
+
+TEST_CASE("keys that cannot be used are refused before anything is sent, and so is what is no name") {
+  const ScratchFolder folder;
+  if (!isBuilt(folder)) return;
+  const auto in = [&](const std::string& name) { return (folder / name).string(); };
+  const auto refuses = [&](const std::string& arguments, int code, const std::string& words) {
+    const Outcome outcome = palpate(arguments);
+    CAPTURE(arguments);
+    CHECK(outcome.code == code);
+    CHECK(says(outcome.text, words));
+  };
+  works("make sphere -n 1000 -o " + in("m.ply"));
+  works("keys " + in("lab") + " --name a");
+  refuses("keys " + in("lab"), 2, "--name");
+  refuses("keys " + in("lab") + " --name a/b", 2, "is none for who gets keys");
+  refuses("keys " + in("lab") + " --name b --days 0", 2, "--days");
+  refuses("touch a.ply --security " + in("lab/a"), 2, "are for --join");
+  refuses("doctor --security " + in("lab/a"), 2, "are for --network");
+  std::filesystem::permissions(folder / "lab" / "a" / "key.pem", std::filesystem::perms::others_read,
+                               std::filesystem::perm_options::add);
+  for (const std::string& command : {"serve " + in("m.ply") + " --name x", std::string("touch --join x"), std::string("doctor --network"),
+                                    "render --join x -o " + in("p.png"), "serve " + in("m.ply") + " --name x --ros x"}) {
+    refuses(command + domain() + " --security " + in("lab/a"), 1, "key.pem: others than its owner can read or write");
+    refuses(command + domain() + " --security " + in("lab"), 1, "name the folder of one of them");
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,114 @@
+// A hand that has joined a session of this test's own network, sculpts it and follows what others do, without what a device and
+// a back end would need.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/clock.hpp"
+#include "haptics/sharing/shared_edits.hpp"
+#include "tests/sharing/own_network.hpp"
+
+namespace palpate {
+
+inline PointCloud flatCloud(std::size_t points) {
+  PointCloud cloud;
+  for (std::size_t i = 0; i < points; ++i) {
+    cloud.positions.emplace_back(static_cast<float>(i % 100), static_cast<float>(i / 100), 0);
+    cloud.normals.emplace_back(0, 0, 1);
+  }
+  return cloud;
+}
+
+/// Takes at once what others have done, and does what it is told to.
+class PlainBackend final : public TouchBackend {
+ public:
+  std::span<const Contact> ask(std::span<const Pose>, double) noexcept override { return {}; }
+  void finish() override {}
+  std::size_t readBack(PointCloud&) const override { return 0; }
+  bool offer(std::span<const PointChange> changes, std::uint64_t) override {
+    const std::scoped_lock hold(lock_);
+    for (const PointChange& change : changes) batch_.points.push_back(change.to);
+    batch_.marks.push_back({batch_.points.size(), EditMark::Kind::received});
+    return true;
+  }
+  std::size_t mostOffered() const override { return 256; }
+  std::string machine() const override { return "a test's"; }
+  double buildTime_us() const override { return 0; }
+  const std::vector<double>& editTimes_us() const override { return times_; }
+  std::optional<double> firstEditTime_s() const override { return std::nullopt; }
+  const TouchShortfalls& shortfalls() const override { return shortfalls_; }
+  IndexWork indexWork() const override { return {}; }
+  double cell() const override { return 1; }
+
+  /// All that was done since the last time, and at its end these.
+  EditBatch edit(std::span<const PointState> states) {
+    const std::scoped_lock hold(lock_);
+    batch_.points.insert(batch_.points.end(), states.begin(), states.end());
+    if (!states.empty()) batch_.marks.push_back({batch_.points.size(), EditMark::Kind::stroke});
+    return std::exchange(batch_, {});
+  }
+
+ private:
+  std::mutex lock_;
+  EditBatch batch_;
+  std::vector<double> times_;
+  TouchShortfalls shortfalls_;
+};
+
+/// A hand that is honest: moves a point each few milliseconds, and shows where it is.
+class HonestHand {
+ public:
+  explicit HonestHand(const std::string& name)
+      : joined_(joinCloud(name, {.network = ownNetwork()})),
+        follower_(shareEdits({.session = joined_.session, .cloud = joined_.cloud, .backend = backend_, .hand = "honest"})),
+        thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+  /// Moves no more, and waits until all is where it belongs.
+  SharedCounts end() {
+    sculpts_ = false;
+    for (const Stopwatch since; since.elapsed_s() < 10 && !follower_->counts().same;)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    thread_.request_stop();
+    thread_.join();
+    CHECK(fault_ == "");
+    return follower_->counts();
+  }
+  SharedCounts counts() const { return follower_->counts(); }
+  std::vector<SeenHand> others() const { return follower_->others(); }
+
+ private:
+  void run(const std::stop_token& stop) {
+    std::mt19937 dice(7);
+    const std::vector<PointState> states = statesOf(joined_.cloud);
+    try {
+      while (!stop.stop_requested()) {
+        PointState state = states[dice() % states.size()];
+        state.position.z = static_cast<float>(dice() % 1000);
+        follower_->catchUp(backend_.edit(sculpts_ ? std::span(&state, 1) : std::span<PointState>()));
+        follower_->moved({.position = DVec3(1), .proxy = DVec3(1), .touching = true, .sculpts = true});
+        std::this_thread::sleep_for(std::chrono::milliseconds(4));
+      }
+    } catch (const NetworkError& error) {
+      fault_ = error.what();
+    }
+  }
+
+  JoinedCloud joined_;
+  PlainBackend backend_;
+  std::unique_ptr<SharedFollower> follower_;
+  std::string fault_;
+  std::atomic<bool> sculpts_ = true;
+  std::jthread thread_;  // goes first
+};
+
+}  // namespace palpate

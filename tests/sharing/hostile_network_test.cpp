@@ -1,0 +1,161 @@
+// A session amid others that mean it no good: another process says as fast as it can what no palpate says, and meanwhile
+// nothing ends, nothing grows without a bound, and whoever is honest goes on.
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <malloc.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <string>
+#include <thread>
+
+#include "engine/core/clock.hpp"
+#include "tests/sharing/honest_hand.hpp"
+
+#if defined(__SANITIZE_ADDRESS__)
+extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // whose header not every compiler brings
+#endif
+
+namespace palpate {
+
+namespace {
+
+constexpr double kMB = 1e6;
+
+/// What this process has of memory that it has asked for and not given back.
+double allocated_MB() {
+#if defined(__SANITIZE_ADDRESS__)
+  return static_cast<double>(__sanitizer_get_current_allocated_bytes()) / kMB;
+#else
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd) / kMB;
+#endif
+}
+
+class HostileSide {
+ public:
+  HostileSide(const std::string& attack, double seconds) {
+    const std::string domain = std::to_string(ownNetwork().domain), time_s = std::to_string(seconds);
+    child_ = ::fork();
+    if (child_ == 0) {
+      ::execl(PALPATE_HOSTILE_SIDE, PALPATE_HOSTILE_SIDE, domain.c_str(), attack.c_str(), time_s.c_str(), "1", nullptr);
+      ::_exit(127);
+    }
+    REQUIRE(child_ > 0);
+  }
+  ~HostileSide() {
+    if (child_ > 0) end(SIGKILL);
+  }
+  HostileSide(const HostileSide&) = delete;
+  HostileSide& operator=(const HostileSide&) = delete;
+
+  void signal(int number) const { ::kill(child_, number); }
+  bool ended() {
+    if (child_ > 0 && ::waitpid(child_, &status_, WNOHANG) == child_) child_ = 0;
+    return child_ == 0;
+  }
+  int end(int number) {
+    if (!ended()) {
+      signal(number);
+      ::waitpid(child_, &status_, 0);
+      child_ = 0;
+    }
+    return status_;
+  }
+
+ private:
+  pid_t child_ = 0;
+  int status_ = 0;
+};
+
+struct Outcome {
+  double grown_MB = 0;  ///< at most, while it went on
+  SharedCounts hand;
+  ServedCounts served;
+};
+
+/// A session with an honest hand while somebody attacks it for so long.
+Outcome attacked(const std::string& attack, double seconds) {
+  CAPTURE(attack);
+  const PointCloud cloud = flatCloud(20'000);
+  Served served(cloud, "attacked");
+  HonestHand hand("attacked");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  Outcome outcome;
+  const double before_MB = allocated_MB();
+  HostileSide side(attack, seconds);
+  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 12; std::this_thread::sleep_for(std::chrono::milliseconds(20)))
+    outcome.grown_MB = std::max(outcome.grown_MB, allocated_MB() - before_MB);
+  CHECK(side.end(SIGKILL) == 0);  // it has found the session and has said something
+  outcome.hand = hand.end();
+  // Whoever comes later has what there is.
+  CHECK(joinCloud("attacked", {.network = ownNetwork()}).cloud.positions == cloud.positions);
+  outcome.served = served.end();
+  MESSAGE(fmt::format("{}: {:.1f} MB at most; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; {} requests, "
+                      "{} blocks, {} refused, {} sculptors, {} pieces, {} again, {} clients",
+                      attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.sent,
+                      outcome.hand.received, outcome.served.requests, outcome.served.blocks, outcome.served.refused,
+                      outcome.served.sculptors, outcome.served.pieces, outcome.served.again, outcome.served.clients));
+  CHECK(outcome.hand.delivered);
+  CHECK(outcome.hand.same);
+  CHECK(outcome.hand.sent > 50);
+  CHECK(outcome.hand.longestSilent_s < 2.9);  // beyond which the force would fade
+  CHECK(outcome.grown_MB < 120);
+  return outcome;
+}
+
+}  // namespace
+
+TEST_CASE("who asks for everything again and again, in the name of ten thousand, keeps nobody else waiting") {
+  const Outcome requests = attacked("requests", 1.5);
+  CHECK(requests.served.refused > 1000);
+  CHECK(requests.served.clients < 100);
+  const Outcome resumes = attacked("resumes", 1.5);
+  CHECK(resumes.served.refused > 1000);
+  attacked("one-resumes", 1.5);
+}
+
+TEST_CASE("strokes without end, of more hands than there can be, and such as no hand makes, are taken, counted or refused") {
+  CHECK(attacked("strokes", 1.5).served.pieces > 1000);
+  const Outcome sculptors = attacked("sculptors", 1.5);
+  CHECK(sculptors.served.sculptors > 200);
+  CHECK(sculptors.served.sculptors <= 4096);
+  CHECK(attacked("bad-strokes", 1.5).served.refused > 0);
+}
+
+TEST_CASE("hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory") {
+  attacked("hands", 1.5);
+  attacked("notices", 1.5);
+  attacked("results", 1.5);
+}
+
+TEST_CASE("bytes that are no samples of ours are no more than noise") {
+  attacked("pings", 1.5);
+  attacked("bytes", 2);
+}
+
+TEST_CASE("readers that have fallen asleep with all that there is on the way to them hold up nobody") {
+  const PointCloud cloud = flatCloud(20'000);
+  Served served(cloud, "attacked");
+  HonestHand hand("attacked");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const double before_MB = allocated_MB();
+  double grown_MB = 0;
+  HostileSide side("unread", 30);
+  for (const Stopwatch since; since.elapsed_s() < 5; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    if (since.elapsed_s() > 1.5) side.signal(SIGSTOP);
+    grown_MB = std::max(grown_MB, allocated_MB() - before_MB);
+  }
+  const SharedCounts counts = hand.end();
+  CHECK(side.end(SIGKILL) != 0);
+  const ServedCounts handed = served.end();
+  MESSAGE(fmt::format("asleep: {:.0f} MB at most, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients", grown_MB,
+                      counts.longestSilent_s, counts.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
+  CHECK(counts.same);
+  CHECK(counts.longestSilent_s < 2);
+  CHECK(grown_MB < 400);
+  CHECK(handed.clients > 40);
+}
+
+}  // namespace palpate

@@ -1,0 +1,323 @@
+// One who is on the network of a session and means it no good: says as fast as it can what no client and no server of ours
+// would, for so many seconds, the same for the same seed.
+//   hostile_side DOMAIN ATTACK SECONDS SEED
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "engine/core/clock.hpp"
+#include "haptics/sharing/hostile.h"
+#include "haptics/sharing/messages.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+constexpr std::size_t kManyIds = 10'000;
+
+/// Samples of any bytes whatsoever under the name of another type, which readers of that take for their own.
+template <class Raw>
+class RawWriter {
+ public:
+  RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& raw, const dds_topic_descriptor_t& as, const std::string& topic,
+            const Qos& qos)
+      : type_(raw), topic_(participant, named(type_, as), topic), writer_(participant, topic_, qos) {}
+  void write(const Raw& sample) const { writer_.write(sample); }
+
+ private:
+  static const dds_topic_descriptor_t& named(dds_topic_descriptor_t& type, const dds_topic_descriptor_t& as) {
+    type.m_typename = as.m_typename;
+    return type;
+  }
+  dds_topic_descriptor_t type_;
+  Topic<Raw> topic_;
+  Writer<Raw> writer_;
+};
+
+/// Any bytes as samples of each of our types, and as many of them as no sample has.
+class AnyBytes {
+ public:
+  explicit AnyBytes(std::uint32_t domain) : domain_(domain) {}
+
+  void write(std::mt19937& dice, const std::uint8_t (&session)[16]) {
+    writeAs(palpate_hostile_Few_desc, few_, dice, session);
+    writeAs(palpate_hostile_Some_desc, some_, dice, session);
+    writeAs(palpate_hostile_Many_desc, many_, dice, session);
+  }
+
+ private:
+  // A participant has one type of each topic.
+  template <class Raw>
+  void begin(const dds_topic_descriptor_t& raw, std::vector<RawWriter<Raw>>& writers) {
+    const auto topic = [](const char* name) { return fmt::format("palpate/{}/{}", kVersion, name); };
+    const auto add = [&](const dds_topic_descriptor_t& as, const std::string& name, const Qos& qos) {
+      participants_.push_back(std::make_unique<Participant>(NetworkConfig{.domain = domain_}));
+      writers.emplace_back(*participants_.back(), raw, as, name, qos);
+    };
+    add(palpate_sharing_Notice_desc, "palpate/notice", reliableQos(true));
+    add(palpate_sharing_Request_desc, topic("request"), reliableQos(false));
+    add(palpate_sharing_Stroke_desc, topic("stroke"), reliableQos(false));
+    add(palpate_sharing_Resume_desc, topic("resume"), reliableQos(false));
+    add(palpate_sharing_Hand_desc, topic("hand"), bestEffortQos());
+    add(palpate_sharing_Ping_desc, topic("ping"), bestEffortQos());
+    add(palpate_sharing_Ping_desc, topic("echo"), bestEffortQos());
+  }
+
+  template <class Raw>
+  void writeAs(const dds_topic_descriptor_t& raw, std::vector<RawWriter<Raw>>& writers, std::mt19937& dice,
+               const std::uint8_t (&session)[16]) {
+    if (writers.empty()) begin(raw, writers);
+    Raw sample;
+    for (std::uint8_t& byte : sample.bytes) byte = static_cast<std::uint8_t>(dice() % 4 ? dice() : 0xff * (dice() % 2));
+    if (dice() % 2) std::memcpy(sample.bytes, session, std::min(sizeof sample.bytes, sizeof session));
+    writers[dice() % writers.size()].write(sample);
+  }
+
+  std::uint32_t domain_;
+  std::vector<std::unique_ptr<Participant>> participants_;
+  std::vector<RawWriter<palpate_hostile_Few>> few_;
+  std::vector<RawWriter<palpate_hostile_Some>> some_;
+  std::vector<RawWriter<palpate_hostile_Many>> many_;
+};
+
+struct Writers {
+  Writers(dds_entity_t participant, const Topics& topics)
+      : requests(participant, topics.requests, reliableQos(false)),
+        strokes(participant, topics.strokes, reliableQos(false)),
+        resumes(participant, topics.resumes, reliableQos(false)),
+        notices(participant, topics.notices, reliableQos(true)),
+        hands(participant, topics.hands, bestEffortQos()),
+        pings(participant, topics.pings, bestEffortQos()),
+        echoes(participant, topics.echoes, bestEffortQos()) {}
+  Writer<Request> requests;
+  Writer<Stroke> strokes;
+  Writer<ResumeRequest> resumes;
+  Writer<Notice> notices;
+  Writer<Hand> hands;
+  Writer<Ping> pings, echoes;
+};
+
+class HostileSide {
+ public:
+  HostileSide(std::uint32_t domain, std::uint32_t seed)
+      : participant_(NetworkConfig{.domain = domain}),
+        topics_(participant_),
+        dice_(seed),
+        writers_(participant_, topics_),
+        heardHands_(participant_, topics_.hands, bestEffortQos()),
+        bytes_(domain) {}
+
+  /// The session that is served there.
+  bool findSession() {
+    const Reader<Notice> notices(participant_, topics_.notices, reliableQos(true));
+    bool isFound = false;
+    for (const Stopwatch since; since.elapsed_s() < 10; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
+      notices.take([&](const Notice& notice) {
+        isFound = true;
+        set(session_, idOf(notice.session));
+        points_ = static_cast<std::uint32_t>(notice.points);
+      });
+      dds_publication_matched_status_t status{};
+      if (isFound && dds_get_publication_matched_status(writers_.requests, &status) == 0 && status.current_count > 0) return true;
+    }
+    return false;
+  }
+
+  /// Says it again and again; how often.
+  std::uint64_t run(const std::string& attack, double seconds) {
+    const std::map<std::string, std::function<void()>> attacks{
+        {"requests", [&] { request(idNumber(roll() % kManyIds)); }},
+        {"unread", [&] { unread(); }},
+        {"resumes", [&] { resume(idNumber(roll() % kManyIds)); }},
+        {"one-resumes", [&] { resume(idNumber(1)); }},
+        {"strokes", [&] { stroke(idNumber(1), ++number_, true); }},
+        {"sculptors", [&] { stroke(idNumber(++number_), 1, true); }},
+        {"bad-strokes", [&] { stroke(idNumber(roll() % kManyIds), any64(), roll() % 2 == 0); }},
+        {"results", [&] { result(); }},
+        {"hands", [&] { hand(); }},
+        {"notices", [&] { notice(); }},
+        {"pings", [&] { ping(); }},
+        {"bytes", [&] { bytes_.write(dice_, session_); }},
+    };
+    const auto found = attacks.find(attack);
+    if (found == attacks.end()) return 0;
+    std::uint64_t said = 0;
+    for (const Stopwatch since; since.elapsed_s() < seconds; ++said) found->second();
+    return said;
+  }
+
+ private:
+  static Id idNumber(std::uint64_t number) {
+    Id id{0xba, 0xd0};
+    std::memcpy(id.data() + 4, &number, sizeof number);
+    return id;
+  }
+  std::uint32_t roll() { return static_cast<std::uint32_t>(dice_()); }
+  std::uint64_t any64() {
+    constexpr std::array<std::uint64_t, 6> kEdges{0, 1, ~std::uint64_t{0}, std::uint64_t{1} << 63, 0xffffffff, 1'000'000'000'000};
+    return roll() % 2 ? kEdges[roll() % kEdges.size()] : (std::uint64_t{roll()} << 32) | roll();
+  }
+  float anyFloat() {
+    constexpr std::array<float, 7> kEdges{0, -0.0F, 1e38F, -1e38F, 1e-42F, std::numeric_limits<float>::quiet_NaN(),
+                                          std::numeric_limits<float>::infinity()};
+    return kEdges[roll() % kEdges.size()];
+  }
+
+  void request(const Id& client) {
+    Request request{};
+    set(request.session, idOf(session_));
+    set(request.client, client);
+    put(request.host, "a flood");
+    const std::uint32_t blocks = static_cast<std::uint32_t>(blocksOf(points_));
+    request.first = roll() % 8 ? 0 : roll();
+    request.count = roll() % 8 ? std::min(blocks, kMostRequested) : roll();
+    writers_.requests.write(request);
+  }
+
+  // Readers of 64 clients that are there, as those of one whose machine has been put to sleep, and take nothing.
+  void unread() {
+    constexpr std::size_t kReaders = 64;
+    if (unread_.size() < kReaders) {
+      std::uint8_t id[16];
+      set(id, idNumber(unread_.size()));
+      unread_.emplace_back(participant_, topics_.blocks, reliableQos(false, partitionOf(id)));
+    }
+    request(idNumber(roll() % unread_.size()));
+  }
+
+  void resume(const Id& client) {
+    ResumeRequest request{};
+    set(request.session, idOf(session_));
+    set(request.client, client);
+    put(request.host, std::string(200, 'x'));
+    request.epoch = ++epoch_;
+    request.upTo = roll() % 2 ? 0 : any64();
+    writers_.resumes.write(request);
+  }
+
+  void stroke(const Id& client, std::uint64_t number, bool isGood) {
+    std::vector<State> states(isGood ? kStates : roll() % (kStates + 1));
+    for (State& state : states) {
+      state = {.id = roll() % points_, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = roll()};
+      if (isGood) continue;
+      if (roll() % 2) state.id = roll();
+      state.position[roll() % 3] = anyFloat();
+      state.normal[roll() % 3] = anyFloat();
+    }
+    Stroke stroke{};
+    set(stroke.session, idOf(session_));
+    set(stroke.client, client);
+    stroke.number = number;
+    stroke.states._buffer = states.data();
+    stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states.size());
+    if (!writers_.strokes.write(stroke) && number == number_) --number_;
+  }
+
+  // In the name of the server, to whoever follows: what no server says.
+  void result() {
+    heardHands_.take([&](const Hand& hand) { victim_ = idOf(hand.client); });
+    if (!victim_) return;
+    std::uint8_t partition[16];
+    set(partition, *victim_);
+    if (!results_) results_.emplace(participant_, topics_.results, reliableQos(false, partitionOf(partition)));
+    std::vector<State> states(1 + roll() % kStates);
+    for (State& state : states) state = {.id = roll() % points_, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = roll()};
+    State& bad = states[roll() % states.size()];
+    switch (roll() % 3) {
+      case 0: bad.id = points_ + roll() % 1000; break;
+      case 1: bad.position[roll() % 3] = std::numeric_limits<float>::quiet_NaN(); break;
+      default: bad.normal[roll() % 3] = 1e30F;
+    }
+    Result result{};
+    set(result.session, idOf(session_));
+    result.epoch = roll() % 8 ? 1 + roll() % 3 : roll();  // the first ones
+    result.counter = roll() % 2 ? roll() % 1000 : any64();
+    result.acked = any64();
+    result.upTo = any64();
+    result.head = any64();
+    result.digest = any64();
+    result.states._buffer = states.data();
+    result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
+    results_->write(result);
+  }
+
+  void hand() {
+    Hand hand{};
+    set(hand.session, idOf(session_));
+    set(hand.client, idNumber(++number_));
+    put(hand.name, std::string(64, '\x1b'));
+    for (int axis = 0; axis < 3; ++axis) {
+      hand.position[axis] = roll() % 4 ? 1e300 : anyFloat();
+      hand.proxy[axis] = roll() % 4 ? -1e300 : anyFloat();
+    }
+    hand.touching = hand.sculpts = true;
+    hand.number = roll();
+    writers_.hands.write(hand);
+  }
+
+  void notice() {
+    Notice notice{};
+    set(notice.session, idNumber(++number_));
+    notice.version = roll();
+    put(notice.name, fmt::format("session {}", number_));
+    put(notice.host, std::string(200, 'h'));
+    put(notice.model, std::string(1000, 'm'));
+    notice.points = any64();
+    notice.mm_per_unit = anyFloat();
+    writers_.notices.write(notice);
+  }
+
+  void ping() {
+    Ping ping{};
+    set(ping.session, idOf(session_));
+    set(ping.client, idNumber(roll() % kManyIds));
+    ping.number = roll();
+    ping.sent_us = anyFloat();
+    writers_.pings.write(ping);
+    writers_.echoes.write(ping);
+  }
+
+  Participant participant_;
+  Topics topics_;
+  std::mt19937 dice_;
+  Writers writers_;
+  Reader<Hand> heardHands_;
+  AnyBytes bytes_;
+  std::vector<Reader<Block>> unread_;
+  std::optional<Id> victim_;
+  std::optional<Writer<Result>> results_;
+  std::uint8_t session_[16] = {};
+  std::uint32_t points_ = 1, epoch_ = 0;
+  std::uint64_t number_ = 0;
+};
+
+}  // namespace
+
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  if (argc != 5) return 2;
+  try {
+    palpate::HostileSide side(static_cast<std::uint32_t>(std::atoi(argv[1])), static_cast<std::uint32_t>(std::atoi(argv[4])));
+    if (!side.findSession()) {
+      fmt::print("nothing to attack\n");
+      return 1;
+    }
+    const std::uint64_t said = side.run(argv[2], std::atof(argv[3]));
+    fmt::print("{}\n", said);
+    return said > 0 ? 0 : 1;
+  } catch (const std::exception& error) {
+    fmt::print("{}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,285 @@
+// Samples of each of our types, and ROS's clouds, with bytes that are not as they were: lengths, counts, numbers, bits. DDS
+// refuses those that cannot be, and the others come to a session that is served and to one that is joined, as if sent.
+#include <dds/ddsi/ddsi_serdata.h>
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <functional>
+#include <random>
+
+#include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/ros_intake.hpp"
+#include "tests/sharing/honest_hand.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// One to four things that are wrong with a sample; of its first bytes fewer, so that it is still somebody's.
+void mutate(Bytes& bytes, std::mt19937& dice) {
+  constexpr std::array<std::uint32_t, 12> kEdges{0,    1,    2,          36,         37,         64,
+                                                 65,   4096, 0x7fc00000, 0x7f800000, 0xffffffff, 0x80000000};
+  constexpr std::size_t kHead = 20;  // of the encapsulation, and of the session
+  for (std::size_t left = 1 + dice() % 4; left > 0 && !bytes.empty(); --left) {
+    const std::size_t from = bytes.size() > kHead && dice() % 16 ? kHead : 0, at = from + dice() % (bytes.size() - from);
+    switch (dice() % 6) {
+      case 0: bytes[at] ^= static_cast<std::uint8_t>(1U << dice() % 8); break;
+      case 1: bytes[at] = static_cast<std::uint8_t>(dice()); break;
+      case 2:
+      case 3: {
+        const std::uint32_t edge = kEdges[dice() % kEdges.size()];
+        const std::size_t begin = at / 4 * 4;
+        std::memcpy(bytes.data() + begin, &edge, std::min(sizeof edge, bytes.size() - begin));
+        break;
+      }
+      case 4: bytes.resize(dice() % 4 ? bytes.size() - std::min<std::size_t>(bytes.size(), dice() % 8) : at); break;
+      default: bytes.insert(bytes.end(), dice() % 64, static_cast<std::uint8_t>(dice()));
+    }
+  }
+}
+
+struct Tried {
+  int accepted = 0, refused = 0;
+};
+
+/// Samples of one type as they are on the wire.
+template <class T>
+class Wire {
+ public:
+  /// How DDS has the type is seen at any sample of it, of a topic that nobody else has.
+  Wire(dds_entity_t participant, const dds_topic_descriptor_t& type, const T& any)
+      : topic_(participant, type, "nobody/" + std::string(type.m_typename).substr(std::string(type.m_typename).rfind(':') + 1)) {
+    const Reader<T> reader(participant, topic_, reliableQos(false));
+    const Writer<T> writer(participant, topic_, reliableQos(false));
+    REQUIRE(writer.write(any));
+    ddsi_serdata* one = nullptr;
+    dds_sample_info_t about;
+    REQUIRE(dds_takecdr(reader, &one, 1, &about, DDS_ANY_STATE) == 1);
+    type_ = one->type;  // which the topic keeps
+    ddsi_serdata_unref(one);
+  }
+
+  Bytes bytesOf(const T& sample) const {
+    ddsi_serdata* const made = ddsi_serdata_from_sample(type_, SDK_DATA, &sample);
+    REQUIRE(made != nullptr);
+    Bytes bytes(ddsi_serdata_size(made));
+    ddsi_serdata_to_ser(made, 0, bytes.size(), bytes.data());
+    ddsi_serdata_unref(made);
+    return bytes;
+  }
+  /// What DDS makes of bytes that have come; null where it refuses them.
+  ddsi_serdata* read(Bytes& bytes) const {
+    const ddsrt_iovec_t whole{.iov_base = bytes.data(), .iov_len = bytes.size()};
+    return bytes.size() < 4 ? nullptr : ddsi_serdata_from_ser_iov(type_, SDK_DATA, 1, &whole, bytes.size());
+  }
+  /// Writes one that is not as it was.
+  void write(const Writer<T>& writer, const T& sample, std::mt19937& dice, Tried& tried) const {
+    Bytes bytes = bytesOf(sample);
+    mutate(bytes, dice);
+    ddsi_serdata* const made = read(bytes);
+    if (!made) {
+      ++tried.refused;
+      return;
+    }
+    ++tried.accepted;
+    dds_writecdr(writer, made);  // which has it from here on
+  }
+
+ private:
+  Topic<T> topic_;
+  const ddsi_sertype* type_ = nullptr;
+};
+
+/// One on the network of a session who writes samples of it that are not as they were.
+class Mutant {
+ public:
+  explicit Mutant(unsigned seed) : participant_(ownNetwork()), topics_(participant_), dice_(seed) {
+    const Reader<Notice> notices(participant_, topics_.notices, reliableQos(true));
+    while (!known_) notices.take([&](const Notice& notice) { known_ = notice; });
+  }
+
+  template <class T>
+  Tried write(const dds_topic_descriptor_t& type, const Topic<T>& topic, const Qos& qos, int count,
+              const std::function<void(T&)>& fill) {
+    const Wire wire(participant_, type, T{});
+    const Writer<T> writer(participant_, topic, qos);
+    Tried tried;
+    for (int i = 0; i < count; ++i) {
+      T sample{};
+      std::memcpy(sample.session, known_->session, sizeof sample.session);
+      fill(sample);
+      wire.write(writer, sample, dice_, tried);
+    }
+    CHECK(tried.accepted > count / 20);
+    CHECK(tried.refused > count / 20);
+    return tried;
+  }
+
+  std::uint32_t roll() { return static_cast<std::uint32_t>(dice_()); }
+  const Topics& topics() const { return topics_; }
+  dds_entity_t participant() const { return participant_; }
+  const Notice& notice() const { return *known_; }
+
+ private:
+  Participant participant_;
+  Topics topics_;
+  std::mt19937 dice_;
+  std::optional<Notice> known_;
+};
+
+void fillStates(Mutant& mutant, std::vector<State>& states, std::uint32_t points) {
+  states.resize(1 + mutant.roll() % kStates);
+  for (State& state : states) state = {.id = mutant.roll() % points, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0};
+}
+
+}  // namespace
+
+TEST_CASE("a session that is served and sculpted goes on amid samples of it that are not as they were") {
+  const PointCloud cloud = flatCloud(5000);
+  Served served(cloud, "mutated");
+  HonestHand hand("mutated");
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));  // it sculpts
+  Mutant mutant(1);
+  const Topics& topics = mutant.topics();
+  constexpr int kTimes = 4000;
+  std::vector<State> states;
+  const auto id = [&](std::uint8_t(&to)[16]) { to[0] = static_cast<std::uint8_t>(1 + mutant.roll() % 40); };
+  mutant.write<Request>(palpate_sharing_Request_desc, topics.requests, reliableQos(false), kTimes, [&](Request& request) {
+    id(request.client);
+    put(request.host, "mutant");
+    request.count = 1 + mutant.roll() % 100;
+  });
+  mutant.write<Stroke>(palpate_sharing_Stroke_desc, topics.strokes, reliableQos(false), kTimes, [&](Stroke& stroke) {
+    id(stroke.client);
+    stroke.number = mutant.roll() % 50;  // in any order, and again
+    fillStates(mutant, states, 5000);
+    stroke.states._buffer = states.data();
+    stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states.size());
+  });
+  mutant.write<ResumeRequest>(palpate_sharing_Resume_desc, topics.resumes, reliableQos(false), kTimes, [&](ResumeRequest& resume) {
+    id(resume.client);
+    put(resume.host, "mutant");
+    resume.epoch = mutant.roll() % 100;
+    resume.upTo = mutant.roll() % 1000;
+  });
+  mutant.write<Hand>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes, [&](Hand& shown) {
+    id(shown.client);
+    put(shown.name, "mutant");
+    shown.number = mutant.roll();
+  });
+  for (const Topic<Ping>* topic : {&topics.pings, &topics.echoes})
+    mutant.write<Ping>(palpate_sharing_Ping_desc, *topic, bestEffortQos(), kTimes, [&](Ping& ping) { id(ping.client); });
+  mutant.write<Notice>(palpate_sharing_Notice_desc, topics.notices, reliableQos(true), kTimes, [&](Notice& notice) {
+    notice = mutant.notice();
+    notice.session[5] ^= static_cast<std::uint8_t>(1 + mutant.roll() % 200);
+  });
+  std::optional<Id> victim;
+  const Reader<Hand> hands(mutant.participant(), topics.hands, bestEffortQos());
+  while (!victim) hands.take([&](const Hand& shown) { if (std::string(shown.name) == "honest") victim = idOf(shown.client); });
+  std::uint8_t partition[16];
+  set(partition, *victim);
+  mutant.write<Result>(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes, [&](Result& result) {
+    result.epoch = 1;
+    result.head = mutant.roll();
+    fillStates(mutant, states, 5000);
+    result.states._buffer = states.data();
+    result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
+  });
+  const SharedCounts counts = hand.end();
+  CHECK(counts.same);
+  CHECK(counts.delivered);
+  CHECK(counts.sent > 50);
+  CHECK(joinCloud("mutated", {.network = ownNetwork()}).cloud.positions == cloud.positions);
+  const ServedCounts handed = served.end();
+  CHECK(handed.refused > 100);
+  CHECK(handed.sculptors > 10);
+}
+
+TEST_CASE("whoever joins amid blocks that are not as they were gets the points as announced, or is told why not") {
+  constexpr std::uint32_t kPoints = 150'000;
+  const PointCloud cloud = flatCloud(kPoints);
+  Served served(cloud, "mutated");
+  Mutant mutant(2);
+  const Reader<Request> requests(mutant.participant(), mutant.topics().requests, reliableQos(false));
+  int whole = 0, told = 0;
+  std::jthread joining([&](const std::stop_token& end) {
+    while (!end.stop_requested()) try {
+        whole += joinCloud("mutated", {.network = ownNetwork(), .patience_s = 2}).cloud.positions == cloud.positions;
+      } catch (const NetworkError& error) {
+        CAPTURE(std::string(error.what()));
+        CHECK(std::string(error.what()).find("'mutated'") != std::string::npos);
+        ++told;
+      }
+  });
+  std::vector<Point> points;
+  for (const Stopwatch since; since.elapsed_s() < 4;) {
+    std::optional<Request> asked;
+    requests.take([&](const Request& request) { asked = request; });
+    if (!asked) continue;
+    mutant.write<Block>(palpate_sharing_Block_desc, mutant.topics().blocks, reliableQos(false, partitionOf(asked->client)), 400, [&](Block& block) {
+      block.number = mutant.roll() % static_cast<std::uint32_t>(blocksOf(kPoints));
+      points.assign(pointsIn(block.number, kPoints), Point{.position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0});
+      block.points._buffer = points.data();
+      block.points._length = block.points._maximum = static_cast<std::uint32_t>(points.size());
+    });
+  }
+  joining.request_stop();
+  joining.join();
+  CAPTURE(whole);
+  CAPTURE(told);
+  CHECK(told > 0);
+}
+
+TEST_CASE("ROS's clouds that are not as they were are points, or refused in words") {
+  const Participant participant = rosParticipant(ownNetwork());
+  RosPointCloud2 nothing{};
+  char none[] = "";
+  nothing.header.frame_id = none;
+  const Wire wire(participant, rosTypeOf<RosPointCloud2>().descriptor, nothing);
+  std::mt19937 dice(3);
+  Tried tried;
+  int taken = 0, told = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    char x[] = "x", y[] = "y", z[] = "z", frame[] = "map";
+    std::array<RosPointField, 3> fields{{{x, 0, 7, 1}, {y, 4, 7, 1}, {z, 8, 7, 1}}};
+    Bytes data(12 * (dice() % 5), 0x3f);
+    RosPointCloud2 cloud{};
+    cloud.header.frame_id = frame;
+    cloud.height = 1;
+    cloud.width = static_cast<std::uint32_t>(data.size() / 12);
+    cloud.fields._buffer = fields.data();
+    cloud.fields._length = cloud.fields._maximum = fields.size();
+    cloud.point_step = 12;
+    cloud.row_step = static_cast<std::uint32_t>(data.size());
+    cloud.data._buffer = data.data();
+    cloud.data._length = cloud.data._maximum = cloud.row_step;
+    Bytes bytes = wire.bytesOf(cloud);
+    mutate(bytes, dice);
+    ddsi_serdata* const made = wire.read(bytes);
+    if (!made) {
+      ++tried.refused;
+      continue;
+    }
+    ++tried.accepted;
+    RosPointCloud2 read{};
+    if (ddsi_serdata_to_sample(made, &read, nullptr, nullptr)) try {
+        const std::size_t points = takeMessage(read, nullptr).cloud.size();
+        CHECK(points <= bytes.size());
+        ++taken;
+      } catch (const NetworkError&) {
+        ++told;
+      }
+    dds_sample_free(&read, &rosTypeOf<RosPointCloud2>().descriptor, DDS_FREE_CONTENTS);
+    ddsi_serdata_unref(made);
+  }
+  CHECK(tried.accepted > 1000);
+  CHECK(tried.refused > 1000);
+  CHECK(taken > 500);
+  CHECK(told > 500);
+}
+
+}  // namespace palpate
