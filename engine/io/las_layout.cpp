@@ -55,6 +55,21 @@ CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::
   return grid;
 }
 
+// Real files have some tens of them; each is an attribute with a name.
+constexpr std::size_t kMostExtraBytes = 4096;
+
+void checkPointBytes(const std::filesystem::path& file, const LasHeader& header) {
+  const std::size_t least = lasPointFormat(header.format).bytes;
+  if (header.pointBytes < least)
+    throw FileError::atByte(file, 105,
+                            fmt::format("points of {} bytes; those of format {} have at least {}", header.pointBytes,
+                                        header.format, least));
+  if (header.pointBytes > least + kMostExtraBytes)
+    throw FileError::atByte(file, 105,
+                            fmt::format("points of {} bytes; of format {} at most {} are read", header.pointBytes,
+                                        header.format, least + kMostExtraBytes));
+}
+
 void checkPlaces(const std::filesystem::path& file, const LasHeader& header) {
   const std::size_t least = header.minor == 4 ? kLasHeader14 : header.minor == 3 ? kLasHeader13 : kLasShortHeader;
   if (header.size < least)
@@ -183,10 +198,7 @@ LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::
   if (header.format >= kLasFormats)
     throw FileError::atByte(file, 104,
                             fmt::format("point format {}; 0 to {} are read", header.format, kLasFormats - 1));
-  if (const std::size_t least = lasPointFormat(header.format).bytes; header.pointBytes < least)
-    throw FileError::atByte(file, 105,
-                            fmt::format("points of {} bytes; those of format {} have at least {}", header.pointBytes,
-                                        header.format, least));
+  checkPointBytes(file, header);
   header.grid = readGrid(file, begin);
   readLateFields(begin, header);
   return header;

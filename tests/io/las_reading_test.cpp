@@ -147,6 +147,7 @@ TEST_CASE("a file that is damaged or lies is refused with its byte") {
   CHECK(with(104, std::uint8_t{131}).starts_with(": byte 104: the points are packed (LAZ), and no record"));
   CHECK(with(104, std::uint8_t{11}).starts_with(": byte 104: point format 11"));
   CHECK(with(105, std::uint16_t{33}).starts_with(": byte 105: points of 33 bytes"));
+  CHECK(with(105, std::uint16_t{34 + 4097}).starts_with(": byte 105: points of 4131 bytes; of format 3 at most 4130"));
   CHECK(
       with(107, std::uint32_t{11}).starts_with(": byte 107: the header promises 11 points of 34 bytes, and 340 bytes"));
   CHECK(with(131, 0.0).starts_with(": byte 131: the scale of x is 0"));
