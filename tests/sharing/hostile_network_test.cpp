@@ -85,8 +85,13 @@ Outcome attacked(const std::string& attack, double seconds) {
   Outcome outcome;
   const double before_MB = allocated_MB();
   HostileSide side(attack, seconds);
-  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 12; std::this_thread::sleep_for(std::chrono::milliseconds(20)))
+  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 12; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     outcome.grown_MB = std::max(outcome.grown_MB, allocated_MB() - before_MB);
+    for (const SeenHand& other : hand.others()) {
+      CHECK(glm::length(other.place.position) < 1e12);  // no hand that nothing could draw
+      CHECK(glm::length(other.place.proxy) < 1e12);
+    }
+  }
   CHECK(side.end(SIGKILL) == 0);  // it has found the session and has said something
   outcome.hand = hand.end();
   // Whoever comes later has what there is.
