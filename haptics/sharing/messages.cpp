@@ -38,13 +38,33 @@ std::string ownHost() {
   return printable(name);
 }
 
+namespace {
+
+// Bytes of the character of UTF-8 that begins there; 0 where none does, or one that a terminal takes for a command.
+std::size_t characterAt(const char* text) {
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = at(0);
+  if (first < 0x80) return first < 0x20 || first == 0x7f ? 0 : 1;
+  const std::size_t size = first >= 0xc2 && first <= 0xdf ? 2 : first >= 0xe0 && first <= 0xef ? 3 : first >= 0xf0 && first <= 0xf4 ? 4 : 0;
+  for (std::size_t i = 1; i < size; ++i)
+    if ((at(i) & 0xc0) != 0x80) return 0;
+  const bool isCommand = first == 0xc2 && at(1) < 0xa0;
+  const bool isTooLong = (first == 0xe0 && at(1) < 0xa0) || (first == 0xf0 && at(1) < 0x90);
+  const bool isNone = (first == 0xed && at(1) >= 0xa0) || (first == 0xf4 && at(1) >= 0x90);
+  return isCommand || isTooLong || isNone ? 0 : size;
+}
+
+}  // namespace
+
 std::string printable(const char* text) {
   constexpr std::size_t kLongest = 200;
   std::string shown;
   if (text == nullptr) return shown;
-  for (; *text != '\0' && shown.size() < kLongest; ++text) {
-    const auto character = static_cast<unsigned char>(*text);
-    shown += character < 0x20 || character == 0x7f ? '?' : static_cast<char>(character);
+  while (*text != '\0') {
+    const std::size_t size = characterAt(text);
+    if (shown.size() + std::max<std::size_t>(size, 1) > kLongest) break;
+    shown += size == 0 ? "?" : std::string(text, size);
+    text += std::max<std::size_t>(size, 1);
   }
   return shown;
 }

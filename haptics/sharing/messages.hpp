@@ -67,7 +67,7 @@ void put(char (&to)[room], std::string_view text) {
   to[length] = '\0';
 }
 
-/// Up to 200 characters that a terminal shows as they are: what others say stands in messages and tables.
+/// Up to 200 bytes of UTF-8 that a terminal shows as they are: what others say stands in messages, tables and JSON.
 std::string printable(const char* text);
 
 inline std::uint64_t blocksOf(std::uint64_t points) { return (points + kBlockPoints - 1) / kBlockPoints; }

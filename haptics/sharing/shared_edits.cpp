@@ -28,6 +28,7 @@ constexpr double kSilent_s = 3;        // after which the server is asked again,
 constexpr double kStuck_s = 5;         // the same for pieces that were sent and not taken
 constexpr double kHand_s = 1.0 / 60;   // between two places of a hand
 constexpr double kHandSeen_s = 2;      // after which a hand that says nothing is gone
+constexpr double kFarthest = 1e6;      // that a hand can be, sizes of the cloud
 constexpr double kPing_s = 0.5;
 constexpr std::size_t kTrips = 32;     // of which the round trip is the median
 constexpr std::size_t kMostHands = 256, kMostInstances = 1024;
@@ -41,7 +42,8 @@ class SharedEdits final : public SharedFollower {
       : session_(*parts.session),
         keep_(parts.session),
         backend_(parts.backend),
-        origin_(parts.cloud.origin),
+        middle_(parts.cloud.origin + boundsOf(parts.cloud).center()),
+        farthest_(kFarthest * std::max(1.0, boundsOf(parts.cloud).longestSide())),
         hand_(parts.hand.empty() ? ownHost() : parts.hand),
         log_(parts.log),
         exchange_(statesOf(parts.cloud), parts.backend.mostOffered()),
@@ -242,7 +244,8 @@ class SharedEdits final : public SharedFollower {
       if (!isSame(hand.session, session_.session) || isSame(hand.client, session_.client)) return;
       const DVec3 position(hand.position[0], hand.position[1], hand.position[2]);
       const DVec3 proxy(hand.proxy[0], hand.proxy[1], hand.proxy[2]);
-      if (!isFinite(position) || !isFinite(proxy)) return;
+      // Nobody looks that far, and nothing that draws has to.
+      if (!(glm::distance(position, middle_) < farthest_) || !(glm::distance(proxy, middle_) < farthest_)) return;
       const Id client = idOf(hand.client);
       if (!others_.contains(client) && others_.size() >= kMostHands) return;
       Other& other = others_[client];
@@ -292,7 +295,8 @@ class SharedEdits final : public SharedFollower {
   const JoinedSession& session_;
   const std::shared_ptr<const JoinedSession> keep_;
   TouchBackend& backend_;
-  DVec3 origin_;
+  DVec3 middle_;
+  double farthest_;  // that another hand can be from there
   std::string hand_;
   Log* log_;
 

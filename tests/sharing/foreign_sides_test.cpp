@@ -125,6 +125,16 @@ TEST_CASE("a server that ends in the middle is said, with how far it came") {
 TEST_CASE("what stands in names goes to no terminal as it is") {
   ForeignServer server("bell\x07 \x1b[31m");
   CHECK(has(server.joined(leave), "bell? ?[31m"));
+  // Nor what is no UTF-8, which no JSON can hold, nor commands that are.
+  const auto shown = [](const char* text) { return printable(text); };
+  CHECK(shown("Z\u00fcrich \u20ac \U0001F600") == "Z\u00fcrich \u20ac \U0001F600");
+  CHECK(shown("\xff\xfe a\x80") == "?? a?");
+  CHECK(shown("\xc2\x9b" "31m") == "??31m");
+  CHECK(shown("\xc0\xaf \xe0\x80\xaf \xed\xa0\x80 \xf4\x90\x80\x80 \xf8") == "?? ??? ??? ???? ?");
+  CHECK(shown("\xe2\x82") == "??");
+  std::string full(199, 'x');
+  full.append("\u20ac");
+  CHECK(shown(full.c_str()).size() == 199);  // cut before a character, and not in it
 }
 
 TEST_CASE("requests that no client of ours makes are counted, and the server goes on") {

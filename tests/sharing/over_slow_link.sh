@@ -35,9 +35,9 @@ end_link() {
   link=''
   tail -n 1 "$folder/link.log"
 }
-start_server() {
+start_server() {  # [OPTIONS...]
   : > "$folder/serve.log"
-  ip netns exec "$far" "$palpate" serve "$folder/model.ply" --name far --interface b > "$folder/serve.log" 2>&1 &
+  ip netns exec "$far" "$palpate" serve "$folder/model.ply" --name far --interface b "$@" > "$folder/serve.log" 2>&1 &
   server=$!
   until grep -q serving "$folder/serve.log"; do kill -0 "$server" || fail 'nothing is served'; sleep 0.05; done
 }
@@ -45,8 +45,10 @@ end_server() {  # SIGNAL
   kill "-$1" "$server"; wait "$server" 2> /dev/null || true
   server=''
 }
-joined() {  # OUT: the trace of what is joined
-  ip netns exec "$near" "$palpate" --quiet touch --join far --interface a --backend cpu --duration 0.2 --trace "$1" > "$folder/touch.log" 2>&1
+joined() {  # OUT [OPTIONS...]: the trace of what is joined
+  local out=$1
+  shift
+  ip netns exec "$near" "$palpate" --quiet touch --join far --interface a --backend cpu --duration 0.2 --trace "$out" "$@" > "$folder/touch.log" 2>&1
 }
 
 touched() {  # NAMESPACE INTERFACE NAME OPTIONS...: a hand, with the points as it has them in the end
@@ -115,6 +117,17 @@ for way in '0 0' '100 1' '1000 5'; do
     start_server
     joined "$folder/joined.csv" || fail 'the second server could not be joined'
     echo 'over_slow_link: a killed server: said, and followed by another'
+    # With keys, by whose sides they can be made.
+    if "$palpate" --quiet keys "$folder/keys" --name far 2> "$folder/touch.log" && "$palpate" --quiet keys "$folder/keys" --name near; then
+      end_server INT
+      start_server --security "$folder/keys/far"
+      begin=$SECONDS
+      joined "$folder/joined.csv" --security "$folder/keys/near" || fail 'nothing was joined with keys'
+      cmp "$folder/joined.csv" "$folder/own.csv" || fail 'another trace with keys'
+      echo "over_slow_link: with keys, round trip $trip ms, $loss % lost: the same trace, within $((SECONDS - begin)) s"
+    else
+      echo "over_slow_link: without keys: $(cat "$folder/touch.log")"
+    fi
   fi
   [ "$trip" = 1000 ] || end_server INT
   end_link
