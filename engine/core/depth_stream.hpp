@@ -63,6 +63,10 @@ class CameraAxes {
 struct SensedPoints {
   std::vector<DVec3> places;  ///< in the world of the stream, metres
   std::vector<Vec3> normals;  ///< unit, of each
+  /// Of a sensor whose rays lie in rows: how many a row has, and the ray of each place, row by row, ascending. None: nothing
+  /// is known of rays.
+  std::uint32_t rowLength = 0;
+  std::vector<std::uint32_t> rays;
 };
 
 /// What a depth camera saw at one time.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "engine/core/parallel.hpp"
@@ -15,18 +16,19 @@ constexpr double kFastest_m_s = 1;   // of a surface that is followed, towards t
 constexpr double kLeastWay = 0.01;   // in depths: what noise alone lets it move
 constexpr double kSameDepth = 0.02;  // in depths: pixels side by side that see one surface
 
+struct Seen {
+  DVec3 place;  // in the world
+  std::size_t pixel = 0;
+};
+
 /// What a frame saw, asked for from elsewhere.
 class SeenFrame {
  public:
   SeenFrame(const DepthCamera& camera, const DepthFrame& frame)
       : camera_(camera), depths_(frame.depth_m), axes_(frame.pose.value_or(CameraPose{})) {}
 
-  struct Seen {
-    DVec3 place;  // in the world
-    std::size_t pixel = 0;
-  };
   /// The surface that it saw where a place is, `between_s` earlier; nothing where it saw none, or another one.
-  std::optional<Seen> before(const DVec3& place, double between_s) const {
+  std::optional<Seen> before(const DVec3& place, std::size_t /*pixel*/, double between_s) const {
     const DVec3 inCamera = axes_.toCamera(place);
     if (!(inCamera.z > 0)) return std::nullopt;
     const std::optional<DVec2> at = placeWithin(camera_.pixelOf(inCamera));
@@ -73,7 +75,37 @@ class SeenFrame {
   CameraAxes axes_;
 };
 
+/// What the rays of a sensor met, whose points are in its own axes.
+class SeenPoints {
+ public:
+  SeenPoints(std::size_t rays, const DepthFrame& frame)
+      : points_(*frame.points), axes_(frame.pose.value_or(CameraPose{})), at_(rays, kNone) {
+    for (std::size_t i = 0; i < points_.rays.size(); ++i) at_[points_.rays[i]] = static_cast<std::uint32_t>(i);
+  }
+
+  std::optional<Seen> before(const DVec3& place, std::size_t ray, double between_s) const {
+    if (at_[ray] == kNone) return std::nullopt;
+    const DVec3& there = points_.places[at_[ray]];
+    const double most = std::max(kLeastWay * glm::length(there), kFastest_m_s * between_s);
+    const DVec3 seen = axes_.toWorld(there);
+    if (!(glm::distance(place, seen) <= most)) return std::nullopt;
+    return Seen{.place = seen, .pixel = ray};
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  const SensedPoints& points_;
+  CameraAxes axes_;
+  std::vector<std::uint32_t> at_;  // of the points, by ray
+};
+
 }  // namespace
+
+bool DepthBlend::canFollow(const DepthFrame& before, const DepthFrame& frame) {
+  if (!before.points || !frame.points) return !before.points && !frame.points;
+  return !before.points->rays.empty() && !frame.points->rays.empty() &&
+         before.points->rowLength == frame.points->rowLength;
+}
 
 void DepthBlend::begin(CloudFrame& points) {
   points.velocities.clear();
@@ -84,25 +116,31 @@ void DepthBlend::begin(CloudFrame& points) {
 void DepthBlend::follow(const DepthCamera& camera, const DepthFrame& before, const DepthFrame& frame, const DVec3& origin,
                         const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points) {
   const double share = ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysGoOn_s_, 0.0, 1.0);  // that is still to come
+  const std::size_t rays = std::size_t{camera.width} * camera.height;
   left_.swap(ways_);
-  ways_.assign(frame.depth_m.size(), Vec3(0));
+  ways_.assign(rays, Vec3(0));
   waysGoOn_s_ = step.goOn_s;
   points.velocities.assign(points.size(), Vec3(0));
   const double toGo = 1 - std::clamp(step.gone_s / step.goOn_s, 0.0, 1.0);
   points.goOn_s = toGo * step.goOn_s;
-  const SeenFrame seenFrame(camera, before);
-  parallelFor(points.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const DVec3 place = DVec3(points.positions[i]) + origin, normal(points.normals[i]);
-      const auto seen = seenFrame.before(place, step.between_s);
-      if (!seen) continue;
-      const DVec3 late = share > 0 ? share * DVec3(left_[seen->pixel]) : DVec3(0);
-      const DVec3 way = glm::dot(normal, place - seen->place + late) * normal;
-      ways_[pixels[i]] = Vec3(way);
-      points.positions[i] = Vec3(place - toGo * way - origin);
-      points.velocities[i] = Vec3(way / step.goOn_s);
-    }
-  });
+  const auto followIn = [&](const auto& seenBefore) {
+    parallelFor(points.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const DVec3 place = DVec3(points.positions[i]) + origin, normal(points.normals[i]);
+        const auto seen = seenBefore.before(place, pixels[i], step.between_s);
+        if (!seen) continue;
+        const DVec3 late = share > 0 ? share * DVec3(left_[seen->pixel]) : DVec3(0);
+        const DVec3 way = glm::dot(normal, place - seen->place + late) * normal;
+        ways_[pixels[i]] = Vec3(way);
+        points.positions[i] = Vec3(place - toGo * way - origin);
+        points.velocities[i] = Vec3(way / step.goOn_s);
+      }
+    });
+  };
+  if (frame.points)
+    followIn(SeenPoints(rays, before));
+  else
+    followIn(SeenFrame(camera, before));
 }
 
 }  // namespace palpate

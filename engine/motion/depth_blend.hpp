@@ -11,8 +11,9 @@ namespace palpate {
 /// last, and reach their own places when the next frame is due. So what is felt lags one frame behind, and does not jump.
 ///
 /// A point is looked for in the frame before, by projection (no pixel of one frame is one of the next, but the surface is
-/// the same), and goes along its own normal: nothing is known of how it slid in its plane. Where the frame before saw
-/// nothing there, or another surface, the point stands in its place from the beginning.
+/// the same), or where a sensor sends points on the same ray, and goes along its own normal: nothing is known of how it slid
+/// in its plane. Where the frame before saw nothing there, or another surface, the point stands in its place from the
+/// beginning.
 class DepthBlend {
  public:
   /// The points do not depend on `threads` (0: one per core).
@@ -25,6 +26,8 @@ class DepthBlend {
     double goOn_s = 0;     ///< of the session's, that those of this one have for their way
     double gone_s = 0;     ///< so much of that has passed
   };
+  /// Whether that can be said of two frames: pictures, or points on the rays of one sensor.
+  static bool canFollow(const DepthFrame& before, const DepthFrame& frame);
   /// `points` are those of `frame`, as DepthPoints makes them with their pixels(), and get velocities and times to go.
   /// `before`: of the same camera, the frame that was given the last time.
   void follow(const DepthCamera& camera, const DepthFrame& before, const DepthFrame& frame, const DVec3& origin,

@@ -84,6 +84,9 @@ void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
     if (frame.points->normals.size() != points || (colors != 0 && colors != points))
       throw Error("frame {} has {} points, {} normals and {} colours", frame.number, points,
                   frame.points->normals.size(), colors);
+    const std::vector<std::uint32_t>& rays = frame.points->rays;
+    if (!rays.empty() && (rays.size() != points || rays.back() >= pixels))
+      throw Error("frame {} has {} points on {} rays, of {} that there are", frame.number, points, rays.size(), pixels);
     return;
   }
   if (frame.depth_m.size() != pixels || (!frame.colors.empty() && frame.colors.size() != pixels))
@@ -97,10 +100,8 @@ void DepthPoints::make(const DepthCamera& camera, const DepthFrame& frame, const
   requireWhole(camera, frame);
   points.positions.clear(), points.normals.clear(), points.velocities.clear();
   points.colors.clear(), points.ids.clear(), pixels_.clear();
-  if (frame.points)
-    makeFromPoints(frame, origin, points);
-  else
-    makeFromDepths(camera, frame, origin, points);
+  if (frame.points) return makeFromPoints(frame, origin, points);
+  makeFromDepths(camera, frame, origin, points);
   if (frame.colors.empty()) return;
   points.colors.resize(pixels_.size());
   for (std::size_t i = 0; i < pixels_.size(); ++i) points.colors[i] = frame.colors[pixels_[i]];
@@ -114,7 +115,8 @@ void DepthPoints::makeFromPoints(const DepthFrame& frame, const DVec3& origin, C
     if (!isFinite(place)) continue;
     points.positions.push_back(place);
     points.normals.push_back(Vec3(axes.turned(DVec3(sensed.normals[i]))));
-    pixels_.push_back(i);
+    if (!frame.colors.empty()) points.colors.push_back(frame.colors[i]);
+    pixels_.push_back(sensed.rays.empty() ? i : sensed.rays[i]);
   }
 }
 

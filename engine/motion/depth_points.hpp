@@ -26,7 +26,8 @@ class DepthPoints {
 
   /// Throws Error for another number of depths, or of colours, than the camera has pixels, and for more points.
   void make(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points);
-  /// Of the last frame: the pixel that each point is of, or the point of the frame.
+  /// Of the last frame: the pixel that each point is of, or its ray; where those are not known, its place
+  /// in the frame.
   const std::vector<std::uint32_t>& pixels() const { return pixels_; }
 
  private:

@@ -66,7 +66,8 @@ void DepthSource::makeFrame(double time_s, CloudFrame& frame) {
 
 void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double ready_s, CloudFrame& frame) {
   const double between_s = played.before ? played.frame.time_s - played.before->time_s : 0;
-  const bool follows = between_s > 0 && between_s <= kLongestGap_s && played.lasts_s > 0 && !played.frame.points;
+  const bool follows = between_s > 0 && between_s <= kLongestGap_s && played.lasts_s > 0 &&
+                       DepthBlend::canFollow(*played.before, played.frame);
   if (!follows) {
     setOut_s_ = played.time_s;
     return blend_.begin(frame);

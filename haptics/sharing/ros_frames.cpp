@@ -66,10 +66,13 @@ class FromPoints {
     if (!cloud.hasNormals()) estimate(taken, message);
     frame.depth_m.clear(), frame.colors.clear();
     SensedPoints& points = frame.points.emplace();
+    const bool hasRays = !taken.cells.empty() && taken.cells.back() < camera_.width;
+    if (hasRays) points.rowLength = message.width;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       if (cloud.normals[i] == Vec3(0)) continue;
       points.places.push_back(cloud.fileCoordinates(i));
       points.normals.push_back(cloud.normals[i]);
+      if (hasRays) points.rays.push_back(taken.cells[i]);
       if (cloud.hasColors()) frame.colors.push_back({cloud.colors[i][0], cloud.colors[i][1], cloud.colors[i][2]});
     }
   }

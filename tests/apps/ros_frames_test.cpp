@@ -1,35 +1,10 @@
-// Live sensors of ROS as a user meets them: felt as they are sent, drawn, and gone where they fall silent.
-#include <algorithm>
-
-#include "tests/apps/running_program.hpp"
+// Live cameras of ROS as a user meets them: felt as they are sent, drawn, seen, and made a map.
+#include "tests/apps/ros_touching.hpp"
 #include "tests/apps/window_play.hpp"
-#include "tests/sharing/ros_camera.hpp"
 
 namespace palpate {
 
-using namespace sharing;
-
 namespace {
-
-constexpr DepthCamera kCamera{.width = 64, .height = 48, .fx = 120, .fy = 120, .cx = 31.5, .cy = 23.5};
-constexpr double kStiffness_N_per_mm = 0.5;
-
-// A domain that no other test is on at the same time.
-NetworkConfig network() { return {.domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80}; }
-
-std::string touching(const std::filesystem::path& folder, const DVec3& hip_m, double duration_s) {
-  std::ofstream(folder / "path.csv") << fmt::format("t_s,x,y,z\n0,{0},{1},0.4\n0.3,{0},{1},{2}\n{3},{0},{1},{2}\n", hip_m.x,
-                                                    hip_m.y, hip_m.z, duration_s);
-  return fmt::format(" --realtime --backend cpu --stiffness {} --path {} --trace {} --json {} --domain {}", kStiffness_N_per_mm,
-                     (folder / "path.csv").string(), (folder / "t.csv").string(), (folder / "r.json").string(),
-                     network().domain);
-}
-
-std::vector<Row> between(const std::vector<Row>& rows, double from_s, double to_s) {
-  std::vector<Row> found;
-  std::ranges::copy_if(rows, std::back_inserter(found), [&](const Row& row) { return row.t_s >= from_s && row.t_s < to_s; });
-  return found;
-}
 
 /// Of the force against stiffness times how deep the hand is, and its way out.
 double worst_N(const std::vector<Row>& rows, const DVec3& out, const std::function<double(const Row&)>& depth_mm) {
@@ -97,81 +72,6 @@ TEST_CASE("pictures of ROS become a map, which is kept, and are seen in the wind
   CHECK(seen->state("s.json")["save_file"] == "camera.ply");
   CHECK(seen->state("s.json")["mm_per_unit"] == 1000);
   CHECK(Picture(seen->folder / "p.png").width == 640);
-}
-
-TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by now") {
-  const ScratchFolder folder;
-  const Participant participant = rosParticipant(network());
-  const RosPublisher<RosPointCloud2> scans(participant, "rt/scans", RosDelivery::bestEffort);
-  constexpr double kRadius_m = 0.1;
-  std::atomic<int> first = -1;
-  // Within a second it comes two millimetres nearer.
-  const auto centre_m = [](int frame) { return DVec3(0.01, 0, 0.6 - 1e-3 * std::clamp((frame - 45) / 15.0, 0.0, 2.0)); };
-  const Sending sender([&](int frame, std::int64_t stamp_ns) {
-    const DVec3 centre = centre_m(frame);
-    SentPoints points = pointsOf(kCamera, [&](const DVec3& ray) {
-      const double a = glm::dot(ray, ray), b = glm::dot(ray, centre), c = glm::dot(centre, centre) - kRadius_m * kRadius_m;
-      const double inner = b * b - a * c;
-      return inner > 0 ? (b - std::sqrt(inner)) / a : 0;
-    });
-    points.stamp_ns = stamp_ns;
-    points.write(scans);
-  });
-  const DVec3 hip = centre_m(0) + DVec3(0.02, 0.01, -0.096 + 0.0025);
-  works("touch --live ros:/scans" + touching(folder.path(), hip, 3.2));
-  const auto felt_N = [&](const DVec3& centre) { return kStiffness_N_per_mm * 1000 * (kRadius_m - glm::distance(hip, centre)); };
-  const std::vector<Row> rows = readTrace(folder / "t.csv");
-  const std::vector<Row> late = between(rows, 2.8, 3.2);
-  REQUIRE(late.size() > 100);
-  const DVec3 out = glm::normalize(hip - centre_m(1000));
-  const double expected_N = felt_N(centre_m(1000));
-  CHECK(expected_N > 1);
-  // Normals are those of pixels: a twentieth of what is felt, at the most.
-  for (const Row& row : late) {
-    CHECK(glm::length(row.force) == doctest::Approx(expected_N).epsilon(0.05));
-    CHECK(glm::dot(glm::normalize(row.force), out) > 0.998);
-  }
-  CHECK(jsonOf(folder / "r.json")["frames"]["lost"] == 0);
-}
-
-TEST_CASE("a camera of ROS that sends nothing any more but lies is said, and after three seconds nothing is felt") {
-  const ScratchFolder folder;
-  const SendingCamera camera(network(), "failing/depth", infoOf(kCamera), [&](int frame) {
-    SentPicture picture = pictureOf(kCamera, [](const DVec3&) { return 0.5; });
-    if (frame > 60) picture.width = 4'000'000;
-    return picture;
-  });
-  works("touch ros:/failing/depth/image_raw" + touching(folder.path(), {0, 0, 0.504}, 5.8));
-  const std::vector<Row> rows = readTrace(folder / "t.csv");
-  double most_N = 0;
-  for (const Row& row : between(rows, 0.4, 1)) most_N = std::max(most_N, glm::length(row.force));
-  CHECK(most_N == doctest::Approx(2).epsilon(0.02));
-  for (const Row& row : between(rows, 5.6, 6)) CHECK(row.force == DVec3(0));
-  CHECK_FALSE(rows.back().contact);
-  const auto frames = jsonOf(folder / "r.json")["frames"];
-  CHECK(frames["lost"] > 50);
-  CHECK(frames["last_loss"].get<std::string>().find("4000000 x 48 pixels has come, and the camera has 64 x 48") !=
-        std::string::npos);
-  CHECK_FALSE(frames["silent_since_s"].is_null());
-}
-
-TEST_CASE("topics of ROS that are no live camera, and options that do not go with them, are refused in words") {
-  const Participant participant = rosParticipant(network());
-  const RosPublisher<RosPoseStamped> pose(participant, "rt/pose", RosDelivery::reliable);
-  const RosPublisher<RosPointCloud2> points(participant, "rt/points", RosDelivery::reliable);
-  const RosPublisher<RosImage> pictures(participant, "rt/depth/image_raw", RosDelivery::reliable);
-  const auto refuses = [&](const std::string& arguments, int code, const std::string& words) {
-    const Outcome outcome = palpate(arguments + fmt::format(" --domain {}", network().domain));
-    CAPTURE(outcome.text);
-    CHECK(outcome.code == code);
-    CHECK(outcome.text.find(words) != std::string::npos);
-  };
-  refuses("touch ros:/pose --realtime", 1, "what is sent there is geometry_msgs/msg/PoseStamped");
-  refuses("touch ros:/depth/image_raw", 2, "--realtime: what is live goes by the clock; turn it on");
-  refuses("touch --live ros:/points --realtime --fuse on", 1, "what is sent there are points");
-  refuses("touch ros:/points --loop", 2, "is no recorded depth camera");
-  refuses("convert ros:/depth/image_raw never.ply", 1, "what is sent there is sensor_msgs/msg/Image");
-  refuses("touch --live ros:/a//b --realtime", 2, "is no name there");
 }
 
 }  // namespace palpate

@@ -75,6 +75,52 @@ TEST_CASE("a sensor's points are the cloud, with their colours, far from zero, t
   requireWhole(frame, source.size());
 }
 
+TEST_CASE("a sensor's points in rows set out from where their rays met the surface before, and get where they are") {
+  // Two rows of two rays see a plane that is nearer by a centimetre in the next frame; the last ray has met nothing before.
+  constexpr DepthCamera kRays{.width = 4, .height = 1};
+  const auto seen = [](std::uint64_t number, double time_s, double far, std::uint32_t rowLength) {
+    DepthFrame frame{.time_s = time_s, .number = number};
+    frame.points = SensedPoints{.rowLength = rowLength};
+    for (std::uint32_t ray = 0; ray < 3 + number; ++ray) {
+      frame.points->places.emplace_back(far * DVec3(0.1 * ray, 0.2, 1));
+      frame.points->normals.emplace_back(0, 0, -1);
+      frame.points->rays.push_back(ray);
+    }
+    return frame;
+  };
+  for (const std::uint32_t rowLength : {2u, 4u}) {
+    CAPTURE(rowLength);
+    const DepthFrame before = seen(0, 0, 1, 2), frame = seen(1, 0.05, 0.99, rowLength);
+    CHECK(DepthBlend::canFollow(before, frame) == (rowLength == 2));
+    if (rowLength == 4) continue;  // of other rays nothing is known
+    DepthPoints maker;
+    CloudFrame points;
+    maker.make(kRays, frame, DVec3(0), points);
+    DepthBlend blend;
+    blend.follow(kRays, before, frame, DVec3(0), maker.pixels(), {.between_s = 0.05, .goOn_s = 0.05}, points);
+    REQUIRE(points.size() == 4);
+    for (std::size_t i = 0; i < 3; ++i) {
+      CHECK(points.positions[i].z == doctest::Approx(1));
+      CHECK(points.positions[i].x == doctest::Approx(0.099 * static_cast<double>(i)));
+      CHECK(points.velocities[i].z == doctest::Approx(-0.2));
+    }
+    CHECK(points.positions[3].z == doctest::Approx(0.99));
+    CHECK(points.velocities[3] == Vec3(0));
+  }
+  // A metre per second is the most that is followed.
+  const DepthFrame before = seen(0, 0, 1, 2), leap = seen(1, 0.05, 0.9, 2);
+  DepthPoints maker;
+  CloudFrame points;
+  maker.make(kRays, leap, DVec3(0), points);
+  DepthBlend().follow(kRays, before, leap, DVec3(0), maker.pixels(), {.between_s = 0.05, .goOn_s = 0.05}, points);
+  for (const Vec3& velocity : points.velocities) CHECK(velocity == Vec3(0));
+  DepthFrame odd = leap;
+  odd.points->rays.back() = 4;
+  CHECK_THROWS_AS(maker.make(kRays, odd, DVec3(0), points), Error);
+  CHECK_FALSE(DepthBlend::canFollow(tinyFrame(0, 0), leap));
+  CHECK(DepthBlend::canFollow(tinyFrame(0, 0), tinyFrame(1, 1)));
+}
+
 TEST_CASE("more points than there is room for, and points without their normals, are no frame") {
   CloudFrame points;
   CHECK_THROWS_AS(DepthPoints().make(kSensor, sensed(0, 0, 6, 0), DVec3(0), points), Error);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # How long a message is on its way within this machine: poses of `palpate touch --ros`, the pings of `palpate doctor
-# --network`, and, as a measure of what DDS itself needs, those of Cyclone DDS's own ddsperf (half a round trip), on the same
+# --network`, and, as a measure of what DDS itself needs, those of Cyclone DDS's own ddsperf (as it counts them), on the same
 # loopback, one after another. Exit code 77 where there is no ddsperf (cyclonedds-tools).
 #   tests/sharing/beside_ddsperf.sh PALPATE ROS_LISTENER [SECONDS]
 set -euo pipefail
