@@ -76,9 +76,9 @@ bool Hand::sculpts() const noexcept {
 }
 
 void Hand::feel(const Contact& answer, std::span<const PointContact> points, const Pose& pose, double dt_s,
-                bool forcesOn) noexcept {
+                const TickConditions& conditions) noexcept {
   contact_ = trusted(answer, hip_);
-  force_N_ = forceFor(points, pose, dt_s, forcesOn);
+  force_N_ = forceFor(points, pose, dt_s, conditions);
 }
 
 bool Hand::write() noexcept {
@@ -107,16 +107,19 @@ void Hand::note(TraceRow& row) const noexcept {
   row.gpu_us = contact_.gpu_us;
 }
 
-DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s, bool forcesOn) noexcept {
-  TickSigns signs{.on = forcesOn && !clutch_.isDrawn(),
+DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s,
+                     const TickConditions& conditions) noexcept {
+  TickSigns signs{.on = conditions.forcesOn && !clutch_.isDrawn(),
                   .answered = contact_.valid && state_.rendersForce,
                   .fresh = contact_.fresh,
-                  .jumped = hasJumped(state_.position, dt_s)};
+                  .jumped = hasJumped(state_.position, dt_s),
+                  .known = conditions.known};
   if (contact_.dataTime_s >= 0) signs.age_s = pose.time_s - contact_.dataTime_s;
   if (signs.jumped) {
     law_.reset();
     passivity_.lift();
   }
+  law_.setChanging(conditions.isChanging);
   const DVec3 spring_N = points.empty() ? law_.update(contact_, pose, dt_s) : law_.update(contact_, points, pose, dt_s);
   signs.demand_N = law_.demand_N();
   const double mm_per_unit = limits_.handHeld ? 1 / options_.map.scale : law_.scale().mm_per_unit;

@@ -274,7 +274,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                   .clock = options.clock,
                   .stop = options.stop,
                   .forcesOn = options.forcesOn,
-                  .isTrue = shared_ ? &shared_->isHeard() : nullptr,
+                  .known = shared_ ? &shared_->known() : nullptr,
                   .recorder = &recorders});
   if (options.endless) return loop.run();  // whoever shows it takes the edits in
   const TickObserver relays = relay_.begin(rate_Hz, realtime);
