@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr double kRelay_Hz = 30;         // edits are taken so often against the clock
-constexpr double kSharedRelay_Hz = 120;  // and so often where others wait for them
+constexpr double kSharedRelay_Hz = 400;  // and so often where others wait for them
 constexpr double kOthersBusy_s = 1;      // all of this hand's is taken, and the others go on: who ends does not wait for them
 
 SessionConfig checked(SessionConfig config, const BackendKind& kind) {
