@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 constexpr double kFull_s = 1, kFade_s = 1;
-constexpr double kRoundTrips = 2;
+constexpr double kRoundTrips = 2.5;
 constexpr double kLongestTrip_s = 2, kUnknownTrip_s = 1;
 /// From when a change is offered until the force that it ends in has risen (ForceLaw::setChanging()).
 constexpr double kChanging_s = 0.1;

@@ -14,9 +14,9 @@ struct AgeLimits {
   double gone_s = 0;  ///< and none from here on
 };
 
-/// One second and two round trips are full: who serves a cloud is heard five times a second, and what is lost on the way
-/// comes a round trip later, or, where that is lost, too, another one. The force is gone a second after that. A round trip
-/// counts two seconds at most, and one where it is no number.
+/// One second and two and a half round trips are full: who serves a cloud is heard twice a second, half a round trip after it
+/// has spoken; what is lost on the way comes a round trip later, and, where that is lost, too, another one. The force is gone
+/// a second after that. A round trip counts two seconds at most, and one where it is no number.
 AgeLimits ageLimits(double roundTrip_s) noexcept;
 
 /// The share of a force that knowledge of that age bears: whole, then evenly less, then nothing. Nothing where the age is no

@@ -149,10 +149,12 @@ Felt pressAndRest(SharedHand& presser, SharedHand& rester, std::int64_t trials) 
       ++felt.unsteady;
       continue;
     }
+    // What was done before is everywhere.
+    constexpr double kPatience_s = 6;
+    waitFor(kPatience_s, presser, rester, [&] { return presser.counts().atRest && rester.counts().atRest; });
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 50'000));
     rester.device().watch();
     presser.device().goTo(at(-kPress_mm), false);
-    constexpr double kPatience_s = 6;
     if (waitFor(kPatience_s, presser, rester, [&] { return rester.device().changed_s() && has(presser); }))
       felt.after_ms.push_back((*rester.device().changed_s() - *presser.device().arrived_s()) * 1e3);
     else

@@ -11,6 +11,7 @@
 #include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/stroke_server.hpp"
+#include "haptics/sharing/version_watch.hpp"
 
 namespace palpate {
 
@@ -50,6 +51,7 @@ struct CloudServer::Link {
         echoes(participant, topics.echoes, bestEffortQos()),
         requests(participant, topics.requests, reliableQos(false)),
         pings(participant, topics.pings, bestEffortQos()),
+        versions(participant),
         wait(participant),
         shared(statesOf(cloud)) {
     wait.attach(requests);
@@ -78,6 +80,14 @@ struct CloudServer::Link {
                                         .journal = journal ? &*journal : nullptr,
                                         .log = parts.log});
     strokes->attach(wait);
+  }
+
+  // Who joins with another version is told so there (Notice::version), and is told of here.
+  void sayVersions() {
+    for (const std::uint32_t other : versions.fresh())
+      if (parts.log)
+        parts.log->say("{}: another version of palpate ({}, and this is {}) is on the network and cannot join; install the same "
+                       "one on both", parts.name, other, kVersion);
   }
 
   void announce() {
@@ -172,6 +182,7 @@ struct CloudServer::Link {
   Writer<Ping> echoes;
   Reader<Request> requests;
   Reader<Ping> pings;
+  VersionWatch versions;
   ReaderWait wait;
   std::map<Id, Client> clients;
   std::vector<Point> points;  // of the block that is written
@@ -202,6 +213,7 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
       link_->echoes.write(ping);
       ++link_->counts.pings;
     });
+    link_->sayVersions();
     link_->requests.take([&](const Request& request) { link_->answer(request); });
     if (link_->strokes) link_->strokes->take();
     next_s = link_->write() ? 0 : kLook_s;

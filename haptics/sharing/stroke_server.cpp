@@ -9,7 +9,9 @@ namespace {
 
 constexpr std::size_t kMostFollowers = 64;  // at a time; one more takes the place of who has asked longest ago
 constexpr double kApart_s = 0.008;          // what is done within goes together, each point once
-constexpr double kSilence_s = 0.2;          // after which who follows hears that there is nothing
+/// After which who follows hears that there is nothing. On a link that loses, each word that has to come again holds up those
+/// behind it for a round trip, so that there are few.
+constexpr double kSilence_s = 0.5;
 constexpr int kInTurn = 64;                 // results for one before it is the next one's turn
 
 }  // namespace

@@ -28,9 +28,9 @@ TEST_CASE("how much of a force passes at which age and round trip") {
   };
   const std::vector<Row> table{
       {0, 0, 1},          {0, 1, 1},        {0, 1.25, 0.75},    {0, 1.5, 0.5},      {0, 2, 0},       {0, 100, 0},
-      {0.1, 1.2, 1},      {0.1, 1.7, 0.5},  {0.1, 2.2, 0},      {1, 3, 1},          {1, 3.5, 0.5},   {1, 4, 0},
-      {2, 5, 1},          {2, 6, 0},        {60, 5.5, 0.5},     {60, 6, 0},         {kInfinity, 3, 1}, {kInfinity, 4, 0},
-      {kNaN, 3, 1},       {kNaN, 4, 0},     {-1, 1, 1},         {-1, 2, 0},         {0, -1, 1},      {0, kNaN, 0},
+      {0.1, 1.25, 1},     {0.1, 1.75, 0.5}, {0.1, 2.25, 0},     {1, 3.5, 1},        {1, 4, 0.5},     {1, 4.5, 0},
+      {2, 6, 1},          {2, 7, 0},        {60, 6.5, 0.5},     {60, 7, 0},         {kInfinity, 3.5, 1}, {kInfinity, 4.5, 0},
+      {kNaN, 3.5, 1},     {kNaN, 4.5, 0},     {-1, 1, 1},         {-1, 2, 0},         {0, -1, 1},      {0, kNaN, 0},
       {1, kInfinity, 0},
   };
   for (const auto& [roundTrip_s, age_s, share] : table) {
@@ -51,14 +51,14 @@ TEST_CASE("how much of a force passes at which age and round trip") {
 TEST_CASE("what is heard was said half a round trip ago, and nothing that is known becomes older by what is heard") {
   InformationAge known(at(0));
   CHECK(known.age_s(at(0)) == 0);
-  CHECK(known.share(at(2.9)) == 1);  // nobody knows the round trip yet: a second
-  CHECK(known.share(at(3.5)) == doctest::Approx(0.5));
+  CHECK(known.share(at(3.4)) == 1);  // nobody knows the round trip yet: a second
+  CHECK(known.share(at(4)) == doctest::Approx(0.5));
   known.setRoundTrip(0.2);
-  CHECK(known.limits().full_s == doctest::Approx(1.4));
+  CHECK(known.limits().full_s == doctest::Approx(1.5));
   known.heard(at(4));
   CHECK(known.age_s(at(4)) == doctest::Approx(0.1));
   CHECK(known.share(at(5.3)) == 1);
-  CHECK(known.share(at(6.4)) == 0);
+  CHECK(known.share(at(6.5)) == 0);
   known.setRoundTrip(1.8);
   known.heard(at(4.1));
   CHECK(known.age_s(at(4.1)) == doctest::Approx(0.2));
@@ -93,7 +93,7 @@ TEST_CASE("a hand that nobody tells how the surface is loses its force smoothly,
     return glm::length(result.trace().rows.back().force_N);
   };
   CHECK(forceAfter_N(InformationAge(ago(0.5))) == doctest::Approx(0.8));
-  const double half_N = forceAfter_N(InformationAge(ago(3.5)));
+  const double half_N = forceAfter_N(InformationAge(ago(4)));
   CHECK(half_N < 0.41);
   CHECK(half_N > 0.2);
   CHECK(forceAfter_N(InformationAge(ago(5))) == 0);

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """What a hand at the end of a bad link feels, as a table in Markdown.
 
-link_table.py PALPATE [--short | ROUND_TRIP_MS,LOSS_PERCENT...]: serves a sculpture in one network namespace and joins it in another one, over a link that
+link_table.py PALPATE [--short] [ROUND_TRIP_MS,LOSS_PERCENT[,JITTER_MS]...]: serves a sculpture in one network namespace and joins it in another one, over a link that
 delays and loses (slow_link.py). For each link: whether the trace of a hand is byte by byte that of the file; how long it
 takes until a press is felt by another hand (palpate bench share, both hands at the far end, so that a round trip is in it);
 what energy a yielding hand was given that it did not put in, while somebody beside the server dents the surface under it;
-and how many ticks were missed, or had less force because what was known was old. With --short one link alone, briefly, and
-a failure where a bound is not kept. Exit code 77, with the reason, where this machine lets nobody make such a link.
+and how many ticks were missed, or had less force because what was known was old. With --short each link briefly, and a
+failure where a bound is not kept. Exit code 77, with the reason, where this machine lets nobody make such a link.
 """
 import contextlib
 import csv
@@ -22,7 +22,6 @@ import tempfile
 import time
 
 DELAYS_MS, LOSSES = (0, 20, 100, 300, 1000), (0, 1, 5)
-SHORT = ((20, 1),)
 MOST_BEYOND_MS, LEAST_ENERGY_MJ = 20, -1
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -35,14 +34,14 @@ def skip(why):
 class Cell:
     """A link, a server at its far end, and what is run at either end."""
 
-    def __init__(self, palpate, folder, trip_ms, loss):
+    def __init__(self, palpate, folder, trip_ms, loss, jitter_ms):
         self.palpate, self.folder, self.trip_s = palpate, folder, trip_ms / 1000
         self.spaces = {end: f"pp_{end}_{os.getpid()}" for end in ("near", "far")}
         self.interfaces = {"near": "a", "far": "b"}
         self.running = []
         self.link = subprocess.Popen(
             [sys.executable, HERE / "slow_link.py", self.spaces["near"], self.spaces["far"], str(trip_ms), str(loss),
-             folder / "cut"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+             folder / "cut", str(jitter_ms)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         said = self.link.stdout.readline()
         if said.strip() != "up":
             skip(said + self.link.stdout.read())
@@ -81,7 +80,7 @@ class Cell:
             if process.poll() is None:
                 process.kill()
         self.link.terminate()
-        self.link.wait()
+        return self.link.communicate()[0].strip()  # what it has lost, and let overtake
 
 
 def worst_difference_N(first, second):
@@ -93,8 +92,8 @@ def worst_difference_N(first, second):
     return max(math.dist(*[[float(row[f"force_{axis}"]) for axis in "xyz"] for row in pair]) for pair in zip(*rows))
 
 
-def measure(palpate, folder, trip_ms, loss, presses, duration_s):
-    cell = Cell(palpate, folder, trip_ms, loss)
+def measure(palpate, folder, trip_ms, loss, jitter_ms, presses, duration_s):
+    cell = Cell(palpate, folder, trip_ms, loss, jitter_ms)
     try:
         server = cell.serve()
         cell.run("near", "--quiet", "touch", "--join", "far", "--backend", "cpu", "--duration", "1", "--trace",
@@ -115,12 +114,12 @@ def measure(palpate, folder, trip_ms, loss, presses, duration_s):
             if process.wait() != 0:
                 raise RuntimeError((folder / f"{name}.log").read_text(encoding="utf-8"))
     finally:
-        cell.close()
+        frames = cell.close()
     with open(folder / "bench.json", encoding="utf-8") as file:
         share = json.load(file)["share"][0]
     with open(folder / "hand.json", encoding="utf-8") as file:
         hand = json.load(file)
-    return {"trip_ms": trip_ms, "loss": loss, "share": share, "hand": hand,
+    return {"trip_ms": trip_ms, "loss": loss, "jitter_ms": jitter_ms, "frames": frames, "share": share, "hand": hand,
             "same": (folder / "joined.csv").read_bytes() == (folder / "own.csv").read_bytes(),
             "worst_N": worst_difference_N(folder / "joined.csv", folder / "own.csv")}
 
@@ -141,6 +140,8 @@ def complaints(cell):
     share, hand = cell["share"], cell["hand"]
     if not cell["same"]:
         yield f"the trace is not the file's; forces differ by up to {cell['worst_N']} N"
+    if cell["jitter_ms"] and ", 0 overtaken" in cell["frames"]:
+        yield "no frame has overtaken another one"
     if share["not_felt"] or not share["felt_ms"]:
         yield f"{share['not_felt']} presses were not felt"
     elif share["beyond_ms"]["p50"] > MOST_BEYOND_MS:
@@ -164,7 +165,7 @@ def main():
     if not os.access("/dev/net/tun", os.W_OK):
         skip("there is no /dev/net/tun")
     named = [tuple(int(number) for number in word.split(",")) for word in sys.argv[2:] if word != "--short"]
-    cells = SHORT if short else named or [(delay, loss) for delay in DELAYS_MS for loss in LOSSES]
+    cells = named or [(delay, loss) for delay in DELAYS_MS for loss in LOSSES]
     failed = False
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -175,10 +176,12 @@ def main():
         print("| round trip, ms | lost, % | trace of a hand, 1 s | a press felt by another hand, ms | beyond the round trip, ms | "
               "felt, not felt | ticks missed | ticks with less force | oldest, s | least energy, mJ |")
         print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
-        for trip_ms, loss in cells:
+        for trip_ms, loss, *jitter_ms in cells:
             presses = 8 if short else 60 if trip_ms < 1000 else 30
-            cell = measure(palpate, folder, trip_ms, loss, presses, 1.5 if short else 10)
+            cell = measure(palpate, folder, trip_ms, loss, *(jitter_ms or [0]), presses, 1 if short else 10)
             print(line(cell), flush=True)
+            if jitter_ms:
+                print(f"link_table: a jitter of {jitter_ms[0]} ms: {cell['frames']}", flush=True)
             for complaint in complaints(cell) if short else ():
                 print(f"link_table: {complaint}", file=sys.stderr)
                 failed = True
