@@ -109,6 +109,10 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   ViewSettings& view = settings.view;
   ViewRequests requests;
   places_.clear();
+  if (status.others)
+    link_.add(status.others->counts);
+  else
+    link_.clear();
   if (view.panels) drawPanel(status, settings, requests);
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   if (status.heights) drawHeights(*status.heights, status.unit);
