@@ -26,7 +26,7 @@ struct HandOptions {
 struct TickConditions {
   bool forcesOn = true;     ///< the user wants forces
   double known = 1;         ///< TickSigns::known
-  bool isChanging = false;  ///< ForceLaw::setChanging()
+  bool isChanging = false;  ///< ForceLaw::setChanging(); how far the surface moves then is somebody else's work
 };
 
 /// What a hand's session came to beside its rows.
@@ -71,6 +71,8 @@ class Hand {
   /// The force to write. A tool's torque goes with it: as much of it as of the force passes.
   DVec3 forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s,
                  const TickConditions& conditions) noexcept;
+  /// Of the surface, model units per second, by itself or as others change it.
+  DVec3 surfaceVelocity(bool isChanging, double dt_s) noexcept;
   /// Whether the device moved faster than a hand can since the last tick.
   bool hasJumped(const DVec3& position, double dt_s) noexcept;
 
@@ -84,6 +86,7 @@ class Hand {
   ForceGate gate_;
   Clutch clutch_;
   std::optional<DVec3> lastPosition_;  ///< of the device, in its own unit
+  std::optional<DVec3> lastProxy_;     ///< where a point touched
 
   // Of this tick.
   DeviceState state_;

@@ -4,7 +4,8 @@
 link_table.py PALPATE [--short] [ROUND_TRIP_MS,LOSS_PERCENT[,JITTER_MS]...]: serves a sculpture in one network namespace and joins it in another one, over a link that
 delays and loses (slow_link.py). For each link: whether the trace of a hand is byte by byte that of the file; how long it
 takes until a press is felt by another hand (palpate bench share, both hands at the far end, so that a round trip is in it);
-what energy a yielding hand was given that it did not put in, while somebody beside the server dents the surface under it;
+what energy a yielding hand was given that neither it nor the other hand put in, while that one, beside the server, raises
+the surface under it;
 and how many ticks were missed, or had less force because what was known was old. With --short each link briefly, and a
 failure where a bound is not kept. Exit code 77, with the reason, where this machine lets nobody make such a link.
 """
@@ -108,8 +109,8 @@ def measure(palpate, folder, trip_ms, loss, jitter_ms, presses, duration_s):
         hand = cell.start("near", "touch", "--join", "far", "--backend", "cpu", "--device", "sim", "--realtime",
                           "--duration", str(duration_s), "--json", folder / "hand.json", said="hand.log")
         cell.wait_for("hand.log", "points of", hand)
-        other = cell.start("far", "touch", "--join", "far", "--backend", "cpu", "--realtime", "--edit", "push",
-                           "--penetration", "4", "--duration", str(duration_s + 4 * cell.trip_s), said="other.log")
+        other = cell.start("far", "touch", "--join", "far", "--backend", "cpu", "--realtime", "--edit", "inflate",
+                           "--strength", "0.1", "--duration", str(duration_s + 4 * cell.trip_s), said="other.log")
         for name, process in (("hand", hand), ("other", other)):
             if process.wait() != 0:
                 raise RuntimeError((folder / f"{name}.log").read_text(encoding="utf-8"))
@@ -177,7 +178,7 @@ def main():
               "felt, not felt | ticks missed | ticks with less force | oldest, s | least energy, mJ |")
         print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
         for trip_ms, loss, *jitter_ms in cells:
-            presses = 8 if short else 60 if trip_ms < 1000 else 30
+            presses = 6 if short else 60 if trip_ms < 1000 else 30
             cell = measure(palpate, folder, trip_ms, loss, *(jitter_ms or [0]), presses, 1 if short else 10)
             print(line(cell), flush=True)
             if jitter_ms:
