@@ -134,8 +134,10 @@ DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, dou
   return force_N;
 }
 
-// A proxy that slides over a surface at rest goes along it; what it goes across is the way of the surface.
+// A proxy that slides over a surface at rest goes along it; what it goes across is the way of the surface. Of an answer from
+// old data, whose force may be on its way out, that says nothing.
 DVec3 Hand::surfaceVelocity(bool isChanging, double dt_s) noexcept {
+  if (!contact_.fresh) return contact_.velocity;
   const std::optional<DVec3> last = std::exchange(lastProxy_, contact_.touching ? std::optional(contact_.proxy) : std::nullopt);
   if (!isChanging || !contact_.touching || !last || !(dt_s > 0)) return contact_.velocity;
   return contact_.velocity + glm::dot(contact_.proxy - *last, contact_.normal) / dt_s * contact_.normal;

@@ -86,7 +86,7 @@ class Hand {
   ForceGate gate_;
   Clutch clutch_;
   std::optional<DVec3> lastPosition_;  ///< of the device, in its own unit
-  std::optional<DVec3> lastProxy_;     ///< where a point touched
+  std::optional<DVec3> lastProxy_;     ///< where a point touched, by a fresh answer
 
   // Of this tick.
   DeviceState state_;

@@ -160,6 +160,8 @@ TEST_CASE("where a server hangs the force fades, is gone, and comes back from ou
   CHECK(cameBack);
   CHECK(last_N > 0.9 * most_N);
   CHECK(jsonOf(in("still.json"))["safety"]["aged_ticks"] == 0);
+  CHECK(has(contentOf(folder / "safe.said"), "whether or not the link holds"));
+  CHECK_FALSE(has(contentOf(folder / "safe.said"), "not been heard"));
   const std::vector<Row> felt = readTrace(in("still.csv"));
   for (const Row& row : felt)
     if (row.t_s > 1 && row.t_s < 6) REQUIRE(glm::length(row.force) > 0.9 * most_N);
@@ -178,7 +180,17 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
   const Outcome refused = palpate("touch --join older --backend cpu" + domain());
   CHECK(refused.code == 1);
   CHECK(has(refused.text, "is served by another version of palpate (0, and this is 1)"));
-  const Outcome listed = palpate("doctor --network" + domain());
+  const std::string report = (folder / "doctor.json").string();
+  const Outcome listed = palpate("doctor --network --json " + report + domain());
+  const Result sessions = jsonOf(report)["network"];
+  REQUIRE(sessions.size() == 4);
+  for (const Result& session : sessions) {
+    CAPTURE(session.dump());
+    const bool isServed = session["name"].get<std::string>() == "here";
+    CHECK(session["round_trip_ms"].is_null() != isServed);
+    if (isServed) CHECK(session["lost_percent"] < 50);
+    if (!session["fits"].get<bool>()) CHECK(session["lost_percent"].is_null());
+  }
   CHECK(has(listed.text, "older: 1000 points"));
   CHECK(has(listed.text, "of another version of palpate (0), and cannot be joined"));
   const Outcome both = palpate("touch --join twins --backend cpu" + domain());
