@@ -167,6 +167,7 @@ def main():
         skip("there is no /dev/net/tun")
     named = [tuple(int(number) for number in word.split(",")) for word in sys.argv[2:] if word != "--short"]
     cells = named or [(delay, loss) for delay in DELAYS_MS for loss in LOSSES]
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # whoever ends it ends what it has started
     failed = False
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
