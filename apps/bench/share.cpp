@@ -70,6 +70,7 @@ class SharedHand {
     return result_;
   }
   void finish() { session_.finish(); }
+  std::uint64_t editsTooSlow() const { return session_.backend().shortfalls().editsTooSlow; }
 
  private:
   SessionConfig config_;
@@ -164,49 +165,82 @@ Felt pressAndRest(SharedHand& presser, SharedHand& rester, std::int64_t trials) 
   return felt;
 }
 
+/// What came of it by one back end.
+struct ShareRecord {
+  Felt felt;
+  SharedCounts rests, presses;
+  double trip_ms = 0;  // there and back, of both
+  std::uint64_t ticks = 0, missed = 0, aged = 0;
+  std::uint64_t editsTooSlow = 0;  // of the one who presses: its machine rests after an edit that took long
+  bool same = false;
+};
+
+ShareRecord measureShare(Context& context, const ShareOptions& share, const std::string& backend, std::int64_t presses) {
+  constexpr double kLongestTrial_s = 4, kLongest_s = 600;
+  SessionConfig config = configOf(share, backend, std::min(kLongest_s, 10 + kLongestTrial_s * static_cast<double>(presses)));
+  const Stopwatch clock;
+  SharedHand rester(context, config, "rests", clock);
+  config.brush = BrushConfig{.keepsDensity = false};
+  SharedHand presser(context, config, "presses", clock);
+  ShareRecord record{.felt = pressAndRest(presser, rester, presses), .rests = rester.counts(), .presses = presser.counts()};
+  record.trip_ms = (record.rests.link.roundTrip_ms.value_or(0) + record.presses.link.roundTrip_ms.value_or(0)) / 2;
+  const ServoResult& result = rester.end();
+  presser.end();
+  presser.finish();
+  rester.finish();
+  record.ticks = result.trace().rows.size();
+  record.missed = result.trace().missedTicks;
+  record.aged = result.counts().withheld.aged;
+  record.editsTooSlow = presser.editsTooSlow();
+  record.same = rester.counts().same && presser.counts().same;
+  return record;
+}
+
+Summary beyondTrip_ms(const ShareRecord& record) {
+  std::vector<double> beyond_ms;
+  for (const double each_ms : record.felt.after_ms) beyond_ms.push_back(each_ms - record.trip_ms);
+  return summarize(beyond_ms);
+}
+
+void print(std::FILE* out, const std::string& backend, const ShareRecord& record) {
+  const auto pair = [](const Summary& summary) { return fmt::format("{:.1f} / {:.1f}", summary.p50, summary.p99); };
+  fmt::print(out, "{:<8} {:>14.1f} {:>8.1f} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", backend, record.trip_ms,
+             record.rests.link.lost_percent.value_or(0), record.felt.after_ms.size(), pair(summarize(record.felt.after_ms)),
+             pair(beyondTrip_ms(record)), record.felt.notFelt, fmt::format("{} of {}", record.missed, record.ticks + record.missed),
+             record.aged);
+  if (record.felt.unsteady > 0)
+    fmt::print(out, "  at {} places the resting hand did not come to rest, and nothing was pressed\n", record.felt.unsteady);
+  if (record.editsTooSlow > 0)
+    fmt::print(out, "  {} edits were left out, for one took this machine longer than a force can be held: presses may be felt late\n",
+               record.editsTooSlow);
+}
+
+Json toJson(const std::string& backend, const ShareRecord& record) {
+  const LinkCounts& link = record.rests.link;
+  return {{"backend", backend},
+          {"round_trip_ms", record.trip_ms},
+          {"lost_percent", link.lost_percent ? Json(*link.lost_percent) : Json(nullptr)},
+          {"felt_ms", summaryOf(summarize(record.felt.after_ms))},
+          {"beyond_ms", summaryOf(beyondTrip_ms(record))},
+          {"goal_ms", kGoal_ms},
+          {"not_felt", record.felt.notFelt},
+          {"unsteady", record.felt.unsteady},
+          {"skipped_edits", record.editsTooSlow},
+          {"ticks", record.ticks},
+          {"missed_ticks", record.missed},
+          {"aged_ticks", record.aged},
+          {"same", record.same}};
+}
+
 Json benchShare(Context& context, const BenchOptions& options, const ShareOptions& share) {
-  constexpr double kLongestTrial_s = 4;
-  const double duration_s = std::min(600.0, 10 + kLongestTrial_s * static_cast<double>(options.repeat));
   Json records = Json::array();
   std::FILE* out = context.tables();
   fmt::print(out, "{:<8} {:>14} {:>8} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", "", "round trip ms", "lost %", "presses",
              "felt p50 / p99 ms", "beyond it p50 / p99 ms", "not felt", "ticks missed", "faded");
   for (const std::string& backend : options.backends) {
-    const Stopwatch clock;
-    SharedHand rester(context, configOf(share, backend, duration_s), "rests", clock);
-    SessionConfig config = configOf(share, backend, duration_s);
-    config.brush = BrushConfig{.keepsDensity = false};
-    SharedHand presser(context, config, "presses", clock);
-    const Felt felt = pressAndRest(presser, rester, options.repeat);
-    const SharedCounts rests = rester.counts(), presses = presser.counts();
-    const ServoResult& result = rester.end();
-    presser.end();
-    presser.finish();
-    rester.finish();
-    const double trip_ms =
-        (rests.link.roundTrip_ms.value_or(0) + presses.link.roundTrip_ms.value_or(0)) / 2;
-    const Summary after_ms = summarize(felt.after_ms);
-    std::vector<double> beyond;
-    for (const double each_ms : felt.after_ms) beyond.push_back(each_ms - trip_ms);
-    const Summary beyond_ms = summarize(beyond);
-    const std::uint64_t ticks = result.trace().rows.size(), missed = result.trace().missedTicks;
-    const std::uint64_t faded = result.counts().withheld.aged;
-    fmt::print(out, "{:<8} {:>14.1f} {:>8.1f} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", backend, trip_ms,
-               rests.link.lost_percent.value_or(0), after_ms.count, fmt::format("{:.1f} / {:.1f}", after_ms.p50, after_ms.p99),
-               fmt::format("{:.1f} / {:.1f}", beyond_ms.p50, beyond_ms.p99), felt.notFelt,
-               fmt::format("{} of {}", missed, ticks + missed), faded);
-    records.push_back({{"backend", backend},
-                       {"round_trip_ms", trip_ms},
-                       {"lost_percent", rests.link.lost_percent ? Json(*rests.link.lost_percent) : Json(nullptr)},
-                       {"felt_ms", summaryOf(after_ms)},
-                       {"beyond_ms", summaryOf(beyond_ms)},
-                       {"goal_ms", kGoal_ms},
-                       {"not_felt", felt.notFelt},
-                       {"unsteady", felt.unsteady},
-                       {"ticks", ticks},
-                       {"missed_ticks", missed},
-                       {"aged_ticks", faded},
-                       {"same", rester.counts().same && presser.counts().same}});
+    const ShareRecord record = measureShare(context, share, backend, options.repeat);
+    print(out, backend, record);
+    records.push_back(toJson(backend, record));
   }
   return records;
 }
