@@ -64,6 +64,8 @@ class SharedFollower : public EditFollower {
   virtual void moved(const HandPlace& place) noexcept = 0;
   /// Those that were heard within the last seconds. For any thread.
   virtual std::vector<SeenHand> others() const = 0;
+  /// What the log was told since the last call, the first few of it: for who shows it elsewhere, too. For any thread.
+  virtual std::vector<std::string> takeSaid() = 0;
 };
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
@@ -86,6 +87,11 @@ class SharedEdits final : public SharedFollower {
   std::vector<SeenHand> others() const override {
     const std::scoped_lock hold(lock_);
     return presence_.others();
+  }
+
+  std::vector<std::string> takeSaid() override {
+    const std::scoped_lock hold(lock_);
+    return std::exchange(said_, {});
   }
 
  private:
@@ -236,7 +242,9 @@ class SharedEdits final : public SharedFollower {
   }
 
   // Whoever listens may end what says it (LogListener), which would be this hand's part in the session.
-  void say(const std::string& what) const {
+  void say(const std::string& what) {
+    constexpr std::size_t kMostSaid = 8;
+    if (said_.size() < kMostSaid) said_.push_back(what);
     if (!log_) return;
     try {
       log_->say("{}", what);
@@ -262,6 +270,7 @@ class SharedEdits final : public SharedFollower {
   std::optional<ReaderWait> wait_;  // the thread's alone
   SharedCounts counts_;
   std::string fault_;
+  std::vector<std::string> said_;  // and not taken
   std::uint64_t lastAcked_ = 0;
   int stuck_ = 0;
   bool isOfferNear_ = false;

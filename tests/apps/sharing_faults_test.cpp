@@ -1,11 +1,14 @@
 // What goes wrong between those who share a model, as a user meets it: hands and servers that are killed or hang, programs of
 // other versions, names that two servers have. Not where palpate was built without DDS.
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
+#include <future>
 
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/version_watch.hpp"
 #include "tests/apps/running_program.hpp"
+#include "tests/apps/window_play.hpp"
 
 namespace palpate {
 
@@ -165,6 +168,29 @@ TEST_CASE("where a server hangs the force fades, is gone, and comes back from ou
   const std::vector<Row> felt = readTrace(in("still.csv"));
   for (const Row& row : felt)
     if (row.t_s > 1 && row.t_s < 6) REQUIRE(glm::length(row.force) > 0.9 * most_N);
+}
+
+TEST_CASE("a window says what silence does to the force") {
+  if (!hasDisplay()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make sphere -n 5000 -o " + in("m.ply"));
+  Serving serving(in("m.ply") + " --name clay", folder / "said");
+  std::ofstream(in("script.txt")) << "0.5 state " << in("begin.json") << "\n6 state " << in("end.json") << "\n6 quit\n";
+  std::future<int> window = std::async(std::launch::async, [&] {
+    return std::system(("XDG_STATE_HOME=" + in("home") + " xvfb-run -a " + program() + " view --join clay" + domain() +
+                        " --backend cpu --realtime --size 320x240 --script " + in("script.txt") + " > " + in("view.said") + " 2>&1")
+                           .c_str());
+  });
+  CHECK(serving.program.waitFor([&] { return std::filesystem::exists(in("begin.json")); }));
+  serving.program.wait(SIGKILL);
+  window.get();
+  CAPTURE(contentOf(folder / "view.said"));
+  const Result begin = jsonOf(in("begin.json"))["others"], end = jsonOf(in("end.json"));
+  CHECK(begin["force_share"] == 1);
+  CHECK(end["others"]["force_share"] == 0);
+  CHECK(end["others"]["age_s"] > 2);
+  CHECK(has(end["last_message"].get<std::string>(), "there is no force until it is"));
 }
 
 TEST_CASE("versions that do not go together are refused in words on both sides, and so is a name that two have") {
