@@ -9,6 +9,8 @@ namespace {
 
 /// A tick that comes late must not make up for the lost time in one jump: the rise counts no more time than this.
 constexpr double kLongestRise_s = 0.002;
+/// Of the largest rise, while others change the surface: a Touch's whole force comes within 55 ms then.
+constexpr double kChangingRise = 0.1;
 
 void checkOption(double value, const char* name, bool mayBeInfinite) {
   if (!(value >= 0) || (!mayBeInfinite && !std::isfinite(value)))
@@ -134,7 +136,8 @@ DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_
   const double last_N = glm::length(force_N_);
   const DVec3 from_N = last_N > size_N ? force_N_ * (size_N / last_N) : force_N_;
   const DVec3 step_N = clamped_N - from_N;
-  const double longest_N = dt_s > 0 ? options_.maxRise_N_per_s * std::min(dt_s, kLongestRise_s) : 0;
+  const double rise_N_per_s = (isChanging_ ? kChangingRise : 1) * options_.maxRise_N_per_s;
+  const double longest_N = dt_s > 0 ? rise_N_per_s * std::min(dt_s, kLongestRise_s) : 0;
   const double length_N = glm::length(step_N);
   return length_N <= longest_N ? clamped_N : from_N + step_N * (longest_N / length_N);
 }

@@ -48,6 +48,10 @@ class ForceLaw {
   /// Lowers maxForce_N and the stiffness to what a device can bear.
   void limitTo(double peakForce_N, double stiffness_N_per_mm = std::numeric_limits<double>::infinity()) noexcept;
 
+  /// Somebody else is changing the surface under the proxy: while that is so, what comes of it rises ten times as slowly as
+  /// the hand's own pressing may, so that no change knocks on the hand.
+  void setChanging(bool isChanging) noexcept { isChanging_ = isChanging; }
+
   /// The force on the hand, N, for a tick that comes `dt_s` after the one before. Exactly zero when nothing is touched,
   /// on any fault or number that is not finite, and when spring and damper together would pull into the surface. Where
   /// the contact says the force itself, it is that, within the same limits.
@@ -84,6 +88,7 @@ class ForceLaw {
   DVec3 force_N_{0};                       ///< at the last tick
   DVec3 torque_mNm_{0};
   double demand_N_ = 0;
+  bool isChanging_ = false;
 };
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include "haptics/hand.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/core/error.hpp"
 
@@ -52,6 +53,7 @@ void Hand::begin() {
   passivity_ = Passivity(passivityMode_, limits_);
   gate_ = ForceGate(limits_, 1 / rate_Hz_);
   clutch_ = Clutch(options_.map);
+  lastProxy_.reset();
   lastPosition_.reset();
 }
 
@@ -66,6 +68,7 @@ bool Hand::read(double time_s) noexcept {
   if (state_.putDown) {
     law_.reset();
     passivity_.lift();
+    lastProxy_.reset();
     lastPosition_.reset();
   }
   return true;
@@ -76,9 +79,9 @@ bool Hand::sculpts() const noexcept {
 }
 
 void Hand::feel(const Contact& answer, std::span<const PointContact> points, const Pose& pose, double dt_s,
-                bool forcesOn) noexcept {
+                const TickConditions& conditions) noexcept {
   contact_ = trusted(answer, hip_);
-  force_N_ = forceFor(points, pose, dt_s, forcesOn);
+  force_N_ = forceFor(points, pose, dt_s, conditions);
 }
 
 bool Hand::write() noexcept {
@@ -107,25 +110,37 @@ void Hand::note(TraceRow& row) const noexcept {
   row.gpu_us = contact_.gpu_us;
 }
 
-DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s, bool forcesOn) noexcept {
-  TickSigns signs{.on = forcesOn && !clutch_.isDrawn(),
+DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s,
+                     const TickConditions& conditions) noexcept {
+  TickSigns signs{.on = conditions.forcesOn && !clutch_.isDrawn(),
                   .answered = contact_.valid && state_.rendersForce,
                   .fresh = contact_.fresh,
-                  .jumped = hasJumped(state_.position, dt_s)};
+                  .jumped = hasJumped(state_.position, dt_s),
+                  .known = conditions.known};
   if (contact_.dataTime_s >= 0) signs.age_s = pose.time_s - contact_.dataTime_s;
   if (signs.jumped) {
     law_.reset();
     passivity_.lift();
   }
+  law_.setChanging(conditions.isChanging);
   const DVec3 spring_N = points.empty() ? law_.update(contact_, pose, dt_s) : law_.update(contact_, points, pose, dt_s);
   signs.demand_N = law_.demand_N();
   const double mm_per_unit = limits_.handHeld ? 1 / options_.map.scale : law_.scale().mm_per_unit;
   const DVec3 hand_mm = limits_.handHeld ? state_.position : mm_per_unit * pose.hip;
-  const DVec3 force_N =
-      gate_.pass(passivity_.damped(spring_N, hand_mm, dt_s, mm_per_unit * contact_.velocity), signs, dt_s);
+  const DVec3 velocity = surfaceVelocity(conditions.isChanging && points.empty(), dt_s);
+  const DVec3 force_N = gate_.pass(passivity_.damped(spring_N, hand_mm, dt_s, mm_per_unit * velocity), signs, dt_s);
   const double wanted_N = glm::length(spring_N);
   torque_mNm_ = law_.torque_mNm() * (wanted_N > 0 ? std::min(1.0, glm::length(force_N) / wanted_N) : gate_.share());
   return force_N;
+}
+
+// A proxy that slides over a surface at rest goes along it; what it goes across is the way of the surface. Of an answer from
+// old data, whose force may be on its way out, that says nothing.
+DVec3 Hand::surfaceVelocity(bool isChanging, double dt_s) noexcept {
+  if (!contact_.fresh) return contact_.velocity;
+  const std::optional<DVec3> last = std::exchange(lastProxy_, contact_.touching ? std::optional(contact_.proxy) : std::nullopt);
+  if (!isChanging || !contact_.touching || !last || !(dt_s > 0)) return contact_.velocity;
+  return contact_.velocity + glm::dot(contact_.proxy - *last, contact_.normal) / dt_s * contact_.normal;
 }
 
 bool Hand::hasJumped(const DVec3& position, double dt_s) noexcept {

@@ -22,6 +22,13 @@ struct HandOptions {
   std::optional<PassivityMode> passivity;  ///< unless set: on for a device in a hand, off for a script
 };
 
+/// What of a tick the answer does not say.
+struct TickConditions {
+  bool forcesOn = true;     ///< the user wants forces
+  double known = 1;         ///< TickSigns::known
+  bool isChanging = false;  ///< ForceLaw::setChanging(); how far the surface moves then is somebody else's work
+};
+
 /// What a hand's session came to beside its rows.
 struct HandCounts {
   GateCounts withheld;
@@ -50,9 +57,9 @@ class Hand {
   /// It means to change what it touches.
   bool sculpts() const noexcept;
 
-  /// The answer's force, to be written. `points`: of a tool. `forcesOn`: the user wants forces.
+  /// The answer's force, to be written. `points`: of a tool.
   void feel(const Contact& answer, std::span<const PointContact> points, const Pose& pose, double dt_s,
-            bool forcesOn) noexcept;
+            const TickConditions& conditions) noexcept;
   /// False when the force did not reach the device.
   bool write() noexcept;
   /// The device has, or gets, no force at this tick after all: another one failed.
@@ -62,7 +69,10 @@ class Hand {
 
  private:
   /// The force to write. A tool's torque goes with it: as much of it as of the force passes.
-  DVec3 forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s, bool forcesOn) noexcept;
+  DVec3 forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s,
+                 const TickConditions& conditions) noexcept;
+  /// Of the surface, model units per second, by itself or as others change it.
+  DVec3 surfaceVelocity(bool isChanging, double dt_s) noexcept;
   /// Whether the device moved faster than a hand can since the last tick.
   bool hasJumped(const DVec3& position, double dt_s) noexcept;
 
@@ -76,6 +86,7 @@ class Hand {
   ForceGate gate_;
   Clutch clutch_;
   std::optional<DVec3> lastPosition_;  ///< of the device, in its own unit
+  std::optional<DVec3> lastProxy_;     ///< where a point touched, by a fresh answer
 
   // Of this tick.
   DeviceState state_;

@@ -176,11 +176,10 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
     poses_[i] = {.time_s = time_s, .hip = hand.hip(), .sculpts = hand.sculpts(), .turn = hand.state().turn};
   }
   const std::span<const Contact> answers = query_.ask(poses_, budget_us);
-  const auto isOn = [](const std::atomic<bool>* flag) { return !flag || flag->load(std::memory_order_relaxed); };
-  const bool forcesOn = isOn(options_.forcesOn) && isOn(options_.isTrue);
+  const TickConditions conditions = conditionsNow();
   const bool lost = answers.front().lost;
   for (std::size_t i = 0; i < hands_.size(); ++i)
-    hands_[i].feel(answers[i], query_.points(i), poses_[i], dt_s, forcesOn);
+    hands_[i].feel(answers[i], query_.points(i), poses_[i], dt_s, conditions);
   const double step_us = watch.elapsed_us();
   const bool written = writeAll();
   query_.prepare();
@@ -195,6 +194,16 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
   }
   if (!written) return Tick::deviceFailed;
   return lost ? Tick::queryLost : Tick::done;
+}
+
+TickConditions ServoLoop::conditionsNow() const noexcept {
+  TickConditions conditions{.forcesOn = !options_.forcesOn || options_.forcesOn->load(std::memory_order_relaxed)};
+  if (!options_.known) return conditions;
+  const auto now = InformationAge::Clock::now();
+  conditions.forcesOn = conditions.forcesOn && options_.known->isTrue();
+  conditions.known = options_.known->share(now);
+  conditions.isChanging = options_.known->isChanging(now);
+  return conditions;
 }
 
 bool ServoLoop::readAll(double time_s) noexcept {

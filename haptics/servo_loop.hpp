@@ -10,6 +10,7 @@
 
 #include "engine/core/contact_query.hpp"
 #include "haptics/hand.hpp"
+#include "haptics/information_age.hpp"
 #include "haptics/scheduling_statistics.hpp"
 #include "haptics/tick_histogram.hpp"
 #include "haptics/tick_pacer.hpp"
@@ -43,8 +44,8 @@ struct ServoOptions {
   /// No force while it is false; when it becomes true again, as at the start of a session: first a small demand, then
   /// the ramp. Unless set, forces are on.
   const std::atomic<bool>* forcesOn = nullptr;
-  /// No force while it is false: what is felt may not be as it is any more.
-  const std::atomic<bool>* isTrue = nullptr;
+  /// How old what is felt is, where others change it: it bears less and less of a force. Unless set, it is always true.
+  const InformationAge* known = nullptr;
   TickRecorder* recorder = nullptr;  ///< notified of each tick, in virtual and in real time; outlives the loop
 };
 
@@ -116,6 +117,7 @@ class ServoLoop {
   enum class Tick { done, deviceFailed, queryLost };
   /// `place`: of the rows to fill.
   Tick tick(double time_s, double dt_s, double budget_us, std::size_t place, ServoResult& result) noexcept;
+  TickConditions conditionsNow() const noexcept;
   /// False when a device failed; then no device has a force.
   bool readAll(double time_s) noexcept;
   bool writeAll() noexcept;

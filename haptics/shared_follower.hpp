@@ -1,7 +1,6 @@
 // One hand's part in a cloud that several feel and sculpt, each on its own machine.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,8 +8,17 @@
 
 #include "engine/core/edit_follower.hpp"
 #include "engine/core/vec.hpp"
+#include "haptics/information_age.hpp"
 
 namespace palpate {
+
+/// What pings say of the way to the server and back.
+struct LinkCounts {
+  std::uint64_t pings = 0, answered = 0;
+  std::uint64_t lost = 0;               ///< not answered within two seconds
+  std::optional<double> roundTrip_ms;   ///< the median of the last ones
+  std::optional<double> lost_percent;   ///< of the last ones, there or back
+};
 
 /// How it goes with the others.
 struct SharedCounts {
@@ -21,8 +29,10 @@ struct SharedCounts {
   std::uint64_t differed = 0;   ///< times that the points at rest were others than the server's, and were all asked for
   double silent_s = 0;          ///< since the server was heard last
   double longestSilent_s = 0;
-  std::uint64_t pings = 0, answered = 0;
-  std::optional<double> roundTrip_ms;  ///< the median of the last ones
+  double age_s = 0;             ///< of what is known: since what was heard last was said
+  double oldest_s = 0;          ///< that this has been
+  double force = 1;             ///< the share of a force that this bears (InformationAge)
+  LinkCounts link;
   bool delivered = false;       ///< all that this hand has done has been taken
   bool atRest = false;          ///< and all that others have done is in effect here
   bool same = false;            ///< at rest: the points are the server's, bit by bit
@@ -47,13 +57,15 @@ struct SeenHand {
 /// What one hand does goes to the others as it is taken in (catchUp()), and what they do is offered to what answers it.
 class SharedFollower : public EditFollower {
  public:
-  /// False while the server has been silent for too long: what is felt may not be true any more.
-  virtual const std::atomic<bool>& isHeard() const = 0;
+  /// How old what is felt is, and whether the others change it where this hand is.
+  virtual const InformationAge& known() const = 0;
   virtual SharedCounts counts() const = 0;
   /// Where this hand is. For the thread that answers: waits for nobody.
   virtual void moved(const HandPlace& place) noexcept = 0;
   /// Those that were heard within the last seconds. For any thread.
   virtual std::vector<SeenHand> others() const = 0;
+  /// What the log was told since the last call, the first few of it: for who shows it elsewhere, too. For any thread.
+  virtual std::vector<std::string> takeSaid() = 0;
 };
 
 }  // namespace palpate

@@ -168,6 +168,7 @@ void addBench(Options& app, Context& context, Command& command) {
   addLocalityBench(sub, context, command);
   addMatterBench(sub, context, command);
   addReadBench(sub, context, command);
+  addShareBench(sub, context, command);
   for (const auto& bench : sub.subcommands())
     if (!std::ranges::count(together, bench.get())) bench->under("Alone, with tables of their own");
   sub.footer("palpate bench NAME --help shows the options of that bench.\n");

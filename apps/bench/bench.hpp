@@ -99,6 +99,8 @@ void addCoexistBench(Options& bench, Context& context, Command& command);
 void addStreamBench(Options& bench, Context& context, Command& command);
 /// What a step of water and sand costs, at sizes that are asked for.
 void addMatterBench(Options& bench, Context& context, Command& command);
+/// How long it takes until what one hand does to a shared cloud is felt by another one.
+void addShareBench(Options& bench, Context& context, Command& command);
 /// How fast files are read, of any format.
 void addReadBench(Options& bench, Context& context, Command& command);
 /// What edits change that they may not, on models and on clouds that are uneven in the ways of real ones: strokes of

@@ -192,11 +192,12 @@ Json network(std::FILE* out, const NetworkConfig& config) {
              config.security.empty() ? "" : " for holders of keys", seen.size());
   Json json = Json::array();
   for (const SeenSession& session : seen) {
-    const double lost = session.pings ? 1 - static_cast<double>(session.answered) / session.pings : 0;
+    const double lost_percent =
+        session.pings ? 100 * (1 - static_cast<double>(session.answered) / session.pings) : 0;
     const std::string way =
         !session.fits          ? fmt::format("of another version of palpate ({}), and cannot be joined", session.version)
         : session.roundTrip_ms ? fmt::format("round trip {:.2f} ms, {:.0f} % of {} pings lost", *session.roundTrip_ms,
-                                             100 * lost, session.pings)
+                                             lost_percent, session.pings)
                                : "no ping came back";
     fmt::print(out, "  {}: {} points of {}, by {}; {}\n", session.name, session.points, session.model, session.host, way);
     json.push_back({{"name", session.name},
@@ -207,7 +208,8 @@ Json network(std::FILE* out, const NetworkConfig& config) {
                     {"fits", session.fits},
                     {"round_trip_ms", session.roundTrip_ms ? Json(*session.roundTrip_ms) : Json(nullptr)},
                     {"pings", session.pings},
-                    {"answered", session.answered}});
+                    {"answered", session.answered},
+                    {"lost_percent", session.pings ? Json(lost_percent) : Json(nullptr)}});
   }
   if (keyHolders && seen.empty())
     fmt::print(out, "There are programs with keys, and what they serve is seen with keys of the same authority alone (--security)\n");

@@ -111,6 +111,8 @@ SessionJoiner sessionJoiner(const std::string& hand) {
   return [hand](const std::string& name, const JoinConfig& config, Log& log) {
     JoinedCloud joined = join(name, config, log, false);
     JoinedModel model{.cloud = std::move(joined.cloud)};
+    if (!joined.sculptable)
+      log.say("{}: it is served to be felt alone; nothing of it changes, so that it is felt whether or not the link holds", name);
     if (joined.sculptable)
       model.share = [session = joined.session, hand, &log](const PointCloud& cloud, TouchBackend& backend) {
         return shareEdits({.session = session, .cloud = cloud, .backend = backend, .hand = hand, .log = &log});

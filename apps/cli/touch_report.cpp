@@ -81,7 +81,8 @@ std::string_view nameOf(const IndexWork& index) {
 }
 
 Json toJson(const GateCounts& withheld) {
-  return {{"errors", withheld.errors}, {"stale_ticks", withheld.stale}, {"hot_ticks", withheld.hot}};
+  return {{"errors", withheld.errors}, {"stale_ticks", withheld.stale}, {"aged_ticks", withheld.aged},
+          {"hot_ticks", withheld.hot}};
 }
 
 Json toJson(const SecondHandReport& second) {
@@ -145,9 +146,12 @@ std::string inWords(const MatterReport& matter, std::size_t particles) {
 
 std::string inWords(const SharedCounts& shared) {
   std::string words = fmt::format("{} states of points sent, {} of others taken in", shared.sent, shared.received);
-  if (shared.roundTrip_ms)
-    words += fmt::format("; round trip {:.1f} ms, {} of {} pings answered", *shared.roundTrip_ms, shared.answered, shared.pings);
-  words += fmt::format("; longest silence {:.1f} s", shared.longestSilent_s);
+  const LinkCounts& link = shared.link;
+  if (link.roundTrip_ms)
+    words += fmt::format("; round trip {:.1f} ms, {:.0f} % of {} pings lost", *link.roundTrip_ms, link.lost_percent.value_or(0),
+                         link.pings);
+  words += fmt::format("; longest silence {:.1f} s, what was known was {:.1f} s old at most", shared.longestSilent_s,
+                       shared.oldest_s);
   if (!shared.delivered) return words + "; NOT all of it has arrived";
   if (!shared.atRest) return words + "; all of it has arrived, and others go on";
   return words + (shared.same ? "; the points are the server's" : "; the points are NOT the server's");
@@ -160,9 +164,14 @@ Json toJson(const SharedCounts& shared) {
           {"resumed", shared.resumed},
           {"differed", shared.differed},
           {"longest_silence_s", shared.longestSilent_s},
-          {"pings", shared.pings},
-          {"answered", shared.answered},
-          {"round_trip_ms", shared.roundTrip_ms ? Json(*shared.roundTrip_ms) : Json(nullptr)},
+          {"age_s", shared.age_s},
+          {"oldest_s", shared.oldest_s},
+          {"force_share", shared.force},
+          {"pings", shared.link.pings},
+          {"answered", shared.link.answered},
+          {"lost", shared.link.lost},
+          {"lost_percent", shared.link.lost_percent ? Json(*shared.link.lost_percent) : Json(nullptr)},
+          {"round_trip_ms", shared.link.roundTrip_ms ? Json(*shared.link.roundTrip_ms) : Json(nullptr)},
           {"delivered", shared.delivered},
           {"at_rest", shared.atRest},
           {"same", shared.same}};
@@ -244,6 +253,8 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.servo.leastEnergy_mJ)
     row("passivity", fmt::format("{:.3g} mJ at the least (below 0: made by the loop)", *report.servo.leastEnergy_mJ));
   const GateCounts& withheld = report.servo.withheld;
+  if (withheld.aged)
+    row("force faded", fmt::format("at {} ticks, for nobody had said for long how the surface is", withheld.aged));
   if (withheld.errors + withheld.stale + withheld.hot)
     row("force held back", fmt::format("after {} errors, at {} ticks with old data and {} with hot motors",
                                        withheld.errors, withheld.stale, withheld.hot));

@@ -124,6 +124,8 @@ void Document::install(std::unique_ptr<WindowSession> session) {
 void Document::follow() {
   if (const auto fault = session_->takeRecordingFault()) messages_.say(*fault);
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
+  if (SharedFollower* const shared = session_->shared())
+    for (const std::string& said : shared->takeSaid()) messages_.add(said);
   sayWhatFramesLack();
   sayWhatSimulationLacks();
   messages_.tryTo([&] { sculptHeld(); });

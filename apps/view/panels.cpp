@@ -109,6 +109,10 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   ViewSettings& view = settings.view;
   ViewRequests requests;
   places_.clear();
+  if (status.others)
+    link_.add(status.others->counts);
+  else
+    link_.clear();
   if (view.panels) drawPanel(status, settings, requests);
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   if (status.heights) drawHeights(*status.heights, status.unit);
@@ -254,8 +258,9 @@ void Panels::drawOthers(const ViewStatus& status) {
   if (status.others->hands.empty()) ImGui::TextDisabled("nobody else is here");
   const SharedCounts& counts = status.others->counts;
   if (counts.silent_s > 1) ImGui::Text("not heard for %.0f s", counts.silent_s);
-  if (counts.roundTrip_ms)
-    ImGui::TextDisabled("round trip %.1f ms", *counts.roundTrip_ms);
+  if (counts.force < 1) ImGui::Text("%.0f %% of the force is left", 100 * counts.force);
+  if (counts.link.roundTrip_ms)
+    ImGui::TextDisabled("round trip %.1f ms, %.0f %% lost", *counts.link.roundTrip_ms, counts.link.lost_percent.value_or(0));
 }
 
 void Panels::drawMatter(const ViewStatus& status, ViewRequests& requests) {

@@ -8,6 +8,7 @@
 
 #include "apps/view/file_browser.hpp"
 #include "apps/view/gui.hpp"
+#include "apps/view/link_history.hpp"
 #include "apps/view/place_info.hpp"
 #include "apps/view/requests.hpp"
 #include "apps/view/settings.hpp"
@@ -94,6 +95,7 @@ class Panels {
   void drawPlace(const PlaceInfo& info);
   void drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawSession(const ViewStatus& status, ViewRequests& requests);
+  void drawLink();
   void drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawHelp(ViewSettings& view);
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
@@ -118,6 +120,7 @@ class Panels {
   struct Curves {
     std::vector<float> force_N, penetration_mm, step_us, picture_ms;
   } curves_;
+  LinkHistory link_;
 };
 
 }  // namespace palpate

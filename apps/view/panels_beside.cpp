@@ -82,6 +82,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   const double fps = std::round(status.fps);
   ImGui::Text("%.0f picture%s a second", fps, fps == 1 ? "" : "s");
   ImGui::TextDisabled("%s", status.gpu.c_str());
+  drawLink();
   if (noted("passes, us on the GPU", ImGui::TreeNode("passes, us on the GPU"))) {
     for (const PassRecord& pass : status.passes)
       if (pass.gpu_us > 0) ImGui::Text("%-24.24s %8.0f", pass.name.c_str(), pass.gpu_us);
@@ -92,6 +93,24 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   if (button("Export CSV")) requests.exportTicks = true;
   help("writes the last minute of ticks to a file");
   ImGui::End();
+}
+
+// Of a model that others serve and sculpt.
+void Panels::drawLink() {
+  if (link_.age_ms().empty()) return;
+  if (!noted("link", ImGui::TreeNodeEx("link", ImGuiTreeNodeFlags_DefaultOpen))) return;
+  const std::string span = fmt::format("{:.0f} s", LinkHistory::kApart_s * static_cast<double>(LinkHistory::kKept));
+  const auto curve = [&](const char* what, const std::vector<float>& values, float least, const char* words) {
+    ImGui::PushID(what);
+    plot(what, values, least, em(2.4), span);
+    help(words);
+    ImGui::PopID();
+  };
+  curve("round trip, ms", link_.roundTrip_ms(), 10, "median of the last pings to who serves it");
+  curve("lost, %", link_.lost_percent(), 5, "of the last pings, there or back");
+  curve("age of what is known, ms", link_.age_ms(), 1000,
+        "since what was heard last was said; the force fades beyond a second and two and a half round trips");
+  ImGui::TreePop();
 }
 
 void Panels::drawHelp(ViewSettings& view) {

@@ -53,7 +53,11 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
                        {"received", counts.received},
                        {"delivered", counts.delivered},
                        {"same", counts.same},
-                       {"silent_s", counts.silent_s}};
+                       {"silent_s", counts.silent_s},
+                       {"age_s", counts.age_s},
+                       {"force_share", counts.force},
+                       {"round_trip_ms", counts.link.roundTrip_ms ? Json(*counts.link.roundTrip_ms) : Json(nullptr)},
+                       {"lost_percent", counts.link.lost_percent ? Json(*counts.link.lost_percent) : Json(nullptr)}};
   }
   state["strokes"] = session.strokes().strokes;
   state["undoable"] = session.strokes().undoable;

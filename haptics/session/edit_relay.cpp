@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
 constexpr std::size_t kMostWaitingEdits = 1 << 18;
-constexpr int kChecksPerTurn = 8;  // whether the back end's log of edits fills up faster than usual
+constexpr double kBetweenChecks_s = 1.0 / 240;  // whether the back end's log of edits fills up faster than usual
 
 }  // namespace
 
@@ -31,8 +31,9 @@ TickObserver EditRelay::begin(double rate_Hz, bool realtime) {
     try {
       while (!stop.stop_requested()) {
         catchUp();
-        for (int check = 0; check < kChecksPerTurn && !isHalfFull(); ++check)
-          std::this_thread::sleep_for(std::chrono::duration<double>(1 / options_.rate_Hz / kChecksPerTurn));
+        const double turn_s = 1 / options_.rate_Hz;
+        for (double slept_s = 0; slept_s < turn_s && !isHalfFull(); slept_s += kBetweenChecks_s)
+          std::this_thread::sleep_for(std::chrono::duration<double>(std::min(turn_s - slept_s, kBetweenChecks_s)));
       }
     } catch (...) {
       failure_ = std::current_exception();

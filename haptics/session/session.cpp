@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr double kRelay_Hz = 30;         // edits are taken so often against the clock
-constexpr double kSharedRelay_Hz = 120;  // and so often where others wait for them
+constexpr double kSharedRelay_Hz = 400;  // and so often where others wait for them
 constexpr double kOthersBusy_s = 1;      // all of this hand's is taken, and the others go on: who ends does not wait for them
 
 SessionConfig checked(SessionConfig config, const BackendKind& kind) {
@@ -274,7 +274,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                   .clock = options.clock,
                   .stop = options.stop,
                   .forcesOn = options.forcesOn,
-                  .isTrue = shared_ ? &shared_->isHeard() : nullptr,
+                  .known = shared_ ? &shared_->known() : nullptr,
                   .recorder = &recorders});
   if (options.endless) return loop.run();  // whoever shows it takes the edits in
   const TickObserver relays = relay_.begin(rate_Hz, realtime);

@@ -11,6 +11,7 @@
 #include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/stroke_server.hpp"
+#include "haptics/sharing/version_watch.hpp"
 
 namespace palpate {
 
@@ -56,6 +57,7 @@ struct CloudServer::Link {
         echoes(participant, topics.echoes, bestEffortQos()),
         requests(participant, topics.requests, keepingLast(reliableQos(false), kMostWaiting)),
         pings(participant, topics.pings, keepingLast(bestEffortQos(), kMostWaiting)),
+        versions(participant),
         wait(participant),
         shared(statesOf(cloud)) {
     wait.attach(requests);
@@ -84,6 +86,14 @@ struct CloudServer::Link {
                                         .journal = journal ? &*journal : nullptr,
                                         .log = parts.log});
     strokes->attach(wait);
+  }
+
+  // Who joins with another version is told so there (Notice::version), and is told of here.
+  void sayVersions() {
+    for (const std::uint32_t other : versions.fresh())
+      if (parts.log)
+        parts.log->say("{}: another version of palpate ({}, and this is {}) is on the network and cannot join; install the same "
+                       "one on both", parts.name, other, kVersion);
   }
 
   void announce() {
@@ -202,6 +212,7 @@ struct CloudServer::Link {
   Writer<Ping> echoes;
   Reader<Request> requests;
   Reader<Ping> pings;
+  VersionWatch versions;
   ReaderWait wait;
   std::map<Id, Client> clients;
   std::uint64_t unacked = 0;  // of all clients
@@ -234,6 +245,7 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
       ++link_->counts.pings;
       if (link_->strokes) link_->strokes->heard(idOf(ping.client));
     });
+    link_->sayVersions();
     link_->requests.take([&](const Request& request) { link_->answer(request); });
     if (link_->strokes) link_->strokes->take();
     next_s = link_->write();

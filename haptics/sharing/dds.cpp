@@ -238,6 +238,8 @@ void ReaderWait::attach(dds_entity_t reader) {
   checked(dds_waitset_attach(wait_, conditions_.back(), 0), "a condition");
 }
 
+void ReaderWait::attach(const WakeUp& wakeUp) { checked(dds_waitset_attach(wait_, wakeUp, 0), "a condition"); }
+
 void ReaderWait::sleep(double most_s) const {
   checked(dds_waitset_wait(wait_, nullptr, 0, static_cast<dds_duration_t>(most_s * 1e9)), "the network");
 }

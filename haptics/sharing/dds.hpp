@@ -152,11 +152,29 @@ class Reader {
   Entity reader_;
 };
 
+/// What another thread wakes a ReaderWait with.
+class WakeUp {
+ public:
+  explicit WakeUp(dds_entity_t participant) : guard_(dds_create_guardcondition(participant), "a condition") {}
+  /// From any thread.
+  void call() const { dds_set_guardcondition(guard_, true); }
+  /// It was seen: only what is called from now on wakes again.
+  void take() const {
+    bool wasCalled = false;
+    dds_take_guardcondition(guard_, &wasCalled);
+  }
+  operator dds_entity_t() const { return guard_; }  // NOLINT: as above
+
+ private:
+  Entity guard_;
+};
+
 /// Sleeps until one of its readers has something.
 class ReaderWait {
  public:
   explicit ReaderWait(dds_entity_t participant) : wait_(dds_create_waitset(participant), "a waitset") {}
   void attach(dds_entity_t reader);
+  void attach(const WakeUp& wakeUp);
   void sleep(double most_s) const;
 
  private:

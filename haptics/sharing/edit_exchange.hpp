@@ -55,6 +55,8 @@ class EditExchange {
   std::uint64_t changesFollowed() const { return changesFollowed_; }
   /// They were taken.
   void offered() { isOffered_ = true; }
+  /// They are there to be taken, or were, and what became of them is not known yet.
+  bool isOffering() const { return isOffered_ || !inFlight_.empty(); }
 
   // Of the server.
   enum class Heard {

@@ -6,6 +6,7 @@
 
 #include "haptics/sharing/edit_exchange.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/version_watch.hpp"
 
 namespace palpate {
 
@@ -13,7 +14,7 @@ namespace palpate {
 class JoinedSession {
  public:
   JoinedSession(const NetworkConfig& given, sharing::Id joined, sharing::Id own)
-      : network(given), participant(given), topics(participant), session(joined), client(own) {}
+      : network(given), participant(given, sharing::versionQos(sharing::kVersion)), topics(participant), session(joined), client(own) {}
 
   NetworkConfig network;
   sharing::Participant participant;

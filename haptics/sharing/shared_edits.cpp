@@ -1,20 +1,18 @@
 #include "haptics/sharing/shared_edits.hpp"
 
 #include <algorithm>
-#include <cstring>
-#include <deque>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
-#include "engine/core/latest_value.hpp"
-#include "engine/core/statistics.hpp"
 #include "haptics/sharing/edit_exchange.hpp"
+#include "haptics/sharing/hand_presence.hpp"
 #include "haptics/sharing/joined_session.hpp"
+#include "haptics/sharing/link_probe.hpp"
 #include "haptics/sharing/session_notices.hpp"
 
 namespace palpate {
@@ -23,15 +21,10 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kLook_s = 0.004;      // how often what this hand has done, and what can be offered, is looked for
-constexpr double kSilent_s = 3;        // after which the server is asked again, and what is felt may not be true any more
+constexpr double kLook_s = 0.004;      // how often what can be offered is looked for; what this hand has done wakes
+constexpr double kSilent_s = 3;        // after which the server is asked again
 constexpr double kStuck_s = 5;         // the same for pieces that were sent and not taken
-constexpr double kHand_s = 1.0 / 60;   // between two places of a hand
-constexpr double kHandSeen_s = 2;      // after which a hand that says nothing is gone
-constexpr double kFarthest = 1e6;      // that a hand can be, sizes of the cloud
-constexpr double kPing_s = 0.5;
-constexpr std::size_t kTrips = 32;     // of which the round trip is the median
-constexpr std::size_t kMostHands = 256, kMostInstances = 1024;
+constexpr double kNear = 3;            // cells of the index from a proxy, within which a change may be felt there
 constexpr double kSettled_s = 0.3;     // at rest, before it is judged whether the points are the same
 constexpr int kMostDiffered = 3;
 constexpr int kMostStuck = 12;         // times in a row that nothing was taken, though the server is heard
@@ -42,24 +35,23 @@ class SharedEdits final : public SharedFollower {
       : session_(*parts.session),
         keep_(parts.session),
         backend_(parts.backend),
-        middle_(parts.cloud.origin + boundsOf(parts.cloud).center()),
-        farthest_(kFarthest * std::max(1.0, boundsOf(parts.cloud).longestSide())),
-        hand_(parts.hand.empty() ? ownHost() : parts.hand),
+        origin_(parts.cloud.origin),
         log_(parts.log),
         exchange_(statesOf(parts.cloud), parts.backend.mostOffered()),
         strokes_(session_.participant, session_.topics.strokes, reliableQos(false)),
         resumes_(session_.participant, session_.topics.resumes, reliableQos(false)),
-        pings_(session_.participant, session_.topics.pings, bestEffortQos()),
-        handWriter_(session_.participant, session_.topics.hands, bestEffortQos()),
-        echoes_(session_.participant, session_.topics.echoes, bestEffortQos()),
-        handReader_(session_.participant, session_.topics.hands, keepingInstances(bestEffortQos(), kMostInstances)),
+        probe_(session_),
+        presence_(session_, parts.hand.empty() ? ownHost() : parts.hand, parts.cloud),
         notices_(session_.participant, session_.topics),
+        wakeUp_(session_.participant),
         wait_(std::in_place, session_.participant) {
     PALPATE_CHECK_LT(0U, parts.backend.mostOffered());
     std::uint8_t own[16];
     set(own, session_.client);
     results_ = Reader<Result>(session_.participant, session_.topics.results, reliableQos(false, partitionOf(own)));
     wait_->attach(results_);
+    probe_.attach(*wait_);
+    wait_->attach(wakeUp_);
     resume(exchange_.resume());
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   }
@@ -68,10 +60,11 @@ class SharedEdits final : public SharedFollower {
     const std::scoped_lock hold(lock_);
     if (!fault_.empty()) throw NetworkError("{}", fault_);
     exchange_.follow(batch);
+    if (!batch.empty()) wakeUp_.call();
   }
 
-  const std::atomic<bool>& isHeard() const override { return heard_; }
-  void moved(const HandPlace& place) noexcept override { place_.store(place); }
+  const InformationAge& known() const override { return known_; }
+  void moved(const HandPlace& place) noexcept override { presence_.moved(place); }
 
   SharedCounts counts() const override {
     const std::scoped_lock hold(lock_);
@@ -81,7 +74,10 @@ class SharedEdits final : public SharedFollower {
     counts.resent = exchange_.resent();
     counts.silent_s = lastHeard_.elapsed_s();
     counts.longestSilent_s = std::max(counts.longestSilent_s, counts.silent_s);
-    if (!trips_ms_.empty()) counts.roundTrip_ms = summarize({trips_ms_.begin(), trips_ms_.end()}).p50;
+    counts.age_s = known_.age_s();
+    counts.oldest_s = std::max(counts.oldest_s, counts.age_s);
+    counts.force = known_.isTrue() ? known_.share() : 0;
+    counts.link = probe_.counts();
     counts.delivered = exchange_.isDelivered();
     counts.atRest = exchange_.isAtRest();
     counts.same = exchange_.isAtRest() && exchange_.isSame();
@@ -90,26 +86,20 @@ class SharedEdits final : public SharedFollower {
 
   std::vector<SeenHand> others() const override {
     const std::scoped_lock hold(lock_);
-    std::vector<SeenHand> seen;
-    for (const auto& [client, other] : others_) {
-      seen.push_back(other.seen);
-      seen.back().age_s = other.since.elapsed_s();
-      if (seen.back().age_s > kHandSeen_s) seen.pop_back();
-    }
-    return seen;
+    return presence_.others();
+  }
+
+  std::vector<std::string> takeSaid() override {
+    const std::scoped_lock hold(lock_);
+    return std::exchange(said_, {});
   }
 
  private:
-  struct Other {
-    SeenHand seen;
-    Stopwatch since;
-    std::uint64_t last = 0;
-  };
-
   void run(const std::stop_token& stop) {
     try {
       while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
         wait_->sleep(kLook_s);
+        wakeUp_.take();
         const std::scoped_lock hold(lock_);
         turn();
       }
@@ -124,12 +114,14 @@ class SharedEdits final : public SharedFollower {
 
   void turn() {
     hear();
+    sayForce();
     watchServer();
     send();
     offer();
     judge();
-    ping();
-    showHand();
+    probe_.turn();
+    if (const auto trip_ms = probe_.counts().roundTrip_ms) known_.setRoundTrip(*trip_ms * 1e-3);
+    presence_.turn();
   }
 
   void hear() {
@@ -147,16 +139,30 @@ class SharedEdits final : public SharedFollower {
       }
       lastAcked_ = result.acked;
       counts_.longestSilent_s = std::max(counts_.longestSilent_s, lastHeard_.elapsed_s());
+      counts_.oldest_s = std::max(counts_.oldest_s, known_.age_s());
       lastHeard_ = {};
+      known_.heard();
     });
     if (gap) resume(exchange_.resume());
   }
 
-  // Silence is said, and its end; so is a server that has begun anew.
+  // What silence does to the force is said, and that it does so no more.
+  void sayForce() {
+    const double share = known_.share(), silent_s = lastHeard_.elapsed_s();
+    const Felt now = share >= 1 ? Felt::whole : share > 0 ? Felt::fading : Felt::gone;
+    if (now == std::exchange(felt_, now)) return;
+    if (now == Felt::whole) say(fmt::format("{} of {} is heard again: the force comes back", session_.name, session_.host));
+    if (now == Felt::fading)
+      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; what is done here is kept for it", session_.name,
+                      session_.host, silent_s));
+    if (now == Felt::gone)
+      say(fmt::format("{} of {} has not been heard for {:.1f} s: there is no force until it is", session_.name, session_.host,
+                      silent_s));
+  }
+
+  // A server that takes nothing, or has begun anew, is said.
   void watchServer() {
-    const double silent_s = lastHeard_.elapsed_s();
-    if (silent_s <= kSilent_s) {
-      if (!heard_.exchange(true)) say(fmt::format("{} of {} is heard again", session_.name, session_.host));
+    if (lastHeard_.elapsed_s() <= kSilent_s) {
       if (exchange_.isDelivered()) lastTaken_ = {};
       if (lastTaken_.elapsed_s() > kStuck_s) {
         if (++stuck_ > kMostStuck)
@@ -167,9 +173,6 @@ class SharedEdits final : public SharedFollower {
       }
       return;
     }
-    if (heard_.exchange(false))
-      say(fmt::format("{} of {} has not been heard for {:.0f} s: the force fades until it is; what is done here is kept for it",
-                      session_.name, session_.host, silent_s));
     if (lastResumed_.elapsed_s() > kSilent_s) resume(exchange_.resume());
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != session_.name || notice.session == session_.session) continue;
@@ -204,7 +207,19 @@ class SharedEdits final : public SharedFollower {
 
   void offer() {
     const std::span<const PointChange> changes = exchange_.nextOffer();
+    if (!changes.empty()) isOfferNear_ = std::ranges::any_of(changes, [&](const PointChange& each) { return isNear(each); });
+    // Before it is carried out, and until that is known.
+    if (isOfferNear_ && exchange_.isOffering()) known_.changed();
     if (!changes.empty() && backend_.offer(changes, exchange_.changesFollowed())) exchange_.offered();
+  }
+
+  // Whether the hand may feel that change where it touches.
+  bool isNear(const PointChange& change) const {
+    const std::optional<HandPlace> place = presence_.place();
+    if (!place) return true;
+    const double reach = kNear * backend_.cell();
+    const auto isWithin = [&](const Vec3& position) { return glm::distance(origin_ + DVec3(position), place->proxy) < reach; };
+    return isWithin(change.from.position) || isWithin(change.to.position);
   }
 
   // At rest the points are everywhere the same. Where they are not, all that was ever done is asked for again.
@@ -220,71 +235,17 @@ class SharedEdits final : public SharedFollower {
     unequal_ = {};
   }
 
-  void ping() {
-    echoes_.take([&](const Ping& echo) {
-      if (!isSame(echo.session, session_.session) || !isSame(echo.client, session_.client)) return;
-      const double trip_us = since_.elapsed_us() - echo.sent_us;
-      if (echo.number > counts_.pings || !(trip_us >= 0)) return;
-      ++counts_.answered;
-      trips_ms_.push_back(trip_us * 1e-3);
-      if (trips_ms_.size() > kTrips) trips_ms_.pop_front();
-    });
-    if (lastPing_.elapsed_s() < kPing_s) return;
-    lastPing_ = {};
-    Ping ping{};
-    set(ping.session, session_.session);
-    set(ping.client, session_.client);
-    ping.number = static_cast<std::uint32_t>(++counts_.pings);
-    ping.sent_us = since_.elapsed_us();
-    pings_.write(ping);
-  }
-
-  void showHand() {
-    handReader_.take([&](const Hand& hand) {
-      if (!isSame(hand.session, session_.session) || isSame(hand.client, session_.client)) return;
-      const DVec3 position(hand.position[0], hand.position[1], hand.position[2]);
-      const DVec3 proxy(hand.proxy[0], hand.proxy[1], hand.proxy[2]);
-      // Nobody looks that far, and nothing that draws has to.
-      if (!(glm::distance(position, middle_) < farthest_) || !(glm::distance(proxy, middle_) < farthest_)) return;
-      const Id client = idOf(hand.client);
-      if (!others_.contains(client) && others_.size() >= kMostHands) return;
-      Other& other = others_[client];
-      if (other.last >= hand.number && other.since.elapsed_s() < kHandSeen_s) return;  // overtaken
-      std::memcpy(&other.seen.number, client.data(), sizeof other.seen.number);
-      other.last = hand.number;
-      other.since = {};
-      other.seen.name = printable(hand.name);
-      other.seen.place = {.position = position, .proxy = proxy, .touching = hand.touching, .sculpts = hand.sculpts};
-    });
-    std::erase_if(others_, [](const auto& one) { return one.second.since.elapsed_s() > 5 * kHandSeen_s; });
-    if (lastShown_.elapsed_s() < kHand_s) return;
-    const std::optional<HandPlace> place = place_.load();
-    if (!place) return;
-    lastShown_ = {};
-    Hand hand{};
-    set(hand.session, session_.session);
-    set(hand.client, session_.client);
-    put(hand.name, hand_);
-    for (int axis = 0; axis < 3; ++axis) {
-      hand.position[axis] = place->position[axis];
-      hand.proxy[axis] = place->proxy[axis];
-    }
-    hand.orientation[3] = 1;
-    hand.touching = place->touching;
-    hand.sculpts = place->sculpts;
-    hand.number = static_cast<std::uint32_t>(++handsShown_);
-    handWriter_.write(hand);
-  }
-
   void fail(const std::string& why) {
     if (!fault_.empty()) return;
     fault_ = why;
-    heard_ = false;
+    known_.fail();
     say(why);
   }
 
   // Whoever listens may end what says it (LogListener), which would be this hand's part in the session.
-  void say(const std::string& what) const {
+  void say(const std::string& what) {
+    constexpr std::size_t kMostSaid = 8;
+    if (said_.size() < kMostSaid) said_.push_back(what);
     if (!log_) return;
     try {
       log_->say("{}", what);
@@ -295,33 +256,30 @@ class SharedEdits final : public SharedFollower {
   const JoinedSession& session_;
   const std::shared_ptr<const JoinedSession> keep_;
   TouchBackend& backend_;
-  DVec3 middle_;
-  double farthest_;  // that another hand can be from there
-  std::string hand_;
+  DVec3 origin_;
   Log* log_;
 
   mutable std::mutex lock_;  // of all that follows but what says otherwise
   EditExchange exchange_;
   Writer<Stroke> strokes_;
   Writer<ResumeRequest> resumes_;
-  Writer<Ping> pings_;
-  Writer<Hand> handWriter_;
   Reader<Result> results_;
-  Reader<Ping> echoes_;
-  Reader<Hand> handReader_;
+  LinkProbe probe_;
+  HandPresence presence_;  // says itself what any thread may do
   SessionNotices notices_;
+  WakeUp wakeUp_;
   std::optional<ReaderWait> wait_;  // the thread's alone
   SharedCounts counts_;
   std::string fault_;
-  std::map<Id, Other> others_;
-  std::uint64_t handsShown_ = 0, lastAcked_ = 0;
+  std::vector<std::string> said_;  // and not taken
+  std::uint64_t lastAcked_ = 0;
   int stuck_ = 0;
-  std::deque<double> trips_ms_;
+  bool isOfferNear_ = false;
   std::vector<PointState> states_;
   std::vector<State> sent_;
-  Stopwatch since_, lastHeard_, lastTaken_, lastResumed_, lastPing_, lastShown_, unequal_;
-  std::atomic<bool> heard_ = true;
-  LatestValue<HandPlace> place_;
+  Stopwatch lastHeard_, lastTaken_, lastResumed_, unequal_;
+  enum class Felt { whole, fading, gone } felt_ = Felt::whole;
+  InformationAge known_;
   std::jthread thread_;  // goes first
 };
 

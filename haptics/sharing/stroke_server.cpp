@@ -12,7 +12,9 @@ constexpr double kGone_s = 5;               // and so long ago: who follows ping
 constexpr std::int32_t kMostWaiting = 32'768;  // samples of each kind, of 1.4 KB; what is lost of them is sent again
 constexpr std::uint32_t kMostUnacked = 2048;   // results that are kept for one who may not have them yet
 constexpr double kApart_s = 0.008;          // what is done within goes together, each point once
-constexpr double kSilence_s = 0.2;          // after which who follows hears that there is nothing
+/// After which who follows hears that there is nothing. On a link that loses, each word that has to come again holds up those
+/// behind it for a round trip, so that there are few.
+constexpr double kSilence_s = 0.5;
 constexpr int kInTurn = 64;                 // results for one before it is the next one's turn
 
 }  // namespace

@@ -39,6 +39,31 @@ TEST_CASE("bench measures every job by every way of the back ends that are asked
   CHECK(std::filesystem::file_size(plot) > 20'000);
 }
 
+TEST_CASE("bench share says how long it takes until a press is felt by another hand") {
+  const ScratchFolder folder;
+  if (palpate("doctor --network --domain 219").code != 0) {
+    MESSAGE("skipped: this palpate was built without DDS");
+    return;
+  }
+  const std::string json = (folder / "s.json").string();
+  const Outcome outcome = palpate("bench share --presses 8 --points 5000 --domain 219 --json " + json);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  CHECK(says(outcome.text, "felt p50 / p99 ms"));
+  const Result share = jsonOf(json)["share"][0];
+  CAPTURE(share.dump());
+  CHECK(share["felt_ms"]["n"].get<int>() + share["unsteady"].get<int>() + share["not_felt"].get<int>() == 8);
+  CHECK(share["felt_ms"]["n"] >= 4);
+  CHECK(share["felt_ms"]["min"] > 0);
+  CHECK(share["beyond_ms"]["p50"] < share["goal_ms"].get<double>());
+  CHECK(share["round_trip_ms"] > 0);
+  CHECK(share["ticks"] > 500);
+  CHECK(share["aged_ticks"] == 0);
+  CHECK(share["same"] == true);
+  const Outcome none = palpate("bench share --join nobody --domain 219");
+  CHECK(none.code == 1);
+  CHECK(says(none.text, "nobody serves a session named 'nobody'"));
+}
+
 TEST_CASE("bench refuses a method or a back end that there is not, and measures only what it is told") {
   CHECK(palpate("bench step --sizes 2000 --backend quantum").code == 2);
   const Outcome wrong = palpate("bench step --sizes 2000 --method persistent");
@@ -54,7 +79,7 @@ TEST_CASE("each bench shows and takes its own options, and those that are measur
   const Outcome all = palpate("bench --help"), edit = palpate("bench edit --help"),
                 build = palpate("bench build --help");
   CHECK(all.code == 0);
-  for (const char* name : {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "locality"})
+  for (const char* name : {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "locality", "share"})
     CHECK_MESSAGE(says(all.text, std::string("\n  ") + name), name);
   CHECK(says(edit.text, "--touched"));
   for (const char* other : {"--queues", "--lattice", "--raster", "--conditions", "--moved"})

@@ -55,6 +55,7 @@ class RunningProgram {
     constexpr std::uintmax_t kHeaderAndTicks = 16'384;  // a hundred ticks of 128
     return waitFor([&] { return bytes() > kHeaderAndTicks; });
   }
+  void send(int signal) const { ::kill(child_, signal); }
   /// Sends `signal` and waits for the end; returns what waitpid() says of it.
   int wait(int signal) {
     if (!ended()) {

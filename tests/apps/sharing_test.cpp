@@ -136,6 +136,7 @@ TEST_CASE("two windows on one model show each other's hands, and what both do to
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply"), folder / "said");
   const auto view = [&](const std::string& name, const std::string& place) {
     std::ofstream(in(name + ".txt")) << "2 key T\n2 mouse " << place << "\n2.2 key 2\n2.3 button left down\n"
+                                     << "5 click link\n5.5 click link\n"
                                      << "8 state " << in(name + ".json") << "\n8 screenshot " << in(name + ".png")
                                      << "\n8 button left up\n9 quit\n";
     return std::system(("XDG_STATE_HOME=" + in(name) + " xvfb-run -a " + program() + " view --join clay --as " + name + domain() +
@@ -153,6 +154,10 @@ TEST_CASE("two windows on one model show each other's hands, and what both do to
     CHECK(state["others"]["hands"][0]["sculpts"] == true);
     CHECK(state["others"]["sent"] > 10);
     CHECK(state["others"]["received"] > 10);
+    CHECK(state["others"]["round_trip_ms"] > 0);
+    CHECK(state["others"]["lost_percent"] < 50);
+    CHECK(state["others"]["age_s"] < 3);
+    CHECK(state["others"]["force_share"] == 1);
     CHECK(contentOf(in(std::string(name) + ".png")).substr(1, 3) == "PNG");
   }
   CHECK(serving.program.wait(SIGINT) == 0);

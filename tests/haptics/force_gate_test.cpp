@@ -143,6 +143,35 @@ TEST_CASE("forces switched off are zero at once and come back only through a sma
   CHECK(gate.after(0.25) == doctest::Approx(0.4).scale(0).epsilon(0.01));
 }
 
+TEST_CASE("a force fades with what is known, rises no faster than the ramp, and once gone waits for a small demand") {
+  Gate gate = engaged();
+  // Even where the knowledge ends at once the force does not.
+  double last = 0.8;
+  for (int i = 0; i < 50; ++i) {
+    const double now = gate.tick({.known = 0});
+    CHECK(last - now < 0.8 * kTick_s / 0.05 + 1e-9);
+    last = now;
+  }
+  CHECK(last == doctest::Approx(0));
+  CHECK(gate.gate.counts().aged == 50);
+  gate.tick({.known = 0});
+  CHECK(gate.after(1) == 0);  // known again, and the hand is still inside
+  gate.free(kTick_s);
+  CHECK(gate.after(0.25) == doctest::Approx(0.4).scale(0).epsilon(0.01));
+  // Half known is half a force, and comes back through the ramp without a wait.
+  Gate other = engaged();
+  CHECK(other.after(0.2, {.known = 0.5}) == doctest::Approx(0.4));
+  CHECK(other.after(0.1) == doctest::Approx(0.56).epsilon(0.01));
+  CHECK(other.after(0.2) == doctest::Approx(0.8));
+  // While nothing is known a small demand ends no wait.
+  Gate blind = engaged();
+  blind.after(0.2, {.known = 0});
+  blind.after(0.2, {.known = 0}, DVec3(0));
+  CHECK(blind.after(0.2) == 0);
+  Gate broken = engaged();
+  CHECK(broken.after(0.1, {.known = std::numeric_limits<double>::quiet_NaN()}) == 0);
+}
+
 TEST_CASE("the peak is never exceeded, and hot motors get the continuous force") {
   Gate gate = engaged();
   const DVec3 hard(0, 30, 40);

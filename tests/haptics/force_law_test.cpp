@@ -80,6 +80,16 @@ TEST_CASE("the force grows no faster than the slew limit and falls at once") {
   CHECK(pushed_N(law, 1) == doctest::Approx(0.18));
 }
 
+TEST_CASE("while somebody else changes the surface the force rises a tenth as fast, and falls at once all the same") {
+  ForceLaw law({}, ModelScale{});
+  law.setChanging(true);
+  CHECK(pushed_N(law, 4) == doctest::Approx(0.06));
+  CHECK(pushed_N(law, 4) == doctest::Approx(0.12));
+  CHECK(pushed_N(law, 0.1) < 0.12);
+  law.setChanging(false);
+  CHECK(pushed_N(law, 4) == doctest::Approx(0.6));
+}
+
 TEST_CASE("a late tick does not make up for lost time in one jump") {
   ForceLaw law({.damping_N_s_per_mm = 0, .maxRise_N_per_s = 100}, ModelScale{});
   CHECK(law.update(onPlane(below(4)), below(4), 1.0).z == doctest::Approx(0.2));

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Two network namespaces with one link between them that delays, loses and can be cut.
+"""Two network namespaces with one link between them that delays, loses, reorders and can be cut.
 
-slow_link.py NAME_A NAME_B ROUND_TRIP_MS LOSS_PERCENT CUT_FILE: makes the namespaces NAME_A (10.77.0.1, interface a) and
-NAME_B (10.77.0.2, interface b), says "up", and hands frames from one to the other, each half a round trip later, until
-it is told to end. While CUT_FILE exists nothing comes through. The same frames are lost each time: every so many that a
+slow_link.py NAME_A NAME_B ROUND_TRIP_MS LOSS_PERCENT CUT_FILE [JITTER_MS]: makes the namespaces NAME_A (10.77.0.1, interface a) and
+NAME_B (10.77.0.2, interface b), says "up", and hands frames from one to the other, each half a round trip later, and up to
+the jitter later than that, so that frames overtake each other, until it is told to end. While CUT_FILE exists nothing comes through. The same frames are lost each time: every so many that a
 generator of fixed seed says. Needs the rights of root over the network.
 """
 import collections
 import fcntl
+import heapq
 import os
 import random
 import select
@@ -36,7 +37,8 @@ def tap(name, namespace, address):
 
 
 def main():
-    space_a, space_b, round_trip_ms, loss_percent, cut_file = sys.argv[1:]
+    space_a, space_b, round_trip_ms, loss_percent, cut_file, *rest = sys.argv[1:]
+    jitter_s = float(rest[0]) / 1000 if rest else 0.0
     delay_s, loss = float(round_trip_ms) / 2000, float(loss_percent) / 100
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     chance = random.Random(7)
@@ -45,7 +47,7 @@ def main():
         a = tap("a", space_a, "10.77.0.1/24")
         b = tap("b", space_b, "10.77.0.2/24")
         print("up", flush=True)
-        waiting = collections.deque()  # all wait for the same time, so they leave in the order in which they came
+        waiting, came, left_last = [], 0, 0  # by the time at which they leave, and where that is the same as they came
         while True:
             left = max(0.0, waiting[0][0] - time.monotonic()) if waiting else 0.2
             for device in select.select([a, b], [], [], left)[0]:
@@ -58,15 +60,19 @@ def main():
                     if chance.random() < loss or os.path.exists(cut_file):
                         counts["lost"] += 1
                     else:
-                        waiting.append((time.monotonic() + delay_s, b if device == a else a, frame))
+                        leaves = time.monotonic() + delay_s + (jitter_s * chance.random() if jitter_s else 0.0)
+                        came += 1
+                        heapq.heappush(waiting, (leaves, came, b if device == a else a, frame))
             while waiting and waiting[0][0] <= time.monotonic():
-                _, device, frame = waiting.popleft()
+                _, number, device, frame = heapq.heappop(waiting)
+                counts["overtaken"] += number < left_last
+                left_last = max(left_last, number)
                 try:
                     os.write(device, frame)
                 except OSError:
                     counts["lost"] += 1
     finally:
-        print(f"{counts['frames']} frames, {counts['lost']} lost", flush=True)
+        print(f"{counts['frames']} frames, {counts['lost']} lost, {counts['overtaken']} overtaken", flush=True)
         for space in (space_a, space_b):
             subprocess.run(["ip", "netns", "del", space], stderr=subprocess.DEVNULL, check=False)
 

@@ -1,0 +1,279 @@
+// How long it takes until what one hand does to a shared cloud is felt by another one: one presses, the other one rests on
+// the same place. Both are of this program, so that one clock tells both; the server may be anywhere, and what is done goes
+// to it and comes back.
+#include <random>
+#include <thread>
+
+#include "apps/bench/bench.hpp"
+#include "apps/bench/told_hand.hpp"
+#include "apps/cli/sharing_options.hpp"
+#include "apps/cli/stop_by_signal.hpp"
+#include "engine/cloud/analytic_shape.hpp"
+#include "haptics/sharing/shared_cloud.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct ShareOptions {
+  std::string name;  // empty: this program serves a sphere itself
+  NetworkOptions network;
+  std::int64_t points = 20'000;
+};
+
+constexpr double kRest_mm = 1, kPress_mm = 3;  // below the surface
+constexpr double kSteady_s = 0.06;             // without a change, before it is pressed
+constexpr double kGoal_ms = 20;                // beyond the way there and back
+
+/// A hand of this program, on a thread of its own, until its time is over.
+class SharedHand {
+ public:
+  SharedHand(Context& context, SessionConfig config, const std::string& name, const Stopwatch& clock)
+      : config_(std::move(config)),
+        session_(config_, loadModel(config_, {.log = context.log(), .join = sessionJoiner(name)}),
+                 {.backend = context.backends().named(config_.backend.name), .threads = 1, .log = &context.log()}),
+        device_(clock, farPlace()) {
+    if (!session_.shared()) throw Error("'{}' is served to be felt alone (--read-only): nothing can be done to it", config_.model.file);
+    thread_ = std::jthread([this] {
+      try {
+        const OpenHand hand{.device = &device_};
+        result_ = session_.run({&hand, 1}, {.stop = &stop_});
+      } catch (const std::exception& error) {
+        fault_ = error.what();
+      }
+      ended_ = true;
+    });
+  }
+  ~SharedHand() { end(); }
+  SharedHand(const SharedHand&) = delete;
+  SharedHand& operator=(const SharedHand&) = delete;
+
+  ToldHand& device() { return device_; }
+  const Model& model() const { return session_.model(); }
+  SharedCounts counts() const { return session_.shared()->counts(); }
+  /// Where it touches nothing.
+  DVec3 farPlace() const {
+    const Bounds box = boundsOf(model().cloud);
+    return model().cloud.origin + box.center() + DVec3(0, 0, 3 * std::max(box.longestSide(), 1e-3));
+  }
+  /// Throws where it has ended already.
+  void check() {
+    if (!ended_) return;
+    end();
+    session_.checkFollower();
+    throw Error("a hand of the bench has ended: {}", fault_.empty() ? "its time was over" : fault_);
+  }
+  /// Ends it, and gives back what came of it.
+  const ServoResult& end() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+    return result_;
+  }
+  void finish() { session_.finish(); }
+  std::uint64_t editsTooSlow() const { return session_.backend().shortfalls().editsTooSlow; }
+
+ private:
+  SessionConfig config_;
+  Session session_;
+  ToldHand device_;
+  ServoResult result_;
+  std::string fault_;
+  std::atomic<bool> stop_ = false, ended_ = false;
+  std::jthread thread_;
+};
+
+SessionConfig configOf(const ShareOptions& share, const std::string& backend, double duration_s) {
+  SessionConfig config;
+  config.model.file = share.name;
+  config.join = JoinConfig{.network = share.network.interface, .peers = share.network.peers, .domain = share.network.domain};
+  config.backend.name = backend;
+  config.realtime = true;
+  config.duration_s = duration_s;
+  return config;
+}
+
+/// Serves a sphere while it lives.
+class OwnServer {
+ public:
+  OwnServer(const ShareOptions& share, unsigned threads)
+      : cloud_(sampleShape(*makeShape("sphere"), {.count = static_cast<std::size_t>(share.points), .threads = threads})),
+        server_(cloud_, {.network = share.network.config(), .name = share.name, .model = "a sphere", .mm_per_unit = 1}),
+        thread_([this] { server_.serve(stop_); }) {}
+  ~OwnServer() { stop_ = true; }
+  OwnServer(const OwnServer&) = delete;
+  OwnServer& operator=(const OwnServer&) = delete;
+
+ private:
+  std::atomic<bool> stop_ = false;
+  PointCloud cloud_;
+  CloudServer server_;
+  std::jthread thread_;
+};
+
+template <class Sign>
+bool waitFor(double most_s, SharedHand& a, SharedHand& b, Sign&& sign) {
+  for (const Stopwatch since; !sign(); std::this_thread::sleep_for(std::chrono::microseconds(500))) {
+    a.check();
+    b.check();
+    if (StopBySignal::requested()) throw Error("interrupted");
+    if (since.elapsed_s() > most_s) return false;
+  }
+  return true;
+}
+
+struct Felt {
+  std::vector<double> after_ms;
+  std::uint64_t notFelt = 0;   // within the time that a round trip of two seconds, lost twice, would take
+  std::uint64_t unsteady = 0;  // places that no hand rests on
+};
+
+// Another place each time, so that nothing is left of what was done before; at no certain phase of whatever goes round.
+Felt pressAndRest(SharedHand& presser, SharedHand& rester, std::int64_t trials) {
+  const PointCloud& cloud = rester.model().cloud;
+  const double mm = 1 / rester.model().scale.mm_per_unit;
+  std::mt19937 random(7);
+  Felt felt;
+  for (std::int64_t trial = 0; trial < trials; ++trial) {
+    const std::size_t point = random() % cloud.size();
+    const DVec3 normal(cloud.normals[point]), place = cloud.origin + DVec3(cloud.positions[point]);
+    const auto at = [&](double above_mm) { return place + above_mm * mm * normal; };
+    rester.device().goTo(at(3), true);
+    presser.device().goTo(at(20), true);
+    const auto has = [](SharedHand& hand) { return hand.device().arrived_s().has_value(); };
+    waitFor(1, presser, rester, [&] { return has(rester) && has(presser); });
+    rester.device().goTo(at(-kRest_mm), false);
+    const bool isSteady = waitFor(2, presser, rester, [&] {
+      const ToldHand::Felt now = rester.device().felt();
+      return has(rester) && now.now_s - now.since_s > kSteady_s && glm::length(now.force_N) > 0.1;
+    });
+    if (!isSteady) {
+      ++felt.unsteady;
+      continue;
+    }
+    // What was done before is everywhere.
+    constexpr double kPatience_s = 6;
+    waitFor(kPatience_s, presser, rester, [&] { return presser.counts().atRest && rester.counts().atRest; });
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 50'000));
+    rester.device().watch();
+    presser.device().goTo(at(-kPress_mm), false);
+    if (waitFor(kPatience_s, presser, rester, [&] { return rester.device().changed_s() && has(presser); }))
+      felt.after_ms.push_back((*rester.device().changed_s() - *presser.device().arrived_s()) * 1e3);
+    else
+      ++felt.notFelt;
+    presser.device().goTo(presser.farPlace(), true);
+  }
+  return felt;
+}
+
+/// What came of it by one back end.
+struct ShareRecord {
+  Felt felt;
+  SharedCounts rests, presses;
+  double trip_ms = 0;  // there and back, of both
+  std::uint64_t ticks = 0, missed = 0, aged = 0;
+  std::uint64_t editsTooSlow = 0;  // of the one who presses: its machine rests after an edit that took long
+  bool same = false;
+};
+
+ShareRecord measureShare(Context& context, const ShareOptions& share, const std::string& backend, std::int64_t presses) {
+  constexpr double kLongestTrial_s = 4, kLongest_s = 600;
+  SessionConfig config = configOf(share, backend, std::min(kLongest_s, 10 + kLongestTrial_s * static_cast<double>(presses)));
+  const Stopwatch clock;
+  SharedHand rester(context, config, "rests", clock);
+  config.brush = BrushConfig{.keepsDensity = false};
+  SharedHand presser(context, config, "presses", clock);
+  ShareRecord record{.felt = pressAndRest(presser, rester, presses), .rests = rester.counts(), .presses = presser.counts()};
+  record.trip_ms = (record.rests.link.roundTrip_ms.value_or(0) + record.presses.link.roundTrip_ms.value_or(0)) / 2;
+  const ServoResult& result = rester.end();
+  presser.end();
+  presser.finish();
+  rester.finish();
+  record.ticks = result.trace().rows.size();
+  record.missed = result.trace().missedTicks;
+  record.aged = result.counts().withheld.aged;
+  record.editsTooSlow = presser.editsTooSlow();
+  record.same = rester.counts().same && presser.counts().same;
+  return record;
+}
+
+Summary beyondTrip_ms(const ShareRecord& record) {
+  std::vector<double> beyond_ms;
+  for (const double each_ms : record.felt.after_ms) beyond_ms.push_back(each_ms - record.trip_ms);
+  return summarize(beyond_ms);
+}
+
+void print(std::FILE* out, const std::string& backend, const ShareRecord& record) {
+  const auto pair = [](const Summary& summary) { return fmt::format("{:.1f} / {:.1f}", summary.p50, summary.p99); };
+  fmt::print(out, "{:<8} {:>14.1f} {:>8.1f} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", backend, record.trip_ms,
+             record.rests.link.lost_percent.value_or(0), record.felt.after_ms.size(), pair(summarize(record.felt.after_ms)),
+             pair(beyondTrip_ms(record)), record.felt.notFelt, fmt::format("{} of {}", record.missed, record.ticks + record.missed),
+             record.aged);
+  if (record.felt.unsteady > 0)
+    fmt::print(out, "  at {} places the resting hand did not come to rest, and nothing was pressed\n", record.felt.unsteady);
+  if (record.editsTooSlow > 0)
+    fmt::print(out, "  {} edits were left out, for one took this machine longer than a force can be held: presses may be felt late\n",
+               record.editsTooSlow);
+}
+
+Json toJson(const std::string& backend, const ShareRecord& record) {
+  const LinkCounts& link = record.rests.link;
+  return {{"backend", backend},
+          {"round_trip_ms", record.trip_ms},
+          {"lost_percent", link.lost_percent ? Json(*link.lost_percent) : Json(nullptr)},
+          {"felt_ms", summaryOf(summarize(record.felt.after_ms))},
+          {"beyond_ms", summaryOf(beyondTrip_ms(record))},
+          {"goal_ms", kGoal_ms},
+          {"not_felt", record.felt.notFelt},
+          {"unsteady", record.felt.unsteady},
+          {"skipped_edits", record.editsTooSlow},
+          {"ticks", record.ticks},
+          {"missed_ticks", record.missed},
+          {"aged_ticks", record.aged},
+          {"same", record.same}};
+}
+
+Json benchShare(Context& context, const BenchOptions& options, const ShareOptions& share) {
+  Json records = Json::array();
+  std::FILE* out = context.tables();
+  fmt::print(out, "{:<8} {:>14} {:>8} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", "", "round trip ms", "lost %", "presses",
+             "felt p50 / p99 ms", "beyond it p50 / p99 ms", "not felt", "ticks missed", "faded");
+  for (const std::string& backend : options.backends) {
+    const ShareRecord record = measureShare(context, share, backend, options.repeat);
+    print(out, backend, record);
+    records.push_back(toJson(backend, record));
+  }
+  return records;
+}
+
+}  // namespace
+
+void addShareBench(Options& bench, Context& context, Command& command) {
+  Options& sub = bench.addSubcommand("share", "how long it takes until what one hand does to a shared cloud is felt by another");
+  const auto options = std::make_shared<BenchOptions>();
+  const auto share = std::make_shared<ShareOptions>();
+  options->backends = {"cpu"};
+  options->repeat = 50;
+  sub.add("--join", share->name, "a session that another palpate serves, by its name (default: this program serves a sphere)")
+      .typeName("NAME");
+  sub.add("--points", share->points, "of that sphere").check(wholeBetween(1000, 1e7)).showDefault();
+  addNetworkOptions(sub, share->network);
+  addBackendsOption(sub, *options, {"cpu", "vulkan"});
+  sub.add("--presses", options->repeat, "so often").check(wholeBetween(1, 10'000)).showDefault();
+  sub.footer(
+      "Both hands are this program's, at 1 kHz. The time is from the tick at which one presses to the first other force of the "
+      "one that rests there; what is pressed goes to the server and comes back, so that a round trip is in it, as it would be "
+      "between two hands that are each half a round trip from the server. Beyond it: less that.\n");
+  sub.whenNamed([&, options, share] {
+    command = [&context, options, share] {
+      const StopBySignal stop;
+      std::optional<OwnServer> server;
+      if (share->name.empty()) {
+        share->name = fmt::format("bench share {:08x}", std::random_device()());
+        server.emplace(*share, context.threads());
+      }
+      measureAlone(context, *options, "share", [&] { return benchShare(context, *options, *share); });
+    };
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,75 @@
+// A surface that somebody else raises under a hand: what the hand is given then is their work, and comes slowly.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "haptics/devices/simulated_touch.hpp"
+#include "haptics/servo_loop.hpp"
+
+namespace palpate {
+namespace {
+
+/// The plane z = 0, which rises by a jump each tenth of a second from 1.5 s to 3 s.
+class RisingPlane final : public OneHandQuery {
+ public:
+  explicit RisingPlane(double jump, bool isLate = false) : jump_(jump), isLate_(isLate) {}
+  double heightAt(double time_s) const { return jump_ * std::floor(std::clamp(10 * (time_s - 1.5), 0.0, 15.0)); }
+
+  Contact answerTo(const Pose& pose, double) noexcept override {
+    const double height = heightAt(pose.time_s);
+    const bool touching = pose.hip.z < height;
+    // From old data now and then, which let go of the hand: the proxy comes towards it.
+    const double late = isLate_ ? std::clamp(std::fmod(pose.time_s, 0.2) - 0.182, 0.0, 0.018) / 0.02 : 0;
+    return {.proxy = touching ? DVec3(pose.hip.x, pose.hip.y, glm::mix(height, pose.hip.z, late)) : pose.hip,
+            .normal = {0, 0, 1},
+            .touching = touching,
+            .fresh = late == 0,
+            .valid = true};
+  }
+
+ private:
+  double jump_;
+  bool isLate_;
+};
+
+ServoResult pressed(double jump, const InformationAge* known, bool isLate = false, const ForceOptions& force = {}) {
+  RisingPlane plane(jump, isLate);
+  SimulatedTouch hand(Path({{0, {0, 0, 3}}, {0.5, {0, 0, 3}}, {1, {0, 0, -4}}, {4, {0, 0, -4}}}), {});
+  return ServoLoop(hand, plane, ForceLaw(force, {}), {.duration_s = 4.5, .known = known}, {.passivity = PassivityMode::observe}).run();
+}
+
+double steepest_N(const ServoResult& result, double from_s) {
+  double most_N = 0;
+  const auto& rows = result.trace().rows;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    if (rows[i].time_s > from_s) most_N = std::max(most_N, glm::length(rows[i].force_N) - glm::length(rows[i - 1].force_N));
+  return most_N;
+}
+
+}  // namespace
+
+TEST_CASE("what others raise under a hand comes slowly, and is not taken for energy that the loop makes") {
+  InformationAge still, changing;
+  changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));  // however long the test takes
+  const ServoResult own = pressed(0.5, &still), others = pressed(0.5, &changing), rest = pressed(0, &changing);
+  // It is lifted by what is raised.
+  CHECK(others.trace().rows.back().hip.z > rest.trace().rows.back().hip.z + 0.5);
+  CHECK(*own.counts().leastEnergy_mJ < -1);
+  CHECK(*others.counts().leastEnergy_mJ > -1);
+  CHECK(steepest_N(own, 1.5) > 0.15);
+  CHECK(steepest_N(others, 1.5) < 0.065);
+  // On a surface at rest nothing differs but how fast the first press may rise.
+  CHECK(*rest.counts().leastEnergy_mJ > -1);
+  CHECK(glm::length(rest.trace().rows.back().force_N) == doctest::Approx(glm::length(pressed(0, &still).trace().rows.back().force_N)));
+}
+
+TEST_CASE("a surface whose answers are late now and then goes nowhere by that") {
+  InformationAge still, changing;
+  changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));
+  // With the same rise of the force the same energy.
+  const ServoResult slow = pressed(0, &still, true, {.maxRise_N_per_s = 60}), others = pressed(0, &changing, true);
+  CHECK(slow.trace().rows.back().hip == others.trace().rows.back().hip);
+  CHECK(*others.counts().leastEnergy_mJ == doctest::Approx(*slow.counts().leastEnergy_mJ));
+}
+
+}  // namespace palpate

@@ -1,0 +1,59 @@
+#include "haptics/sharing/link_statistics.hpp"
+
+#include <doctest/doctest.h>
+
+namespace palpate::sharing {
+
+TEST_CASE("nothing is said of a link before a ping has come back, or is late") {
+  LinkStatistics link;
+  CHECK(link.sent(10) == 1);
+  LinkCounts counts = link.counts(11);
+  CHECK(counts.pings == 1);
+  CHECK_FALSE(counts.roundTrip_ms);
+  CHECK_FALSE(counts.lost_percent);
+  counts = link.counts(12.5);
+  CHECK(counts.lost == 1);
+  CHECK(*counts.lost_percent == 100);
+  // Late is not never.
+  link.answered(1, 12.6);
+  counts = link.counts(13);
+  CHECK(counts.lost == 0);
+  CHECK(*counts.lost_percent == 0);
+  CHECK(*counts.roundTrip_ms == doctest::Approx(2600));
+}
+
+TEST_CASE("the round trip is the median of the last ones, and every tenth is lost") {
+  LinkStatistics link;
+  for (int i = 0; i < 1000; ++i) {
+    const double now_s = 0.2 * i, trip_s = i < 800 ? 0.5 : i % 2 == 0 ? 0.1 : 0.12;
+    const std::uint32_t number = link.sent(now_s);
+    if (i % 10 != 3) link.answered(number, now_s + trip_s);
+  }
+  const LinkCounts counts = link.counts(300);
+  CHECK(counts.pings == 1000);
+  CHECK(counts.answered == 900);
+  CHECK(counts.lost == 100);
+  CHECK(*counts.lost_percent == doctest::Approx(10).epsilon(0.1));
+  CHECK(*counts.roundTrip_ms > 99);
+  CHECK(*counts.roundTrip_ms < 121);
+}
+
+TEST_CASE("echoes that come twice, of pings that never went, or before they went, count for nothing") {
+  LinkStatistics link;
+  const std::uint32_t number = link.sent(1);
+  link.answered(number, 0.5);
+  link.answered(0, 1.1);
+  link.answered(2, 1.1);
+  link.answered(0xffffffff, 1.1);
+  CHECK(link.counts(1.2).answered == 0);
+  link.answered(number, 1.1);
+  link.answered(number, 1.4);
+  CHECK(link.counts(2).answered == 1);
+  CHECK(*link.counts(2).roundTrip_ms == doctest::Approx(100));
+  for (int i = 0; i < 200; ++i) link.sent(2 + 0.01 * i);
+  link.answered(number + 1, 9);  // too long ago to be known
+  CHECK(link.counts(9).answered == 1);
+  CHECK(link.counts(9).lost == 200);
+}
+
+}  // namespace palpate::sharing
