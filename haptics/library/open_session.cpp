@@ -28,6 +28,7 @@ SessionConfig configFrom(const Subject& subject, const pp_session_options& optio
   if (options.estimate_normals) config.model.normals = NormalSource::estimate;
   config.matter = subject.scene;
   config.stream = subject.stream;
+  if (subject.join) config.join = subject.join->network;
   if (options.tool) config.tool = toolFrom(optionsFrom(options.tool, "tool"));
   config.hands.resize(handsFrom(options));
   config.rate_Hz = options.rate_Hz;
@@ -75,9 +76,11 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
       backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
   if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud has no points; there is nothing to touch");
   backend_->check(config_);
-  const ModelLoading loading{.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
+  ModelLoading loading{.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
+  if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
   model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
                                                        : loadModel(config_, loading));
+  if (joined_ && model_->cloud.empty()) throw Error("'{}' has no points; there is nothing to touch", subject.model.file);
   if (subject.frames) {
     const std::size_t most = subject.frames->most_points ? subject.frames->most_points : model_->cloud.size();
     frames_ = std::make_unique<PushedFrames>(model_->cloud, most, subject.frames->keeps_points != 0);
@@ -92,10 +95,36 @@ OpenSession::~OpenSession() { end(); }
 void OpenSession::end() noexcept {
   try {
     if (live_) live_->stop();
+    leave();
     endRecording();
   } catch (const std::exception& error) {  // the log has what could be written
     remarks_.sink().say("{}", error.what());
   }
+  remarks_.end();
+}
+
+// What this hand has done last is still on its way.
+void OpenSession::leave() {
+  constexpr double kLeaving_s = 2;
+  if (!joined_ || !session_ || !session_->shared()) return;
+  session_->backend().finish();
+  session_->settleShared(std::min(kLeaving_s, joined_->patience_s()));
+}
+
+const JoinedPart& OpenSession::joined() const {
+  if (!joined_) throw StateError("this session was not joined; pp_session_join() joins one that another program serves");
+  return *joined_;
+}
+
+void OpenSession::checkShared() const {
+  if (joined_) joined_->check(*session_);
+}
+
+bool OpenSession::settleShared(double seconds) {
+  joined();
+  settle();
+  checkShared();
+  return session_->settleShared(seconds);
 }
 
 void OpenSession::build(bool journal, bool editable) {
@@ -112,11 +141,12 @@ void OpenSession::build(bool journal, bool editable) {
                    .journal = journal,
                    .undo_bytes = undoBytes(undo),
                    .paintable = editable,
+                   .sharedPatience_s = joined_ ? joined_->patience_s() : kSharedPatience_s,
                    .log = &remarks_.sink(),
                    .source = frames_.get(),
                    .follower = [this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }});
   if (editable) session_->setBrush(std::nullopt);
-  editable_ = editable;
+  editable_ = editable || session_->shared();
 }
 
 void OpenSession::settle() {
@@ -139,6 +169,7 @@ void OpenSession::record(const std::string& file) {
   if (hasLaw_) throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
   if (frames_) throw StateError("frames that a program brings do not come again, and are not recorded");
+  if (session_->shared()) throw StateError("what others do does not come again, and is not recorded");
   if (edits_ > 0 || (shape && shape->counts().version > 0))
     throw StateError(
         "a log begins with the points as they were opened, and these have been edited; save them, and open what "
@@ -171,6 +202,7 @@ bool OpenSession::goesOn(std::size_t hand, const Path& path) const {
 
 ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushConfig>& brush) {
   settle();
+  checkShared();
   struct BrushBefore {
     ~BrushBefore() {
       try {
@@ -210,7 +242,8 @@ void OpenSession::setBrush(const std::optional<BrushConfig>& brush) {
   setBrushBetween(brush);
 }
 
-void OpenSession::setBrushBetween(const std::optional<BrushConfig>& brush) {
+void OpenSession::setBrushBetween(const std::optional<BrushConfig>& asked) {
+  const auto brush = asked && joined_ ? joined_->allowed(*asked, *session_) : asked;
   if (brush == brush_) return;
   if (frames_) throw UsageError("brush: frames that a program brings cannot be sculpted");
   SessionConfig wanted = session_->config();
@@ -236,6 +269,7 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   settle();
   if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
+  if (joined_) session_->settleShared(joined_->patience_s());
   return strokes.undone + strokes.redone;
 }
 
@@ -246,6 +280,7 @@ PointCloud OpenSession::points() {
 
 void OpenSession::startLive(const pp_live_options& options) {
   settle();
+  checkShared();
   live_.reset();
   next_s_ = 0;
   hips_.clear();
@@ -283,6 +318,7 @@ std::span<const AskedTick> OpenSession::touch(std::span<const Pose> poses) {
     throw UsageError("hands: {} poses were given to a session of {} hands", poses.size(), hands());
   if (!asked_) {
     if (isLive()) throw StateError("the session is live; pp_live_stop() comes first");
+    checkShared();
     asked_.emplace(*session_, AskedHandsOptions{.budget_us = budget_us_, .law = law_.custom()});
   }
   reset_.store(false, std::memory_order_relaxed);

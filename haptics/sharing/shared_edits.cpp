@@ -83,6 +83,7 @@ class SharedEdits final : public SharedFollower {
     counts.delivered = exchange_.isDelivered();
     counts.atRest = exchange_.isAtRest();
     counts.same = exchange_.isAtRest() && exchange_.isSame();
+    counts.fault = fault_;
     return counts;
   }
 
@@ -108,13 +109,17 @@ class SharedEdits final : public SharedFollower {
     try {
       while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
         wait_->sleep(kLook_s);
-        const std::scoped_lock hold(lock_);
-        turn();
+        {
+          const std::scoped_lock hold(lock_);
+          turn();
+        }
+        tell();
       }
     } catch (const std::exception& error) {
       const std::scoped_lock hold(lock_);
       fail(error.what());
     }
+    tell();
     // What comes from now on is not kept for anybody.
     wait_.reset();
     results_ = {};
@@ -279,11 +284,19 @@ class SharedEdits final : public SharedFollower {
     say(why);
   }
 
-  // Whoever listens may end what says it (LogListener), which would be this hand's part in the session.
-  void say(const std::string& what) const {
+  void say(std::string what) { said_.push_back(std::move(what)); }
+
+  // Without the lock, which who answers the hand may wait for: who listens takes as long as it likes. It may also end what
+  // says it (LogListener), which would be this hand's part in the session.
+  void tell() {
+    std::vector<std::string> said;
+    {
+      const std::scoped_lock hold(lock_);
+      said.swap(said_);
+    }
     if (!log_) return;
     try {
-      log_->say("{}", what);
+      for (const std::string& what : said) log_->say("{}", what);
     } catch (...) {
     }
   }
@@ -308,6 +321,7 @@ class SharedEdits final : public SharedFollower {
   std::optional<ReaderWait> wait_;  // the thread's alone
   SharedCounts counts_;
   std::string fault_;
+  std::vector<std::string> said_;
   std::map<Id, Other> others_;
   std::uint64_t handsShown_ = 0, lastAcked_ = 0;
   int stuck_ = 0;
