@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <condition_variable>
 #include <map>
 #include <mutex>
 #include <string_view>
@@ -127,57 +126,29 @@ struct Participant::Domain {
   std::string config;
   Entity entity;
 
-  static std::shared_ptr<Domain> of(const NetworkConfig& network);
-
- private:
-  /// Those of this program. A number is free again once DDS has ended its domain, which takes a moment.
-  struct All {
-    std::mutex lock;  // of what follows
-    std::condition_variable ended;
-    struct Place {
-      std::weak_ptr<Domain> domain;
-      bool taken = false;
-    };
-    std::map<std::uint32_t, Place> places;
-  };
-  static All& all() {
-    static All& all = *new All;  // as Remarks
-    return all;
+  static std::shared_ptr<Domain> of(const NetworkConfig& network) {
+    static std::mutex& lock = *new std::mutex;  // as Remarks
+    static auto& all = *new std::map<std::uint32_t, std::weak_ptr<Domain>>;
+    const std::string config = configOf(network);
+    Remarks::all().take();
+    std::shared_ptr<Domain> there;
+    const std::scoped_lock hold(lock);
+    there = all[network.domain].lock();
+    if (!there) {
+      try {
+        there = std::make_shared<Domain>(config, network.domain);
+      } catch (const NetworkError& error) {
+        const std::string why = Remarks::all().take();
+        throw NetworkError("the network of {} cannot be used: {}; is there such an interface, and does it carry IPv4?",
+                           network.interface.empty() ? "this machine" : network.interface, why.empty() ? error.what() : why);
+      }
+      all[network.domain] = there;
+    }
+    if (there->config != config)
+      throw UsageError("domain: this program is on domain {} of another network already", network.domain);
+    return there;
   }
-  static std::shared_ptr<Domain> made(const std::string& config, const NetworkConfig& network);
 };
-
-std::shared_ptr<Participant::Domain> Participant::Domain::of(const NetworkConfig& network) {
-  const std::string config = configOf(network);
-  Remarks::all().take();
-  std::shared_ptr<Domain> there;  // may be the last to let go of it, which takes the lock
-  std::unique_lock hold(all().lock);
-  All::Place& place = all().places[network.domain];
-  all().ended.wait(hold, [&] { return (there = place.domain.lock()) || !place.taken; });
-  if (!there) {
-    there = made(config, network);
-    place = {.domain = there, .taken = true};
-  }
-  if (there->config != config)
-    throw UsageError("domain: this program is on domain {} of another network already", network.domain);
-  return there;
-}
-
-std::shared_ptr<Participant::Domain> Participant::Domain::made(const std::string& config, const NetworkConfig& network) {
-  const auto end = [number = network.domain](Domain* domain) {
-    const std::scoped_lock hold(all().lock);
-    delete domain;
-    all().places[number].taken = false;
-    all().ended.notify_all();
-  };
-  try {
-    return {new Domain(config, network.domain), end};
-  } catch (const NetworkError& error) {
-    const std::string why = Remarks::all().take();
-    throw NetworkError("the network of {} cannot be used: {}; is there such an interface, and does it carry IPv4?",
-                       network.interface.empty() ? "this machine" : network.interface, why.empty() ? error.what() : why);
-  }
-}
 
 Participant::Participant(const NetworkConfig& network, const Qos& qos)
     : domain_(Domain::of(network)),

@@ -348,26 +348,6 @@ TEST_CASE("handles that are closed, of another kind or of sessions that were not
   CHECK(pp_session_others(session, nullptr, 0, &count) == PP_ERROR_HANDLE);
 }
 
-TEST_CASE("sessions of one network are joined and left by several threads at once") {
-  if (!isBuilt()) return;
-  const pp_network network = ownNetwork();
-  std::atomic<int> wrong = 0;
-  std::vector<std::thread> threads;
-  for (int i = 0; i < 4; ++i)
-    threads.emplace_back([&] {
-      for (int turn = 0; turn < 10; ++turn) {
-        pp_join_options join = pp_default_join_options();
-        join.network = &network;
-        join.patience_s = 0.01;
-        pp_session session{};
-        wrong += pp_session_join("nobody's", &join, nullptr, &session) != PP_ERROR_NETWORK;
-        wrong += lastErrorSays("nobody serves") ? 0 : 1;
-      }
-    });
-  for (std::thread& thread : threads) thread.join();
-  CHECK(wrong == 0);
-}
-
 TEST_CASE("a log function is told who comes, and whatever it calls of its server does no harm") {
   if (!isBuilt()) return;
   struct Heard {
