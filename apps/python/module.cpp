@@ -57,4 +57,5 @@ PYBIND11_MODULE(_palpate, module) {
   bindLogs(module);
   bindMatter(module);
   bindSessions(module);
+  bindSharing(module);
 }
