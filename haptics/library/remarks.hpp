@@ -21,10 +21,13 @@ class Remarks final : public LogListener {
   }
   Log& sink() { return sink_; }
   void said(std::string_view line) override {
+    struct Inside {
+      Inside() { isInLogFunction = true; }
+      ~Inside() { isInLogFunction = false; }
+    };
     const std::string whole(line);
-    isInLogFunction = true;
+    const Inside inside;
     log_(user_, whole.c_str());
-    isInLogFunction = false;
   }
   /// Waits for the program's function where it is called now; it is not called again.
   void end() { sink_.listen(nullptr); }

@@ -165,6 +165,29 @@ def test_a_journal_goes_on_in_another_server(ball, tmp_path):
 
 
 @needs_dds
+def test_a_server_whose_journal_cannot_be_written_any_more_ends_and_says_why(tmp_path):
+    name = f"full {os.getpid()}"
+    program = another_python("""
+        import os, resource
+        way = np.column_stack([np.cos(np.arange(2000)), np.sin(np.arange(2000)), np.arange(2000) / 2000])
+        server = pp.serve(pp.Cloud(way, normals=way * (1, 1, 0)), name, NETWORK, journal=sys.argv[2], mm_per_unit=30)
+        there = os.path.getsize(sys.argv[2])
+        resource.setrlimit(resource.RLIMIT_FSIZE, (there, there))
+        print("serving", flush=True)
+        try:
+            server.wait(40)
+        except pp.Error as error:
+            print(server.serving, len(server.cloud()), error.status, error, flush=True)
+    """, name, str(tmp_path / "strokes"))
+    assert program.stdout is not None and program.stdout.readline() == "serving\n"
+    with pp.Session(pp.Join(name, NETWORK, patience_s=3), gpu="cpu") as s:
+        s.push(np.column_stack([np.linspace(1.1, 0.8, 100), np.zeros(100), np.full(100, 0.5)]), radius_mm=5)
+        assert not s.sharing.delivered  # and nobody has been told that it is kept
+    out, _ = program.communicate(timeout=60)
+    assert out.startswith("False 2000 network ") and "strokes" in out
+
+
+@needs_dds
 def test_what_cannot_be_is_said(ball, served):
     for wrong, error, words in (
         (lambda: pp.serve(ball, served.name, NETWORK), pp.Error, "another name"),
