@@ -130,7 +130,30 @@ TEST_CASE("a pulled loop sculpts a joined cloud is seen, and feels what others d
   PP_CHECK_OK(pp_session_close(watcher));
 }
 
-TEST_CASE("a live hand on a joined cloud sculpts it, and what it did last is delivered as it is closed") {
+TEST_CASE("what a pulled hand has done, and nobody has taken in yet, is delivered as it is closed") {
+  if (!isBuilt()) return;
+  const Serving serving("left");
+  pp_session_options options = cpuOptions();
+  options.budget_us = 100'000;
+  const pp_session session = joined("left", "anna", options);
+  pp_brush push = pp_default_brush();
+  push.radius_mm = 5;
+  PP_REQUIRE_OK(pp_session_set_brush(session, &push));
+  pp_contact contact{};
+  for (std::size_t i = 0; i < 100; ++i) {
+    const pp_pose pose = poseAt(i, 52 - 0.05 * static_cast<double>(i));
+    PP_REQUIRE_OK(pp_touch(session, &pose, &contact));
+  }
+  CHECK(serving.info().states == 0);
+  PP_CHECK_OK(pp_session_close(session));
+  CHECK(serving.info().states > 20);
+  const pp_session late = joined("left", "late");
+  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  CHECK(touch(late, pathOf(pressPath(1))).back().penetration_mm < 0.5);
+  PP_CHECK_OK(pp_session_close(late));
+}
+
+TEST_CASE("a live hand on a joined cloud sculpts it, and who comes later has what it has done") {
   if (!isBuilt()) return;
   const Serving serving("lively");
   const auto before = serving.points();
