@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/python/arrays.hpp"
+
 namespace palpate::python {
 
 /// Filled by threads that know nothing of Python.
@@ -25,5 +27,11 @@ class Heard {
   mutable std::mutex lock_;
   std::vector<std::string> lines_;
 };
+
+inline py::list told(const Heard& heard) {
+  py::list lines;
+  for (const std::string& line : heard.lines()) lines.append(textOf(line));
+  return lines;
+}
 
 }  // namespace palpate::python

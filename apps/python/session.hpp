@@ -80,7 +80,7 @@ class PySession {
   std::uint64_t lateLaws() const { return liveLaw_.python() ? liveLaw_.python()->late() : 0; }
 
   void close();
-  std::vector<std::string> remarks() const { return heard_.lines(); }
+  py::list remarks() const { return told(heard_); }
   pp::Session& session() { return session_; }
 
  private:

@@ -75,7 +75,7 @@ class PyServer {
     pp::check(pp_server_cloud({id_}, &cloud));
     return std::make_shared<PyCloud>(pp::Cloud(cloud));
   }
-  std::vector<std::string> remarks() const { return heard_.lines(); }
+  py::list remarks() const { return told(heard_); }
 
  private:
   Heard heard_;
@@ -93,8 +93,8 @@ py::dict told(const pp_server_info& info) {
   told["sent"] = info.sent;
   told["refused"] = info.refused;
   told["mm_per_unit"] = info.mm_per_unit;
-  told["openness"] = std::string(info.openness);
-  told["fault"] = std::string(info.fault);
+  told["openness"] = textOf(info.openness);
+  told["fault"] = textOf(info.fault);
   return told;
 }
 
@@ -105,9 +105,9 @@ py::object tripOf(double round_trip_ms) {
 
 py::dict told(const pp_sharing& sharing) {
   py::dict told;
-  told["name"] = std::string(sharing.name);
-  told["host"] = std::string(sharing.host);
-  told["model"] = std::string(sharing.model);
+  told["name"] = textOf(sharing.name);
+  told["host"] = textOf(sharing.host);
+  told["model"] = textOf(sharing.model);
   told["sculptable"] = sharing.sculptable != 0;
   told["heard"] = sharing.heard != 0;
   told["silent_s"] = sharing.silent_s;
@@ -122,7 +122,7 @@ py::dict told(const pp_sharing& sharing) {
   told["delivered"] = sharing.delivered != 0;
   told["at_rest"] = sharing.at_rest != 0;
   told["same"] = sharing.same != 0;
-  told["fault"] = std::string(sharing.fault);
+  told["fault"] = textOf(sharing.fault);
   return told;
 }
 
@@ -134,7 +134,7 @@ py::list survey(const NetworkTuple& network, double seconds) {
   }
   py::list all;
   for (const pp_seen_session& one : seen)
-    all.append(py::make_tuple(std::string(one.name), std::string(one.host), std::string(one.model), one.points,
+    all.append(py::make_tuple(textOf(one.name), textOf(one.host), textOf(one.model), one.points,
                               tripOf(one.round_trip_ms), one.version, one.fits != 0, one.pings, one.answered));
   return all;
 }
@@ -145,7 +145,7 @@ py::list othersOf(PySession& self) {
   const std::vector<pp_other_hand> hands = self.with([](pp::Session& open) { return open.others(); });
   py::list all;
   for (const pp_other_hand& hand : hands)
-    all.append(py::make_tuple(std::string(hand.name), hand.number, vector(hand.position), vector(hand.proxy),
+    all.append(py::make_tuple(textOf(hand.name), hand.number, vector(hand.position), vector(hand.proxy),
                               hand.touching != 0, hand.sculpts != 0, hand.age_s));
   return all;
 }

@@ -108,6 +108,19 @@ def test_a_live_hand_is_seen_and_sculpts_without_anybody_taking_its_ticks(served
 
 
 @needs_dds
+def test_pictures_and_meshes_show_what_the_others_have_done(served):
+    with joined(served, hand="anna") as s, joined(served, hand="ben") as watcher:
+        view = {"size": (96, 96), "eye": (0, 0, 3 * RADIUS), "target": (0, 0, 0), "up": (0, 1, 0)}
+        before = watcher.render(**view)
+        s.stroke(press_path(2), "paint", radius_mm=10, color=(0, 0, 255))
+        s.push(press_path(4), radius_mm=8)
+        assert s.settle(20) and watcher.settle(20)
+        after = watcher.render(**view)
+        assert not np.array_equal(after, before) and np.array_equal(after, s.render(**view))
+        assert watcher.mesh(lattice=48).vertices[:, 2].max() < RADIUS
+
+
+@needs_dds
 def test_sessions_are_listed_with_their_round_trips(served):
     seen = {session.name: session for session in pp.sessions(NETWORK, 1)}
     assert served.name in seen
@@ -215,6 +228,18 @@ def test_what_cannot_be_is_said(ball, served):
             with pytest.raises(pp.Error, match="not joined") as caught:
                 ask()
             assert caught.value.status == "state"
+
+
+@needs_dds
+def test_names_that_are_cut_off_in_a_character_are_told_as_well_as_they_can_be(ball):
+    with pp.serve(ball, f"ü {os.getpid()}", NETWORK, model="a" + "é" * 150) as server:
+        with joined(server, hand="a" + "ü" * 40) as s, joined(server) as watcher:
+            s.touch(press_path(1))
+            assert until(lambda: any(hand.name.startswith("aüüü") for hand in watcher.others))
+            assert s.sharing.name == server.name and s.sharing.model.startswith("aééé")
+            assert any("aééé" in line for line in s.remarks)
+        seen = next(session for session in pp.sessions(NETWORK, 0.5) if session.name == server.name)
+        assert seen.model.startswith("aééé") and seen.model.endswith("\ufffd")
 
 
 @needs_dds

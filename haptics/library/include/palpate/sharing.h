@@ -19,7 +19,8 @@ typedef struct pp_network {
 } pp_network;
 PP_OPTIONS(network)
 
-/* A session that somebody serves. */
+/* A session that somebody serves. Names are what others have called themselves: cut off where there is no room, without
+ * control characters, and perhaps no UTF-8. */
 typedef struct pp_seen_session {
   char name[208], host[64], model[208]; /* what its points are, in its server's words */
   uint64_t points;
