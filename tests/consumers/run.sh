@@ -68,6 +68,7 @@ if grep -q serving "$scratch/serve.txt"; then
   points=$(grep points "$scratch/serve.txt")
   # Who was done last has what the server has; the other one may have been done before that.
   grep -qxF "$points" "$scratch/one.txt" "$scratch/two.txt" || fail "the points differ: $(cat "$scratch"/{serve,one,two}.txt)"
+  "$scratch/build/together" "$domain" || fail 'a cloud is not the same everywhere in one program'
   echo "share: $points, of two hands and their server"
 else
   code=0
