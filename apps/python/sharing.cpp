@@ -55,7 +55,10 @@ class PyServer {
     pp::check(pp_serve(cloud.cloud().handle(), name.c_str(), &options, &server));
     id_ = server.id;
   }
-  ~PyServer() { close(); }
+  ~PyServer() {
+    py::gil_scoped_release released;
+    if (const std::uint64_t id = id_.exchange(0)) pp_server_close({id});
+  }
   PyServer(const PyServer&) = delete;
   PyServer& operator=(const PyServer&) = delete;
 
