@@ -60,7 +60,7 @@ pp_server_info OpenServer::info() {
   putText(opennessOf(network_), info.openness);
   try {
     thread_.check();
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     putText(error.what(), info.fault);
   }
   return info;
