@@ -36,6 +36,7 @@ struct SharedCounts {
   bool delivered = false;       ///< all that this hand has done has been taken
   bool atRest = false;          ///< and all that others have done is in effect here
   bool same = false;            ///< at rest: the points are the server's, bit by bit
+  std::string fault;            ///< why this hand's part has ended for good; empty: it goes on
 };
 
 /// Where a hand is. Coordinates of the file.

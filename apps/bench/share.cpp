@@ -30,7 +30,7 @@ class SharedHand {
  public:
   SharedHand(Context& context, SessionConfig config, const std::string& name, const Stopwatch& clock)
       : config_(std::move(config)),
-        session_(config_, loadModel(config_, {.log = context.log(), .join = sessionJoiner(name)}),
+        session_(config_, loadModel(config_, {.log = context.log(), .join = joiningHand(name)}),
                  {.backend = context.backends().named(config_.backend.name), .threads = 1, .log = &context.log()}),
         device_(clock, farPlace()) {
     if (!session_.shared()) throw Error("'{}' is served to be felt alone (--read-only): nothing can be done to it", config_.model.file);

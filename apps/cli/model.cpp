@@ -93,7 +93,7 @@ double supportRadius(const std::string& text, const Model& model) {
 namespace {
 
 ModelLoading loadingOf(Context& context, EstimateOn where, const NetworkOptions* network) {
-  ModelLoading loading{.log = context.log(), .threads = context.threads(), .join = pointsJoiner()};
+  ModelLoading loading{.log = context.log(), .threads = context.threads(), .join = joiningOnlooker()};
   if (network) {
     loading.fetch = rosFetcher(*network);
     loading.watch = rosWatcher(*network, context.threads());

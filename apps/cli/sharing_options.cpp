@@ -1,11 +1,9 @@
 #include "apps/cli/sharing_options.hpp"
 
 #include "apps/cli/stop_by_signal.hpp"
-#include "engine/cloud/length_unit.hpp"
 #include "haptics/session/bounds.hpp"
+#include "haptics/session/session_joiner.hpp"
 #include "haptics/sharing/ros.hpp"
-#include "haptics/sharing/shared_cloud.hpp"
-#include "haptics/sharing/shared_edits.hpp"
 
 namespace palpate {
 
@@ -66,26 +64,21 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
 
 namespace {
 
-JoinedCloud join(const std::string& name, const JoinConfig& join, Log& log, bool present) {
-  const StopBySignal stop;
-  const NetworkConfig network{
-      .interface = join.network, .peers = join.peers, .domain = join.domain, .security = join.security};
-  JoinedCloud joined = joinCloud(name, {.network = network,
-                                        .present = present,
-                                        .log = &log,
-                                        .stop = &StopBySignal::requested()});
-  log.say("{}: {} points of {}, served by {}; {}", name, joined.cloud.size(), joined.model, joined.host, opennessOf(network));
-  sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
-  return joined;
+// Whatever is fetched over a network ends when somebody asks the program to.
+SessionJoiner stoppable(SessionJoiner joiner) {
+  return [joiner = std::move(joiner)](const std::string& name, const JoinConfig& config, Log& log) {
+    const StopBySignal stop;
+    return joiner(name, config, log);
+  };
 }
 
 }  // namespace
 
-SessionJoiner pointsJoiner() {
-  return [](const std::string& name, const JoinConfig& config, Log& log) {
-    return JoinedModel{.cloud = join(name, config, log, true).cloud};
-  };
+SessionJoiner joiningHand(const std::string& hand) {
+  return stoppable(sessionJoiner({.hand = hand, .stop = &StopBySignal::requested()}));
 }
+
+SessionJoiner joiningOnlooker() { return stoppable(pointsJoiner({.stop = &StopBySignal::requested()})); }
 
 CloudFetcher rosFetcher(const NetworkOptions& network) {
   return [config = network.config()](const std::string& name, Log& log) {
@@ -104,20 +97,6 @@ FrameWatcher rosWatcher(const NetworkOptions& network, unsigned threads) {
                            .depthScale = stream.depthScale,
                            .needsPictures = stream.fuse,
                            .threads = threads});
-  };
-}
-
-SessionJoiner sessionJoiner(const std::string& hand) {
-  return [hand](const std::string& name, const JoinConfig& config, Log& log) {
-    JoinedCloud joined = join(name, config, log, false);
-    JoinedModel model{.cloud = std::move(joined.cloud)};
-    if (!joined.sculptable)
-      log.say("{}: it is served to be felt alone; nothing of it changes, so that it is felt whether or not the link holds", name);
-    if (joined.sculptable)
-      model.share = [session = joined.session, hand, &log](const PointCloud& cloud, TouchBackend& backend) {
-        return shareEdits({.session = session, .cloud = cloud, .backend = backend, .hand = hand, .log = &log});
-      };
-    return model;
   };
 }
 

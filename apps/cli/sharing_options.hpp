@@ -48,9 +48,9 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
                                      const std::string& live = {});
 
 /// Joins sessions while nobody asks the program to end, as one more hand of this name.
-SessionJoiner sessionJoiner(const std::string& hand);
-/// Fetches the points of a session as they are, to look at them.
-SessionJoiner pointsJoiner();
+SessionJoiner joiningHand(const std::string& hand);
+/// The same of the points of a session as they are, to look at them.
+SessionJoiner joiningOnlooker();
 /// Hears clouds of ROS on that network while nobody asks the program to end.
 CloudFetcher rosFetcher(const NetworkOptions& network);
 /// Opens topics of ROS as streams, likewise. `threads`: for what comes without normals.

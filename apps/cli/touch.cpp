@@ -200,7 +200,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   Model model = loadModel(config, {.log = context.log(),
                                    .threads = context.threads(),
                                    .estimate = kind.normalEstimator(),
-                                   .join = sessionJoiner(options.join.hand),
+                                   .join = joiningHand(options.join.hand),
                                    .fetch = rosFetcher(options.join.network),
                                    .watch = rosWatcher(options.join.network, context.threads())});
   start.ended("model");
@@ -260,7 +260,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
     session.finish();
     if (options.undo > 0) {
       undone = session.undo(options.undo, options.redo);
-      session.settleShared(Session::kShared_s);
+      session.settleShared(kSharedPatience_s);
     }
   } catch (const Error& error) {
     session.relay().stop();

@@ -19,6 +19,12 @@ Doubles pathRows(const py::object& given) {
 
 }  // namespace
 
+py::str textOf(std::string_view text) {
+  PyObject* const made = PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace");
+  if (!made) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(made);
+}
+
 pp_rows rowsOf(const py::array& array) {
   const bool single = array.dtype().is(py::dtype::of<float>());
   return single ? pp::rows(static_cast<const float*>(array.data())) : pp::rows(static_cast<const double*>(array.data()));

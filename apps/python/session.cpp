@@ -56,14 +56,12 @@ void Brush::set(const std::string& key, const py::handle& value) {
 
 PySession::PySession(const py::object& cloud, const SessionSettings& settings, Law law)
     : surface_(settings.surface), hands_(settings.hands), hasTorques_(settings.tool != "point"), law_(std::move(law)) {
-  const bool isScene = py::isinstance<py::str>(cloud);
-  const std::string scene = isScene ? cloud.cast<std::string>() : std::string();
-  if (!isScene) {
-    if (!py::isinstance<PyCloud>(cloud))
-      throw py::type_error("cloud: " + std::string(py::str(py::type::of(cloud))) +
-                           " is neither a Cloud nor the name of a scene");
+  const std::string name = py::isinstance<py::str>(cloud) ? cloud.cast<std::string>() : std::string();
+  if (py::isinstance<PyCloud>(cloud))
     cloud_ = cloud.cast<CloudPointer>();
-  }
+  else if (!settings.join && !py::isinstance<py::str>(cloud))
+    throw py::type_error("cloud: " + std::string(py::str(py::type::of(cloud))) +
+                         " is no Cloud, no name of a scene and no Join");
   feel_ = pp_default_feel();
   feel_.friction = settings.friction;
   feel_.radius_mm = settings.radius_mm.value_or(0);
@@ -90,31 +88,33 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   options.law = law_.function();
   options.law_user = law_.user();
   options.law_library = law_.library();
-  options.log = [](void* user, const char* line) { static_cast<PySession*>(user)->hear(line); };
-  options.log_user = this;
-  pp_frames_options frames = pp_default_frames_options();
-  frames.keeps_points = settings.keeps_points ? 1 : 0;
-  frames.most_points = settings.most_points;
-  if (isScene && settings.moving) refuse("moving: what is no Cloud moves by itself; leave it out");
-  const bool isFolder = isScene && std::filesystem::is_directory(scene);
-  if (!isFolder && (settings.speed != 1 || settings.loop || settings.fuse))
+  options.log = &Heard::hear;
+  options.log_user = &heard_;
+  if (!cloud_ && settings.moving) refuse("moving: is of a Cloud; leave it out");
+  if (!settings.moving && (settings.keeps_points || settings.most_points > 0))
+    refuse("keeps_points, most_points: are of points that move frame by frame; say moving=True");
+  if (!std::filesystem::is_directory(name) && (settings.speed != 1 || settings.loop || settings.fuse))
     refuse("speed, loop, fuse: are of a recorded depth camera, in a folder");
+  py::gil_scoped_release released;
+  session_ = opened(name, settings, options);
+}
+
+pp::Session PySession::opened(const std::string& name, const SessionSettings& settings,
+                              const pp_session_options& options) const {
+  if (settings.join) return join(*settings.join, options);
+  if (settings.moving) {
+    pp_frames_options frames = pp_default_frames_options();
+    frames.keeps_points = settings.keeps_points ? 1 : 0;
+    frames.most_points = settings.most_points;
+    return pp::Session::ofFrames(cloud_->cloud(), frames, options);
+  }
+  if (cloud_) return pp::Session(cloud_->cloud(), options);
+  if (!std::filesystem::is_directory(name)) return pp::Session::ofMatter(name, options);
   pp_stream_options stream = pp_default_stream_options();
   stream.speed = settings.speed;
   stream.loop = settings.loop ? 1 : 0;
   stream.fuse = settings.fuse ? 1 : 0;
-  if (!settings.moving && (settings.keeps_points || settings.most_points > 0))
-    refuse("keeps_points, most_points: are of points that move frame by frame; say moving=True");
-  py::gil_scoped_release released;
-  if (isFolder) {
-    session_ = pp::Session::ofStream(scene, stream, options);
-    return;
-  }
-  if (settings.moving) {
-    session_ = pp::Session::ofFrames(cloud_->cloud(), frames, options);
-    return;
-  }
-  session_ = isScene ? pp::Session::ofMatter(scene, options) : pp::Session(cloud_->cloud(), options);
+  return pp::Session::ofStream(name, stream, options);
 }
 
 PySession::~PySession() {
@@ -285,16 +285,6 @@ void PySession::close() {
     session = pp::Session();
   });
   if (liveLaw_.python()) liveLaw_.python()->setLive(false);
-}
-
-std::vector<std::string> PySession::remarks() const {
-  const std::scoped_lock lock(heard_);
-  return remarks_;
-}
-
-void PySession::hear(const char* line) {
-  const std::scoped_lock lock(heard_);
-  remarks_.emplace_back(line);
 }
 
 }  // namespace palpate::python

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "apps/python/arrays.hpp"
+#include "apps/python/heard.hpp"
 #include "apps/python/law.hpp"
+#include "apps/python/network.hpp"
 
 namespace palpate::python {
 
@@ -30,6 +32,7 @@ struct SessionSettings {
   std::uint64_t most_points = 0;
   double speed = 1;
   bool loop = false, fuse = false;
+  std::optional<JoinTuple> join;  ///< in place of a cloud
 };
 
 /// Whatever brush.
@@ -48,7 +51,7 @@ struct Brush {
 /// One thread at a time is in it; others wait.
 class PySession {
  public:
-  /// `cloud`: a cloud, or the name of a scene of matter.
+  /// `cloud`: a cloud, or the name of a scene of matter; None where a session of others is joined.
   PySession(const py::object& cloud, const SessionSettings& settings, Law law);
   ~PySession();
   PySession(const PySession&) = delete;
@@ -77,17 +80,16 @@ class PySession {
   std::uint64_t lateLaws() const { return liveLaw_.python() ? liveLaw_.python()->late() : 0; }
 
   void close();
-  std::vector<std::string> remarks() const;
+  py::list remarks() const { return told(heard_); }
   pp::Session& session() { return session_; }
 
  private:
-  void hear(const char* line);
+  pp::Session opened(const std::string& name, const SessionSettings& settings, const pp_session_options& options) const;
   pp_feel feelWith(const std::string& surface) const;
   py::array along(const py::object& path, const pp_brush* brush);
 
   CloudPointer cloud_;
-  mutable std::mutex heard_;
-  std::vector<std::string> remarks_;
+  Heard heard_;
   std::string surface_;
   pp_feel feel_{};
   std::uint32_t hands_;
@@ -99,5 +101,7 @@ class PySession {
 
 void bindLogs(py::module_& module);
 void bindSessionsMatter(py::class_<PySession>& session);
+void bindSessionsSharing(py::class_<PySession>& session);
+void bindSharing(py::module_& module);
 
 }  // namespace palpate::python

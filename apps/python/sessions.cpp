@@ -87,12 +87,13 @@ void bindSessions(py::module_& module) {
                        double damping, double max_force, double rate, bool estimate_normals, std::uint32_t threads,
                        double undo_memory_MiB, std::uint32_t hands, const std::string& tool, std::uint32_t tool_points,
                        double tool_size_mm, const Vector& tool_axis, bool moving, bool keeps_points,
-                       std::uint64_t most_points, double speed, bool loop, bool fuse, const py::object& law, bool allow_python) {
+                       std::uint64_t most_points, double speed, bool loop, bool fuse,
+                       const std::optional<JoinTuple>& join, const py::object& law, bool allow_python) {
              const SessionSettings settings{gpu,     mm_per_unit, surface,          radius_mm, friction,
                                             stiffness, damping,   max_force,        rate,      estimate_normals,
                                             threads, undo_memory_MiB, hands,        tool,      tool_points,
                                             tool_size_mm, tool_axis, moving, keeps_points, most_points, speed, loop,
-                                            fuse};
+                                            fuse, join};
              return std::make_unique<PySession>(cloud, settings, Law(law, allow_python));
            }),
            py::arg("cloud"), py::arg("gpu") = py::none(), py::arg("mm_per_unit") = py::none(),
@@ -104,7 +105,7 @@ void bindSessions(py::module_& module) {
            py::arg("tool_points") = tools.points, py::arg("tool_size_mm") = tools.size_mm,
            py::arg("tool_axis") = Vector{tools.axis[0], tools.axis[1], tools.axis[2]}, py::arg("moving") = false,
            py::arg("keeps_points") = false, py::arg("most_points") = 0, py::arg("speed") = 1.0, py::arg("loop") = false,
-           py::arg("fuse") = false, py::arg("law") = py::none(),
+           py::arg("fuse") = false, py::arg("join") = py::none(), py::arg("law") = py::none(),
            py::arg("allow_python") = false)
       .def("close", &PySession::close,
            "close()\n\nEnds it, and a live session with it; what is called then raises Error. A with statement does\n"
@@ -162,6 +163,7 @@ void bindSessions(py::module_& module) {
          "average, sharp or density.");
   bindTouch(session);
   bindSessionsMatter(session);
+  bindSessionsSharing(session);
 }
 
 }  // namespace palpate::python

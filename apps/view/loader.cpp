@@ -61,7 +61,7 @@ Loader::Result Loader::load() {
     Model model = given_ ? std::move(*given_)
                          : loadModel(options_.config, {.log = context_.log(),
                                                        .threads = context_.threads(),
-                                                       .join = sessionJoiner(options_.hand),
+                                                       .join = joiningHand(options_.hand),
                                                        .fetch = rosFetcher(options_.network),
                                                        .watch = rosWatcher(options_.network, context_.threads())});
     isRead_ = true;

@@ -4,14 +4,20 @@
 #include <atomic>
 
 #include "haptics/library/failures.hpp"
+#include "haptics/library/remarks.hpp"
 
 namespace palpate::library {
+
+/// Throws StateError.
+inline void refuseInLogFunction() {
+  if (isInLogFunction) throw StateError("a log function calls nothing of a session, of matter or of a server");
+}
 
 enum class Claim : unsigned { touch = 1, look = 2, all = 3 };
 
 class Claims {
  public:
-  /// Held while a call lasts. Throws ThreadError where another thread has what it wants.
+  /// Held while a call lasts. Throws ThreadError where another thread has what it wants, StateError in a log function.
   class Held {
    public:
     Held(Claims& claims, Claim claim) : claims_(claims), bits_(static_cast<unsigned>(claim)) { claims_.take(bits_); }
@@ -26,6 +32,7 @@ class Claims {
 
  private:
   void take(unsigned bits) {
+    refuseInLogFunction();
     unsigned before = taken_.load(std::memory_order_relaxed);
     do {
       if (before & bits) throw ThreadError("another thread is in a call on this session that does not go with this one");

@@ -6,6 +6,7 @@
 #include "engine/mesh/mesh_plan.hpp"
 #include "haptics/session/picture_request.hpp"
 #include "haptics/session/session_config.hpp"
+#include "haptics/session/session_joiner.hpp"
 
 namespace palpate::library {
 
@@ -108,6 +109,13 @@ pp_stream_options usual() {
   return options;
 }
 
+template <>
+pp_join_options usual() {
+  auto options = sized<pp_join_options>();
+  options.patience_s = Joining{}.patience_s;
+  return options;
+}
+
 }  // namespace palpate::library
 
 // A program of any age says how large it knows the struct to be.
@@ -136,5 +144,10 @@ PALPATE_INIT(frames_options)
 PALPATE_INIT(frame_arrays)
 PALPATE_INIT(stream_options)
 PALPATE_INIT(replay_result)
+PALPATE_INIT(network)
+PALPATE_INIT(join_options)
+PALPATE_INIT(sharing)
+PALPATE_INIT(serve_options)
+PALPATE_INIT(server_info)
 
 #undef PALPATE_INIT

@@ -29,5 +29,7 @@ template <>
 pp_mesh_options usual();
 template <>
 pp_stream_options usual();
+template <>
+pp_join_options usual();
 
 }  // namespace palpate::library

@@ -3,6 +3,8 @@
 #include <new>
 #include <string>
 
+#include "haptics/sharing/network.hpp"
+
 namespace palpate::library {
 
 namespace {
@@ -45,6 +47,8 @@ pp_status noteHandled() {
     return note(PP_ERROR_ARGUMENT, error.what());
   } catch (const FileError& error) {
     return note(PP_ERROR_FILE, error.what(), &error);
+  } catch (const NetworkError& error) {
+    return note(canShare() ? PP_ERROR_NETWORK : PP_ERROR_UNSUPPORTED, error.what());
   } catch (const GpuError& error) {
     return note(PP_ERROR_GPU, error.what());
   } catch (const std::exception& error) {
@@ -110,6 +114,8 @@ const char* pp_status_name(int status) {
       return "bug";
     case PP_ERROR_SIMULATION:
       return "simulation";
+    case PP_ERROR_NETWORK:
+      return "network";
   }
   return "unknown";
 }

@@ -33,6 +33,8 @@ std::string_view nameOf(HandleKind kind) {
       return "matter";
     case HandleKind::log:
       return "log";
+    case HandleKind::server:
+      return "server";
   }
   return {};
 }

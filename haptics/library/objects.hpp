@@ -17,6 +17,7 @@
 namespace palpate::library {
 
 class OpenMatter;
+class OpenServer;
 struct LogObject;
 
 /// Where the points lie in memory.
@@ -50,6 +51,7 @@ constexpr HandleKind kKindOf = std::is_same_v<Object, CloudObject>   ? HandleKin
                                : std::is_same_v<Object, MeshObject>  ? HandleKind::mesh
                                : std::is_same_v<Object, FrameObject> ? HandleKind::frame
                                : std::is_same_v<Object, OpenMatter>  ? HandleKind::matter
+                               : std::is_same_v<Object, OpenServer>  ? HandleKind::server
                                : std::is_same_v<Object, LogObject>   ? HandleKind::log
                                                                      : HandleKind::session;
 

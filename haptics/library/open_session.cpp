@@ -1,12 +1,9 @@
 #include "haptics/library/open_session.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <thread>
 #include <utility>
 
 #include "engine/edit/journal.hpp"
-#include "engine/matter/matter_model.hpp"
 #include "haptics/devices/path_device.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
@@ -28,6 +25,7 @@ SessionConfig configFrom(const Subject& subject, const pp_session_options& optio
   if (options.estimate_normals) config.model.normals = NormalSource::estimate;
   config.matter = subject.scene;
   config.stream = subject.stream;
+  if (subject.join) config.join = subject.join->network;
   if (options.tool) config.tool = toolFrom(optionsFrom(options.tool, "tool"));
   config.hands.resize(handsFrom(options));
   config.rate_Hz = options.rate_Hz;
@@ -75,9 +73,11 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
       backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
   if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud has no points; there is nothing to touch");
   backend_->check(config_);
-  const ModelLoading loading{.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
+  ModelLoading loading{.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
+  if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
   model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
                                                        : loadModel(config_, loading));
+  if (joined_ && model_->cloud.empty()) throw Error("'{}' has no points; there is nothing to touch", subject.model.file);
   if (subject.frames) {
     const std::size_t most = subject.frames->most_points ? subject.frames->most_points : model_->cloud.size();
     frames_ = std::make_unique<PushedFrames>(model_->cloud, most, subject.frames->keeps_points != 0);
@@ -92,10 +92,36 @@ OpenSession::~OpenSession() { end(); }
 void OpenSession::end() noexcept {
   try {
     if (live_) live_->stop();
+    leave();
     endRecording();
   } catch (const std::exception& error) {  // the log has what could be written
     remarks_.sink().say("{}", error.what());
   }
+  remarks_.end();
+}
+
+// What this hand has done last is still on its way.
+void OpenSession::leave() {
+  constexpr double kLeaving_s = 2;
+  if (!joined_ || !session_ || !session_->shared()) return;
+  session_->backend().finish();
+  session_->settleShared(std::min(kLeaving_s, joined_->patience_s()));
+}
+
+const JoinedPart& OpenSession::joined() const {
+  if (!joined_) throw StateError("this session was not joined; pp_session_join() joins one that another program serves");
+  return *joined_;
+}
+
+void OpenSession::checkShared() const {
+  if (joined_) joined_->check(*session_);
+}
+
+bool OpenSession::settleShared(double seconds) {
+  joined();
+  settle();
+  checkShared();
+  return session_->settleShared(seconds);
 }
 
 void OpenSession::build(bool journal, bool editable) {
@@ -112,11 +138,12 @@ void OpenSession::build(bool journal, bool editable) {
                    .journal = journal,
                    .undo_bytes = undoBytes(undo),
                    .paintable = editable,
+                   .sharedPatience_s = joined_ ? joined_->patience_s() : kSharedPatience_s,
                    .log = &remarks_.sink(),
                    .source = frames_.get(),
                    .follower = [this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }});
   if (editable) session_->setBrush(std::nullopt);
-  editable_ = editable;
+  editable_ = editable || session_->shared();
 }
 
 void OpenSession::settle() {
@@ -139,6 +166,7 @@ void OpenSession::record(const std::string& file) {
   if (hasLaw_) throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
   if (frames_) throw StateError("frames that a program brings do not come again, and are not recorded");
+  if (session_->shared()) throw StateError("what others do does not come again, and is not recorded");
   if (edits_ > 0 || (shape && shape->counts().version > 0))
     throw StateError(
         "a log begins with the points as they were opened, and these have been edited; save them, and open what "
@@ -171,6 +199,7 @@ bool OpenSession::goesOn(std::size_t hand, const Path& path) const {
 
 ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushConfig>& brush) {
   settle();
+  checkShared();
   struct BrushBefore {
     ~BrushBefore() {
       try {
@@ -210,7 +239,8 @@ void OpenSession::setBrush(const std::optional<BrushConfig>& brush) {
   setBrushBetween(brush);
 }
 
-void OpenSession::setBrushBetween(const std::optional<BrushConfig>& brush) {
+void OpenSession::setBrushBetween(const std::optional<BrushConfig>& asked) {
+  const auto brush = asked && joined_ ? joined_->allowed(*asked, *session_) : asked;
   if (brush == brush_) return;
   if (frames_) throw UsageError("brush: frames that a program brings cannot be sculpted");
   SessionConfig wanted = session_->config();
@@ -236,6 +266,7 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   settle();
   if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
+  if (joined_) session_->settleShared(joined_->patience_s());
   return strokes.undone + strokes.redone;
 }
 
@@ -246,6 +277,7 @@ PointCloud OpenSession::points() {
 
 void OpenSession::startLive(const pp_live_options& options) {
   settle();
+  checkShared();
   live_.reset();
   next_s_ = 0;
   hips_.clear();
@@ -283,6 +315,7 @@ std::span<const AskedTick> OpenSession::touch(std::span<const Pose> poses) {
     throw UsageError("hands: {} poses were given to a session of {} hands", poses.size(), hands());
   if (!asked_) {
     if (isLive()) throw StateError("the session is live; pp_live_stop() comes first");
+    checkShared();
     asked_.emplace(*session_, AskedHandsOptions{.budget_us = budget_us_, .law = law_.custom()});
   }
   reset_.store(false, std::memory_order_relaxed);
@@ -320,43 +353,6 @@ pp_session_info OpenSession::info() const {
   return info;
 }
 
-std::size_t OpenSession::standing() const { return model_->standing ? model_->standing->points().size() : 0; }
-
-bool OpenSession::takeFrame() {
-  CloudFrame taken;
-  if (!session_->backend().takeFrame(taken)) return false;
-  auto frame = std::make_shared<FrameObject>();
-  frame->cloud.origin = model_->cloud.origin;
-  frame->cloud.positions = std::move(taken.positions);
-  frame->cloud.normals = std::move(taken.normals);
-  frame->velocities = std::move(taken.velocities);
-  frame->velocities.resize(frame->cloud.size(), Vec3(0));
-  frame->moving = frame->cloud.size() - standing();
-  frame->time_s = taken.time_s;
-  frame_ = std::move(frame);
-  return true;
-}
-
-std::shared_ptr<const FrameObject> OpenSession::frame() {
-  if (!moves()) throw StateError("the points of this session stand still; pp_session_cloud() has them");
-  if (!frame_) {
-    auto first = std::make_shared<FrameObject>();
-    first->cloud.origin = model_->cloud.origin;
-    first->cloud.positions = model_->cloud.positions;
-    first->cloud.normals = model_->cloud.normals;
-    first->velocities.assign(model_->cloud.size(), Vec3(0));
-    first->moving = first->cloud.size() - standing();
-    frame_ = std::move(first);
-  }
-  takeFrame();
-  if (!isLive()) return frame_;
-  // What was ready may be as old as the last time that somebody asked.
-  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
-  while (!takeFrame() && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  return frame_;
-}
-
 PointCloud OpenSession::present() {
   if (!moves()) return session_->journal() ? session_->sculpted().cloud : model_->cloud;
   const auto now = frame();
@@ -364,56 +360,6 @@ PointCloud OpenSession::present() {
   if (cloud.size() == model_->cloud.size()) cloud.colors = model_->cloud.colors;
   cloud.storedAs.comments = model_->cloud.storedAs.comments;
   return cloud;
-}
-
-void OpenSession::pushFrame(PointCloud cloud, std::vector<Vec3> velocities, double time_s) {
-  if (!frames_) throw StateError("this session was not opened with pp_session_open_frames()");
-  CloudFrame frame;
-  frame.time_s = time_s;
-  frame.positions = std::move(cloud.positions);
-  frame.normals = std::move(cloud.normals);
-  frame.velocities = std::move(velocities);
-  const DVec3 away = cloud.origin - model_->cloud.origin;
-  for (Vec3& position : frame.positions) position = Vec3(DVec3(position) + away);
-  frames_->push(std::move(frame));
-}
-
-SimulationControl& OpenSession::simulation() const {
-  if (SimulationControl* const control = session_->simulation()) return *control;
-  throw StateError("the points of this session do not move by themselves; pp_session_open_matter() opens what does");
-}
-
-void OpenSession::reset() {
-  simulation().reset();
-  reset_ = true;
-}
-
-void OpenSession::setParameter(std::string_view name, double value) {
-  simulation();
-  try {
-    session_->setParameter(name, value);
-  } catch (const UsageError&) {
-    throw;
-  } catch (const Error& error) {
-    throw UsageError("{}", error.what());
-  }
-}
-
-pp_motion OpenSession::motion() const {
-  const SimulationControl& control = simulation();
-  pp_motion motion = usual<pp_motion>();
-  motion.held = control.isHeld();
-  const std::string failure = control.failure();
-  motion.failed = !failure.empty();
-  motion.hands = static_cast<std::uint32_t>(hands());
-  putText(failure, motion.failure);
-  motion.left_out_s = control.leftOut_s();
-  const std::vector<PortEnergy> energies = control.portEnergies();
-  for (std::size_t i = 0; i < energies.size() && i < PP_MOST_HANDS; ++i) {
-    motion.energy_J[i] = energies[i].now_J;
-    motion.least_energy_J[i] = energies[i].least_J;
-  }
-  return motion;
 }
 
 Image OpenSession::draw(const PictureRequest& request) {

@@ -11,6 +11,7 @@
 #include "haptics/library/claims.hpp"
 #include "haptics/library/force_function.hpp"
 #include "haptics/library/gpu_half.hpp"
+#include "haptics/library/joined_part.hpp"
 #include "haptics/library/live_hands.hpp"
 #include "haptics/library/objects.hpp"
 #include "haptics/library/pushed_frames.hpp"
@@ -27,6 +28,7 @@ struct Subject {
   std::optional<MatterScene> scene;
   std::optional<StreamConfig> stream;       ///< a recorded depth camera, in the model's folder
   std::optional<pp_frames_options> frames;  ///< whose points a program moves, frame by frame
+  std::optional<JoinSubject> join;          ///< that another program serves, by the model's name
 };
 
 /// Every call but claims() and setForces() is for a thread that holds what it says: touch, look, or all.
@@ -58,6 +60,8 @@ class OpenSession {
   PointCloud points();
   /// The next path, or the next live session, goes into this log. Throws StateError, FileError once it begins.
   void record(const std::string& file);
+  /// Session::settleShared(). Throws StateError while it is live, and as joined().
+  bool settleShared(double seconds);
   void startLive(const pp_live_options& options);
   void stopLive();
 
@@ -70,6 +74,11 @@ class OpenSession {
   pp_session_info info() const;
   /// Takes in what was done to the points.
   void takeIn();
+  /// Throws NetworkError where this hand's part in a session of others has ended for good.
+  void checkShared() const;
+  /// Both throw StateError where it was not joined.
+  pp_sharing sharing() const { return joined().state(*session_); }
+  std::vector<pp_other_hand> others() const { return joined().others(*session_); }
   Image draw(const PictureRequest& request);
   Mesh mesh(const pp_mesh_options& options);
   /// Null before the first one.
@@ -99,6 +108,8 @@ class OpenSession {
   std::size_t goBack(std::size_t undo, std::size_t redo);
   // The points do not stand still.
   bool moves() const { return config_.moves() || frames_; }
+  const JoinedPart& joined() const;
+  void leave();
   bool hasFailed() const { return session_->simulation() && !session_->simulation()->failure().empty(); }
   void setBrushBetween(const std::optional<BrushConfig>& brush);
   void requireRunning() const;
@@ -126,6 +137,7 @@ class OpenSession {
   bool framesGoOn_ = false;              // in the time of a live session
   GpuHalf gpu_;
   std::unique_ptr<BackendKind> backend_;
+  std::optional<JoinedPart> joined_;
   std::shared_ptr<const Model> model_;
   ForceFunction law_;
   std::shared_ptr<const FrameObject> frame_;  // the newest one

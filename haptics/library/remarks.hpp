@@ -10,6 +10,9 @@
 
 namespace palpate::library {
 
+/// This thread is in a log function of the program's, which what it would call may be waiting for.
+inline thread_local bool isInLogFunction = false;
+
 /// Passes remarks on.
 class Remarks final : public LogListener {
  public:
@@ -17,7 +20,17 @@ class Remarks final : public LogListener {
     if (log) sink_.listen(this);
   }
   Log& sink() { return sink_; }
-  void said(std::string_view line) override { log_(user_, std::string(line).c_str()); }
+  void said(std::string_view line) override {
+    struct Inside {
+      Inside() { isInLogFunction = true; }
+      ~Inside() { isInLogFunction = false; }
+    };
+    const std::string whole(line);
+    const Inside inside;
+    log_(user_, whole.c_str());
+  }
+  /// Waits for the program's function where it is called now; it is not called again.
+  void end() { sink_.listen(nullptr); }
   void progressed(std::string_view, double) override {}
 
  private:

@@ -181,7 +181,10 @@ pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) 
 }
 
 pp_status pp_session_follow(pp_session session) {
-  return looking(session, [](OpenSession& open) { open.takeIn(); });
+  return looking(session, [](OpenSession& open) {
+    open.takeIn();
+    open.checkShared();
+  });
 }
 
 pp_status pp_session_cloud(pp_session session, pp_cloud* cloud) {
@@ -262,6 +265,7 @@ pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, ui
     if (!open.live()) throw StateError("the session was never live; pp_live_start() comes first");
     open.takeIn();
     *count = open.live()->take(ticks, capacity);
+    open.checkShared();
   });
 }
 

@@ -1,6 +1,8 @@
 #include "haptics/session/asked_hands.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace palpate {
 
@@ -21,6 +23,9 @@ AskedHands::AskedHands(Session& session, const AskedHandsOptions& options)
   hands_.resize(backend.hands());
   laws_.front().setCustom(options.law);
   for (std::size_t i = 0; i < laws_.size(); ++i) laws_[i].feelWith(backend.points(i).size());
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const DeviceLimits limits{.peakForce_N = kNone, .continuousForce_N = kNone, .handHeld = false};
+  if (session.shared()) gates_.assign(laws_.size(), ForceGate(limits, 1 / session.config().rate_Hz));
   backend.setRealtime(budget_us_ > 0);
   backend.setSprings(std::vector<HandSpring>(laws_.size(), springOf(law)));
   for (std::size_t i = 0; i < laws_.size(); ++i) backend.resetHand(i);
@@ -33,6 +38,11 @@ std::span<const AskedTick> AskedHands::tick(std::span<const Pose> poses) noexcep
   lastTime_s_ = now_s;
   const std::span<const Contact> answers = session_.backend().ask(poses, budget_us_);
   for (std::size_t i = 0; i < hands_.size(); ++i) feel(i, answers[i], poses[i], dt_s);
+  if (SharedFollower* const shared = session_.shared())
+    shared->moved({.position = poses.front().hip,
+                   .proxy = hands_.front().contact.proxy,
+                   .touching = hands_.front().contact.touching,
+                   .sculpts = session_.config().brush.has_value() && poses.front().sculpts});
   session_.backend().prepare();
   if (!takesEdits_ || failure_) return hands_;
   try {
@@ -51,7 +61,18 @@ void AskedHands::feel(std::size_t hand, const Contact& answer, const Pose& pose,
   const std::span<const PointContact> points = session_.backend().points(hand);
   tick.force_N = points.empty() ? law.update(tick.contact, pose, dt_s) : law.update(tick.contact, points, pose, dt_s);
   tick.torque_mNm = law.torque_mNm();
+  if (!gates_.empty()) holdBack(hand, dt_s);
   if (tick.contact.touching) tick.penetration_mm = law.scale().toMm(glm::length(tick.contact.proxy - pose.hip));
+}
+
+// For the others' silence alone: how evenly the ticks come is the affair of whoever asks for them.
+void AskedHands::holdBack(std::size_t hand, double dt_s) noexcept {
+  AskedTick& tick = hands_[hand];
+  ForceGate& gate = gates_[hand];
+  const TickSigns signs{.on = session_.shared()->isHeard().load(std::memory_order_relaxed),
+                        .demand_N = laws_[hand].demand_N()};
+  tick.force_N = gate.pass(tick.force_N, signs, std::clamp(dt_s, 0.0, 1 / session_.config().rate_Hz));
+  tick.torque_mNm *= gate.share();
 }
 
 void AskedHands::lift() noexcept {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "haptics/force_gate.hpp"
 #include "haptics/force_law.hpp"
 #include "haptics/session/session.hpp"
 
@@ -27,7 +28,9 @@ struct AskedHandsOptions {
 /// Gives the forces of each tick's poses as a Session would, within the limits of its force law; what protects a person
 /// from a device (ForceGate, Passivity) is the affair of whoever has the devices. The session and this belong to one
 /// thread, and nothing else runs the session meanwhile. With a budget edits wait until somebody calls
-/// EditRelay::catchUp(), on any one thread; without one they are taken in between ticks.
+/// EditRelay::catchUp(), on any one thread; without one they are taken in between ticks. Where others feel the model,
+/// too, they see the first hand, and while their server is silent there is no force; when it is heard again the force
+/// comes back as at the start of a session in the hand (ForceGate).
 class AskedHands {
  public:
   /// As many as the session has. It outlives them. They touch nothing yet.
@@ -44,11 +47,13 @@ class AskedHands {
 
  private:
   void feel(std::size_t hand, const Contact& answer, const Pose& pose, double dt_s) noexcept;
+  void holdBack(std::size_t hand, double dt_s) noexcept;
 
   Session& session_;
   double budget_us_;
   std::vector<ForceLaw> laws_;  // one for each hand, as these
   std::vector<AskedTick> hands_;
+  std::vector<ForceGate> gates_;  // where what is felt may not be true any more
   TickObserver takesEdits_;
   std::optional<double> lastTime_s_;
   std::exception_ptr failure_;

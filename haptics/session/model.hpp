@@ -64,8 +64,10 @@ std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads);
 
 /// What was joined.
 struct JoinedModel {
-  PointCloud cloud;   ///< as it was loaded, with a scale in its comments
-  SharedMaker share;  ///< empty: nobody sculpts it
+  PointCloud cloud;     ///< as it was loaded, with a scale in its comments
+  SharedMaker share;    ///< empty: nobody sculpts it
+  std::string host;     ///< the machine that serves it
+  std::string source;   ///< what its points are, in that machine's words
 };
 /// Fetches the session that is served under a name.
 using SessionJoiner = std::function<JoinedModel(const std::string& name, const JoinConfig& join, Log& log)>;

@@ -96,6 +96,7 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       backend_(makeBackend(config_, *model_, surface_, parts, isMoved_ ? parts.source : source_.get(), fusion_)),
       follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
       shared_(takePart()),
+      sharedPatience_s_(parts.sharedPatience_s),
       relay_(model_->cloud, *backend_,
              {.followers = {shared_.get(), follower_.get()},
               .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
@@ -132,7 +133,7 @@ bool Session::settleShared(double patience_s) {
   SharedCounts counts = shared_->counts();
   const auto isSettled = [&] { return counts.atRest && counts.same; };
   const auto isOver = [&] {
-    return isSettled() || (counts.delivered && counts.silent_s < kOthersBusy_s && since.elapsed_s() > kOthersBusy_s);
+    return isSettled() || !counts.fault.empty() || (counts.delivered && counts.silent_s < kOthersBusy_s && since.elapsed_s() > kOthersBusy_s);
   };
   std::vector<Pose> far(backend_->hands());
   // A hand that touches nothing: between its answers the others' changes are done.
@@ -264,7 +265,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   std::optional<ShownHand> shown;
   if (shared_) shown.emplace(*shared_, config_.brush.has_value());
   Recorders recorders({recording_.get(), options.recorder, shown ? &*shown : nullptr});
-  if (!options.endless) settleShared(kShared_s);  // what was done before this hand came
+  if (!options.endless) settleShared(sharedPatience_s_);  // what was done before this hand came
   ServoLoop loop(options.query ? *options.query : *backend_, touching,
                  {.rate_Hz = rate_Hz,
                   .duration_s = durationOf(hands) + 1 / rate_Hz,  // the path's end is a tick too
@@ -293,7 +294,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
 void Session::finish() {
   backend_->finish();
   relay_.finish();
-  settleShared(kShared_s);
+  settleShared(sharedPatience_s_);
 }
 
 UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {

@@ -19,6 +19,9 @@ namespace palpate {
 /// Makes who follows the edits of a session, from the back end as it begins.
 using FollowerMaker = std::function<std::unique_ptr<EditFollower>(const Model& model, TouchBackend& backend)>;
 
+/// How long a session waits for what others do to be everywhere, and for what it did itself, unless it is told otherwise.
+inline constexpr double kSharedPatience_s = 10;
+
 /// What a session is given beside its configuration.
 struct SessionParts {
   const BackendKind& backend;
@@ -26,6 +29,8 @@ struct SessionParts {
   bool journal = false;  ///< keeps what is done to the points, for undo, saving and logs, where the back end reports it
   std::uint64_t undo_bytes = 0;  ///< for strokes that can be taken back
   bool paintable = false;     ///< keeps colours for a brush that comes later
+  /// How long run() and finish() wait for the others, where there are some.
+  double sharedPatience_s = kSharedPatience_s;
   Log* log = nullptr;         ///< hears of frames that do not go into the map of a depth camera; outlives the session
   /// Moves the points, where the configuration says nothing of it; outlives the session. Null: nothing does.
   CloudSource* source = nullptr;
@@ -59,8 +64,6 @@ HandSpring springOf(const ForceLaw& law);
 /// One thread uses it at a time; the one that runs it is the servo thread in real time.
 class Session {
  public:
-  static constexpr double kShared_s = 10;
-
   /// Builds the index. `model` has points and normals; sessions may share it. Throws Error, ConfigError.
   Session(SessionConfig config, std::shared_ptr<const Model> model, const SessionParts& parts);
   Session(SessionConfig config, Model model, const SessionParts& parts);
@@ -123,7 +126,7 @@ class Session {
   /// a thread of its own takes them. Throws UsageError for hands that do not go together.
   ServoResult run(std::span<const OpenHand> hands, const RunOptions& options);
   /// Waits for the last edit, and has everyone take in what was done; where others sculpt, too, that is everywhere then,
-  /// or kShared_s have passed. Throws what a query could not.
+  /// or as long has passed as SessionParts says. Throws what a query could not.
   void finish();
   /// After finish(), or between runs: strokes of the points, or of the shape in which a soft body rests. Throws where
   /// the back end fails; the journal is as the points are then.
@@ -149,6 +152,7 @@ class Session {
   std::unique_ptr<TouchBackend> backend_;
   std::unique_ptr<EditFollower> follower_;
   std::unique_ptr<SharedFollower> shared_;
+  double sharedPatience_s_;
   EditRelay relay_;
   std::unique_ptr<SessionRecording> recording_;
   double last_s_ = 0;  // of the ticks

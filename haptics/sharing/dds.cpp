@@ -55,8 +55,9 @@ std::string plain(const std::string& word, const char* what) {
 // What DDS says to a person, who did not ask it: the last line goes into what we throw.
 class Remarks {
  public:
+  // Never destroyed: threads of who uses the library may still be in calls as the program ends.
   static Remarks& all() {
-    static Remarks remarks;
+    static Remarks& remarks = *new Remarks;
     return remarks;
   }
   Remarks() {
@@ -192,12 +193,13 @@ struct Participant::Domain {
   Entity entity;
 
   static std::shared_ptr<Domain> of(const NetworkConfig& network) {
-    static std::mutex lock;
-    static std::map<std::uint32_t, std::weak_ptr<Domain>> all;
+    static std::mutex& lock = *new std::mutex;  // as Remarks
+    static auto& all = *new std::map<std::uint32_t, std::weak_ptr<Domain>>;
     const std::string config = configOf(network);
     Remarks::all().take();
+    std::shared_ptr<Domain> there;
     const std::scoped_lock hold(lock);
-    std::shared_ptr<Domain> there = all[network.domain].lock();
+    there = all[network.domain].lock();
     if (!there) {
       try {
         there = std::make_shared<Domain>(network, config);

@@ -81,6 +81,7 @@ class SharedEdits final : public SharedFollower {
     counts.delivered = exchange_.isDelivered();
     counts.atRest = exchange_.isAtRest();
     counts.same = exchange_.isAtRest() && exchange_.isSame();
+    counts.fault = fault_;
     return counts;
   }
 
@@ -100,13 +101,17 @@ class SharedEdits final : public SharedFollower {
       while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
         wait_->sleep(kLook_s);
         wakeUp_.take();
-        const std::scoped_lock hold(lock_);
-        turn();
+        {
+          const std::scoped_lock hold(lock_);
+          turn();
+        }
+        tell();
       }
     } catch (const std::exception& error) {
       const std::scoped_lock hold(lock_);
       fail(error.what());
     }
+    tell();
     // What comes from now on is not kept for anybody.
     wait_.reset();
     results_ = {};
@@ -242,13 +247,22 @@ class SharedEdits final : public SharedFollower {
     say(why);
   }
 
-  // Whoever listens may end what says it (LogListener), which would be this hand's part in the session.
-  void say(const std::string& what) {
+  void say(std::string what) {
     constexpr std::size_t kMostSaid = 8;
-    if (said_.size() < kMostSaid) said_.push_back(what);
+    if (said_.size() < kMostSaid) said_.push_back(std::move(what));
+  }
+
+  // Without the lock, which who answers the hand may wait for: who listens takes as long as it likes. It may also end what
+  // says it (LogListener), which would be this hand's part in the session.
+  void tell() {
+    std::vector<std::string> said;
+    {
+      const std::scoped_lock hold(lock_);
+      said.swap(said_);
+    }
     if (!log_) return;
     try {
-      log_->say("{}", what);
+      for (const std::string& what : said) log_->say("{}", what);
     } catch (...) {
     }
   }
@@ -271,7 +285,7 @@ class SharedEdits final : public SharedFollower {
   std::optional<ReaderWait> wait_;  // the thread's alone
   SharedCounts counts_;
   std::string fault_;
-  std::vector<std::string> said_;  // and not taken
+  std::vector<std::string> said_;  // and not told
   std::uint64_t lastAcked_ = 0;
   int stuck_ = 0;
   bool isOfferNear_ = false;

@@ -49,6 +49,34 @@ awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++
 [ "$(head -c 3 "$scratch/dented.ply")" = ply ] || fail "nothing was saved"
 "$scratch/build/stir"
 
+# One serves a cloud, and two others dent it.
+domain=$((20 + $$ % 80))
+mkfifo "$scratch/end"
+exec 3<> "$scratch/end"
+"$scratch/build/share" serve "$domain" < "$scratch/end" > "$scratch/serve.txt" &
+server=$!
+trap 'kill "$server" 2> /dev/null || true; rm -rf "$scratch"' EXIT
+until grep -q serving "$scratch/serve.txt" 2> /dev/null; do kill -0 "$server" 2> /dev/null || break; sleep 0.1; done
+if grep -q serving "$scratch/serve.txt"; then
+  "$scratch/build/share" join "$domain" 0 > "$scratch/one.txt" &
+  one=$!
+  "$scratch/build/share" join "$domain" 6 > "$scratch/two.txt" || fail 'the second hand did not dent what is served'
+  wait "$one" || fail 'the first hand did not dent what is served'
+  echo >&3
+  wait "$server" || fail 'the server failed'
+  grep -q '^sculptors 2$' "$scratch/serve.txt" || fail "served, and not dented by two: $(cat "$scratch/serve.txt")"
+  points=$(grep points "$scratch/serve.txt")
+  # Who was done last has what the server has; the other one may have been done before that.
+  grep -qxF "$points" "$scratch/one.txt" "$scratch/two.txt" || fail "the points differ: $(cat "$scratch"/{serve,one,two}.txt)"
+  "$scratch/build/together" "$domain" || fail 'a cloud is not the same everywhere in one program'
+  echo "share: $points, of two hands and their server"
+else
+  code=0
+  wait "$server" || code=$?
+  [ "$code" = 77 ] || fail "share serve ended with $code"
+  echo 'consumers: skipped: sharing, which this library was built without'
+fi
+
 if command -v pkg-config > /dev/null; then
   export PKG_CONFIG_PATH
   PKG_CONFIG_PATH=$(dirname "$(find "$scratch/moved" -name palpate.pc)")

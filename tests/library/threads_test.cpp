@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "tests/allocation_count.hpp"
-#include "tests/library/ball.hpp"
+#include "tests/library/serving.hpp"
 
 namespace palpate {
 
@@ -43,6 +43,31 @@ TEST_CASE("a tick of a host's own servo loop allocates nothing") {
   CHECK(wrong == 0);
   CHECK(allocations > 3);
   PP_CHECK_OK(pp_cloud_close(copy));
+}
+
+TEST_CASE("a tick on a joined cloud allocates nothing, and waits for nobody who is told of it") {
+  if (!isBuilt()) return;
+  const Serving serving("ticked");
+  pp_session_options options = cpuOptions();
+  options.budget_us = 500;
+  const pp_session session = joined("ticked", "anna", options);
+  pp_contact contact{};
+  pp_pose pose = poseAt(0, 52);
+  PP_REQUIRE_OK(pp_touch(session, &pose, &contact));
+  countedThread = std::this_thread::get_id();
+  allocations = 0;
+  int wrong = 0;
+  counting = true;
+  for (std::size_t i = 1; i < 400; ++i) {
+    pose = poseAt(i, 52 - 0.01 * static_cast<double>(i));
+    wrong += pp_touch(session, &pose, &contact) != PP_OK;
+  }
+  counting = false;
+  countedThread = std::thread::id();
+  CHECK(wrong == 0);
+  CHECK(contact.contact == 1);
+  CHECK(allocations == 0);
+  PP_CHECK_OK(pp_session_close(session));
 }
 
 TEST_CASE("one thread touches and sculpts while another takes in what it did") {

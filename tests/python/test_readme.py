@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ast
+import os
 import re
 from pathlib import Path
 
 import numpy as np
 import palpate as pp
+import pytest
 from conftest import ball_arrays, press_path
 
 README = Path(__file__).parents[2] / "apps" / "python" / "README.md"
@@ -40,6 +42,25 @@ def test_the_example_of_the_readme_runs(tmp_path, monkeypatch):
     assert seen["img"][..., :3].max() > seen["img"][..., :3].min()
     assert len(pp.read(tmp_path / "m.ply")) > 1000
     assert len(pp.read(tmp_path / "out.ply")) == 20_000  # the stroke was taken back
+
+
+@pytest.mark.skipif(not pp.can_share(), reason="this palpate was built without DDS")
+def test_the_example_of_shared_sessions_runs(ball, tmp_path, monkeypatch):
+    source = README.read_text().split("\n\nlan = ", 1)[1].split("\n```", 1)[0]
+    source = "lan = " + source
+    for shown, here in (('interface="eth0"', f"domain={20 + os.getpid() % 80}"), ("server.wait(600)", "server.wait(0.1)"),
+                        ('hand="anna")', 'hand="anna"), gpu="cpu"')):
+        assert source.count(shown) == 1, shown
+        source = source.replace(shown, here)
+    serving, joining = source.split("print(pp.sessions", 1)
+    xyz, normals = ball_arrays(5000)
+    seen = {"pp": pp, "xyz": xyz, "normals": normals, "path": press_path(1.0)}
+    monkeypatch.chdir(tmp_path)
+    exec(compile(serving, str(README), "exec"), seen)
+    assert len(pp.read(tmp_path / "city.ply")) == 5000
+    with pp.serve(ball, "city", seen["lan"], mm_per_unit=1) as server:  # another program's, by then
+        exec(compile("print(pp.sessions" + joining, str(README), "exec"), seen)
+        assert server.sculptors == 1
 
 
 def test_every_line_of_the_readmes_examples_is_python():

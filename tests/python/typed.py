@@ -48,6 +48,16 @@ def recorded(file: str, log: str) -> bool:
     return pp.replay(log, gpu="cpu").identical
 
 
+def shared(cloud: pp.Cloud) -> float:
+    network = pp.Network(domain=3)
+    seen: list[pp.SeenSession] = pp.sessions(network, seconds=0.5)
+    with pp.serve(cloud, "mine", network, read_only=True) as server, pp.Session(pp.Join("mine", network)) as session:
+        sharing: pp.Sharing = session.sharing
+        places: list[tuple[float, float, float]] = [hand.position for hand in session.others]
+        print(seen, places, session.settle(1), server.wait(0.1), server.cloud().positions.shape)
+        return sharing.round_trip_ms or 0.0
+
+
 def failing() -> int | None:
     try:
         pp.read("nowhere.ply")

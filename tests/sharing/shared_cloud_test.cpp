@@ -113,4 +113,23 @@ TEST_CASE("what is joined can be broken off") {
   CHECK(says([&] { joinCloud("never", {.network = ownNetwork(), .patience_s = 60, .stop = &stop}); }, "interrupted"));
 }
 
+TEST_CASE("a network that one thread leaves another one joins at the same time") {
+  const std::atomic<bool> stop = true;
+  std::atomic<int> broken = 0, wrong = 0;
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 2; ++i)
+    threads.emplace_back([&] {
+      for (int turn = 0; turn < 200; ++turn) {
+        try {
+          joinCloud("nobody's", {.network = ownNetwork(), .stop = &stop});
+        } catch (const Error& error) {
+          ++(std::string(error.what()).find("interrupted") != std::string::npos ? broken : wrong);
+        }
+      }
+    });
+  threads.clear();
+  CHECK(broken == 400);
+  CHECK(wrong == 0);
+}
+
 }  // namespace palpate

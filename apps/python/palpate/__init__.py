@@ -19,30 +19,40 @@ from . import _palpate
 from ._errors import Error, UsageError
 from ._logs import Log, Replay, read_log, replay
 from ._matter import Matter, Parameter, PortEnergy
-from ._palpate import Cloud, Frame, LawInput, Mesh, formats_read, formats_written, gpus, read, write
+from ._palpate import Cloud, Frame, LawInput, Mesh, can_share, formats_read, formats_written, gpus, read, write
 from ._session import Hand, Live, Session
+from ._sharing import Join, Network, OtherHand, SeenSession, Server, Sharing, serve, sessions
 
 __all__ = [
     "Cloud",
     "Error",
     "Frame",
     "Hand",
+    "Join",
     "LawInput",
     "Live",
     "Log",
     "Matter",
     "Mesh",
+    "Network",
+    "OtherHand",
     "Parameter",
     "PortEnergy",
     "Replay",
+    "SeenSession",
+    "Server",
     "Session",
+    "Sharing",
     "UsageError",
+    "can_share",
     "formats_read",
     "formats_written",
     "gpus",
     "read",
     "read_log",
     "replay",
+    "serve",
+    "sessions",
     "tick_dtype",
     "tool_tick_dtype",
     "write",

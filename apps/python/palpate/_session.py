@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Callable
 from . import _palpate
 from ._errors import Error
 from ._matter import Parameter, PortEnergy, _by_name
+from ._sharing import Join, OtherHand, Sharing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _alive: weakref.WeakSet[Live] = weakref.WeakSet()
+_joined: weakref.WeakSet[Session] = weakref.WeakSet()
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,10 @@ class Session(_palpate._Session):
     Args:
         cloud: the points; normals are estimated where it has none. Or the name of a scene of matter that moves by itself, as
             of Matter, in mm: a hand holds a ball in water and sand, and presses on what is soft. Or the folder of a recorded
-            depth camera (TUM, Redwood), in metres.
+            depth camera (TUM, Redwood), in metres. Or a Join: a session that another program serves, whose points are felt as
+            those of a cloud; what a hand does to them goes to all who have joined, and theirs comes here between two ticks.
+            At rest all have the same points, bit by bit; none come to keep the surface whole (keeps_density). After three
+            seconds without its server a live hand has no force, until that is heard again.
         gpu: number or part of the name of a GPU; "cpu": none, in double precision; None: a GPU where there is one.
         mm_per_unit: millimetres per model unit; None: as the file says, or the longest side becomes 100 mm.
         surface: what the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
@@ -71,7 +76,7 @@ class Session(_palpate._Session):
 
     def __init__(
         self,
-        cloud: _palpate.Cloud | str,
+        cloud: _palpate.Cloud | str | Join,
         gpu: int | str | None = None,
         mm_per_unit: float | None = None,
         *,
@@ -99,8 +104,9 @@ class Session(_palpate._Session):
         law: Any = None,
         allow_python: bool = False,
     ) -> None:
+        join = cloud if isinstance(cloud, Join) else None
         super().__init__(
-            cloud,
+            None if isinstance(cloud, Join) else cloud,
             None if gpu is None else str(gpu),
             mm_per_unit,
             surface=surface,
@@ -124,11 +130,15 @@ class Session(_palpate._Session):
             speed=speed,
             loop=loop,
             fuse=fuse,
+            join=None if join is None else join._told(),
             law=law,
             allow_python=allow_python,
         )
         self._live: Live | None = None
         self._is_scene = isinstance(cloud, str) and not os.path.isdir(cloud)
+        self._is_joined = join is not None
+        if join is not None:
+            _joined.add(self)
 
     def __enter__(self) -> Session:
         return self
@@ -177,7 +187,8 @@ class Session(_palpate._Session):
             law, allow_python: in place of the session's, as there.
             others: the hands after the first.
 
-        A scene of matter begins from the start. Where it diverges wait() and stop() raise Error.
+        A scene of matter begins from the start. Where it diverges wait() and stop() raise Error, and so they do where a
+        session that was joined goes on without this hand.
         """
         rest = [(hand.device, hand.builtin, hand.path) for hand in others]
         self._live_start(device, rate, builtin, path, law, allow_python, rest)
@@ -228,6 +239,16 @@ class Session(_palpate._Session):
     def backend(self) -> str:
         """ "vulkan" or "cpu"."""
         return str(self._info()["backend"])
+
+    @property
+    def sharing(self) -> Sharing:
+        """Of a session that was joined: how it goes with the others, by counts, s and ms. Raises Error for another one."""
+        return Sharing(**self._sharing())
+
+    @property
+    def others(self) -> list[OtherHand]:
+        """Of a session that was joined: the other programs' hands that were heard within two seconds, in model units."""
+        return [OtherHand(*hand) for hand in self._others()]
 
     @property
     def parameters(self) -> dict[str, Parameter]:
@@ -281,7 +302,7 @@ class Live:
         self._diverged: str | None = None
         self._thread: threading.Thread | None = None
         _alive.add(self)
-        if on_ticks is not None:
+        if on_ticks is not None or session._is_joined:  # whose strokes the others wait for
             self._thread = threading.Thread(target=self._follow, name="palpate ticks", daemon=True)
             self._thread.start()
 
@@ -356,9 +377,12 @@ class Live:
             self._diverged = self._session.failure
 
     def _pass_on(self) -> None:
+        if self._on_ticks is None:
+            self._session._follow()
+            return
         ticks = self._session._live_take()
         self._look_at_scene()
-        if len(ticks) and self._on_ticks is not None:
+        if len(ticks):
             self._on_ticks(ticks)
 
     def _end(self) -> None:
@@ -402,3 +426,5 @@ def _png(rgba: NDArray[Any]) -> bytes:
 def _end_all() -> None:
     for live in list(_alive):
         live._end()
+    for session in list(_joined):
+        session.close()

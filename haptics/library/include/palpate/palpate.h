@@ -12,8 +12,9 @@
  * Threads: clouds, meshes, frames and logs are never changed, and may be used by any number of threads. Of a session
  * one thread may call pp_touch(), pp_touch_hands() and pp_touch_lift() (its servo thread) while another one looks:
  * pp_session_follow(), pp_session_render(), pp_session_mesh(), pp_session_get_info(), pp_session_frame(), what governs
- * matter (pp_session_hold() and those after it), pp_live_take(), pp_live_get_state(). All other calls want it for
- * themselves, as all calls on a pp_matter do. Two calls that do not go together: the later one gives PP_ERROR_THREAD
+ * matter (pp_session_hold() and those after it), pp_session_get_sharing(), pp_session_others(), pp_live_take(),
+ * pp_live_get_state(). All other calls want it for
+ * themselves, as all calls on a pp_matter do. A pp_server is for any number of threads. Two calls that do not go together: the later one gives PP_ERROR_THREAD
  * and does nothing.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. That is
@@ -62,7 +63,8 @@ typedef enum pp_status {
   PP_ERROR_UNSUPPORTED = 9, /* this palpate was built without it */
   PP_ERROR_FAILED = 10,     /* anything else; the words say what and what to do */
   PP_ERROR_BUG = 11,        /* of palpate: close what the call was about, and report the words */
-  PP_ERROR_SIMULATION = 12  /* matter has diverged, or is too dense to be simulated; it goes on once it is reset */
+  PP_ERROR_SIMULATION = 12, /* matter has diverged, or is too dense to be simulated; it goes on once it is reset */
+  PP_ERROR_NETWORK = 13     /* nobody serves what was asked for, its server is gone, or the network cannot be used */
 } pp_status;
 
 /* "0.1.0", of the library that runs. */
@@ -77,7 +79,8 @@ PP_API const char* pp_last_error(void);
 PP_API const char* pp_last_error_file(void);
 PP_API uint64_t pp_last_error_line(void);
 
-/* Remarks, one line each without its end. On any thread of the call that it was given to. */
+/* Remarks, one line each without its end. On any thread of the call, session or server that it was given to, until that is
+ * over. What it calls of sessions, matter and servers gives PP_ERROR_STATE. */
 typedef void (*pp_log_function)(void* user, const char* line);
 
 /* --- Clouds: points with normals and colours, never changed once they are made. ------------------------------------ */
@@ -351,7 +354,8 @@ PP_API pp_status pp_session_touch_hands(pp_session session, const pp_path* const
 PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done);
 PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done);
 /* Takes in what pp_touch() with a budget, or a live hand, has done to the points: some thirty times a second, or edits
- * are left out once too many wait. Pictures and pp_live_take() do it, too. */
+ * are left out once too many wait. Pictures and pp_live_take() do it, too. Of a session that was joined the others hear of
+ * it then; PP_ERROR_NETWORK where this hand's part in that has ended. */
 PP_API pp_status pp_session_follow(pp_session session);
 /* The points as they are, as a cloud of its own. */
 PP_API pp_status pp_session_cloud(pp_session session, pp_cloud* cloud);
@@ -425,7 +429,7 @@ PP_API pp_status pp_live_start(pp_session session, const pp_live_options* option
 /* Where there are several hands, `capacity` and `count` are of rows, as of pp_session_touch_hands(), of whole ticks.
  * Copies the ticks since the last call, as many as there is room for, and takes in what was done to the points. Ticks
  * that nobody takes for half a minute at 1 kHz are left out. Where the session has ended by itself, PP_ERROR_DEVICE or
- * PP_ERROR_GPU, once no ticks are left. */
+ * PP_ERROR_GPU, once no ticks are left. PP_ERROR_NETWORK, with the ticks, as pp_session_follow(). */
 PP_API pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count);
 
 typedef struct pp_live_state {
@@ -444,6 +448,7 @@ PP_API pp_status pp_live_stop(pp_session session);
 #include <palpate/frames.h>
 #include <palpate/logs.h>
 #include <palpate/matter.h>
+#include <palpate/sharing.h>
 
 #ifdef __cplusplus
 }

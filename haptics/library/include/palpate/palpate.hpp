@@ -212,6 +212,37 @@ class Matter : public detail::Owned<pp_matter, pp_matter_close> {
   }
 };
 
+/// The sessions that are served on a network (pp_network_survey()).
+inline std::vector<pp_seen_session> surveyNetwork(const pp_network& network = pp_default_network(), double seconds = 2) {
+  std::vector<pp_seen_session> sessions(256);
+  std::uint64_t count = 0;
+  check(pp_network_survey(&network, seconds, sessions.data(), sessions.size(), &count));
+  if (count < sessions.size()) sessions.resize(count);
+  return sessions;
+}
+
+/// A cloud that others join, for as long as this is open (pp_serve()). For any number of threads.
+class Server : public detail::Owned<pp_server, pp_server_close> {
+ public:
+  using Owned::Owned;
+  Server(const Cloud& cloud, const std::string& name, const pp_serve_options& options = pp_default_serve_options()) {
+    pp_server server{};
+    check(pp_serve(cloud.handle(), name.c_str(), &options, &server));
+    *this = Server(server);
+  }
+  pp_server_info info() const {
+    pp_server_info info = pp_default_server_info();
+    check(pp_server_get_info(handle(), &info));
+    return info;
+  }
+  /// The points as they are.
+  Cloud cloud() const {
+    pp_cloud cloud{};
+    check(pp_server_cloud(handle(), &cloud));
+    return Cloud(cloud);
+  }
+};
+
 /// A cloud, or a scene of matter, that is felt, seen and sculpted.
 class Session : public detail::Owned<pp_session, pp_session_close> {
  public:
@@ -238,6 +269,13 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
                           const pp_session_options& options = pp_default_session_options()) {
     pp_session session{};
     check(pp_session_open_stream(folder.c_str(), &stream, &options, &session));
+    return Session(session);
+  }
+  /// A session that another program serves, by its name (pp_session_join()).
+  static Session joined(const std::string& name, const pp_join_options& join = pp_default_join_options(),
+                        const pp_session_options& options = pp_default_session_options()) {
+    pp_session session{};
+    check(pp_session_join(name.c_str(), &join, &options, &session));
     return Session(session);
   }
   /// From any thread.
@@ -328,6 +366,27 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     pp_mesh mesh{};
     check(pp_session_mesh(handle(), &options, &mesh));
     return Mesh(mesh);
+  }
+
+  // Of a session that was joined.
+  pp_sharing sharing() const {
+    pp_sharing sharing = pp_default_sharing();
+    check(pp_session_get_sharing(handle(), &sharing));
+    return sharing;
+  }
+  /// The others' hands.
+  std::vector<pp_other_hand> others() const {
+    std::vector<pp_other_hand> hands(256);
+    std::uint64_t count = 0;
+    check(pp_session_others(handle(), hands.data(), hands.size(), &count));
+    if (count < hands.size()) hands.resize(count);
+    return hands;
+  }
+  /// Whether all that everybody has done is everywhere, once it is or so long has passed (pp_session_settle()).
+  bool settle(double seconds = 10) {
+    std::uint32_t same = 0;
+    check(pp_session_settle(handle(), seconds, &same));
+    return same != 0;
   }
 
   // Of matter that moves by itself.

@@ -1,0 +1,197 @@
+// Sessions that several programs have, in Python: served, listed, joined.
+#include <atomic>
+
+#include "apps/python/session.hpp"
+
+namespace palpate::python {
+
+Network::Network(NetworkTuple given) : given_(std::move(given)) {
+  const auto& [interface, peers, domain] = given_;
+  for (const std::string& peer : peers) peers_.push_back(peer.c_str());
+  network_.interface_name = interface ? interface->c_str() : nullptr;
+  network_.peers = peers_.data();
+  network_.peer_count = peers_.size();
+  network_.domain = domain;
+}
+
+pp::Session join(const JoinTuple& how, const pp_session_options& options) {
+  const auto& [name, network, hand, readOnly, patience_s] = how;
+  const Network on(network);
+  pp_join_options join = pp_default_join_options();
+  join.network = on.get();
+  join.hand = hand ? hand->c_str() : nullptr;
+  join.read_only = readOnly ? 1 : 0;
+  join.patience_s = patience_s;
+  return pp::Session::joined(name, join, options);
+}
+
+namespace {
+
+struct ServeSettings {
+  NetworkTuple network;
+  bool read_only = false, estimate_normals = false;
+  std::optional<std::string> model, journal;
+  std::optional<double> mm_per_unit;
+  std::uint32_t threads = 0;
+};
+
+/// For any number of threads.
+class PyServer {
+ public:
+  PyServer(const PyCloud& cloud, const std::string& name, const ServeSettings& settings) {
+    const Network on(settings.network);
+    pp_serve_options options = pp_default_serve_options();
+    options.network = on.get();
+    options.read_only = settings.read_only ? 1 : 0;
+    options.estimate_normals = settings.estimate_normals ? 1 : 0;
+    options.model = settings.model ? settings.model->c_str() : nullptr;
+    options.journal = settings.journal ? settings.journal->c_str() : nullptr;
+    options.mm_per_unit = settings.mm_per_unit.value_or(0);
+    options.threads = settings.threads;
+    options.log = &Heard::hear;
+    options.log_user = &heard_;
+    py::gil_scoped_release released;
+    pp_server server{};
+    pp::check(pp_serve(cloud.cloud().handle(), name.c_str(), &options, &server));
+    id_ = server.id;
+  }
+  ~PyServer() {
+    py::gil_scoped_release released;
+    if (const std::uint64_t id = id_.exchange(0)) pp_server_close({id});
+  }
+  PyServer(const PyServer&) = delete;
+  PyServer& operator=(const PyServer&) = delete;
+
+  void close() {
+    py::gil_scoped_release released;
+    if (const std::uint64_t id = id_.exchange(0)) pp::check(pp_server_close({id}));
+  }
+  pp_server_info info() const {
+    py::gil_scoped_release released;
+    pp_server_info info = pp_default_server_info();
+    pp::check(pp_server_get_info({id_}, &info));
+    return info;
+  }
+  std::shared_ptr<PyCloud> cloud() const {
+    py::gil_scoped_release released;
+    pp_cloud cloud{};
+    pp::check(pp_server_cloud({id_}, &cloud));
+    return std::make_shared<PyCloud>(pp::Cloud(cloud));
+  }
+  py::list remarks() const { return told(heard_); }
+
+ private:
+  Heard heard_;
+  std::atomic<std::uint64_t> id_ = 0;
+};
+
+py::dict told(const pp_server_info& info) {
+  py::dict told;
+  told["serving"] = info.serving != 0;
+  told["points"] = info.points;
+  told["clients"] = info.clients;
+  told["sculptors"] = info.sculptors;
+  told["pieces"] = info.pieces;
+  told["states"] = info.states;
+  told["sent"] = info.sent;
+  told["refused"] = info.refused;
+  told["mm_per_unit"] = info.mm_per_unit;
+  told["openness"] = textOf(info.openness);
+  told["fault"] = textOf(info.fault);
+  return told;
+}
+
+// Below 0 there is none.
+py::object tripOf(double round_trip_ms) {
+  return round_trip_ms < 0 ? py::object(py::none()) : py::object(py::float_(round_trip_ms));
+}
+
+py::dict told(const pp_sharing& sharing) {
+  py::dict told;
+  told["name"] = textOf(sharing.name);
+  told["host"] = textOf(sharing.host);
+  told["model"] = textOf(sharing.model);
+  told["sculptable"] = sharing.sculptable != 0;
+  told["heard"] = sharing.heard != 0;
+  told["silent_s"] = sharing.silent_s;
+  told["longest_silent_s"] = sharing.longest_silent_s;
+  told["round_trip_ms"] = tripOf(sharing.round_trip_ms);
+  told["pings"] = sharing.pings;
+  told["answered"] = sharing.answered;
+  told["sent"] = sharing.sent;
+  told["received"] = sharing.received;
+  told["resent"] = sharing.resent;
+  told["resumed"] = sharing.resumed;
+  told["delivered"] = sharing.delivered != 0;
+  told["at_rest"] = sharing.at_rest != 0;
+  told["same"] = sharing.same != 0;
+  told["fault"] = textOf(sharing.fault);
+  return told;
+}
+
+py::list survey(const NetworkTuple& network, double seconds) {
+  std::vector<pp_seen_session> seen;
+  {
+    py::gil_scoped_release released;
+    seen = pp::surveyNetwork(*Network(network).get(), seconds);
+  }
+  py::list all;
+  for (const pp_seen_session& one : seen)
+    all.append(py::make_tuple(textOf(one.name), textOf(one.host), textOf(one.model), one.points,
+                              tripOf(one.round_trip_ms), one.version, one.fits != 0, one.pings, one.answered));
+  return all;
+}
+
+py::tuple vector(const double (&v)[3]) { return py::make_tuple(v[0], v[1], v[2]); }
+
+py::list othersOf(PySession& self) {
+  const std::vector<pp_other_hand> hands = self.with([](pp::Session& open) { return open.others(); });
+  py::list all;
+  for (const pp_other_hand& hand : hands)
+    all.append(py::make_tuple(textOf(hand.name), hand.number, vector(hand.position), vector(hand.proxy),
+                              hand.touching != 0, hand.sculpts != 0, hand.age_s));
+  return all;
+}
+
+}  // namespace
+
+void bindSessionsSharing(py::class_<PySession>& session) {
+  session
+      .def("settle", [](PySession& self, double seconds) {
+        return self.with([&](pp::Session& open) { return open.settle(seconds); });
+      }, py::arg("seconds") = 10.0,
+           "settle(seconds=10) -> bool\n\nOf a session that was joined: takes part in what the others do until that, and all that\n"
+           "was done here, is everywhere, at most so long (s). True where it is, and the points are the server's, bit by bit.\n"
+           "Not while it is live. Raises Error with the status \"network\" where this hand's part has ended for good.")
+      .def("_sharing", [](PySession& self) {
+        return told(self.with([](pp::Session& open) { return open.sharing(); }));
+      })
+      .def("_others", &othersOf)
+      .def("_follow", [](PySession& self) { self.with([](pp::Session& open) { open.follow(); }); });
+}
+
+void bindSharing(py::module_& module) {
+  module.def("can_share", [] { return pp_can_share() != 0; },
+             "can_share() -> bool\n\nWhether this palpate was built with DDS. Where it was not, serve(), sessions() and a\n"
+             "Session of a Join raise Error with the status \"unsupported\".");
+  module.def("_survey", &survey, py::arg("network"), py::arg("seconds"));
+  py::class_<PyServer>(module, "_Server")
+      .def(py::init([](const PyCloud& cloud, const std::string& name, const NetworkTuple& network, bool read_only,
+                       const std::optional<std::string>& model, std::optional<double> mm_per_unit, bool estimate_normals,
+                       const std::optional<std::string>& journal, std::uint32_t threads) {
+             return std::make_unique<PyServer>(
+                 cloud, name, ServeSettings{network, read_only, estimate_normals, model, journal, mm_per_unit, threads});
+           }),
+           py::arg("cloud"), py::arg("name"), py::arg("network"), py::arg("read_only") = false,
+           py::arg("model") = py::none(), py::arg("mm_per_unit") = py::none(), py::arg("estimate_normals") = false,
+           py::arg("journal") = py::none(), py::arg("threads") = 0)
+      .def("close", &PyServer::close,
+           "close()\n\nNobody is answered from then on; what is called then raises Error. A with statement does it. Those who\n"
+           "have joined keep what they have.")
+      .def("cloud", &PyServer::cloud,
+           "cloud() -> Cloud\n\nThe points as they are: what has come of everybody's strokes.")
+      .def("_info", [](const PyServer& self) { return told(self.info()); })
+      .def_property_readonly("remarks", &PyServer::remarks, "Who has come, and what else was said, a line each.");
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,103 @@
+#include "haptics/library/joined_part.hpp"
+
+#include <cmath>
+
+#include "haptics/library/options.hpp"
+#include "haptics/session/bounds.hpp"
+
+namespace palpate::library {
+
+NetworkConfig networkFrom(const pp_network* given) {
+  const pp_network network = optionsFrom(given, "network");
+  constexpr std::uint64_t kMostPeers = 1000;
+  if (network.peer_count > kMostPeers)
+    throw UsageError("network.peers: {} are more than {}", network.peer_count, kMostPeers);
+  NetworkConfig config{.interface = textOf(network.interface_name), .domain = network.domain};
+  if (network.peer_count > 0) required(network.peers, "network.peers");
+  for (std::uint64_t i = 0; i < network.peer_count; ++i)
+    config.peers.emplace_back(&required(network.peers[i], "network.peers"));
+  return config;
+}
+
+JoinSubject joinFrom(const pp_join_options& options) {
+  if (!(options.patience_s > 0 && options.patience_s <= bounds::kLongest_s))
+    throw UsageError("patience_s: {} is not above 0 and at most {}", options.patience_s, bounds::kLongest_s);
+  const NetworkConfig network = networkFrom(options.network);
+  return {.network = {.network = network.interface, .peers = network.peers, .domain = network.domain},
+          .hand = textOf(options.hand),
+          .patience_s = options.patience_s,
+          .readOnly = options.read_only != 0};
+}
+
+SessionJoiner JoinedPart::joiner() {
+  return [this, join = sessionJoiner({.hand = how_.hand, .patience_s = how_.patience_s})](
+             const std::string& name, const JoinConfig& config, Log& log) {
+    JoinedModel joined = join(name, config, log);
+    name_ = name;
+    host_ = joined.host;
+    source_ = joined.source;
+    return joined;
+  };
+}
+
+BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session) const {
+  if (!session.shared()) throw UsageError("brush: '{}' is served to be felt alone", name_);
+  if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only, to be felt alone", name_);
+  BrushConfig allowed = brush;
+  allowed.keepsDensity = false;  // it would be another cloud than the others have
+  return allowed;
+}
+
+pp_sharing JoinedPart::state(const Session& session) const {
+  pp_sharing state = usual<pp_sharing>();
+  state.round_trip_ms = -1;
+  putText(name_, state.name);
+  putText(host_, state.host);
+  putText(source_, state.model);
+  const SharedFollower* const shared = session.shared();
+  if (!shared) return state;
+  const SharedCounts counts = shared->counts();
+  state.sculptable = 1;
+  state.heard = shared->isHeard();
+  state.delivered = counts.delivered;
+  state.at_rest = counts.atRest;
+  state.same = counts.same;
+  state.sent = counts.sent;
+  state.received = counts.received;
+  state.resent = counts.resent;
+  state.resumed = counts.resumed;
+  state.pings = counts.pings;
+  state.answered = counts.answered;
+  state.silent_s = counts.silent_s;
+  state.longest_silent_s = counts.longestSilent_s;
+  if (counts.roundTrip_ms) state.round_trip_ms = *counts.roundTrip_ms;
+  putText(counts.fault, state.fault);
+  return state;
+}
+
+std::vector<pp_other_hand> JoinedPart::others(const Session& session) const {
+  std::vector<pp_other_hand> hands;
+  if (!session.shared()) return hands;
+  for (const SeenHand& seen : session.shared()->others()) {
+    pp_other_hand hand{};
+    putText(seen.name, hand.name);
+    hand.number = seen.number;
+    hand.touching = seen.place.touching;
+    hand.sculpts = seen.place.sculpts;
+    for (int k = 0; k < 3; ++k) {
+      hand.position[k] = seen.place.position[k];
+      hand.proxy[k] = seen.place.proxy[k];
+    }
+    hand.age_s = seen.age_s;
+    hands.push_back(hand);
+  }
+  return hands;
+}
+
+void JoinedPart::check(const Session& session) const {
+  if (!session.shared()) return;
+  const std::string fault = session.shared()->counts().fault;
+  if (!fault.empty()) throw NetworkError("{}", fault);
+}
+
+}  // namespace palpate::library

@@ -1,0 +1,36 @@
+// A cloud that a program serves, on a thread of its own.
+#pragma once
+
+#include <palpate/palpate.h>
+
+#include <string>
+
+#include "haptics/library/objects.hpp"
+#include "haptics/library/remarks.hpp"
+#include "haptics/session/model.hpp"
+#include "haptics/sharing/server_thread.hpp"
+
+namespace palpate::library {
+
+/// For any number of threads.
+class OpenServer {
+ public:
+  /// Throws Error.
+  OpenServer(const CloudObject& cloud, const std::string& name, const pp_serve_options& options);
+  ~OpenServer() { end(); }
+  OpenServer(const OpenServer&) = delete;
+  OpenServer& operator=(const OpenServer&) = delete;
+
+  /// Nobody is answered, and no function of the program called, from then on. For one thread.
+  void end();
+  pp_server_info info();
+  PointCloud points();
+
+ private:
+  Remarks remarks_;
+  NetworkConfig network_;
+  Model model_;
+  ServerThread thread_;  // goes first
+};
+
+}  // namespace palpate::library

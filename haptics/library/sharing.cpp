@@ -1,0 +1,128 @@
+// The C interface: sessions that several programs have.
+#include "haptics/sharing/network.hpp"
+
+#include <algorithm>
+
+#include "haptics/library/held_session.hpp"
+#include "haptics/library/open_server.hpp"
+#include "haptics/library/options.hpp"
+#include "haptics/session/bounds.hpp"
+
+using namespace palpate;
+using namespace palpate::library;
+
+namespace {
+
+pp_seen_session told(const SeenSession& seen) {
+  pp_seen_session session{};
+  putText(seen.name, session.name);
+  putText(seen.host, session.host);
+  putText(seen.model, session.model);
+  session.points = seen.points;
+  session.round_trip_ms = seen.roundTrip_ms.value_or(-1);
+  session.version = seen.version;
+  session.fits = seen.fits;
+  session.pings = seen.pings;
+  session.answered = seen.answered;
+  return session;
+}
+
+/// As many as there is room for; how many there are.
+template <class Item>
+void give(const std::vector<Item>& all, Item* to, std::uint64_t capacity, std::uint64_t* count, std::string_view name) {
+  if (capacity > 0) required(to, name);
+  required(count, "count") = all.size();
+  std::copy_n(all.begin(), std::min<std::uint64_t>(all.size(), capacity), to);
+}
+
+template <class Do>
+pp_status serving(pp_server server, Do&& act) {
+  return guarded([&] {
+    const auto found = objectOf<OpenServer>(server.id);
+    refuseInLogFunction();
+    act(*found);
+  });
+}
+
+// Beside the thread that touches, whatever its budget.
+template <class Do>
+pp_status beside(pp_session session, Do&& act) {
+  return library::with(session, Claim::look, [&](OpenSession& open) { act(open); });
+}
+
+}  // namespace
+
+uint32_t pp_can_share(void) { return canShare() ? 1 : 0; }
+
+pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_session* sessions, uint64_t capacity,
+                            uint64_t* count) {
+  return guarded([&] {
+    constexpr double kLongest_s = 600;
+    required(count, "count") = 0;
+    if (capacity > 0) required(sessions, "sessions");
+    if (!(seconds >= 0 && seconds <= kLongest_s))
+      throw UsageError("seconds: {} is not between 0 and {}", seconds, kLongest_s);
+    std::vector<pp_seen_session> all;
+    std::ranges::transform(surveyNetwork(networkFrom(network), seconds), std::back_inserter(all), told);
+    give(all, sessions, capacity, count, "sessions");
+  });
+}
+
+pp_status pp_session_join(const char* name, const pp_join_options* join, const pp_session_options* options,
+                          pp_session* session) {
+  return guarded([&] {
+    Subject subject;
+    subject.model.file = &required(name, "name");
+    required(session, "session");
+    subject.join = joinFrom(optionsFrom(join, "join"));
+    *session = library::opened<pp_session>(std::make_shared<OpenSession>(subject, optionsFrom(options, "options")));
+  });
+}
+
+pp_status pp_session_get_sharing(pp_session session, pp_sharing* sharing) {
+  return beside(session, [&](OpenSession& open) { giveInfo(sharing, open.sharing(), "sharing"); });
+}
+
+pp_status pp_session_others(pp_session session, pp_other_hand* hands, uint64_t capacity, uint64_t* count) {
+  return beside(session, [&](OpenSession& open) { give(open.others(), hands, capacity, count, "hands"); });
+}
+
+pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same) {
+  return library::with(session, Claim::all, [&](OpenSession& open) {
+    if (!(seconds >= 0 && seconds <= bounds::kLongest_s))
+      throw UsageError("seconds: {} is not between 0 and {}", seconds, bounds::kLongest_s);
+    const bool isSame = open.settleShared(seconds);
+    if (same) *same = isSame ? 1 : 0;
+  });
+}
+
+pp_status pp_serve(pp_cloud cloud, const char* name, const pp_serve_options* options, pp_server* server) {
+  return guarded([&] {
+    const auto found = objectOf<CloudObject>(cloud.id);
+    const std::string called = &required(name, "name");
+    required(server, "server");
+    *server = library::opened<pp_server>(std::make_shared<OpenServer>(*found, called, optionsFrom(options, "options")));
+  });
+}
+
+pp_status pp_server_get_info(pp_server server, pp_server_info* info) {
+  return serving(server, [&](OpenServer& open) {
+    checkSize(required(info, "info").size, sizeof(pp_server_info), "info");
+    giveInfo(info, open.info(), "info");
+  });
+}
+
+pp_status pp_server_cloud(pp_server server, pp_cloud* cloud) {
+  return serving(server, [&](OpenServer& open) {
+    required(cloud, "cloud");
+    *cloud = library::opened<pp_cloud>(std::make_shared<CloudObject>(open.points()));
+  });
+}
+
+pp_status pp_server_close(pp_server server) {
+  return guarded([&] {
+    refuseInLogFunction();
+    const auto closed = std::static_pointer_cast<OpenServer>(handles().remove(HandleKind::server, server.id));
+    closed->end();
+  });
+}

@@ -1,0 +1,49 @@
+#include "haptics/session/session_joiner.hpp"
+
+#include "engine/cloud/length_unit.hpp"
+#include "haptics/sharing/shared_cloud.hpp"
+#include "haptics/sharing/shared_edits.hpp"
+
+namespace palpate {
+
+namespace {
+
+JoinedCloud join(const std::string& name, const JoinConfig& config, const Joining& how, Log& log, bool present) {
+  const NetworkConfig network{
+      .interface = config.network, .peers = config.peers, .domain = config.domain, .security = config.security};
+  JoinedCloud joined = joinCloud(
+      name,
+      {.network = network, .present = present, .patience_s = how.patience_s, .log = &log, .stop = how.stop});
+  log.say("{}: {} points of {}, served by {}; {}", name, joined.cloud.size(), joined.model, joined.host, opennessOf(network));
+  sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
+  return joined;
+}
+
+JoinedModel modelOf(JoinedCloud& joined) {
+  return {.cloud = std::move(joined.cloud), .host = joined.host, .source = joined.model};
+}
+
+}  // namespace
+
+SessionJoiner sessionJoiner(const Joining& how) {
+  return [how](const std::string& name, const JoinConfig& config, Log& log) {
+    JoinedCloud joined = join(name, config, how, log, false);
+    JoinedModel model = modelOf(joined);
+    if (!joined.sculptable)
+      log.say("{}: it is served to be felt alone; nothing of it changes, so that it is felt whether or not the link holds", name);
+    if (joined.sculptable)
+      model.share = [session = joined.session, hand = how.hand, &log](const PointCloud& cloud, TouchBackend& backend) {
+        return shareEdits({.session = session, .cloud = cloud, .backend = backend, .hand = hand, .log = &log});
+      };
+    return model;
+  };
+}
+
+SessionJoiner pointsJoiner(const Joining& how) {
+  return [how](const std::string& name, const JoinConfig& config, Log& log) {
+    JoinedCloud joined = join(name, config, how, log, true);
+    return modelOf(joined);
+  };
+}
+
+}  // namespace palpate

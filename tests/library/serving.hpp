@@ -1,0 +1,102 @@
+// Sessions that several programs have, within one test program.
+#pragma once
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "tests/library/ball.hpp"
+
+namespace palpate {
+
+/// That no other test program is on, of this machine alone.
+inline pp_network ownNetwork() {
+  pp_network network = pp_default_network();
+  network.domain = 100 + static_cast<std::uint32_t>(getpid()) % 100;
+  return network;
+}
+
+inline bool isBuilt() {
+  if (pp_can_share()) return true;
+  MESSAGE("skipped: this palpate was built without DDS");
+  return false;
+}
+
+struct Serving {
+  pp_network network = ownNetwork();
+  BallCloud cloud;
+  pp_server server{};
+
+  explicit Serving(const char* name, bool readOnly = false, const char* journal = nullptr) {
+    pp_serve_options options = pp_default_serve_options();
+    options.network = &network;
+    options.mm_per_unit = 1;
+    options.read_only = readOnly ? 1 : 0;
+    options.journal = journal;
+    options.model = "a test's ball";
+    PP_REQUIRE_OK(pp_serve(cloud.cloud, name, &options, &server));
+  }
+  ~Serving() { pp_server_close(server); }
+  Serving(const Serving&) = delete;
+  Serving& operator=(const Serving&) = delete;
+  pp_server_info info() const {
+    pp_server_info info = pp_default_server_info();
+    PP_REQUIRE_OK(pp_server_get_info(server, &info));
+    return info;
+  }
+  std::vector<float> points() const {
+    pp_cloud now{};
+    PP_REQUIRE_OK(pp_server_cloud(server, &now));
+    return bytesOf(now);
+  }
+  // Places and normals, bit by bit; closes it.
+  static std::vector<float> bytesOf(pp_cloud cloud) {
+    pp_points points{};
+    PP_REQUIRE_OK(pp_cloud_view(cloud, &points));
+    std::vector<float> all(points.positions, points.positions + 3 * points.count);
+    all.insert(all.end(), points.normals, points.normals + 3 * points.count);
+    PP_REQUIRE_OK(pp_cloud_close(cloud));
+    return all;
+  }
+};
+
+inline pp_session joined(const char* name, const char* hand, pp_session_options options = cpuOptions(), bool readOnly = false) {
+  const pp_network network = ownNetwork();
+  pp_join_options join = pp_default_join_options();
+  join.network = &network;
+  join.hand = hand;
+  join.read_only = readOnly ? 1 : 0;
+  join.patience_s = 20;
+  options.mm_per_unit = 0;  // as it is served
+  pp_session session{};
+  PP_REQUIRE_OK(pp_session_join(name, &join, &options, &session));
+  return session;
+}
+
+inline pp_sharing sharingOf(pp_session session) {
+  pp_sharing sharing = pp_default_sharing();
+  PP_REQUIRE_OK(pp_session_get_sharing(session, &sharing));
+  return sharing;
+}
+
+inline std::vector<float> pointsOf(pp_session session) {
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_session_cloud(session, &cloud));
+  return Serving::bytesOf(cloud);
+}
+
+inline bool isSame(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+template <class Is>
+bool comes(double seconds, Is&& is) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (!is() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return is();
+}
+
+}  // namespace palpate

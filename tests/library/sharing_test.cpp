@@ -1,0 +1,432 @@
+// Sessions that several programs have, through the C interface: a cloud is served, joined twice, and sculpted by both.
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "tests/library/serving.hpp"
+
+namespace palpate {
+
+namespace {
+
+pp_pose poseAt(std::size_t tick, double z) {
+  return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}};
+}
+
+}  // namespace
+
+TEST_CASE("a library without DDS shares nothing, and says so") {
+  if (pp_can_share()) return;
+  const BallCloud ball;
+  pp_server server{};
+  pp_session session{};
+  std::uint64_t count = 0;
+  CHECK(pp_serve(ball.cloud, "a", nullptr, &server) == PP_ERROR_UNSUPPORTED);
+  CHECK(lastErrorSays("built without DDS"));
+  CHECK(pp_session_join("a", nullptr, nullptr, &session) == PP_ERROR_UNSUPPORTED);
+  CHECK(pp_network_survey(nullptr, 0, nullptr, 0, &count) == PP_ERROR_UNSUPPORTED);
+}
+
+TEST_CASE("two hands sculpt what is served, by path: in the end all three have the same points, bit by bit") {
+  if (!isBuilt()) return;
+  const Serving serving("shared ball");
+  const auto before = serving.points();
+  const pp_session one = joined("shared ball", "anna"), two = joined("shared ball", "ben");
+  pp_session_info info = pp_default_session_info();
+  PP_REQUIRE_OK(pp_session_get_info(one, &info));
+  CHECK(info.mm_per_unit == 1);
+  CHECK(isSame(pointsOf(one), before));
+
+  pp_brush push = pp_default_brush(), carve = pp_default_brush();
+  push.radius_mm = 5;
+  carve.kind = "carve";
+  carve.radius_mm = 3;
+  const auto down = pressPath(3);
+  auto beside = pressPath(3);
+  for (std::size_t i = 0; i < beside.size(); i += 3) beside[i] += 4;
+  CHECK(stroke(one, pathOf(down), push).back().contact == 1);
+  CHECK(stroke(two, pathOf(beside), carve).back().valid == 1);
+
+  for (const pp_session session : {one, two}) {
+    std::uint32_t same = 0;
+    PP_REQUIRE_OK(pp_session_settle(session, 20, &same));
+    CHECK(same == 1);
+  }
+  const auto after = serving.points();
+  CHECK_FALSE(isSame(after, before));
+  CHECK(isSame(pointsOf(one), after));
+  CHECK(isSame(pointsOf(two), after));
+  const pp_sharing sharing = sharingOf(two);
+  CHECK(sharing.sculptable == 1);
+  CHECK(sharing.heard == 1);
+  CHECK(sharing.delivered == 1);
+  CHECK(sharing.same == 1);
+  CHECK(sharing.sent > 10);
+  CHECK(sharing.received > 10);
+  CHECK(std::string(sharing.name) == "shared ball");
+  CHECK(std::string(sharing.model) == "a test's ball");
+  CHECK(std::string(sharing.host) != "");
+  CHECK(std::string(sharing.fault) == "");
+  CHECK(serving.info().sculptors == 2);
+  CHECK(serving.info().clients == 2);
+  CHECK(serving.info().states > 20);
+  CHECK(std::string(serving.info().openness).find("this machine alone") != std::string::npos);
+
+  // This hand's stroke, where nobody else has changed the points since; who comes later gets all of it.
+  std::uint64_t done = 0;
+  PP_CHECK_OK(pp_session_undo(two, 1, &done));
+  CHECK(done == 1);
+  CHECK_FALSE(isSame(serving.points(), after));
+  const pp_session late = joined("shared ball", "late");
+  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  CHECK(isSame(pointsOf(late), serving.points()));
+  for (const pp_session session : {one, two, late}) PP_CHECK_OK(pp_session_close(session));
+}
+
+TEST_CASE("a pulled loop sculpts a joined cloud is seen, and feels what others do") {
+  if (!isBuilt()) return;
+  const Serving serving("pulled");
+  pp_session_options options = cpuOptions();
+  options.budget_us = 2'000;
+  const pp_session puller = joined("pulled", "puller", options), watcher = joined("pulled", "watcher");
+  pp_brush push = pp_default_brush();
+  push.radius_mm = 5;
+  PP_REQUIRE_OK(pp_session_set_brush(puller, &push));
+  std::atomic<bool> done = false;
+  std::atomic<int> wrong = 0, seen = 0;
+  std::thread servo([&] {
+    pp_contact contact{};
+    for (std::size_t i = 0; i < 600; ++i) {
+      const pp_pose pose = poseAt(i, 52 - 0.01 * static_cast<double>(i));
+      wrong += pp_touch(puller, &pose, &contact) != PP_OK;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    wrong += contact.contact != 1;
+    done = true;
+  });
+  while (!done) {
+    wrong += pp_session_follow(puller) != PP_OK;
+    pp_other_hand hands[4];
+    std::uint64_t count = 0;
+    wrong += pp_session_others(watcher, hands, 4, &count) != PP_OK;
+    if (count == 1 && std::string(hands[0].name) == "puller" && hands[0].sculpts && hands[0].touching &&
+        hands[0].position[2] < hands[0].proxy[2])
+      ++seen;
+    wrong += sharingOf(puller).heard != 1;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  servo.join();
+  CHECK(wrong == 0);
+  CHECK(seen > 0);
+  std::uint32_t same = 0;
+  PP_REQUIRE_OK(pp_session_settle(puller, 20, &same));
+  CHECK(same == 1);
+  CHECK(isSame(pointsOf(puller), serving.points()));
+  CHECK(isSame(pointsOf(watcher), serving.points()));
+  // The dent is felt elsewhere.
+  const auto touched = touch(watcher, pathOf(pressPath(1)));
+  CHECK(touched.back().penetration_mm < 0.5);
+  PP_CHECK_OK(pp_session_close(puller));
+  PP_CHECK_OK(pp_session_close(watcher));
+}
+
+TEST_CASE("what a pulled hand has done, and nobody has taken in yet, is delivered as it is closed") {
+  if (!isBuilt()) return;
+  const Serving serving("left");
+  pp_session_options options = cpuOptions();
+  options.budget_us = 100'000;
+  const pp_session session = joined("left", "anna", options);
+  pp_brush push = pp_default_brush();
+  push.radius_mm = 5;
+  PP_REQUIRE_OK(pp_session_set_brush(session, &push));
+  pp_contact contact{};
+  for (std::size_t i = 0; i < 100; ++i) {
+    const pp_pose pose = poseAt(i, 52 - 0.05 * static_cast<double>(i));
+    PP_REQUIRE_OK(pp_touch(session, &pose, &contact));
+  }
+  CHECK(serving.info().states == 0);
+  PP_CHECK_OK(pp_session_close(session));
+  CHECK(serving.info().states > 20);
+  const pp_session late = joined("left", "late");
+  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  CHECK(touch(late, pathOf(pressPath(1))).back().penetration_mm < 0.5);
+  PP_CHECK_OK(pp_session_close(late));
+}
+
+TEST_CASE("a live hand on a joined cloud sculpts it, and who comes later has what it has done") {
+  if (!isBuilt()) return;
+  const Serving serving("lively");
+  const auto before = serving.points();
+  const pp_session live = joined("lively", nullptr);
+  pp_brush push = pp_default_brush();
+  PP_REQUIRE_OK(pp_session_set_brush(live, &push));
+  pp_live_options options = pp_default_live_options();
+  options.builtin = "press";
+  PP_REQUIRE_OK(pp_live_start(live, &options));
+  std::vector<pp_tick> ticks(4096);
+  std::uint64_t count = 0, all = 0;
+  CHECK(comes(30, [&] {
+    PP_REQUIRE_OK(pp_live_take(live, ticks.data(), ticks.size(), &count));
+    all += count;
+    return sharingOf(live).sent > 20;
+  }));
+  CHECK(all > 0);
+  CHECK(pp_session_settle(live, 1, nullptr) == PP_ERROR_STATE);
+  PP_CHECK_OK(pp_session_close(live));
+  const auto after = serving.points();
+  CHECK_FALSE(isSame(after, before));
+  const pp_session late = joined("lively", "late");
+  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  CHECK(isSame(pointsOf(late), after));
+  PP_CHECK_OK(pp_session_close(late));
+}
+
+TEST_CASE("a server that is gone takes the force of a pulled hand away, and one that is served anew ends its part in words") {
+  if (!isBuilt()) return;
+  auto serving = std::make_unique<Serving>("brief");
+  pp_session_options options = cpuOptions();
+  const pp_session session = joined("brief", "left behind", options);
+  pp_contact contact{};
+  std::size_t tick = 0;
+  const auto touchOnce = [&] {
+    const pp_pose pose = poseAt(tick, std::max(49.0, 52 - 0.02 * static_cast<double>(tick)));
+    ++tick;
+    const pp_status status = pp_touch(session, &pose, &contact);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return status;
+  };
+  CHECK(comes(10, [&] {
+    PP_REQUIRE_OK(touchOnce());
+    return lengthOf(contact.force_N) > 0.5;
+  }));
+  serving.reset();
+  for (int i = 0; i < 500; ++i) PP_REQUIRE_OK(touchOnce());
+  CHECK(lengthOf(contact.force_N) > 0.5);  // a short silence is none
+  CHECK(comes(20, [&] {
+    PP_REQUIRE_OK(touchOnce());
+    return lengthOf(contact.force_N) == 0;
+  }));
+  CHECK(contact.valid == 1);
+  CHECK(sharingOf(session).heard == 0);
+  CHECK(sharingOf(session).silent_s > 2.5);
+
+  serving = std::make_unique<Serving>("brief");
+  CHECK(comes(20, [&] {
+    PP_REQUIRE_OK(touchOnce());
+    return sharingOf(session).fault[0] != '\0';
+  }));
+  CHECK(lengthOf(contact.force_N) == 0);
+  CHECK(pp_session_follow(session) == PP_ERROR_NETWORK);
+  CHECK(lastErrorSays("was served anew"));
+  CHECK(std::string(pp_status_name(pp_last_status())) == "network");
+  const auto path = pressPath(1);
+  const pp_path way = pathOf(path);
+  std::vector<pp_tick> ticks(300);
+  std::uint64_t count = 0;
+  CHECK(pp_session_touch(session, &way, ticks.data(), ticks.size(), &count) == PP_ERROR_NETWORK);
+  pp_live_options live = pp_default_live_options();
+  live.builtin = "press";
+  CHECK(pp_live_start(session, &live) == PP_ERROR_NETWORK);
+  CHECK(pointsOf(session).size() == 6 * 20'000);  // which are not lost
+  PP_CHECK_OK(pp_session_close(session));
+}
+
+TEST_CASE("a server with a journal goes on where it was, and so do those who have joined") {
+  if (!isBuilt()) return;
+  const std::string journal = "/tmp/palpate_library_journal_" + std::to_string(getpid());
+  auto serving = std::make_unique<Serving>("kept", false, journal.c_str());
+  const pp_session session = joined("kept", "anna");
+  pp_brush push = pp_default_brush();
+  stroke(session, pathOf(pressPath(3)), push);
+  const auto before = serving->points();
+  serving.reset();
+  serving = std::make_unique<Serving>("kept", false, journal.c_str());
+  CHECK(isSame(serving->points(), before));
+  stroke(session, pathOf(pressPath(5)), push);
+  std::uint32_t same = 0;
+  PP_REQUIRE_OK(pp_session_settle(session, 20, &same));
+  CHECK(same == 1);
+  CHECK_FALSE(isSame(serving->points(), before));
+  CHECK(isSame(pointsOf(session), serving->points()));
+  PP_CHECK_OK(pp_session_close(session));
+  serving.reset();
+  unlink(journal.c_str());
+}
+
+TEST_CASE("what is served to be felt alone, or joined so, takes no brush") {
+  if (!isBuilt()) return;
+  const Serving felt("felt", true), shared("shared");
+  const pp_session alone = joined("felt", "anna"), careful = joined("shared", "ben", cpuOptions(), true);
+  pp_brush push = pp_default_brush();
+  CHECK(pp_session_set_brush(alone, &push) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("served to be felt alone"));
+  CHECK(pp_session_set_brush(careful, &push) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("read_only"));
+  for (const pp_session session : {alone, careful}) {
+    PP_CHECK_OK(pp_session_set_brush(session, nullptr));
+    const auto path = pressPath(1);
+    CHECK(touch(session, pathOf(path)).back().contact == 1);
+  }
+  CHECK(sharingOf(alone).sculptable == 0);
+  CHECK(sharingOf(careful).sculptable == 1);
+  CHECK(pp_session_record(careful, "/tmp/none.session") == PP_ERROR_STATE);
+  CHECK(lastErrorSays("what others do"));
+  PP_CHECK_OK(pp_session_close(alone));
+  PP_CHECK_OK(pp_session_close(careful));
+}
+
+TEST_CASE("sessions of a network are listed; what cannot be joined or served is said") {
+  if (!isBuilt()) return;
+  const Serving serving("listed"), other("another");
+  const pp_network network = ownNetwork();
+  pp_seen_session seen[1];
+  std::uint64_t count = 0;
+  PP_REQUIRE_OK(pp_network_survey(&network, 1, seen, 1, &count));
+  CHECK(count == 2);  // and one was copied
+  CHECK((std::string(seen[0].name) == "listed" || std::string(seen[0].name) == "another"));
+  CHECK(seen[0].points == 20'000);
+  CHECK(seen[0].fits == 1);
+  CHECK(seen[0].answered > 0);
+  CHECK(seen[0].round_trip_ms > 0);
+  CHECK(pp_network_survey(&network, -1, seen, 1, &count) == PP_ERROR_ARGUMENT);
+  CHECK(pp_network_survey(&network, 0, nullptr, 1, &count) == PP_ERROR_ARGUMENT);
+  CHECK(pp_network_survey(&network, 0, seen, 1, nullptr) == PP_ERROR_ARGUMENT);
+
+  pp_join_options join = pp_default_join_options();
+  join.network = &network;
+  join.patience_s = 0.5;
+  pp_session session{};
+  const pp_session_options options = cpuOptions();
+  CHECK(pp_session_join("town", &join, &options, &session) == PP_ERROR_NETWORK);
+  CHECK(lastErrorSays("'town'"));
+  CHECK(pp_session_join(nullptr, &join, &options, &session) == PP_ERROR_ARGUMENT);
+  CHECK(pp_session_join("", &join, &options, &session) == PP_ERROR_ARGUMENT);
+  CHECK(pp_session_join("listed", &join, &options, nullptr) == PP_ERROR_ARGUMENT);
+  join.patience_s = 0;
+  CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_ARGUMENT);
+  join.patience_s = 1;
+  pp_network wrong = network;
+  wrong.interface_name = "nowhere0";
+  join.network = &wrong;
+  CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("on domain"));  // of another network already
+  wrong.domain = network.domain - 90;
+  CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_NETWORK);
+  CHECK(lastErrorSays("nowhere0"));
+  wrong = network;
+  wrong.domain = 5000;
+  CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_ARGUMENT);
+  wrong = network;
+  wrong.peer_count = 1;
+  CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_ARGUMENT);
+
+  pp_serve_options serve = pp_default_serve_options();
+  serve.network = &network;
+  pp_server server{};
+  CHECK(pp_serve(serving.cloud.cloud, "listed", &serve, &server) == PP_ERROR_NETWORK);
+  CHECK(lastErrorSays("give this one another name"));
+  CHECK(pp_serve(serving.cloud.cloud, "a\nb", &serve, &server) == PP_ERROR_ARGUMENT);
+  CHECK(pp_serve(serving.cloud.cloud, nullptr, &serve, &server) == PP_ERROR_ARGUMENT);
+  CHECK(pp_serve({}, "free", &serve, &server) == PP_ERROR_HANDLE);
+  serve.read_only = 1;
+  serve.journal = "/tmp/none";
+  CHECK(pp_serve(serving.cloud.cloud, "free", &serve, &server) == PP_ERROR_ARGUMENT);
+  const pp_cloud_arrays none = pp_default_cloud_arrays();
+  pp_cloud empty{};
+  PP_REQUIRE_OK(pp_cloud_create(&none, &empty));
+  serve.read_only = 0;
+  serve.journal = nullptr;
+  CHECK(pp_serve(empty, "free", &serve, &server) == PP_ERROR_ARGUMENT);
+  PP_CHECK_OK(pp_cloud_close(empty));
+}
+
+TEST_CASE("handles that are closed, of another kind or of sessions that were not joined give errors") {
+  const OpenBall ball;
+  pp_sharing sharing = pp_default_sharing();
+  std::uint64_t count = 0;
+  CHECK(pp_session_get_sharing(ball.session, &sharing) == PP_ERROR_STATE);
+  CHECK(lastErrorSays("was not joined"));
+  CHECK(pp_session_others(ball.session, nullptr, 0, &count) == PP_ERROR_STATE);
+  CHECK(pp_session_settle(ball.session, 1, nullptr) == PP_ERROR_STATE);
+  pp_server_info info = pp_default_server_info();
+  pp_cloud cloud{};
+  CHECK(pp_server_get_info({}, &info) == PP_ERROR_HANDLE);
+  CHECK(pp_server_cloud({ball.session.id}, &cloud) == PP_ERROR_HANDLE);
+  CHECK(pp_server_close({ball.session.id}) == PP_ERROR_HANDLE);
+  if (!isBuilt()) return;
+  auto serving = std::make_unique<Serving>("closed");
+  const pp_server server = serving->server;
+  info.size = 4;
+  CHECK(pp_server_get_info(server, &info) == PP_ERROR_ARGUMENT);
+  CHECK(pp_server_get_info(server, nullptr) == PP_ERROR_ARGUMENT);
+  CHECK(pp_session_close({server.id}) == PP_ERROR_HANDLE);
+  const pp_session session = joined("closed", "anna");
+  serving.reset();
+  info = pp_default_server_info();
+  CHECK(pp_server_get_info(server, &info) == PP_ERROR_HANDLE);
+  CHECK(pp_server_close(server) == PP_ERROR_HANDLE);
+  CHECK(pp_session_get_sharing(session, nullptr) == PP_ERROR_ARGUMENT);
+  PP_CHECK_OK(pp_session_close(session));
+  CHECK(pp_session_get_sharing(session, &sharing) == PP_ERROR_HANDLE);
+  CHECK(pp_session_others(session, nullptr, 0, &count) == PP_ERROR_HANDLE);
+}
+
+TEST_CASE("a log function is told who comes, and whatever it calls of its server does no harm") {
+  if (!isBuilt()) return;
+  struct Heard {
+    std::atomic<std::uint64_t> server = 0;
+    std::atomic<int> told = 0, refused = 0;
+  } heard;
+  const pp_network network = ownNetwork();
+  const BallCloud ball;
+  pp_serve_options options = pp_default_serve_options();
+  options.network = &network;
+  options.log_user = &heard;
+  options.log = [](void* user, const char* line) {
+    auto& to = *static_cast<Heard*>(user);
+    if (std::string(line).find("takes the points") == std::string::npos) return;
+    pp_server_info info = pp_default_server_info();
+    to.refused += pp_server_get_info({to.server}, &info) == PP_ERROR_STATE;
+    to.refused += pp_server_close({to.server}) == PP_ERROR_STATE;
+    ++to.told;
+  };
+  pp_server server{};
+  PP_REQUIRE_OK(pp_serve(ball.cloud, "told", &options, &server));
+  heard.server = server.id;
+  const pp_session session = joined("told", "anna");
+  CHECK(heard.told == 1);
+  CHECK(heard.refused == 2);
+  PP_CHECK_OK(pp_session_close(session));
+  PP_CHECK_OK(pp_server_close(server));
+}
+
+TEST_CASE("a server and a joined session are asked by many threads while they are closed") {
+  if (!isBuilt()) return;
+  auto serving = std::make_unique<Serving>("busy");
+  const pp_server server = serving->server;
+  const pp_session session = joined("busy", "anna");
+  std::atomic<bool> end = false;
+  std::atomic<int> wrong = 0, answered = 0;
+  std::vector<std::thread> askers;
+  for (int i = 0; i < 4; ++i)
+    askers.emplace_back([&] {
+      while (!end) {
+        pp_server_info info = pp_default_server_info();
+        const pp_status of = pp_server_get_info(server, &info);
+        pp_sharing sharing = pp_default_sharing();
+        const pp_status with = pp_session_get_sharing(session, &sharing);
+        wrong += of != PP_OK && of != PP_ERROR_HANDLE;
+        wrong += with != PP_OK && with != PP_ERROR_HANDLE && with != PP_ERROR_THREAD;
+        answered += of == PP_OK;
+      }
+    });
+  CHECK(comes(20, [&] { return answered > 8; }));
+  while (pp_session_close(session) == PP_ERROR_THREAD) std::this_thread::yield();
+  serving.reset();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  end = true;
+  for (std::thread& asker : askers) asker.join();
+  CHECK(wrong == 0);
+}
+
+}  // namespace palpate

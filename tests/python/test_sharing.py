@@ -1,0 +1,314 @@
+"""Sessions that several programs have: a NumPy cloud is served here, and joined by another Python, and by the program."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy as np
+import palpate as pp
+import pytest
+from conftest import RADIUS, ball_arrays, press_path
+
+NETWORK = pp.Network(domain=20 + os.getpid() % 80)  # of this machine alone, and no other test's
+needs_dds = pytest.mark.skipif(not pp.can_share(), reason="this palpate was built without DDS")
+
+
+def checksum(cloud: pp.Cloud) -> str:
+    assert cloud.normals is not None
+    return hashlib.sha256(cloud.positions.tobytes() + cloud.normals.tobytes()).hexdigest()
+
+
+def beside(path: np.ndarray, by: float) -> np.ndarray:
+    return path + (by, 0, 0)
+
+
+def until(is_true, seconds: float = 20) -> bool:
+    end = time.monotonic() + seconds
+    while not is_true() and time.monotonic() < end:
+        time.sleep(0.01)
+    return bool(is_true())
+
+
+@pytest.fixture
+def served(ball: pp.Cloud, request):
+    with pp.serve(ball, f"{request.node.name[:40]} {os.getpid()}", NETWORK, mm_per_unit=1, model="a ball") as server:
+        yield server
+
+
+def joined(server: pp.Server, **how) -> pp.Session:
+    return pp.Session(pp.Join(server.name, NETWORK, **how), gpu="cpu")
+
+
+def another_python(program: str, *words: str) -> subprocess.Popen[str]:
+    """Runs it with pp, np, NETWORK, name and checksum; its standard output is read."""
+    begin = f"""
+        import hashlib, sys
+        import numpy as np, palpate as pp
+        NETWORK, name = pp.Network(domain={NETWORK.domain}), sys.argv[1]
+        def checksum(c): return hashlib.sha256(c.positions.tobytes() + c.normals.tobytes()).hexdigest()
+    """
+    return subprocess.Popen([sys.executable, "-c", textwrap.dedent(begin) + textwrap.dedent(program), *words],
+                            stdout=subprocess.PIPE, stdin=subprocess.PIPE, text=True)
+
+
+@needs_dds
+def test_two_pythons_sculpt_one_cloud_and_end_with_the_same_points(served):
+    before = checksum(served.cloud())
+    other = another_python("""
+        with pp.Session(pp.Join(name, NETWORK, hand="over there"), gpu="cpu") as s:
+            print("joined", flush=True)
+            path = np.array(eval(sys.argv[2]))
+            s.push(path, radius_mm=5)
+            sys.stdin.readline()                 # until the first one has pushed, too
+            assert s.settle(30), s.sharing
+            print(checksum(s.cloud()), s.sharing.received > 0, flush=True)
+    """, served.name, repr(beside(press_path(3), 4).tolist()))
+    with joined(served, hand="here") as s:
+        assert other.stdout is not None and other.stdout.readline() == "joined\n"
+        t = s.push(press_path(3), radius_mm=5)
+        assert t["contact"].any() and s.mm_per_unit == 1
+        assert s.settle(30)
+        out, _ = other.communicate("\n", timeout=60)
+        assert other.returncode == 0
+        assert s.settle(30)
+        after = checksum(served.cloud())
+        assert after != before
+        assert out.split() == [after, "True"] and checksum(s.cloud()) == after
+        assert s.sharing.same and s.sharing.sent > 10 and s.sharing.received > 10 and s.sharing.model == "a ball"
+    assert served.sculptors == 2 and served.clients == 2 and served.states > 20
+    with joined(served) as late:
+        assert late.settle(20) and checksum(late.cloud()) == after
+
+
+@needs_dds
+def test_a_live_hand_is_seen_and_sculpts_without_anybody_taking_its_ticks(served):
+    with joined(served, hand="anna") as s, joined(served, hand="ben") as watcher:
+        s.set_brush("push", radius_mm=5)
+        way = np.column_stack([np.linspace(0, 0.5, 200), press_path(2)])
+        with s.live(path=way) as live:
+            assert until(lambda: any(h.name == "anna" and h.touching and h.sculpts for h in watcher.others))
+            hand = watcher.others[0]
+            assert hand.position[2] < hand.proxy[2] < RADIUS + 1 and 0 <= hand.age_s <= 2.5
+            assert until(lambda: served.states > 20)
+            with pytest.raises(pp.Error) as caught:
+                s.settle(1)
+            assert caught.value.status == "state"
+            assert live.running and s.sharing.heard
+        assert s.settle(20) and watcher.settle(20)
+        assert checksum(s.cloud()) == checksum(watcher.cloud()) == checksum(served.cloud())
+        assert s.undo() == 1
+        assert watcher.settle(20) and checksum(watcher.cloud()) == checksum(served.cloud())
+
+
+@needs_dds
+def test_pictures_and_meshes_show_what_the_others_have_done(served):
+    with joined(served, hand="anna") as s, joined(served, hand="ben") as watcher:
+        view = {"size": (96, 96), "eye": (0, 0, 3 * RADIUS), "target": (0, 0, 0), "up": (0, 1, 0)}
+        before = watcher.render(**view)
+        s.stroke(press_path(2), "paint", radius_mm=10, color=(0, 0, 255))
+        s.push(press_path(4), radius_mm=8)
+        assert s.settle(20) and watcher.settle(20)
+        after = watcher.render(**view)
+        assert not np.array_equal(after, before) and np.array_equal(after, s.render(**view))
+        assert watcher.mesh(lattice=48).vertices[:, 2].max() < RADIUS
+
+
+@needs_dds
+def test_sessions_are_listed_with_their_round_trips(served):
+    seen = {session.name: session for session in pp.sessions(NETWORK, 1)}
+    assert served.name in seen
+    mine = seen[served.name]
+    assert mine.points == served.points == 20_000 and mine.fits and mine.model == "a ball" and mine.answered > 0
+    assert mine.round_trip_ms is not None and 0 < mine.round_trip_ms < 1000
+
+
+@needs_dds
+def test_what_is_felt_alone_takes_no_brush(ball):
+    with pp.serve(ball, f"felt {os.getpid()}", NETWORK, read_only=True) as server, joined(server) as s:
+        assert s.touch(press_path(1))["contact"].any()
+        assert not s.sharing.sculptable and s.others == []
+        with pytest.raises(pp.UsageError, match="felt alone"):
+            s.push(press_path(1))
+    with pp.serve(ball, f"felt {os.getpid()}", NETWORK) as server, joined(server, read_only=True) as s:
+        with pytest.raises(pp.UsageError, match="read_only"):
+            s.push(press_path(1))
+
+
+@needs_dds
+def test_a_server_that_is_served_anew_ends_a_hands_part_in_words(ball):
+    name = f"brief {os.getpid()}"
+    server = pp.serve(ball, name, NETWORK)
+    s = joined(server)
+    s.push(press_path(2), radius_mm=5)
+    live = s.live(path=press_path(1)[-1:])
+    server.close()
+    assert until(lambda: not s.sharing.heard) and s.sharing.silent_s > 2.5
+    with pp.serve(ball, name, NETWORK):
+        assert until(lambda: s.sharing.fault)
+        with pytest.raises(pp.Error, match="served anew") as caught:
+            live.wait(5)
+        assert caught.value.status == "network"
+        live.stop()
+        with pytest.raises(pp.Error, match="served anew"):
+            s.touch(press_path(1))
+        assert len(s.cloud()) == 20_000  # which are not lost
+        s.close()
+
+
+@needs_dds
+def test_a_journal_goes_on_in_another_server(ball, tmp_path):
+    name = f"kept {os.getpid()}"
+    with pp.serve(ball, name, NETWORK, journal=tmp_path / "strokes") as server:
+        with joined(server) as s:
+            s.push(press_path(3), radius_mm=5)
+        kept = checksum(server.cloud())
+    assert kept != checksum(ball)
+    with pp.serve(ball, name, NETWORK, journal=tmp_path / "strokes") as server:
+        assert checksum(server.cloud()) == kept
+    with pytest.raises(pp.Error) as caught:
+        pp.serve(ball, name, NETWORK, journal=tmp_path / "nowhere" / "strokes")
+    assert caught.value.status == "file" and caught.value.file is not None and "nowhere" in caught.value.file
+
+
+@needs_dds
+def test_a_server_whose_journal_cannot_be_written_any_more_ends_and_says_why(tmp_path):
+    name = f"full {os.getpid()}"
+    program = another_python("""
+        import os, resource
+        way = np.column_stack([np.cos(np.arange(2000)), np.sin(np.arange(2000)), np.arange(2000) / 2000])
+        server = pp.serve(pp.Cloud(way, normals=way * (1, 1, 0)), name, NETWORK, journal=sys.argv[2], mm_per_unit=30)
+        there = os.path.getsize(sys.argv[2])
+        resource.setrlimit(resource.RLIMIT_FSIZE, (there, there))
+        print("serving", flush=True)
+        try:
+            server.wait(40)
+        except pp.Error as error:
+            print(server.serving, len(server.cloud()), error.status, error, flush=True)
+    """, name, str(tmp_path / "strokes"))
+    assert program.stdout is not None and program.stdout.readline() == "serving\n"
+    with pp.Session(pp.Join(name, NETWORK, patience_s=3), gpu="cpu") as s:
+        s.push(np.column_stack([np.linspace(1.1, 0.8, 100), np.zeros(100), np.full(100, 0.5)]), radius_mm=5)
+        assert not s.sharing.delivered  # and nobody has been told that it is kept
+    out, _ = program.communicate(timeout=60)
+    assert out.startswith("False 2000 network ") and "strokes" in out
+
+
+@needs_dds
+def test_what_cannot_be_is_said(ball, served):
+    for wrong, error, words in (
+        (lambda: pp.serve(ball, served.name, NETWORK), pp.Error, "another name"),
+        (lambda: pp.serve(ball, "", NETWORK), pp.UsageError, "none for a session"),
+        (lambda: pp.serve(ball, "free", pp.Network("nowhere0", domain=NETWORK.domain + 100)), pp.Error, "nowhere0"),
+        (lambda: pp.serve(ball, "free", pp.Network(domain=1000)), pp.UsageError, "domain"),
+        (lambda: pp.serve(ball, "free", NETWORK, mm_per_unit=-1), pp.UsageError, "mm_per_unit"),
+        (lambda: pp.serve(ball, "free", NETWORK, read_only=True, journal="j"), pp.UsageError, "journal"),
+        (lambda: pp.serve(pp.Cloud(np.zeros((0, 3))), "free", NETWORK), pp.UsageError, "no points"),
+        (lambda: pp.Session(pp.Join("nobody's", NETWORK, patience_s=0.2), gpu="cpu"), pp.Error, "nobody's"),
+        (lambda: pp.Session(pp.Join(served.name, NETWORK, patience_s=0), gpu="cpu"), pp.UsageError, "patience_s"),
+        (lambda: pp.Session(pp.Join(served.name, NETWORK), gpu="cpu", moving=True), ValueError, "moving"),
+        (lambda: pp.Session(pp.Join(served.name, NETWORK), gpu="cpu", fuse=True), ValueError, "fuse"),
+        (lambda: pp.Session(pp.Join(served.name, NETWORK), gpu="cpu", estimate_normals=True), pp.UsageError, "normals"),
+        (lambda: pp.sessions(NETWORK, -1), pp.UsageError, "seconds"),
+    ):
+        with pytest.raises(error, match=words):
+            wrong()
+    for wrong in (lambda: pp.serve(ball, None, NETWORK), lambda: pp.serve("ball", "free", NETWORK),  # type: ignore[arg-type]
+                  lambda: pp.Session(7), lambda: pp.Session(pp.Join(7, NETWORK))):  # type: ignore[arg-type]
+        with pytest.raises(TypeError):
+            wrong()
+    with pp.Session(ball, gpu="cpu") as own:
+        for ask in (lambda: own.sharing, lambda: own.others, lambda: own.settle(1)):
+            with pytest.raises(pp.Error, match="not joined") as caught:
+                ask()
+            assert caught.value.status == "state"
+
+
+@needs_dds
+def test_names_that_are_cut_off_in_a_character_are_told_as_well_as_they_can_be(ball):
+    with pp.serve(ball, f"ü {os.getpid()}", NETWORK, model="a" + "é" * 150) as server:
+        with joined(server, hand="a" + "ü" * 40) as s, joined(server) as watcher:
+            s.touch(press_path(1))
+            assert until(lambda: any(hand.name.startswith("aüüü") for hand in watcher.others))
+            assert s.sharing.name == server.name and s.sharing.model.startswith("aééé")
+            assert any("aééé" in line for line in s.remarks)
+        seen = next(session for session in pp.sessions(NETWORK, 0.5) if session.name == server.name)
+        assert seen.model.startswith("aééé") and seen.model.endswith("\ufffd")
+
+
+@needs_dds
+def test_what_is_closed_says_so_and_says_what_it_was(served):
+    s = joined(served)
+    assert "20000 points" in repr(s) and served.name in repr(served)
+    assert "this machine alone" in served.openness and any("takes the points" in line for line in served.remarks)
+    s.close()
+    served.close()
+    served.close()  # once more does no harm
+    for ask in (lambda: s.sharing, lambda: s.others, lambda: s.settle(1), served.cloud, lambda: served.clients):
+        with pytest.raises(pp.Error) as caught:
+            ask()
+        assert caught.value.status == "handle"
+    assert served.wait(1) and "null" in repr(served) and "null" in repr(s)
+
+
+@needs_dds
+def test_threads_ask_while_another_one_closes(served):
+    s = joined(served)
+    failures: list[BaseException] = []
+
+    def ask() -> None:
+        try:
+            while True:
+                s.others, s.sharing.heard, served.clients, served.cloud()
+        except pp.Error as error:
+            if error.status != "handle":
+                failures.append(error)
+        except BaseException as error:
+            failures.append(error)
+
+    threads = [threading.Thread(target=ask) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    time.sleep(0.3)
+    served.close()
+    s.close()
+    for thread in threads:
+        thread.join(20)
+    assert not failures and not any(thread.is_alive() for thread in threads)
+
+
+@needs_dds
+def test_a_python_that_ends_with_all_of_it_open_ends_well(served):
+    program = another_python("""
+        server = pp.serve(pp.Cloud(np.random.default_rng(1).normal(size=(500, 3))), name + " too", NETWORK)
+        s = pp.Session(pp.Join(name, NETWORK), gpu="cpu")
+        live = s.live(builtin="press")
+        print(s.sharing.heard)
+    """, served.name)
+    out, _ = program.communicate(timeout=60)
+    assert (program.returncode, out) == (0, "True\n")
+
+
+@needs_dds
+@pytest.mark.skipif(not os.environ.get("PALPATE_PROGRAM"), reason="the program is not built")
+def test_the_program_sculpts_what_python_serves(served, tmp_path):
+    before = checksum(served.cloud())
+    subprocess.run([os.environ["PALPATE_PROGRAM"], "touch", "--join", served.name, "--domain", str(NETWORK.domain),
+                    "--backend", "cpu", "--edit", "push", "--penetration", "3", "--json", str(tmp_path / "r.json")],
+                   check=True, capture_output=True)
+    assert json.loads((tmp_path / "r.json").read_text())["shared"]["same"]
+    assert checksum(served.cloud()) != before
+
+
+@pytest.mark.skipif(pp.can_share(), reason="this palpate was built with DDS")
+def test_without_dds_all_of_it_refuses_in_a_sentence(ball):
+    for wrong in (lambda: pp.serve(ball, "a"), lambda: pp.sessions(), lambda: pp.Session(pp.Join("a"), gpu="cpu")):
+        with pytest.raises(pp.Error, match="built without DDS") as caught:
+            wrong()
+        assert caught.value.status == "unsupported"

@@ -1,0 +1,112 @@
+// A session that others have, too, as a session sees it: what it does when they are silent, and when their part is over.
+#include <doctest/doctest.h>
+
+#include <memory>
+
+#include "engine/core/clock.hpp"
+#include "haptics/session/asked_hands.hpp"
+#include "tests/session/session_scene.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// The others, as a test wants them.
+class Others final : public SharedFollower {
+ public:
+  struct State {
+    std::atomic<bool> heard = true;
+    SharedCounts counts{.delivered = true, .atRest = true, .same = true};
+    HandPlace place;
+    std::size_t moves = 0;
+  };
+  explicit Others(State& state) : state_(state) {}
+  void catchUp(const EditBatch&) override {}
+  const std::atomic<bool>& isHeard() const override { return state_.heard; }
+  SharedCounts counts() const override { return state_.counts; }
+  void moved(const HandPlace& place) noexcept override {
+    state_.place = place;
+    ++state_.moves;
+  }
+  std::vector<SeenHand> others() const override { return {}; }
+
+ private:
+  State& state_;
+};
+
+Model sharedSphere(Others::State& others) {
+  Model model = sphereModel();
+  model.share = [&](const PointCloud&, TouchBackend&) { return std::make_unique<Others>(others); };
+  return model;
+}
+
+SessionConfig joined() { return {.model = {.file = "shared"}, .backend = {.name = "cpu"}, .join = JoinConfig{}}; }
+
+/// Ticks of 1 ms at a distance from the middle of the sphere; the last force, N.
+class Puller {
+ public:
+  explicit Puller(Session& session) : hands_(session, {}) {}
+  double at(double distance, int ticks) {
+    double force_N = 0;
+    for (int i = 0; i < ticks; ++i) {
+      const Pose pose{.time_s = 1e-3 * tick_++, .hip = DVec3(0, 0, distance)};
+      force_N = glm::length(hands_.tick({&pose, 1}).front().force_N);
+    }
+    return force_N;
+  }
+
+ private:
+  AskedHands hands_;
+  int tick_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a pulled hand has no force while the others are silent, and it comes back when the hand has let go") {
+  Others::State others;
+  const auto cpu = cpuBackend();
+  Session session(joined(), sharedSphere(others), {.backend = *cpu});
+  Puller hand(session);
+  hand.at(52, 10);
+  CHECK(hand.at(49, 100) > 0.5);
+  CHECK(others.moves == 110);
+  CHECK(others.place.touching);
+  CHECK(others.place.position == DVec3(0, 0, 49));
+  CHECK(glm::length(others.place.proxy) == doctest::Approx(50).epsilon(0.01));
+  CHECK_FALSE(others.place.sculpts);
+  others.heard = false;
+  CHECK(hand.at(49, 1) == 0);
+  CHECK(hand.at(49, 100) == 0);
+  others.heard = true;
+  CHECK(hand.at(49, 1000) == 0);  // a surface that would push at once
+  hand.at(52, 10);
+  const double soon_N = hand.at(49, 30), later_N = hand.at(49, 1000);
+  CHECK(soon_N > 0);
+  CHECK(soon_N < 0.2 * later_N);
+  CHECK(later_N > 0.5);
+}
+
+TEST_CASE("who is heard feels what a hand alone feels") {
+  Others::State others;
+  const auto cpu = cpuBackend();
+  Session shared(joined(), sharedSphere(others), {.backend = *cpu}), alone({.backend = {.name = "cpu"}}, sphereModel(), {.backend = *cpu});
+  Puller one(shared), two(alone);
+  for (const double distance : {52.0, 49.5, 48.0, 51.0}) CHECK(one.at(distance, 20) == two.at(distance, 20));
+}
+
+TEST_CASE("a session waits for the others as long as it was told, and not for those whose part is over") {
+  Others::State others;
+  others.counts = {};
+  const auto cpu = cpuBackend();
+  Session session(joined(), sharedSphere(others), {.backend = *cpu, .sharedPatience_s = 0.3});
+  const Stopwatch waited;
+  session.finish();
+  CHECK(waited.elapsed_s() >= 0.3);
+  CHECK(waited.elapsed_s() < 3);
+  others.counts.fault = "it is over";
+  const Stopwatch over;
+  CHECK_FALSE(session.settleShared(60));
+  CHECK(over.elapsed_s() < 3);
+}
+
+}  // namespace palpate

@@ -1,0 +1,81 @@
+// A server on a thread of its own: looked at while it serves, ended while it is looked at.
+#include "haptics/sharing/server_thread.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "engine/core/clock.hpp"
+#include "tests/sharing/own_network.hpp"
+
+namespace palpate {
+
+namespace {
+
+PointCloud ring(std::size_t points) {
+  PointCloud cloud;
+  for (std::size_t i = 0; i < points; ++i) {
+    const double t = static_cast<double>(i) * 0.7;
+    cloud.positions.emplace_back(std::sin(t) * 40, std::cos(t) * 40, 0.001 * static_cast<double>(i));
+    cloud.normals.push_back(glm::normalize(Vec3(std::sin(t), std::cos(t), 0)));
+  }
+  return cloud;
+}
+
+CloudServer::Parts partsOf(const std::string& name) { return {.network = ownNetwork(), .name = name}; }
+
+}  // namespace
+
+TEST_CASE("a server is looked at by several threads while others join it") {
+  const PointCloud cloud = ring(20'000);
+  ServerThread server(cloud, partsOf("looked at"));
+  std::atomic<bool> end = false;
+  std::atomic<std::uint64_t> wrong = 0, looks = 0;
+  std::vector<std::jthread> lookers;
+  for (int i = 0; i < 3; ++i)
+    lookers.emplace_back([&] {
+      while (!end) {
+        wrong += server.points().size() != cloud.size();
+        wrong += server.counts().refused;
+        ++looks;
+      }
+    });
+  for (int i = 0; i < 2; ++i) {
+    const JoinedCloud joined = joinCloud("looked at", {.network = ownNetwork()});
+    CHECK(joined.cloud.positions == cloud.positions);
+  }
+  end = true;
+  lookers.clear();
+  CHECK(wrong == 0);
+  CHECK(looks > 5);
+  CHECK(server.counts().clients == 2);
+  CHECK(server.isServing());
+}
+
+TEST_CASE("a server that has been ended still says what it had, and once more does no harm") {
+  const PointCloud cloud = ring(100);
+  ServerThread server(cloud, partsOf("ended"));
+  std::jthread looker([&] {
+    for (int i = 0; i < 20; ++i) server.counts();
+  });
+  server.stop();
+  looker.join();
+  server.stop();
+  CHECK_FALSE(server.isServing());
+  CHECK_NOTHROW(server.check());
+  CHECK(server.points().size() == 100);
+  CHECK(server.counts().clients == 0);
+  CHECK_THROWS_AS(joinCloud("ended", {.network = ownNetwork(), .patience_s = 0.2}), NetworkError);
+}
+
+TEST_CASE("a server ends soon after it has begun") {
+  const PointCloud cloud = ring(10);
+  for (int i = 0; i < 3; ++i) {
+    ServerThread server(cloud, partsOf("short"));
+    const Stopwatch since;
+    server.stop();
+    CHECK(since.elapsed_s() < 3);
+  }
+}
+
+}  // namespace palpate
