@@ -26,8 +26,12 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
   command
       .add("--join", options.name, "in place of MODEL: a session that another palpate serves (palpate serve), by its name")
       .typeName("NAME");
-  if (as == JoinAs::hand)
+  if (as == JoinAs::hand) {
     command.add("--as", options.hand, "what the others see this hand called (default: the machine's name)").typeName("NAME");
+    command.addFlag("--near", options.near,
+                    "of what is joined only the points around the hands come here, ahead of them: for models that are too large "
+                    "to wait for; they are felt, and not sculpted. A model that moves is joined so in any case");
+  }
   addNetworkOptions(command, options.network);
 }
 
@@ -48,25 +52,31 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
   if (options.name.empty()) {
     const bool hasNetwork = !network.interface.empty() || !network.peers.empty() || network.domain != 0;
     const bool isUsed = isRosModel(modelFile) || !options.ros.name.empty();
-    if ((hasNetwork && !isUsed) || !options.hand.empty())
+    if ((hasNetwork && !isUsed) || !options.hand.empty() || options.near)
       throw UsageError(
-          "--interface, --peer, --domain and --as are for --join, which names a session (and but for --as for ROS, too)");
+          "--interface, --peer, --domain, --as and --near are for --join, which names a session (and but for --as and --near for ROS, too)");
     return std::nullopt;
   }
   if (!modelFile.empty()) throw UsageError("--join: the session that is joined is the model; leave {} out", modelFile);
   modelFile = options.name;
-  return JoinConfig{.network = network.interface, .peers = network.peers, .domain = network.domain};
+  return JoinConfig{.network = network.interface, .peers = network.peers, .domain = network.domain, .near = options.near};
 }
 
 namespace {
 
-JoinedCloud join(const std::string& name, const JoinConfig& join, Log& log, bool present) {
+JoinedCloud join(const std::string& name, const JoinConfig& join, Log& log, bool present, const std::string& hand = {}) {
   const StopBySignal stop;
   JoinedCloud joined = joinCloud(name, {.network = {.interface = join.network, .peers = join.peers, .domain = join.domain},
                                         .present = present,
+                                        .near = join.near,
+                                        .hand = hand,
                                         .log = &log,
                                         .stop = &StopBySignal::requested()});
-  log.say("{}: {} points of {}, served by {}", name, joined.cloud.size(), joined.model, joined.host);
+  if (joined.far)
+    log.say("{}: of the {} points of {}, served by {}, those around the hands come here{}", name, joined.facts->extent.points,
+            joined.model, joined.host, joined.facts->moves ? "; they move" : "");
+  else
+    log.say("{}: {} points of {}, served by {}", name, joined.cloud.size(), joined.model, joined.host);
   sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
   return joined;
 }
@@ -89,8 +99,8 @@ CloudFetcher rosFetcher(const NetworkOptions& network) {
 
 SessionJoiner sessionJoiner(const std::string& hand) {
   return [hand](const std::string& name, const JoinConfig& config, Log& log) {
-    JoinedCloud joined = join(name, config, log, false);
-    JoinedModel model{.cloud = std::move(joined.cloud)};
+    JoinedCloud joined = join(name, config, log, false, hand);
+    JoinedModel model{.cloud = std::move(joined.cloud), .far = std::move(joined.far), .facts = joined.facts};
     if (joined.sculptable)
       model.share = [session = joined.session, hand, &log](const PointCloud& cloud, TouchBackend& backend) {
         return shareEdits({.session = session, .cloud = cloud, .backend = backend, .hand = hand, .log = &log});

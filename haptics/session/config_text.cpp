@@ -330,6 +330,7 @@ void describe(auto&& in, auto& config, const JoinConfig*) {
   in.field("network", config.network);
   in.field("peers", config.peers);
   in.field("domain", config.domain);
+  in.field("near", config.near);
 }
 
 void describe(auto&& in, auto& config, const MatterTool*) {

@@ -155,6 +155,7 @@ struct JoinConfig {
   std::string network;             ///< interface, by name or address; empty: this machine alone
   std::vector<std::string> peers;  ///< addresses of machines to ask, where the network carries no multicast
   std::uint32_t domain = 0;        ///< of DDS
+  bool near = false;               ///< of its points those around the hands alone come here; what moves comes so in any case
 
   bool operator==(const JoinConfig&) const = default;
 };
