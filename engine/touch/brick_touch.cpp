@@ -17,8 +17,8 @@ BrickTouch::BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surfac
 namespace {
 
 // Support radii: what an answer is made of, about the way of the hand and that of the proxy, and what is asked for before
-// it is known where the proxy goes.
-constexpr double kMadeOf = 1.25, kMayGo = 3;
+// it is known where the proxy goes; and what a script that is about to begin has around it.
+constexpr double kMadeOf = 1.25, kMayGo = 3, kAtFirst = 12;
 
 }  // namespace
 
@@ -49,7 +49,12 @@ bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double pati
   for (std::size_t i = 0; i < hips.size(); ++i) poses[i].hip = hips[i];
   for (Pose& pose : poses) pose.time_s = time_s;
   tell(time_s, poses);
-  if (!source_.await(asked_, patience_s)) return false;
+  HandReaches first = asked_;
+  for (HandReach& reach : first.hands) {
+    reach.low -= (kAtFirst - kMayGo) * options_.radius;
+    reach.high += (kAtFirst - kMayGo) * options_.radius;
+  }
+  if (!source_.await(first, patience_s)) return false;
   surface_->ask(poses, 0);  // it has their frame then
   for (std::size_t i = 0; i < hips.size(); ++i) resetHand(i);
   return true;

@@ -10,7 +10,7 @@ constexpr std::size_t kMostClients = 64;     // at a time; one more takes the pl
 constexpr double kForgotten_s = 30;          // a client that says nothing for so long is gone
 constexpr LedgerLimits kStill{.known = 1 << 17, .atOnce = 1024};
 constexpr LedgerLimits kMoving{.known = 1 << 13, .atOnce = 1 << 13};
-constexpr std::uint64_t kFewestSamples = 64, kMostSamples = 1024;  // on their way to a client
+constexpr std::uint64_t kFewestSamples = 256, kMostSamples = 1024;  // on their way to a client
 constexpr double kProbe_s = 1;               // after which a client is shown that something has come before
 constexpr double kSoon_s = 0.002;            // a link that has no room
 constexpr double kIdle_s = 0.05;

@@ -134,10 +134,10 @@ class FarLink final : public FarCloud {
         counts_.mostKnown = std::max(counts_.mostKnown, source_.known().points);
       }
     });
-    if (gap) beginAnew();
+    if (gap) restart();
   }
 
-  void beginAnew() {
+  void restart() {
     assembly_.begin();
     ++counts_.resumed;
     isNew_ = true;
@@ -176,7 +176,7 @@ class FarLink final : public FarCloud {
       left_.insert(server_);
       server_ = notice.session;
       ++counts_.servers;
-      return beginAnew();
+      return restart();
     }
   }
 

@@ -73,7 +73,8 @@ Walked walk(const Walk& how, int ticks) {
   Walked walked;
   for (int tick = 0; tick < ticks; ++tick) {
     const double now_s = tick * kTick_s;
-    way = glm::normalize(way + DVec3(turn(random), turn(random), 0.2 * turn(random)));
+    const DVec3 turned{turn(random), turn(random), 0.2 * turn(random)};
+    way = glm::normalize(way + turned);
     hip += how.speed * kTick_s * way;
     for (int k = 0; k < 3; ++k) {
       const double low = k == 2 ? -6 : 5, high = k == 2 ? 6 : kSide - 5;
@@ -128,7 +129,8 @@ TEST_CASE("each place has one brick, whose key gives it back") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-1e6, 1e6);
   for (int i = 0; i < 10'000; ++i) {
-    const DVec3 at(place(random), i % 2 ? place(random) : 0.7 * (i % 9), -1e-9 * i);
+    const double x = place(random), y = place(random);
+    const DVec3 at(x, i % 2 ? y : 0.7 * (i % 9), -1e-9 * i);
     const IVec3 brick = grid.brickAt(at);
     CHECK(BrickGrid::brickOf(BrickGrid::keyOf(brick)) == brick);
     CHECK(BrickGrid::isKey(BrickGrid::keyOf(brick)));
@@ -269,10 +271,10 @@ TEST_CASE("a step is put together from its samples; one that is missing is found
   CHECK(again.hear(assembly) == BrickAssembly::Heard::old);
   again.sample.epoch = 2;
   CHECK(again.hear(assembly) == BrickAssembly::Heard::taken);
-  const auto anew = assembly.takeUpdate();
-  REQUIRE(anew);
-  CHECK(anew->bricks.size() == 1);
-  CHECK(anew->dropped == std::vector<BrickKey>{BrickGrid::keyOf(IVec3(1, 0, 0))});
+  const auto restarted = assembly.takeUpdate();
+  REQUIRE(restarted);
+  CHECK(restarted->bricks.size() == 1);
+  CHECK(restarted->dropped == std::vector<BrickKey>{BrickGrid::keyOf(IVec3(1, 0, 0))});
 }
 
 TEST_CASE("what is no piece of such a cloud is refused") {
