@@ -46,9 +46,7 @@ class BrickTouch final : public TouchBackend {
   bool keepsEdits() const override { return true; }
   void keepEdits() override {}
   void takeEdits(EditBatch&) override {}
-  EditScope editScope() const override {
-    return {.edits = false, .paints = false, .newPoints = surface_->editScope().newPoints};
-  }
+  EditScope editScope() const override { return surface_->editScope(); }
   /// Throws UsageError for any but none.
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override {

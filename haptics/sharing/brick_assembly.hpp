@@ -6,17 +6,16 @@
 #include <optional>
 #include <set>
 
-#include "haptics/far_cloud.hpp"
-#include "haptics/sharing/messages.hpp"
 #include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/messages.hpp"
 
 namespace palpate::sharing {
 
 /// One thread uses it at a time.
 class BrickAssembly {
  public:
-  /// `room`: points that are known at once, at most.
-  BrickAssembly(const FarFacts& facts, std::size_t room) : facts_(facts), grid_(facts.edge), room_(room) {}
+  /// `room`: points that are known at once, at most. `colored`: they have colours.
+  BrickAssembly(double edge, std::size_t room, bool colored) : grid_(edge), room_(room), colored_(colored) {}
 
   /// What is asked for from now on: all anew. What is known stays until it comes again, or has not come with the rest.
   std::uint32_t begin();
@@ -39,9 +38,9 @@ class BrickAssembly {
   void require(bool holds, const char* what) const;
   void finish(bool whole);
 
-  FarFacts facts_;
   BrickGrid grid_;
   std::size_t room_;
+  bool colored_;
   std::uint32_t epoch_ = 0;
   std::uint64_t taken_ = 0;
   struct Coming {

@@ -56,7 +56,7 @@ class FarLink final : public FarCloud {
         to_(*parts.session),
         server_(to_.session),
         source_({.edge = parts.facts.edge, .points = kRoom, .moves = parts.facts.moves}),
-        assembly_(parts.facts, kRoom),
+        assembly_(parts.facts.edge, kRoom, parts.notice.colored),
         balls_(parts.facts.edge, kLeastSpeed_mm_s / parts.notice.mm_per_unit),
         nears_(to_.participant, to_.topics.nears, bestEffortQos()),
         handWriter_(to_.participant, to_.topics.hands, bestEffortQos()),

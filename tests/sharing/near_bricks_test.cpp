@@ -235,7 +235,7 @@ struct OneSample {
 };
 
 BrickAssembly freshAssembly(std::size_t room = 100) {
-  BrickAssembly assembly({.edge = 1}, room);
+  BrickAssembly assembly(1, room, true);
   CHECK(assembly.begin() == 1);
   return assembly;
 }

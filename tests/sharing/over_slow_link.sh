@@ -81,6 +81,7 @@ CHECK
 }
 
 near_hand() {  # ROUND_TRIP LOSS: the points around the hand alone, in virtual time and against the clock
+  : > "$folder/large.log"
   ip netns exec "$far" "$palpate" serve "$folder/large.ply" --name large --interface b > "$folder/large.log" 2>&1 &
   large=$!
   until grep -q serving "$folder/large.log"; do kill -0 "$large" || fail 'nothing large is served'; sleep 0.05; done
@@ -106,6 +107,25 @@ assert other <= near["near"]["ticks_without_points"] * after_missed + near["miss
 assert near["near"]["most_known"] < near["points"] / 2, near
 assert int(trip) > 100 or near["near"]["ticks_without_points"] <= 0.001 * near["near"]["ticks"], near
 CHECK
+  if [ "$1" = 100 ]; then
+    # The cable is out for five seconds: what is known is felt until that is too old, then nothing, and again once the hand
+    # has gone out and in.
+    ${at/slide.csv/again.csv} --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 &
+    local hand=$!
+    sleep 4; touch "$folder/cut"; sleep 5; rm "$folder/cut"
+    wait "$hand" || fail 'a cable that was out for five seconds ended a hand near its points'
+    python3 - "$folder" << 'CHECK' || fail 'not the force that a hand should have while the cable is out, or after it'
+import csv, json, sys
+rows = list(csv.DictReader(open(f"{sys.argv[1]}/clock.csv")))
+near = json.load(open(f"{sys.argv[1]}/clock.json"))["near"]
+force = lambda row: sum(float(row[f"force_{axis}"]) ** 2 for axis in "xyz") ** 0.5
+held = [row for row in rows if float(row["t_s"]) > 1]
+silent = sum(force(row) == 0 for row in held) / 1000
+print(f"over_slow_link: a cable that was out for five seconds: no force for {silent:.1f} s, longest silence {near['longest_silence_s']:.1f} s")
+assert 4 < near["longest_silence_s"] < 8 and 0.5 < silent and force(rows[-1]) > 0.5, (near, silent, force(rows[-1]))
+assert any(force(row) > 0.5 for row in rows if 3 < float(row["t_s"]) < 4), "what was known was not felt any more"
+CHECK
+  fi
   kill -INT "$large"; wait "$large" || fail 'what serves a large model has failed'
   large=''
 }
@@ -115,6 +135,15 @@ CHECK
 "$palpate" --quiet make sculpture -n 300000 -o "$folder/large.ply"
 "$palpate" --quiet touch "$folder/large.ply" --backend cpu --path builtin:slide --duration 3 --trajectory "$folder/all.csv" > /dev/null
 cut -d, -f1-4 "$folder/all.csv" > "$folder/slide.csv"
+# The same, then back from 9 s on, and there again until 15 s.
+python3 - "$folder" << 'AGAIN'
+import sys
+head, *rows = open(f"{sys.argv[1]}/slide.csv").read().split()
+rows = [(float(t), rest) for t, rest in (row.split(",", 1) for row in rows)]
+back = [(12 - t, rest) for t, rest in reversed(rows)]
+there = [(12.001 + t, rest) for t, rest in rows]
+open(f"{sys.argv[1]}/again.csv", "w").write("\n".join([head, *(f"{t:.3f},{rest}" for t, rest in rows + back + there), ""]))
+AGAIN
 "$palpate" --quiet touch "$folder/large.ply" --backend cpu --path "$folder/slide.csv" --trace "$folder/own_slide.csv" > /dev/null
 "$palpate" --quiet touch "$folder/model.ply" --backend cpu --duration 0.2 --trace "$folder/own.csv" > /dev/null
 
