@@ -174,6 +174,33 @@ TEST_CASE("virtual time that waits in vain ends the session with no force, and s
   CHECK_THROWS_WITH(hand.touch->finish(), doctest::Contains("have not come within"));
 }
 
+TEST_CASE("what was waited for is in the frame of its time, whatever goes meanwhile, and not in later ones") {
+  BrickSource source({.edge = 1, .points = 10});
+  auto brick = std::make_shared<Brick>();
+  brick->ids = {4};
+  brick->positions = {Vec3(0.5f)};
+  brick->normals = {Vec3(0, 0, 1)};
+  const BrickKey key = BrickGrid::keyOf(IVec3(0));
+  BrickUpdate comes, goes;
+  comes.bricks.emplace_back(key, brick);
+  goes.dropped = {key};
+  HandReaches hands{.time_s = 0.25, .count = 1};
+  hands.hands[0] = {.low = DVec3(0.4), .high = DVec3(0.6)};
+  source.apply(comes);
+  REQUIRE(source.await(hands, 0));
+  source.apply(goes);
+  CloudFrame frame;
+  REQUIRE(source.hasNewer(0.25, -1));
+  source.makeFrame(0.25, frame);
+  CHECK(frame.size() == 1);
+  CHECK(source.covers(frame.time_s, DVec3(0.4), DVec3(0.6)));
+  CHECK_FALSE(source.covers(frame.time_s, DVec3(0.4), DVec3(1.6)));
+  REQUIRE(source.hasNewer(0.26, frame.time_s));
+  source.makeFrame(0.26, frame);
+  CHECK(frame.size() == 0);
+  CHECK_FALSE(source.covers(frame.time_s, DVec3(0.4), DVec3(0.6)));
+}
+
 TEST_CASE("more points than there is room for are refused, and what is given up waits for nobody") {
   BrickSource source({.edge = 1, .points = 2});
   auto brick = std::make_shared<Brick>();
