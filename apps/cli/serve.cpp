@@ -1,9 +1,14 @@
+#include "apps/cli/backend.hpp"
 #include "apps/cli/model.hpp"
+#include "apps/cli/motion_options.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stop_by_signal.hpp"
+#include "apps/cli/stream_options.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"
+#include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/stepped_model.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 
@@ -13,6 +18,9 @@ namespace {
 
 struct ServeOptions {
   ModelOptions model;
+  MotionOptions motion;
+  StreamOptions stream;
+  std::string backend = "auto";
   NetworkOptions network;
   std::string name, ros, journalFile, saveFile;
   bool readOnly = false;
@@ -33,23 +41,57 @@ void serveWith(CloudServer& server, RosCloud& ros, const PointCloud& cloud, doub
   }
 }
 
+// What is served, and how it moves.
+SessionConfig servedConfig(Context& context, const ServeOptions& options) {
+  SessionConfig config{.model = options.model.config()};
+  config.backend.name = chooseBackend(context, {.backend = options.backend});
+  config.realtime = true;
+  config.motion = motionConfig(options.motion);
+  config.stream = streamConfig(options.stream, config.model.file);
+  config.matter = matterScene(config.model.file);
+  validate(config);
+  if (config.moves() && (!options.journalFile.empty() || !options.saveFile.empty() || !options.ros.empty()))
+    throw UsageError("--journal, --save and --ros: are for what stands still; {} moves", config.model.file);
+  return config;
+}
+
+FarFacts factsOf(const Model& model) {
+  return {.spacing = model.spacing, .wideSpacing = model.wideSpacing, .noise = model.noise, .up = model.upright.up};
+}
+
+ServedMotion motionOf(Context& context, const SessionConfig& config, const std::shared_ptr<const Model>& model, double& rate_Hz) {
+  if (!config.moves()) return {};
+  auto stepped = std::make_shared<SteppedModel>(
+      config, model,
+      SteppedModel::Parts{.backend = context.backends().named(config.backend.name), .threads = context.threads(), .log = &context.log()});
+  rate_Hz = stepped->rate_Hz();
+  return [stepped](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) { return stepped->step(time_s, hands, frame); };
+}
+
 void serve(Context& context, const ServeOptions& options) {
   if (!options.ros.empty()) requireRosName(options.ros);
   if (options.readOnly && (!options.journalFile.empty() || !options.saveFile.empty()))
     throw UsageError("--read-only: nobody sculpts it; leave --journal and --save out");
   Context::checkWritable(options.saveFile);
   sayWhatIsLost(options.saveFile, context.log());
-  const Model model = loadModel(context, options.model, EstimateOn::cpu, &options.network);
+  const SessionConfig config = servedConfig(context, options);
+  const auto loaded = std::make_shared<const Model>(loadModel(context, config, EstimateOn::cpu, &options.network));
+  const Model& model = *loaded;
   const StopBySignal stop;
+  double rate_Hz = 0;
+  const ServedMotion motion = motionOf(context, config, loaded, rate_Hz);
   CloudServer server(model.cloud, {.network = options.network.config(),
                                    .name = options.name,
-                                   .model = std::filesystem::path(options.model.file).filename().string(),
+                                   .model = std::filesystem::path(config.model.file).filename().string(),
                                    .mm_per_unit = model.scale.mm_per_unit,
-                                   .sculptable = !options.readOnly,
+                                   .sculptable = !options.readOnly && !config.moves(),
                                    .journal = options.journalFile,
-                                   .log = &context.log()});
-  context.log().say("serving '{}': {} points of {}; {}", options.name, model.cloud.size(), options.model.file,
-                    opennessOf(options.network.config()));
+                                   .log = &context.log(),
+                                   .facts = factsOf(model),
+                                   .motion = motion,
+                                   .motion_Hz = rate_Hz});
+  context.log().say("serving '{}': {} points of {}{}; {}", options.name, model.cloud.size(), config.model.file,
+                    config.moves() ? ", which move" : "", opennessOf(options.network.config()));
   if (options.ros.empty()) {
     server.serve(StopBySignal::requested(), options.duration_s);
   } else {
@@ -60,6 +102,10 @@ void serve(Context& context, const ServeOptions& options) {
   context.log().say("served '{}' to {} client{}: {} blocks of points; {} sculpted it, {} states of points in {} pieces",
                     options.name, counts.clients, counts.clients == 1 ? "" : "s", counts.blocks, counts.sculptors,
                     counts.states, counts.pieces);
+  if (counts.near > 0)
+    context.log().say("{} client{} had the points around their hands alone: {} in {} steps{}", counts.near, counts.near == 1 ? "" : "s",
+                      counts.nearPoints, counts.nearSteps,
+                      config.moves() ? fmt::format(", of {} frames", counts.frames) : std::string());
   if (!options.saveFile.empty()) saveKeeping(options.saveFile, editedCloud(model.cloud, server.points()));
   context.writeJson({{"name", options.name},
                      {"points", model.cloud.size()},
@@ -74,6 +120,10 @@ void serve(Context& context, const ServeOptions& options) {
                      {"states", counts.states},
                      {"again", counts.again},
                      {"sent", counts.sent},
+                     {"near", counts.near},
+                     {"near_points", counts.nearPoints},
+                     {"near_steps", counts.nearSteps},
+                     {"frames", counts.frames},
                      {"edited", changedPoints(model.cloud, server.points())}});
 }
 
@@ -83,7 +133,7 @@ void addServe(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand(
       "serve", "a model for other programs, here or on other machines, which join it by its name (--join)");
   auto options = std::make_shared<ServeOptions>();
-  addModelOptions(sub, options->model);
+  addModelOptions(sub, options->model, modelsAndStreams() + "; of matter a soft body", false);
   sub.add("--name", options->name, "by which it is joined; no other session of the network has it").required();
   sub.add("--journal", options->journalFile,
           "a file that each stroke goes into as it is taken: whoever serves the model again with it goes on where this ends, "
@@ -94,12 +144,18 @@ void addServe(Options& app, Context& context, Command& command) {
   sub.add("--ros", options->ros, "programs of ROS 2 hear the points as NAME/cloud, and again while they are sculpted")
       .typeName("NAME");
   addNetworkOptions(sub, options->network);
+  addMotionOptions(sub, options->motion);
+  addStreamOptions(sub, options->stream);
+  sub.add("--backend", options->backend, "that moves a soft body: auto, vulkan or cpu").check(oneOf({"auto", "vulkan", "cpu"})).showDefault();
   sub.add("--duration", options->duration_s, "s (default: until it is asked to end, as by Ctrl+C)")
       .check(between(bounds::kShortest_s, bounds::kLongest_s));
   sub.footer(
       "What is served is the points with their normals, colours and scale, as they were read, and what those who join do to "
       "them, in one order for all: each feels what the others do, and in the end all have the same points, bit by bit. "
       "Points are moved, painted and taken away; none come to keep the surface whole (--keep-points).\n"
+      "A model that moves (--motion, the frames of a depth camera, a soft body such as jelly) goes on by the clock of this "
+      "program, and is felt alone: who joins it has the points around the hands, up to 60 times a second, and his hands press a "
+      "soft body as those of one session do. So has who joins with --near what stands still.\n"
       "Without --interface nobody but this machine can join; with it, whoever is on that network can, and nothing is "
       "encrypted. With --security all is, and only who has keys of the same authority can join (palpate keys makes them).\n");
   sub.whenNamed([&, options] { command = [&context, options] { serve(context, *options); }; });

@@ -29,8 +29,12 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
   command
       .add("--join", options.name, "in place of MODEL: a session that another palpate serves (palpate serve), by its name")
       .typeName("NAME");
-  if (as == JoinAs::hand)
+  if (as == JoinAs::hand) {
     command.add("--as", options.hand, "what the others see this hand called (default: the machine's name)").typeName("NAME");
+    command.addFlag("--near", options.near,
+                    "of what is joined only the points around the hands come here, ahead of them: for models that are too large "
+                    "to wait for; they are felt, and not sculpted. A model that moves is joined so in any case");
+  }
   addNetworkOptions(command, options.network);
 }
 
@@ -51,15 +55,18 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
   if (options.name.empty()) {
     const bool hasNetwork = !network.interface.empty() || !network.peers.empty() || network.domain != 0 || !network.security.empty();
     const bool isUsed = isRosModel(modelFile) || isRosModel(live) || !options.ros.name.empty();
-    if ((hasNetwork && !isUsed) || !options.hand.empty())
+    if ((hasNetwork && !isUsed) || !options.hand.empty() || options.near)
       throw UsageError(
-          "--interface, --peer, --domain, --security and --as are for --join, which names a session (and but for --as for ROS, too)");
+          "--interface, --peer, --domain, --security, --as and --near are for --join, which names a session (and but for --as and --near for ROS, too)");
     return std::nullopt;
   }
   if (!modelFile.empty()) throw UsageError("--join: the session that is joined is the model; leave {} out", modelFile);
   modelFile = options.name;
-  return JoinConfig{
-      .network = network.interface, .peers = network.peers, .domain = network.domain, .security = network.security};
+  return JoinConfig{.network = network.interface,
+                    .peers = network.peers,
+                    .domain = network.domain,
+                    .security = network.security,
+                    .near = options.near};
 }
 
 namespace {

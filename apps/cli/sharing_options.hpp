@@ -34,6 +34,7 @@ struct RosOptions {
 struct JoinOptionsGiven {
   std::string name;  ///< empty: no session of others is joined
   std::string hand;  ///< what the others see this hand called; empty: as the machine
+  bool near = false;  ///< the points around the hands alone
   RosOptions ros;    ///< on the same network
   NetworkOptions network;
 };

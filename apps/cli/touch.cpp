@@ -139,6 +139,10 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .mm_per_unit = model.scale.mm_per_unit,
                      .toolPoints = backend.points(0).size()};
   report.frames = session.playCounts();
+  if (model.far) {
+    report.points = model.extent->points;
+    report.far = FarReport{.counts = model.far->counts(), .ticks = session.unknownTicks()};
+  }
   if (config.matter)
     report.matter = MatterReport{
         .matter = config.matter->matter,
@@ -153,7 +157,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
   if (const ShapeStrokes* const shape = backend.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
   // Of a depth camera's frames the first one alone is known here, and matter has no surface.
-  if (backend.points(0).empty() && !config.stream && !config.matter && !(config.motion && config.realtime))
+  if (backend.points(0).empty() && !model.far && !config.stream && !config.matter && !(config.motion && config.realtime))
     report.error =
         contactError(result.trace(), model, session.surface(), backend.firstEditTime_s(), rigidMotion(config, model));
   return report;
@@ -204,6 +208,8 @@ void touch(Context& context, const TouchCommandOptions& options) {
                                    .fetch = rosFetcher(options.join.network),
                                    .watch = rosWatcher(options.join.network, context.threads())});
   start.ended("model");
+  if (model.far && !options.saveFile.empty())
+    throw UsageError("--save: the points around the hands alone are here; leave it out, or --near");
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())
     ros.emplace(RosPublishing{.network = options.join.network.config(),
@@ -271,7 +277,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
     if (recording) recording->finish(checksumOf(session.model().cloud.origin, session.journal()->points()));
   });
 
-  const bool changes = config.brush || config.moves() || session.shared();
+  const bool changes = config.brush || config.moves() || session.shared() || session.far();
   const SculptedCloud end = changes ? session.sculpted() : SculptedCloud{};
   TouchReport report = reportOf(session, result, end);
   report.start = std::move(stages);

@@ -177,6 +177,35 @@ Json toJson(const SharedCounts& shared) {
           {"same", shared.same}};
 }
 
+std::string inWords(const FarReport& far) {
+  const FarCounts& counts = far.counts;
+  std::string words = fmt::format("{} of {} ticks lacked points around a hand and had no force; {} points came in {} steps, {} at most "
+                                  "were here at once",
+                                  far.ticks.without, far.ticks.ticks, counts.points, counts.updates, counts.mostKnown);
+  if (counts.roundTrip_ms) words += fmt::format("; round trip {:.1f} ms", *counts.roundTrip_ms);
+  words += fmt::format("; longest silence {:.1f} s", counts.longestSilent_s);
+  if (counts.servers > 1) words += fmt::format("; served anew {} times", counts.servers - 1);
+  return words;
+}
+
+Json toJson(const FarReport& far) {
+  const FarCounts& counts = far.counts;
+  return {{"ticks", far.ticks.ticks},
+          {"ticks_without_points", far.ticks.without},
+          {"points", counts.points},
+          {"steps", counts.updates},
+          {"samples", counts.samples},
+          {"resumed", counts.resumed},
+          {"servers", counts.servers},
+          {"bricks", counts.bricks},
+          {"known", counts.known},
+          {"most_known", counts.mostKnown},
+          {"longest_silence_s", counts.longestSilent_s},
+          {"pings", counts.pings},
+          {"answered", counts.answered},
+          {"round_trip_ms", counts.roundTrip_ms ? Json(*counts.roundTrip_ms) : Json(nullptr)}};
+}
+
 Json toJson(const MatterReport& matter) {
   Json ports = Json::array();
   for (const PortEnergy& port : matter.ports)
@@ -200,6 +229,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.ros)
     row("for ROS", fmt::format("{} ticks sent, {} left out for want of room", report.ros->ticks, report.ros->lost));
   if (report.shared) row("others", inWords(*report.shared));
+  if (report.far) row("near points", inWords(*report.far));
   if (report.matter)
     row(report.matter->matter == Matter::soft ? "points" : "particles", inWords(*report.matter, report.points));
   else
@@ -356,6 +386,7 @@ Json toJson(const TouchReport& report) {
   if (report.frames) json["frames"] = toJson(*report.frames);
   if (report.ros) json["ros"] = {{"ticks", report.ros->ticks}, {"lost", report.ros->lost}};
   if (report.shared) json["shared"] = toJson(*report.shared);
+  if (report.far) json["near"] = toJson(*report.far);
   if (report.second) json["second_hand"] = toJson(*report.second);
   if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);
   if (report.back)

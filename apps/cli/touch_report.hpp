@@ -4,9 +4,11 @@
 #include "engine/contact/surface.hpp"
 #include "engine/core/touch_backend.hpp"
 #include "engine/matter/matter_scene.hpp"
+#include "engine/motion/brick_source.hpp"
 #include "engine/motion/play_counts.hpp"
 #include "engine/motion/rigid_motion.hpp"
 #include "haptics/servo_loop.hpp"
+#include "haptics/far_cloud.hpp"
 #include "haptics/session/edit_relay.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/trajectory.hpp"
@@ -58,6 +60,12 @@ struct MatterReport {
   std::vector<PortEnergy> ports = {};  ///< of each hand
 };
 
+/// How the points around the hands came.
+struct FarReport {
+  FarCounts counts;
+  UnknownTicks ticks;
+};
+
 /// What goes before the first answer, from the beginning of the command on, and how long it took.
 struct StartStage {
   std::string_view name;
@@ -92,6 +100,7 @@ struct TouchReport {
   std::optional<UndoneStrokes> back;  ///< where undo was asked for
   std::optional<RosHand::Counts> ros;  ///< where programs of ROS hear it
   std::optional<SharedCounts> shared;  ///< where others feel and sculpt it, too
+  std::optional<FarReport> far;        ///< where somebody else has all of the points
   std::optional<LogReport> log;
   std::optional<SecondHandReport> second;   ///< where there was one
   std::optional<ForceDifference> recorded;  ///< from the forces of the trajectory that was replayed

@@ -86,6 +86,13 @@ struct Bounds {
 /// The box around the positions, relative to the cloud's origin, model units. All zero for an empty cloud.
 Bounds boundsOf(const PointCloud& cloud);
 
+/// Of a whole cloud, for who has a part of it.
+struct PointExtent {
+  Bounds bounds;  ///< relative to its origin
+  std::uint64_t points = 0;
+  bool operator==(const PointExtent&) const = default;
+};
+
 /// The origin for points that lie inside `box`: zero where float32 then resolves a millionth of the longest side (no
 /// coordinate beyond 16 longest sides), otherwise about the middle, rounded to a power of two below the longest side so
 /// that subtracting it loses nothing.

@@ -11,7 +11,8 @@ namespace palpate {
 namespace {
 
 HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
-  return makeHashGrid(Vec3(boundsOf(cloud).min), options.cell > 0 ? options.cell : options.radius, cloud.size(),
+  const PointExtent extent = options.extent.value_or(PointExtent{.bounds = boundsOf(cloud), .points = cloud.size()});
+  return makeHashGrid(Vec3(extent.bounds.min), options.cell > 0 ? options.cell : options.radius, extent.points,
                       options.bucketKey);
 }
 

@@ -180,6 +180,7 @@ CloudFrame FramePipeline::front() const {
 CloudFrame FramePipeline::fetch(Queue& queue, const Placed& placed) const {
   const auto positions = download<Vec4>(device_, queue, placed.half.positions, slots());
   const auto normals = download<Vec4>(device_, queue, placed.half.normals, slots());
+  const auto velocities = download<Vec4>(device_, queue, velocities_[placed.half.parity], slots());  // by id
   std::vector<std::uint32_t> slotOf(slots(), shared::kEmptySlot);  // by id
   for (std::uint32_t slot = 0; slot < slots(); ++slot)
     if (const auto id = std::bit_cast<std::uint32_t>(positions[slot].w); id != shared::kEmptySlot) slotOf[id] = slot;
@@ -188,6 +189,7 @@ CloudFrame FramePipeline::fetch(Queue& queue, const Placed& placed) const {
     if (slotOf[id] == shared::kEmptySlot) continue;
     frame.positions.emplace_back(positions[slotOf[id]]);
     frame.normals.emplace_back(normals[slotOf[id]]);
+    frame.velocities.emplace_back(velocities[id]);
     if (placed.colored) frame.colors.push_back(colorOfBits(std::bit_cast<std::uint32_t>(normals[slotOf[id]].w)));
     frame.ids.push_back(id);
   }

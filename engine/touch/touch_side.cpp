@@ -40,7 +40,8 @@ const PointCloud& fitting(const Device& device, const PointCloud& cloud, const T
 
 LiveIndexOptions indexOptions(const PointCloud& cloud, const TouchOptions& options) {
   const double cell = options.cell > 0 ? options.cell : options.radius;
-  return {.grid = makeHashGrid(Vec3(boundsOf(cloud).min), std::max(cell, smallestCell(options.radius)), cloud.size(),
+  const PointExtent extent = options.extent.value_or(PointExtent{.bounds = boundsOf(cloud), .points = cloud.size()});
+  return {.grid = makeHashGrid(Vec3(extent.bounds.min), std::max(cell, smallestCell(options.radius)), extent.points,
                                options.bucketKey),
           .spareSlots = spareSlots(cloud, options),
           .sort = options.sort,

@@ -331,6 +331,7 @@ void describe(auto&& in, auto& config, const JoinConfig*) {
   in.field("peers", config.peers);
   in.field("domain", config.domain);
   in.field("security", config.security);
+  in.field("near", config.near);
 }
 
 void describe(auto&& in, auto& config, const MatterTool*) {

@@ -38,7 +38,8 @@ class CpuBackend final : public BackendKind {
                                                       .tools = request.tools,
                                                       .brush = request.brush,
                                                       .threads = request.threads,
-                                                      .source = request.source});
+                                                      .source = request.source,
+                                                      .extent = request.model.extent});
   }
 };
 

@@ -136,6 +136,21 @@ Model softModel(const SessionConfig& config, const ModelLoading& loading) {
   return model;
 }
 
+// All that follows from points that are not here is said by who has them.
+Model farModel(JoinedModel joined, const ModelConfig& config) {
+  const FarFacts& facts = *joined.facts;
+  Model model{.cloud = std::move(joined.cloud)};
+  model.scale = scaleOf(model.cloud, config.mm_per_unit);
+  model.spacing = facts.spacing;
+  model.wideSpacing = facts.wideSpacing;
+  model.noise = facts.noise;
+  model.upright = {.up = facts.up, .why = "as who serves it says"};
+  model.shown = facts.extent.bounds;
+  model.extent = facts.extent;
+  model.far = std::move(joined.far);
+  return model;
+}
+
 }  // namespace
 
 std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const ModelLoading& loading) {
@@ -156,6 +171,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
   if (config.join) {
     if (!loading.join) throw Error("{}: this program joins no session of others", config.model.file);
     JoinedModel joined = loading.join(config.model.file, *config.join, loading.log);
+    if (joined.far) return farModel(std::move(joined), config.model);
     Model model = modelOf(std::move(joined.cloud), config.model, loading);
     model.share = std::move(joined.share);
     return model;

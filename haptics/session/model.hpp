@@ -16,6 +16,7 @@
 #include "engine/core/log.hpp"
 #include "engine/core/units.hpp"
 #include "engine/motion/fused_stream.hpp"
+#include "haptics/far_cloud.hpp"
 #include "haptics/session/session_config.hpp"
 #include "haptics/shared_follower.hpp"
 
@@ -51,6 +52,10 @@ struct Model {
   /// each session plays from its beginning.
   std::shared_ptr<PlayedStream> stream;
   SharedMaker share;  ///< where others sculpt it, too; empty: nobody does
+  /// What brings the points around the hands, where somebody else has all of them: the cloud are then a few from all over
+  /// it, which nobody feels. Null: all points are here.
+  std::shared_ptr<FarCloud> far;
+  std::optional<PointExtent> extent;  ///< of all of them
   std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates; empty where nobody says
   /// What discs are measured by, model units; 0: they are not.
   double spacingOfDiscs() const { return discRadius > 0 ? 0 : spacing; }
@@ -68,6 +73,8 @@ struct JoinedModel {
   SharedMaker share;    ///< empty: nobody sculpts it
   std::string host;     ///< the machine that serves it
   std::string source;   ///< what its points are, in that machine's words
+  std::shared_ptr<FarCloud> far;  ///< null: all points are there
+  std::optional<FarFacts> facts;  ///< of all points, where they are not there
 };
 /// Fetches the session that is served under a name.
 using SessionJoiner = std::function<JoinedModel(const std::string& name, const JoinConfig& join, Log& log)>;

@@ -9,6 +9,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/matter/matter_parameters.hpp"
+#include "engine/motion/brick_source.hpp"
 #include "haptics/session/stream_model.hpp"
 
 namespace palpate {
@@ -25,9 +26,34 @@ SessionConfig checked(SessionConfig config, const BackendKind& kind) {
   return config;
 }
 
+// Of a cloud that somebody else has: what is felt is what of it is here.
+std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const Model& model, const SurfaceOptions& surface,
+                                             const SessionParts& parts) {
+  if (config.brush)
+    throw Error("'{}': who has the points around his hands alone feels them alone; leave the brush out", config.model.file);
+  if (!parts.backend.capabilities().followsMotion)
+    throw ConfigError("backend.name", "{} feels only what is all there; take vulkan or cpu", config.backend.name);
+  std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
+  double reach = 0;
+  for (const ToolPoint& point : tools.front().points) reach = std::max(reach, glm::length(point.place));
+  tools.resize(std::max<std::size_t>(1, config.hands.size()));
+  BrickSource& source = model.far->source();
+  auto felt = parts.backend.make({.model = model,
+                                  .config = config,
+                                  .surface = surface,
+                                  .brush = std::nullopt,
+                                  .tools = std::move(tools),
+                                  .threads = parts.threads,
+                                  .source = &source,
+                                  .fusion = std::nullopt});
+  return std::make_unique<BrickTouch>(
+      source, std::move(felt), BrickTouchOptions{.radius = surface.radius, .tool = reach, .origin = model.cloud.origin});
+}
+
 std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Model& model,
                                           const SurfaceOptions& surface, const SessionParts& parts, CloudSource* source,
                                           const std::optional<FusedStream>& fusion) {
+  if (model.far) return makeFarBackend(config, model, surface, parts);
   std::optional<BrushOptions> brush;
   if (config.brush) brush = brushOptions(*config.brush, model.scale);
   // What others do is done to points that can be changed, whether or not this hand does.
@@ -97,6 +123,7 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
       shared_(takePart()),
       sharedPatience_s_(parts.sharedPatience_s),
+      bricks_(dynamic_cast<BrickTouch*>(backend_.get())),
       relay_(model_->cloud, *backend_,
              {.followers = {shared_.get(), follower_.get()},
               .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
@@ -204,6 +231,7 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
   if (model_->stream && !config_.stream)
     throw Error("{}: what a camera has seen is in no file yet; save the points and open what was saved", file);
   if (isMoved_) throw Error("{}: frames that a program brings do not come again, and are not recorded", file);
+  if (model_->far) throw Error("{}: the points around the hands alone are here, and are not recorded; join all of it", file);
   if (shared_) throw Error("{}: what others do does not come again, and is not recorded; have it served with --read-only", file);
   if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
   SessionConfig config = config_;
@@ -251,9 +279,28 @@ void Session::setSprings(std::span<const OpenHand> hands) {
   backend_->setSprings(springs);
 }
 
+// Where a script begins its points are there when it does. Where a person will hold a device nobody knows before.
+void Session::awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const {
+  std::vector<DVec3> hips;
+  for (const OpenHand& hand : hands) {
+    if (hand.device->limits().handHeld) return;
+    hips.push_back(hand.map.toModel(hand.device->read(options.begin_s).position));
+  }
+  constexpr double kBefore_s = 1e-6;  // of the first tick
+  bricks_->awaitAt(options.begin_s - kBefore_s, hips, kShared_s);
+  model_->far->check();
+}
+
+const InformationAge* Session::known() const {
+  if (shared_) return &shared_->known();
+  return model_->far ? &model_->far->known() : nullptr;
+}
+
 ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& options) {
   setSprings(hands);
   const bool realtime = config_.realtime || options.realtime;
+  if (bricks_ && model_->far->source().moves() && !realtime)
+    throw Error("'{}' moves by the clock of who serves it; join it against the clock (--realtime)", config_.model.file);
   backend_->setRealtime(realtime);
   std::vector<SessionHand> touching;
   for (const OpenHand& hand : hands)
@@ -266,6 +313,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   if (shared_) shown.emplace(*shared_, config_.brush.has_value());
   Recorders recorders({recording_.get(), options.recorder, shown ? &*shown : nullptr});
   if (!options.endless) settleShared(sharedPatience_s_);  // what was done before this hand came
+  if (bricks_) awaitPoints(hands, options);
   ServoLoop loop(options.query ? *options.query : *backend_, touching,
                  {.rate_Hz = rate_Hz,
                   .duration_s = durationOf(hands) + 1 / rate_Hz,  // the path's end is a tick too
@@ -275,7 +323,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                   .clock = options.clock,
                   .stop = options.stop,
                   .forcesOn = options.forcesOn,
-                  .known = shared_ ? &shared_->known() : nullptr,
+                  .known = known(),
                   .recorder = &recorders});
   if (options.endless) return loop.run();  // whoever shows it takes the edits in
   const TickObserver relays = relay_.begin(rate_Hz, realtime);
@@ -292,6 +340,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
 }
 
 void Session::finish() {
+  if (model_->far) model_->far->check();
   backend_->finish();
   relay_.finish();
   settleShared(sharedPatience_s_);

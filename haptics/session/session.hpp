@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "engine/touch/brick_touch.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session/backends.hpp"
 #include "haptics/session/edit_relay.hpp"
@@ -94,6 +95,10 @@ class Session {
   /// Where others feel and sculpt the model, too; null where nobody does.
   SharedFollower* shared() { return shared_.get(); }
   const SharedFollower* shared() const { return shared_.get(); }
+  /// What brings the points around the hands, where somebody else has all of them, and how many ticks lacked some; null and
+  /// none where all are here.
+  const FarCloud* far() const { return model_->far.get(); }
+  UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
   /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long. Whether
   /// it is. Between runs; without others at once.
   bool settleShared(double patience_s);
@@ -140,6 +145,8 @@ class Session {
  private:
   void setSprings(std::span<const OpenHand> hands);
   std::unique_ptr<SharedFollower> takePart();
+  void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
+  const InformationAge* known() const;
 
   const BackendKind& kind_;
   SessionConfig config_;
@@ -153,6 +160,7 @@ class Session {
   std::unique_ptr<EditFollower> follower_;
   std::unique_ptr<SharedFollower> shared_;
   double sharedPatience_s_;
+  BrickTouch* bricks_;  // the back end, where the points around the hands alone are here
   EditRelay relay_;
   std::unique_ptr<SessionRecording> recording_;
   double last_s_ = 0;  // of the ticks

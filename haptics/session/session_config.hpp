@@ -156,6 +156,7 @@ struct JoinConfig {
   std::vector<std::string> peers;  ///< addresses of machines to ask, where the network carries no multicast
   std::uint32_t domain = 0;        ///< of DDS
   std::string security;            ///< a folder of keys; empty: nothing is encrypted
+  bool near = false;               ///< of its points those around the hands alone come here; what moves comes so in any case
 
   bool operator==(const JoinConfig&) const = default;
 };

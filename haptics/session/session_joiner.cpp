@@ -11,16 +11,29 @@ namespace {
 JoinedCloud join(const std::string& name, const JoinConfig& config, const Joining& how, Log& log, bool present) {
   const NetworkConfig network{
       .interface = config.network, .peers = config.peers, .domain = config.domain, .security = config.security};
-  JoinedCloud joined = joinCloud(
-      name,
-      {.network = network, .present = present, .patience_s = how.patience_s, .log = &log, .stop = how.stop});
-  log.say("{}: {} points of {}, served by {}; {}", name, joined.cloud.size(), joined.model, joined.host, opennessOf(network));
+  JoinedCloud joined = joinCloud(name, {.network = network,
+                                        .present = present,
+                                        .near = config.near,
+                                        .hand = how.hand,
+                                        .patience_s = how.patience_s,
+                                        .log = &log,
+                                        .stop = how.stop});
+  if (joined.far)
+    log.say("{}: of the {} points of {}, served by {}, those around the hands come here{}; {}", name,
+            joined.facts->extent.points, joined.model, joined.host, joined.facts->moves ? "; they move" : "",
+            opennessOf(network));
+  else
+    log.say("{}: {} points of {}, served by {}; {}", name, joined.cloud.size(), joined.model, joined.host, opennessOf(network));
   sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
   return joined;
 }
 
 JoinedModel modelOf(JoinedCloud& joined) {
-  return {.cloud = std::move(joined.cloud), .host = joined.host, .source = joined.model};
+  return {.cloud = std::move(joined.cloud),
+          .host = joined.host,
+          .source = joined.model,
+          .far = std::move(joined.far),
+          .facts = joined.facts};
 }
 
 }  // namespace
@@ -29,7 +42,7 @@ SessionJoiner sessionJoiner(const Joining& how) {
   return [how](const std::string& name, const JoinConfig& config, Log& log) {
     JoinedCloud joined = join(name, config, how, log, false);
     JoinedModel model = modelOf(joined);
-    if (!joined.sculptable)
+    if (!joined.sculptable && !model.far)
       log.say("{}: it is served to be felt alone; nothing of it changes, so that it is felt whether or not the link holds", name);
     if (joined.sculptable)
       model.share = [session = joined.session, hand = how.hand, &log](const PointCloud& cloud, TouchBackend& backend) {

@@ -8,6 +8,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/statistics.hpp"
 #include "haptics/sharing/edit_exchange.hpp"
+#include "haptics/sharing/far_link.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
@@ -26,12 +27,16 @@ constexpr double kFewestAhead = 64, kMostAhead = 4096;  // blocks that are asked
 /// Takes the points of a session, block by block.
 class Fetch {
  public:
-  Fetch(const Participant& participant, const Topics& topics, const SessionNotice& notice, const JoinOptions& options)
+  /// Every so-manyth point.
+  Fetch(const Participant& participant, const Topics& topics, const SessionNotice& notice, const JoinOptions& options,
+        std::uint64_t every)
       : notice_(notice),
+        every_(every),
+        points_((notice.points + every - 1) / every),
         options_(options),
         requests_(participant, topics.requests, reliableQos(false)),
         wait_(participant),
-        blocks_(blocksOf(notice.points)) {
+        blocks_(blocksOf(points_)) {
     std::uint8_t own[16];
     set(own, client_);
     reader_ = Reader<Block>(participant, topics.blocks, reliableQos(false, partitionOf(own)));
@@ -44,7 +49,7 @@ class Fetch {
 
   JoinedCloud run() {
     while (complete_ < blocks_) {
-      if (options_.stop && *options_.stop) throw NetworkError("interrupted after {} of {} points", taken_, notice_.points);
+      if (options_.stop && *options_.stop) throw NetworkError("interrupted after {} of {} points", taken_, points_);
       ask();
       wait_.sleep(kLook_s);
       const std::uint64_t before = taken_;
@@ -52,12 +57,12 @@ class Fetch {
       if (taken_ != before) lastCame_ = {};
       if (lastCame_.elapsed_s() > options_.patience_s)
         throw NetworkError("'{}' of {}: nothing has come for {:.0f} s, after {} of {} points; is it still served?", notice_.name,
-                           notice_.host, options_.patience_s, taken_, notice_.points);
-      if (options_.log && notice_.points > 0)
-        options_.log->progress(notice_.name, static_cast<double>(taken_) / static_cast<double>(notice_.points));
+                           notice_.host, options_.patience_s, taken_, points_);
+      if (options_.log && points_ > 0)
+        options_.log->progress(notice_.name, static_cast<double>(taken_) / static_cast<double>(points_));
     }
     if (options_.log) options_.log->endProgress();
-    if (sharing::checksumOf(joined_.cloud) != notice_.checksum)
+    if (every_ == 1 && sharing::checksumOf(joined_.cloud) != notice_.checksum)
       throw NetworkError("'{}' of {}: the points that came are not those that were announced", notice_.name, notice_.host);
     return std::move(joined_);
   }
@@ -77,10 +82,11 @@ class Fetch {
     put(request.host, host_);
     request.first = static_cast<std::uint32_t>(begin);
     request.count = static_cast<std::uint32_t>(end - begin);
+    request.every = static_cast<std::uint32_t>(every_);
     if (requests_.write(request)) asked_ = std::max(asked_, end);
     lastAsked_ = {};
     came_.resize(std::max(came_.size(), static_cast<std::size_t>(end)), 0);
-    const std::size_t points = static_cast<std::size_t>(std::min(notice_.points, end * kBlockPoints));
+    const std::size_t points = static_cast<std::size_t>(std::min(points_, end * kBlockPoints));
     if (joined_.cloud.positions.size() >= points) return;
     joined_.cloud.positions.resize(points);
     joined_.cloud.normals.resize(points);
@@ -88,8 +94,8 @@ class Fetch {
   }
 
   void take(const Block& block) {
-    if (!isSame(block.session, notice_.session) || block.number >= came_.size() || came_[block.number]) return;
-    const std::uint32_t count = pointsIn(block.number, notice_.points);
+    if (!isSame(block.session, notice_.session) || block.every != every_ || block.number >= came_.size() || came_[block.number]) return;
+    const std::uint32_t count = pointsIn(block.number, points_);
     if (block.points._length != count)
       throw NetworkError("'{}' of {}: block {} has {} points in place of {}", notice_.name, notice_.host, block.number,
                          block.points._length, count);
@@ -112,6 +118,7 @@ class Fetch {
   }
 
   const SessionNotice& notice_;
+  std::uint64_t every_, points_;  // that are fetched
   const JoinOptions& options_;
   Id client_ = freshId();
   std::string host_ = ownHost();
@@ -208,6 +215,12 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
   cloud = editedCloud(cloud, states);
 }
 
+// Of a cloud whose points come around the hands: enough to find one's way.
+std::uint64_t everyFor(std::uint64_t points) {
+  constexpr std::uint64_t kOverview = 8192;
+  return std::max<std::uint64_t>(1, (points + kOverview - 1) / kOverview);
+}
+
 }  // namespace
 
 JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
@@ -217,9 +230,16 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   session->name = notice.name;
   session->host = notice.host;
   session->sculptable = notice.sculptable;
-  JoinedCloud joined = Fetch(session->participant, session->topics, notice, options).run();
-  joined.sculptable = notice.sculptable;
-  if (options.present && notice.sculptable) bringUpToDate(joined.cloud, *session, options);
+  const std::optional<FarFacts> facts = hearFacts(*session, options.patience_s);
+  if (!facts || facts->extent.points != notice.points)
+    throw NetworkError("'{}' of {}: does not say what it is; is it still served?", notice.name, notice.host);
+  const bool isNear = options.near || (facts->moves && !options.present);
+  JoinedCloud joined = Fetch(session->participant, session->topics, notice, options, isNear ? everyFor(notice.points) : 1).run();
+  joined.sculptable = notice.sculptable && !isNear;
+  if (isNear) {
+    joined.facts = facts;
+    joined.far = openFarCloud({.session = session, .notice = notice, .facts = *facts, .hand = options.hand, .log = options.log});
+  } else if (options.present && notice.sculptable) bringUpToDate(joined.cloud, *session, options);
   joined.session = std::move(session);
   return joined;
 }

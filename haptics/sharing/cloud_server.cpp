@@ -5,9 +5,12 @@
 #include <vector>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/spacing.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "haptics/sharing/brick_server.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/motion_thread.hpp"
 #include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/stroke_server.hpp"
@@ -27,6 +30,7 @@ constexpr std::int32_t kMostWaiting = 4096;  // requests, and pings
 // Blocks that are kept for clients who may not have them yet, 1.4 KB each: of all together, and what each may have of them.
 constexpr std::uint64_t kMostUnacked = 65'536, kLeastUnacked = 512;
 constexpr double kLook_s = 0.05;           // how often an end that is asked for is seen
+constexpr double kFrameLook_s = 0.004;     // how often a new frame is looked for
 constexpr double kOthers_s = 1;            // in which a session of the same name is found, if there is one
 
 void requireName(const std::string& name) {
@@ -35,11 +39,26 @@ void requireName(const std::string& name) {
                      kLongestName);
 }
 
+FarFacts factsOf(const PointCloud& cloud, const CloudServer::Parts& parts) {
+  FarFacts facts = parts.facts.value_or(FarFacts{});
+  if (!parts.facts) {
+    const SpacingRange spacing = spacingRange(cloud);
+    facts = {.spacing = spacing.mean, .wideSpacing = spacing.wide, .noise = spacing.noise, .up = findUp(cloud).up};
+  }
+  facts.extent = {.bounds = boundsOf(cloud), .points = cloud.size()};
+  // Some hundred points of a surface; within so many of them everything is.
+  constexpr double kSpacings = 16, kMostAlongSide = 1 << 18;
+  facts.edge = std::max(kSpacings * facts.spacing, facts.extent.bounds.longestSide() / kMostAlongSide);
+  if (!(facts.edge > 0)) facts.edge = 1;
+  facts.moves = static_cast<bool>(parts.motion);
+  return facts;
+}
+
 }  // namespace
 
 struct CloudServer::Link {
   struct Range {
-    std::uint32_t first, end;
+    std::uint32_t first, end, every;
   };
   struct Client {
     Writer<Block> blocks;  // in its partition
@@ -63,6 +82,14 @@ struct CloudServer::Link {
     wait.attach(requests);
     wait.attach(pings);
     if (parts.sculptable) goOn();
+    near.emplace(BrickServer::Parts{.participant = participant,
+                                    .topics = topics,
+                                    .session = session,
+                                    .facts = factsOf(cloud, parts),
+                                    .points = shared,
+                                    .log = parts.log});
+    near->attach(wait);
+    if (parts.motion) moving.emplace(parts.motion, parts.motion_Hz, participant, topics, session);
   }
 
   // With what the journal has, where there is one.
@@ -136,7 +163,8 @@ struct CloudServer::Link {
 
   void answer(const Request& request) {
     if (!isSame(request.session, session)) return;  // another server's
-    const std::uint64_t blocks = blocksOf(cloud.size());
+    const std::uint32_t every = std::max(1U, request.every);
+    const std::uint64_t blocks = blocksOf((cloud.size() + every - 1) / every);
     if (request.count == 0 || request.count > kMostRequested || request.first >= blocks || request.count > blocks - request.first) {
       ++counts.refused;
       return;
@@ -150,7 +178,7 @@ struct CloudServer::Link {
     client->lastAsked = {};
     constexpr std::size_t kMostRanges = 64;  // whoever asks for more before any has come gets the last ones
     if (client->asked.size() >= kMostRanges) client->asked.pop_front();
-    client->asked.push_back({request.first, request.first + request.count});
+    client->asked.push_back({request.first, request.first + request.count, every});
   }
 
   // Some blocks for each client in turn, as long as its link takes them. So many seconds later there is more to do.
@@ -163,7 +191,7 @@ struct CloudServer::Link {
       for (std::uint32_t i = 0; i < kInTurn && !client.asked.empty(); ++i) {
         Range& range = client.asked.front();
         if (unacked >= kMostUnacked && client.unacked >= kLeastUnacked) break;
-        if (!writeBlock(client, range.first)) break;
+        if (!writeBlock(client, range.first, range.every)) break;
         ++unacked;
         ++client.unacked;
         if (++range.first == range.end) client.asked.pop_front();
@@ -182,11 +210,11 @@ struct CloudServer::Link {
     }
   }
 
-  bool writeBlock(const Client& client, std::uint32_t number) {
-    const std::uint32_t count = pointsIn(number, cloud.size());
+  bool writeBlock(const Client& client, std::uint32_t number, std::uint32_t every) {
+    const std::uint32_t count = pointsIn(number, (cloud.size() + every - 1) / every);
     points.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) {
-      const std::size_t at = std::size_t{number} * kBlockPoints + i;
+      const std::size_t at = (std::size_t{number} * kBlockPoints + i) * every;
       for (int axis = 0; axis < 3; ++axis) {
         points[i].position[axis] = cloud.positions[at][axis];
         points[i].normal[axis] = cloud.normals[at][axis];
@@ -196,6 +224,7 @@ struct CloudServer::Link {
     Block block{};
     set(block.session, session);
     block.number = number;
+    block.every = every;
     block.points._buffer = points.data();
     block.points._length = block.points._maximum = count;
     const bool isWritten = client.blocks.write(block);
@@ -220,11 +249,14 @@ struct CloudServer::Link {
   SharedPoints shared;
   std::optional<StrokeJournal> journal;
   std::optional<StrokeServer> strokes;
+  std::optional<BrickServer> near;
+  std::optional<MotionThread> moving;
   ServedCounts counts;
 };
 
 CloudServer::CloudServer(const PointCloud& cloud, Parts parts) {
   requireName(parts.name);
+  if (parts.motion && parts.sculptable) throw UsageError("sculptable: what moves by itself cannot be sculpted by who joins it");
   PALPATE_CHECK(cloud.hasNormals() || cloud.empty());
   constexpr std::uint64_t kMostPoints = std::uint64_t{0xffffffff} * kBlockPoints;
   PALPATE_CHECK_LT(cloud.size(), kMostPoints);
@@ -250,11 +282,22 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
     if (link_->strokes) link_->strokes->take();
     next_s = link_->write();
     if (link_->strokes) next_s = std::min(next_s, link_->strokes->write());
+    link_->near->take();
+    if (link_->moving)
+      if (auto frame = link_->moving->newest()) link_->near->show(std::move(frame));
+    next_s = std::min(next_s, link_->near->write());
+    if (link_->moving && !link_->near->isIdle()) next_s = std::min(next_s, kFrameLook_s);
   }
 }
 
 ServedCounts CloudServer::counts() const {
   ServedCounts counts = link_->counts;
+  const BrickCounts& near = link_->near->counts();
+  counts.near = near.clients;
+  counts.nearPoints = near.points;
+  counts.nearSteps = near.steps;
+  counts.refused += near.refused;
+  if (link_->moving) counts.frames = link_->moving->frames();
   if (!link_->strokes) return counts;
   const StrokeCounts& strokes = link_->strokes->counts();
   counts.sculptors = strokes.sculptors;

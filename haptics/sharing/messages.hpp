@@ -24,10 +24,14 @@ using Stroke = palpate_sharing_Stroke;
 using Result = palpate_sharing_Result;
 using ResumeRequest = palpate_sharing_Resume;
 using Hand = palpate_sharing_Hand;
+using Facts = palpate_sharing_Facts;
+using Near = palpate_sharing_Near;
+using BrickPart = palpate_sharing_BrickPart;
+using Bricks = palpate_sharing_Bricks;
 using Ping = palpate_sharing_Ping;
 
 /// Of what is said on the network. Who changes a type raises it.
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 /// Points of a block, which fits into one frame of Ethernet: of samples that are cut in pieces DDS mends one in each round
 /// trip, of whole ones all that are lost.
 inline constexpr std::uint32_t kBlockPoints = 45;
@@ -45,6 +49,9 @@ struct Topics {
   Topic<Result> results;
   Topic<ResumeRequest> resumes;
   Topic<Hand> hands;
+  Topic<Facts> facts;
+  Topic<Near> nears;
+  Topic<Bricks> bricks;
   Topic<Ping> pings, echoes;
 };
 

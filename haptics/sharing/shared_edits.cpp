@@ -249,7 +249,8 @@ class SharedEdits final : public SharedFollower {
 
   void say(std::string what) {
     constexpr std::size_t kMostSaid = 8;
-    if (said_.size() < kMostSaid) said_.push_back(std::move(what));
+    if (said_.size() < kMostSaid) said_.push_back(what);
+    untold_.push_back(std::move(what));
   }
 
   // Without the lock, which who answers the hand may wait for: who listens takes as long as it likes. It may also end what
@@ -258,7 +259,7 @@ class SharedEdits final : public SharedFollower {
     std::vector<std::string> said;
     {
       const std::scoped_lock hold(lock_);
-      said.swap(said_);
+      said.swap(untold_);
     }
     if (!log_) return;
     try {
@@ -285,7 +286,7 @@ class SharedEdits final : public SharedFollower {
   std::optional<ReaderWait> wait_;  // the thread's alone
   SharedCounts counts_;
   std::string fault_;
-  std::vector<std::string> said_;  // and not told
+  std::vector<std::string> said_, untold_;  // what nobody has taken, and what the log has not heard
   std::uint64_t lastAcked_ = 0;
   int stuck_ = 0;
   bool isOfferNear_ = false;

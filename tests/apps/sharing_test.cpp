@@ -1,8 +1,10 @@
 // A model that one program serves and others join, as a user meets it. Not where palpate was built without DDS.
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <future>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "tests/apps/running_program.hpp"
@@ -201,6 +203,140 @@ TEST_CASE("a server that is killed in mid-stroke goes on with its journal, and n
   CHECK(other.text.find("strokes of another model, of 20000 points") != std::string::npos);
 }
 
+namespace {
+
+/// The path of builtin:slide on a model, as a file: it is the same one whoever has which of its points.
+void writeSlide(const std::string& model, const std::string& path) {
+  works("touch " + model + " --backend cpu --path builtin:slide --duration 0.6 --trajectory " + path + ".csv");
+  std::ifstream in(path + ".csv");
+  std::ofstream out(path);
+  for (std::string line; std::getline(in, line);) {
+    std::size_t end = 0;
+    for (int field = 0; field < 4; ++field) end = line.find(',', end + 1);
+    out << line.substr(0, end) << '\n';
+  }
+}
+
+/// The rows of a trace, without the columns of the wall clock.
+std::vector<std::string> rowsOf(const std::filesystem::path& trace) {
+  std::ifstream in(trace);
+  std::vector<std::string> rows;
+  for (std::string line; std::getline(in, line);) rows.push_back(line.substr(0, line.rfind(',', line.rfind(',') - 1)));
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("who has the points around the hand alone feels the file, byte by byte, in virtual time and against the clock") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make sculpture -n 150000 --center 450000,-300000,1000 -o " + in("m.ply"));
+  writeSlide(in("m.ply"), in("slide.csv"));
+  works("touch " + in("m.ply") + " --backend cpu --path " + in("slide.csv") + " --trace " + in("own.csv"));
+  Serving serving(in("m.ply") + " --name large --json " + in("s.json"), folder / "said");
+  const std::string near = "touch --join large --near" + domain() + " --backend cpu --path " + in("slide.csv");
+  works(near + " --trace " + in("near.csv") + " --json " + in("n.json"));
+  CHECK(contentOf(in("near.csv")) == contentOf(in("own.csv")));
+  const Result report = jsonOf(in("n.json"));
+  CHECK(report["points"] == 150000);
+  CHECK(report["contact_ticks"] > 100);
+  CHECK(report["near"]["ticks"] == 601);
+  CHECK(report["near"]["ticks_without_points"] == 0);
+  CHECK(report["near"]["steps"] > 0);
+  works(near + " --realtime --trace " + in("clock.csv") + " --json " + in("c.json"));
+  // Ticks that the machine was too late for are not there; those that are have the file's force, but for such as say that
+  // they lacked points.
+  const auto own = rowsOf(in("own.csv")), clock = rowsOf(in("clock.csv"));
+  std::size_t same = 0;
+  for (const std::string& row : clock) same += std::ranges::count(own, row) > 0;
+  const Result timed = jsonOf(in("c.json"));
+  CHECK(clock.size() > 300);
+  // A tick that is not there is felt for some more: by the damping, and by the way that the proxy goes.
+  constexpr std::size_t kAfter = 10;
+  CHECK(clock.size() - same <= kAfter * (timed["near"]["ticks_without_points"].get<std::size_t>() + timed["missed_ticks"].get<std::size_t>()));
+  CHECK(timed["near"]["ticks_without_points"] < 60);
+  // A part of it came: what is near.
+  CHECK(timed["near"]["most_known"] < 140000);
+  const Outcome sculpts = palpate("touch --join large --near" + domain() + " --backend cpu --edit push");
+  CHECK(sculpts.code == 2);
+  CHECK(sculpts.text.find("feels them alone") != std::string::npos);
+  const Outcome saves = palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --save " + in("x.ply"));
+  CHECK(saves.code == 2);
+  CHECK(saves.text.find("the points around the hands alone are here") != std::string::npos);
+  const Outcome logs = palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --log " + in("log"));
+  CHECK(logs.code == 1);
+  CHECK(logs.text.find("are not recorded") != std::string::npos);
+  CHECK(serving.program.wait(SIGINT) == 0);
+  const Result served = jsonOf(in("s.json"));
+  CHECK(served["near"] == 2);  // the others were refused before they felt anything
+  CHECK(served["near_points"] > 1000);
+  CHECK(served["frames"] == 0);
+}
+
+TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives way to far hands, and water is not served") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make plane -n 40000 -o " + in("m.ply"));
+  std::ofstream(in("rest.csv")) << "t_s,x,y,z\n0,0,0,10\n1,0,0,0\n3,0,0,0\n";
+  {
+    Serving serving(in("m.ply") + " --name moving --motion oscillate --motion-amplitude 3 --motion-frequency 1 --json " + in("s.json"),
+                    folder / "said");
+    const std::string join = "touch --join moving" + domain() + " --backend cpu";
+    const Outcome still = palpate(join + " --duration 0.1");
+    CHECK(still.code == 1);
+    CHECK(still.text.find("join it against the clock") != std::string::npos);
+    works(join + " --realtime --path " + in("rest.csv") + " --trace " + in("t.csv") + " --json " + in("j.json"));
+    // A hand at rest in the middle of the way is pressed half of the time, and as deep as the surface goes over it.
+    std::ifstream trace(in("t.csv"));
+    std::string line;
+    std::getline(trace, line);
+    double deepest = 0, largestStep = 0, last = 0;
+    std::size_t rows = 0, touching = 0;
+    while (std::getline(trace, line)) {
+      std::vector<double> fields;
+      std::istringstream all(line);
+      for (std::string field; std::getline(all, field, ',');) fields.push_back(std::stod(field));
+      REQUIRE(fields.size() > 14);
+      if (fields[0] < 1) continue;
+      const double depth = fields[13];
+      ++rows;
+      touching += fields[14] != 0;
+      deepest = std::max(deepest, depth);
+      if (rows > 1 && depth > 0 && last > 0) largestStep = std::max(largestStep, std::abs(depth - last));
+      last = depth;
+    }
+    CHECK(rows > 1000);
+    CHECK(touching > rows / 4);
+    CHECK(touching < rows * 3 / 4);
+    CHECK(deepest > 2.7);
+    CHECK(deepest < 3.1);
+    CHECK(largestStep < 0.5);
+    CHECK(serving.program.wait(SIGINT) == 0);
+    const Result served = jsonOf(in("s.json"));
+    CHECK(served["frames"] > 60);
+    CHECK(served["near"] == 1);
+    CHECK(served["sculptors"] == 0);
+  }
+  {
+    Serving serving("jelly --name soft --backend cpu", folder / "soft.said");
+    works("touch --join soft" + domain() + " --backend cpu --realtime --path builtin:press --penetration 6 --duration 2 --json " +
+          in("soft.json"));
+    const Result soft = jsonOf(in("soft.json"));
+    CHECK(soft["contact_ticks"] > 100);
+    CHECK(soft["near"]["steps"] > 20);
+    CHECK(soft["peak_force_N"] > 0.02);
+    CHECK(serving.program.wait(SIGINT) == 0);
+  }
+  const Outcome water = palpate("serve water --name water" + domain());
+  CHECK(water.code == 2);
+  CHECK(water.text.find("no surface") != std::string::npos);
+  const Outcome journal = palpate("serve " + in("m.ply") + " --motion turn --journal " + in("x") + " --name a" + domain());
+  CHECK(journal.code == 2);
+  CHECK(journal.text.find("stands still") != std::string::npos);
+}
+
 TEST_CASE("what joins and cannot be served says so, and so do options that do not go together") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
@@ -217,6 +353,7 @@ TEST_CASE("what joins and cannot be served says so, and so do options that do no
   refuses("touch a.ply --interface lo", "are for --join");
   refuses("touch --join city --domain 231", "231");
   refuses("touch --join city --interface 'x y'", "neither the name of an interface");
+  refuses("touch a.ply --near", "are for --join");
   refuses("doctor --domain 3", "are for --network");
   refuses("render -o " + (folder / "p.png").string(), "a session with --join");
   const std::string model = (folder / "s.ply").string();

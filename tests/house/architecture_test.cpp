@@ -44,7 +44,7 @@ const Arrows& allowedArrows() {
        {"haptics", "haptics/sharing", "engine/core", "engine/cloud", "engine/io", "engine/contact", "engine/edit", "engine/motion",
         "engine/matter", "engine/touch", "engine/render", "engine/cuda", "engine/gpu/device.hpp", "engine/spatial/hash_grid.hpp",
         "shaders"}},
-      {"haptics/sharing", {"haptics", "engine/core", "engine/cloud"}},
+      {"haptics/sharing", {"haptics", "engine/core", "engine/cloud", "engine/motion"}},
       {"haptics/library",
        {"haptics/session", "haptics/sharing", "haptics", "engine/core", "engine/cloud", "engine/io", "engine/edit/journal.hpp", "engine/matter", "engine/mesh", "engine/motion/cloud_source.hpp",
         "engine/render/image.hpp", "engine/gpu/device_lookup.hpp", "engine/gpu/host_device.hpp"}},

@@ -21,6 +21,7 @@ class ForeignServer {
       : participant_(ownNetwork()),
         topics_(participant_),
         notices_(participant_, topics_.notices, reliableQos(true)),
+        facts_(participant_, topics_.facts, reliableQos(true)),
         requests_(participant_, topics_.requests, reliableQos(false)) {
     set(notice.session, session);
     notice.version = kVersion;
@@ -29,7 +30,12 @@ class ForeignServer {
     notice.points = points;
     notice.mm_per_unit = 1;
   }
-  void announce() { notices_.write(notice); }
+  void announce() {
+    notices_.write(notice);
+    set(facts.session, session);
+    facts.points = notice.points;
+    facts_.write(facts);
+  }
 
   /// Joins its own session, and answers it block by block; what joinCloud() said.
   std::string joined(const std::function<void(Block&, std::vector<Point>&)>& spoil, std::uint32_t most = 1000) {
@@ -55,6 +61,7 @@ class ForeignServer {
           Block block{};
           set(block.session, session);
           block.number = request.first + i;
+          block.every = request.every;
           spoil(block, points);
           block.points._buffer = points.data();
           block.points._length = block.points._maximum = static_cast<std::uint32_t>(points.size());
@@ -67,12 +74,14 @@ class ForeignServer {
   }
 
   Notice notice{};
+  Facts facts{.edge = 1};
   const Id session = freshId();
 
  private:
   Participant participant_;
   Topics topics_;
   Writer<Notice> notices_;
+  Writer<Facts> facts_;
   Reader<Request> requests_;
 };
 

@@ -1,0 +1,148 @@
+#include "engine/motion/brick_source.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kMostBricks = 1 << 15;  // that a hand may reach at a tick
+
+}  // namespace
+
+double steadyNow_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+bool BrickSource::covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept {
+  const Made* felt = nullptr;
+  for (const Made& made : frame_)
+    if (made.time_s.load(std::memory_order_acquire) == frame_s) felt = &made;
+  const BrickBox box = grid_.boxOf(low, high);
+  if (!felt || !isFinite(low) || !isFinite(high) || box.count() > kMostBricks) return false;
+  bool all = true;
+  box.forEach([&](const IVec3& brick) {
+    all = all && std::binary_search(felt->keys.begin(), felt->keys.end(), BrickGrid::keyOf(brick));
+  });
+  return all;
+}
+
+bool BrickSource::knows(const HandReaches& hands) const {
+  bool all = true;
+  for (std::uint32_t i = 0; i < hands.count && all; ++i) {
+    const BrickBox box = grid_.boxOf(hands.hands[i].low, hands.hands[i].high);
+    if (box.count() > kMostBricks) return false;
+    box.forEach([&](const IVec3& brick) { all = all && now_.bricks.contains(BrickGrid::keyOf(brick)); });
+  }
+  return all;
+}
+
+bool BrickSource::await(const HandReaches& hands, double patience_s) {
+  std::unique_lock hold(lock_);
+  const auto enough = [&] { return isOver_ || knows(hands); };
+  came_.wait_for(hold, std::chrono::duration<double>(patience_s), enough);
+  if (!knows(hands)) return false;
+  awaitedFor_s_ = hands.time_s;
+  if (awaited_.version != now_.version) awaited_ = now_;
+  return true;
+}
+
+void BrickSource::giveUp() {
+  const std::scoped_lock hold(lock_);
+  isOver_ = true;
+  came_.notify_all();
+}
+
+void BrickSource::apply(BrickUpdate update) {
+  const std::scoped_lock hold(lock_);
+  const auto remove = [&](BrickKey key) {
+    const auto there = now_.bricks.find(key);
+    if (there == now_.bricks.end()) return;
+    points_ -= there->second->size();
+    now_.bricks.erase(there);
+  };
+  for (const BrickKey key : update.dropped) remove(key);
+  for (auto& [key, brick] : update.bricks) {
+    remove(key);
+    if (brick->size() > options_.points - points_)
+      throw Error("more than {} points have come for what lies around the hands", options_.points);
+    points_ += brick->size();
+    now_.bricks.emplace(key, std::move(brick));
+  }
+  now_.true_s = update.true_s;
+  ++now_.version;
+  came_.notify_all();
+}
+
+void BrickSource::forget() {
+  const std::scoped_lock hold(lock_);
+  now_.bricks.clear();
+  points_ = 0;
+  ++now_.version;
+}
+
+BrickSource::Known BrickSource::known() const {
+  const std::scoped_lock hold(lock_);
+  return {.bricks = now_.bricks.size(), .points = points_};
+}
+
+bool BrickSource::hasNewer(double time_s, double /*than_s*/) {
+  const std::scoped_lock hold(lock_);
+  return stateFor(time_s).version != made_;
+}
+
+// Each frame has a time of its own, by which covers() knows it.
+double BrickSource::frameTime(double time_s, double true_s) {
+  if (options_.moves) {
+    if (const auto asked = asked_.load()) toSession_s_ = asked->time_s - asked->steady_s;
+    if (toSession_s_) time_s = true_s + *toSession_s_;
+  }
+  constexpr double kBack_s = 0.5;  // a session that is run again begins anew
+  if (lastTime_s_ && time_s <= *lastTime_s_ && time_s > *lastTime_s_ - kBack_s)
+    time_s = std::nextafter(*lastTime_s_, std::numeric_limits<double>::infinity());
+  lastTime_s_ = time_s;
+  return time_s;
+}
+
+void BrickSource::makeFrame(double time_s, CloudFrame& frame) {
+  Made& made = frame_[frames_++ % frame_.size()];
+  made.time_s.store(std::numeric_limits<double>::quiet_NaN(), std::memory_order_release);
+  made.keys.clear();
+  taken_.clear();
+  double true_s = 0;
+  {
+    const std::scoped_lock hold(lock_);
+    const State& state = stateFor(time_s);
+    for (const auto& [key, brick] : state.bricks) {
+      made.keys.push_back(key);
+      if (brick->size() > 0) taken_.push_back(brick);
+    }
+    made_ = state.version;
+    true_s = state.true_s;
+  }
+  order_.clear();
+  for (std::size_t b = 0; b < taken_.size(); ++b)
+    for (std::size_t i = 0; i < taken_[b]->size(); ++i) order_.emplace_back(taken_[b]->ids[i], std::uint64_t{b} << 32 | i);
+  std::ranges::sort(order_);
+  frame.ids.clear();
+  frame.colors.clear();
+  const bool colored = !taken_.empty() && !taken_.front()->colors.empty();
+  for (std::vector<Vec3>* values : {&frame.positions, &frame.normals, &frame.velocities}) values->clear();
+  for (const auto& [id, where] : order_) {
+    const Brick& brick = *taken_[where >> 32];
+    const std::size_t i = where & 0xffffffffu;
+    frame.positions.push_back(brick.positions[i]);
+    frame.normals.push_back(brick.normals[i]);
+    if (options_.moves) frame.velocities.push_back(brick.velocities.empty() ? Vec3(0) : brick.velocities[i]);
+    if (colored) frame.colors.push_back(brick.colors.empty() ? std::array<std::uint8_t, 3>{} : brick.colors[i]);
+  }
+  frame.time_s = frameTime(time_s, true_s);
+  frame.goOn_s = kMostPointsAge_s;
+  made.time_s.store(frame.time_s, std::memory_order_release);
+}
+
+}  // namespace palpate

@@ -1,0 +1,116 @@
+#include "engine/touch/brick_touch.hpp"
+
+#include <algorithm>
+
+#include <glm/common.hpp>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+BrickTouch::BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surface, const BrickTouchOptions& options)
+    : source_(source), surface_(std::move(surface)), options_(options), hands_(surface_->hands()), answers_(hands_.size()) {
+  for (std::size_t i = 0; i < hands_.size(); ++i)
+    hands_[i].points.assign(surface_->points(i).begin(), surface_->points(i).end());
+}
+
+namespace {
+
+// Support radii: what an answer is made of, about the way of the hand and that of the proxy, and what is asked for before
+// it is known where the proxy goes; and what a script that is about to begin has around it.
+constexpr double kMadeOf = 1.25, kMayGo = 3, kAtFirst = 12;
+
+}  // namespace
+
+// The surface is looked for along the way from where the hand was to where it is, and about its proxy.
+HandReach BrickTouch::reachOf(std::size_t hand, const DVec3& hip, double around) const {
+  const Hand& last = hands_[hand];
+  HandReach reach{.low = hip, .high = hip, .hip = hip, .proxy = last.proxy.value_or(hip), .touching = last.proxy.has_value()};
+  for (const std::optional<DVec3>& place : {last.hip, last.proxy})
+    if (place) {
+      reach.low = glm::min(reach.low, *place);
+      reach.high = glm::max(reach.high, *place);
+    }
+  reach.low -= options_.origin + around;
+  reach.high -= options_.origin - around;
+  return reach;
+}
+
+void BrickTouch::tell(double time_s, std::span<const Pose> poses) {
+  asked_.time_s = time_s;
+  asked_.steady_s = steadyNow_s();
+  asked_.count = static_cast<std::uint32_t>(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) asked_.hands[i] = reachOf(i, poses[i].hip, kMayGo * options_.radius + options_.tool);
+  source_.ask(asked_);
+}
+
+bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double patience_s) {
+  std::vector<Pose> poses(hips.size());
+  for (std::size_t i = 0; i < hips.size(); ++i) poses[i].hip = hips[i];
+  for (Pose& pose : poses) pose.time_s = time_s;
+  tell(time_s, poses);
+  HandReaches first = asked_;
+  for (HandReach& reach : first.hands) {
+    reach.low -= (kAtFirst - kMayGo) * options_.radius;
+    reach.high += (kAtFirst - kMayGo) * options_.radius;
+  }
+  if (!source_.await(first, patience_s)) return false;
+  surface_->ask(poses, 0);  // it has their frame then
+  for (std::size_t i = 0; i < hips.size(); ++i) resetHand(i);
+  return true;
+}
+
+std::span<const Contact> BrickTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
+  const bool areFinite = std::ranges::all_of(poses, [](const Pose& pose) { return isFinite(pose.hip); });
+  if (areFinite) tell(poses.front().time_s, poses);
+  const bool waits = budget_us <= 0 && areFinite;
+  inVain_ = inVain_ || (waits && !source_.await(asked_, options_.patience_s));
+  const std::span<const Contact> felt = surface_->ask(poses, budget_us);
+  const std::uint64_t before = without_.load(std::memory_order_relaxed);
+  for (std::size_t i = 0; i < hands_.size(); ++i) answer(i, poses[i], felt[i], waits && inVain_);
+  // A tick at which two hands lack points is one tick.
+  without_.store(std::min(without_.load(std::memory_order_relaxed), before + 1), std::memory_order_relaxed);
+  ticks_.store(ticks_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  return answers_;
+}
+
+void BrickTouch::answer(std::size_t hand, const Pose& pose, const Contact& felt, bool late) {
+  Hand& own = hands_[hand];
+  const double around = kMadeOf * options_.radius + options_.tool;
+  HandReach reach = reachOf(hand, pose.hip, around);
+  if (felt.touching) {
+    reach.low = glm::min(reach.low, felt.proxy - options_.origin - around);
+    reach.high = glm::max(reach.high, felt.proxy - options_.origin + around);
+  }
+  answers_[hand] = felt;
+  std::ranges::copy(surface_->points(hand), own.points.begin());
+  const auto points = surface_->pointsTime();
+  if (!felt.valid || (points && source_.covers(points->true_s, reach.low, reach.high))) {
+    own.hip = pose.hip;
+    own.proxy = felt.touching ? std::optional(felt.proxy) : std::nullopt;
+    return;
+  }
+  without_.store(without_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  answers_[hand] = {.proxy = pose.hip, .fresh = felt.fresh, .valid = !late, .lost = late};
+  for (PointContact& point : own.points) point.contact = {.proxy = point.hip, .fresh = felt.fresh, .valid = !late};
+  resetHand(hand);
+}
+
+void BrickTouch::resetHand(std::size_t hand) noexcept {
+  surface_->resetHand(hand);
+  hands_[hand].hip.reset();
+  hands_[hand].proxy.reset();
+}
+
+void BrickTouch::finish() {
+  surface_->finish();
+  if (inVain_)
+    throw Error("the points around a hand have not come within {:.0f} s: what serves them is not there, or far away",
+                options_.patience_s);
+}
+
+void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {
+  if (brush) throw UsageError("what is joined near the hands is felt alone");
+}
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+// A cloud that somebody else has, of which only what lies around the hands is here.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/cloud/up.hpp"
+#include "haptics/information_age.hpp"
+
+namespace palpate {
+
+class BrickSource;
+
+/// What follows from all of its points, as who has them has measured it. Model units.
+struct FarFacts {
+  PointExtent extent;
+  double spacing = 0, wideSpacing = 0;
+  double noise = 0;     ///< spacings
+  UpAxis up = UpAxis::y;
+  double edge = 0;      ///< of the bricks in which its points come
+  bool moves = false;   ///< the points come again and again, against the clock
+  bool operator==(const FarFacts&) const = default;
+};
+
+/// How its points came.
+struct FarCounts {
+  std::uint64_t updates = 0;   ///< of what is known
+  std::uint64_t points = 0;    ///< that came, in all
+  std::uint64_t samples = 0;   ///< of the network
+  std::uint64_t resumed = 0;   ///< times that what is known was asked for anew
+  std::uint64_t servers = 1;   ///< one after another
+  std::size_t bricks = 0, known = 0, mostKnown = 0;  ///< bricks and points that are here now; points at most
+  double silent_s = 0, longestSilent_s = 0;
+  std::uint64_t pings = 0, answered = 0;
+  std::optional<double> roundTrip_ms;
+};
+
+/// Brings the points around the hands on threads of its own, from its beginning to its end.
+class FarCloud {
+ public:
+  virtual ~FarCloud() = default;
+  /// Where they are asked for, and felt.
+  virtual BrickSource& source() = 0;
+  /// How old it is, and so how much of a force it bears.
+  virtual const InformationAge& known() const = 0;
+  virtual FarCounts counts() const = 0;
+  /// Throws what went wrong for good, if anything has.
+  virtual void check() const = 0;
+};
+
+}  // namespace palpate

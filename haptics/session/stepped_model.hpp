@@ -1,0 +1,56 @@
+// A model that moves, without a servo loop: for a program that shows it to hands on other machines.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "haptics/session/backends.hpp"
+#include "haptics/session/moving_model.hpp"
+
+namespace palpate {
+
+/// Steps what a configuration says that moves: a motion, the frames of a depth camera, or a soft body, which the hands press
+/// as those of one session do. One thread uses it at a time.
+class SteppedModel {
+ public:
+  struct Parts {
+    const BackendKind& backend;  ///< that moves a soft body
+    unsigned threads = 0;        ///< on the CPU; 0: one per core
+    Log* log = nullptr;          ///< hears of frames that do not go into the map of a depth camera; outlives it
+  };
+  /// Throws Error, ConfigError.
+  SteppedModel(const SessionConfig& config, std::shared_ptr<const Model> model, const Parts& parts);
+  ~SteppedModel();
+
+  /// How often step() wants to be called.
+  double rate_Hz() const;
+  /// Frames a second, at most, that step() gives.
+  static constexpr double kFrames_Hz = 60;
+  /// Goes on to that time, s since the beginning; hands that are not among `hands` any more touch nothing. False where the
+  /// points are where they were in the last frame, or it is too soon for the next one.
+  bool step(double time_s, std::span<const SeenHand> hands, CloudFrame& frame);
+
+ private:
+  // A far hand in the simulation.
+  struct Slot {
+    std::optional<std::uint32_t> number;
+    DVec3 hip{0};
+    bool seen = false;
+  };
+  void press(double time_s, std::span<const SeenHand> hands);
+  void seat(std::span<const SeenHand> hands, double since_s);
+  DVec3 nowhere() const;
+
+  std::shared_ptr<const Model> model_;
+  std::shared_ptr<PlayedStream> stream_;
+  std::optional<FusedStream> fusion_;
+  std::unique_ptr<CloudSource> source_;  // where no hand has a part in it
+  std::unique_ptr<TouchBackend> body_;   // of a soft body
+  std::array<Slot, kMostHands> slots_;
+  std::optional<double> last_s_, shown_s_;
+  double frameTime_s_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,115 @@
+#include "haptics/sharing/brick_assembly.hpp"
+
+#include <cmath>
+
+#include "engine/core/check.hpp"
+
+namespace palpate::sharing {
+
+namespace {
+
+constexpr std::uint32_t kDropped = 0xffffffff;
+constexpr std::size_t kMostBricks = 200'000;  // that are known, or come, at once
+
+}  // namespace
+
+std::uint32_t BrickAssembly::begin() {
+  ++epoch_;
+  taken_ = 0;
+  before_.insert(known_.begin(), known_.end());
+  coming_.clear();
+  comingPoints_ = 0;
+  next_ = {};
+  ready_.reset();
+  return epoch_;
+}
+
+void BrickAssembly::require(bool holds, const char* what) const {
+  if (!holds) throw NetworkError("what came as the points around a hand is none: {}", what);
+}
+
+BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
+  if (sample.epoch != epoch_) return Heard::old;
+  if (sample.sample <= taken_) return Heard::old;
+  if (sample.sample != taken_ + 1) return Heard::gap;
+  PALPATE_CHECK(!ready_);
+  const std::size_t points = sample.points._length;
+  require(sample.ids._length == points, "not every point has a number");
+  require(sample.velocities._length == 0 || sample.velocities._length == 3 * points, "not every point has a velocity");
+  require(std::isfinite(sample.true_s), "its time is no number");
+  std::size_t at = 0;
+  for (std::uint32_t i = 0; i < sample.parts._length; ++i) {
+    const BrickPart& part = sample.parts._buffer[i];
+    require(BrickGrid::isKey(part.key), "a brick has no such place");
+    if (part.total == kDropped) {
+      next_.dropped.push_back(part.key);
+      require(next_.dropped.size() <= kMostBricks, "too many bricks");
+      continue;
+    }
+    require(part.count <= points - at, "points are missing");
+    add(part, sample, at);
+    at += part.count;
+  }
+  require(at == points, "points are of no brick");
+  ++taken_;
+  next_.true_s = sample.true_s;
+  if (sample.last) finish(sample.whole);
+  return Heard::taken;
+}
+
+void BrickAssembly::add(const BrickPart& part, const Bricks& sample, std::size_t at) {
+  Coming& coming = coming_[part.key];
+  require(coming_.size() <= kMostBricks, "too many bricks");
+  if (!coming.brick) coming = {.total = part.total, .brick = std::make_shared<Brick>()};
+  Brick& brick = *coming.brick;
+  require(part.total == coming.total && part.count <= part.total - brick.size(), "a brick has more points than it said");
+  comingPoints_ += part.count;
+  require(comingPoints_ <= room_, "more points than anybody has room for");
+  const bool moves = sample.velocities._length > 0;
+  for (std::size_t i = at; i < at + part.count; ++i) {
+    const Point& point = sample.points._buffer[i];
+    const std::uint32_t id = sample.ids._buffer[i];
+    const Vec3 place(point.position[0], point.position[1], point.position[2]), normal(point.normal[0], point.normal[1], point.normal[2]);
+    constexpr float kLongest = 1.01f;  // of a unit normal
+    require(isFinite(place) && glm::length(normal) < kLongest, "a point has no place or no normal");
+    require(grid_.keyAt(DVec3(place)) == part.key, "a point stands in another brick");
+    require(brick.ids.empty() || id > brick.ids.back(), "the numbers of its points do not ascend");
+    brick.ids.push_back(id);
+    brick.positions.push_back(place);
+    brick.normals.push_back(normal);
+    if (colored_)
+      brick.colors.push_back({static_cast<std::uint8_t>(point.color), static_cast<std::uint8_t>(point.color >> 8),
+                              static_cast<std::uint8_t>(point.color >> 16)});
+    if (!moves) continue;
+    const float* const velocity = sample.velocities._buffer + 3 * i;
+    brick.velocities.emplace_back(velocity[0], velocity[1], velocity[2]);
+    require(isFinite(brick.velocities.back()), "a velocity is no number");
+  }
+  require(brick.velocities.empty() || brick.velocities.size() == brick.size(), "not every point has a velocity");
+}
+
+void BrickAssembly::finish(bool whole) {
+  for (auto& [key, coming] : coming_) {
+    require(coming.brick->size() == coming.total, "a brick has fewer points than it said");
+    next_.bricks.emplace_back(key, std::move(coming.brick));
+    before_.erase(key);
+    known_.insert(key);
+  }
+  coming_.clear();
+  comingPoints_ = 0;
+  if (whole) {
+    next_.dropped.insert(next_.dropped.end(), before_.begin(), before_.end());
+    before_.clear();
+  }
+  for (const BrickKey key : next_.dropped) {
+    known_.erase(key);
+    before_.erase(key);
+  }
+  require(known_.size() <= kMostBricks, "too many bricks");
+  for (const auto& [key, brick] : next_.bricks) known_.insert(key);  // what is dropped and comes again is there
+  ready_ = std::exchange(next_, {});
+}
+
+std::optional<BrickUpdate> BrickAssembly::takeUpdate() { return std::exchange(ready_, std::nullopt); }
+
+}  // namespace palpate::sharing

@@ -1,0 +1,264 @@
+#include "haptics/sharing/brick_server.hpp"
+
+#include <algorithm>
+
+namespace palpate::sharing {
+
+namespace {
+
+constexpr std::size_t kMostClients = 64;     // at a time; one more takes the place of who was not heard for longest
+constexpr double kForgotten_s = 30;          // a client that says nothing for so long is gone
+constexpr LedgerLimits kStill{.known = 1 << 17, .atOnce = 1024};
+constexpr LedgerLimits kMoving{.known = 1 << 13, .atOnce = 1 << 13};
+constexpr std::uint64_t kFewestSamples = 256, kMostSamples = 1024;  // on their way to a client
+constexpr double kProbe_s = 1;               // after which a client is shown that something has come before
+constexpr double kSoon_s = 0.002;            // a link that has no room
+constexpr double kIdle_s = 0.05;
+// Of a sample, which is one frame of Ethernet (messages.hpp).
+constexpr std::size_t kRoom_bytes = 1200, kHead_bytes = 16, kPoint_bytes = 32, kVelocity_bytes = 12;
+constexpr std::uint32_t kDropped = 0xffffffff;
+
+}  // namespace
+
+BrickServer::BrickServer(const Parts& parts)
+    : parts_(parts),
+      facts_(parts.participant, parts.topics.facts, reliableQos(true)),
+      nears_(parts.participant, parts.topics.nears, bestEffortQos()),
+      bricks_(parts.facts.edge) {
+  const FarFacts& known = parts.facts;
+  Facts facts{};
+  set(facts.session, parts.session);
+  facts.moves = known.moves;
+  facts.points = known.extent.points;
+  for (int axis = 0; axis < 3; ++axis) {
+    facts.low[axis] = known.extent.bounds.min[axis];
+    facts.high[axis] = known.extent.bounds.max[axis];
+  }
+  facts.spacing = known.spacing;
+  facts.wide_spacing = known.wideSpacing;
+  facts.noise = known.noise;
+  facts.up = static_cast<std::uint8_t>(known.up);
+  facts.edge = known.edge;
+  facts_.write(facts);
+}
+
+void BrickServer::take() {
+  nears_.take([&](const Near& near) {
+    if (isSame(near.session, parts_.session)) take(near);
+  });
+  std::erase_if(clients_, [](const auto& client) { return client.second.heard.elapsed_s() > kForgotten_s; });
+}
+
+bool BrickServer::isWhole(const Near& near) const {
+  constexpr double kFarthest = 1e30;  // a place that float32 has
+  const std::span<const palpate_sharing_Ball> balls(near.balls._buffer, near.balls._length);
+  return balls.size() <= kMostBalls && std::ranges::all_of(balls, [](const palpate_sharing_Ball& ball) {
+           return ball.radius >= 0 && ball.radius <= kFarthest &&
+                  std::ranges::all_of(ball.center, [](double x) { return std::abs(x) <= kFarthest; });
+         });
+}
+
+BrickServer::Client& BrickServer::clientOf(const Near& near) {
+  const Id id = idOf(near.client);
+  if (const auto there = clients_.find(id); there != clients_.end()) return there->second;
+  if (clients_.size() >= kMostClients)
+    clients_.erase(std::ranges::max_element(clients_, {}, [](const auto& entry) { return entry.second.heard.elapsed_s(); }));
+  ++counts_.clients;
+  if (parts_.log) parts_.log->say("{} feels the points around its hands", printable(near.host));
+  Client& client = clients_[id];
+  client.writer = Writer<Bricks>(parts_.participant, parts_.topics.bricks, reliableQos(false, partitionOf(near.client)));
+  return client;
+}
+
+void BrickServer::take(const Near& near) {
+  if (!isWhole(near)) {
+    ++counts_.refused;
+    return;
+  }
+  Client& client = clientOf(near);
+  client.heard = {};
+  if (near.epoch > client.epoch) {
+    client.epoch = near.epoch;
+    client.sample = client.taken = 0;
+    client.window = kFewestSamples;
+    client.ledger = {};
+    client.outgoing.reset();
+    client.unacked.clear();
+    client.wantsMore = true;
+    client.number = 0;
+  }
+  if (near.epoch < client.epoch || near.number <= client.number) return;  // overtaken
+  client.number = near.number;
+  acknowledge(client, near.taken);
+  std::vector<Ball> balls;
+  for (std::uint32_t i = 0; i < near.balls._length; ++i) {
+    const palpate_sharing_Ball& ball = near.balls._buffer[i];
+    balls.push_back({.center = DVec3(ball.center[0], ball.center[1], ball.center[2]), .radius = ball.radius});
+  }
+  if (balls == client.balls) return;
+  client.balls = std::move(balls);
+  client.wanted = bricksIn(client.balls, bricks_.grid());
+  client.wantsMore = wantedChanged_ = true;
+}
+
+void BrickServer::acknowledge(Client& client, std::uint64_t taken) {
+  if (taken <= client.taken || taken > client.sample) return;
+  client.window = std::min(kMostSamples, std::max(client.window, kFewestSamples) + taken - client.taken);
+  client.taken = taken;
+  client.progressed = {};
+  while (!client.unacked.empty() && client.unacked.front().sample <= taken) {
+    client.fastest_s = std::min(client.fastest_s, client.unacked.front().since.elapsed_s());
+    client.unacked.pop_front();
+  }
+}
+
+void BrickServer::show(std::shared_ptr<const CloudFrame> frame) {
+  frame_ = std::move(frame);
+  showWanted();
+}
+
+void BrickServer::showWanted() {
+  wantedChanged_ = false;
+  std::unordered_set<BrickKey> wanted;
+  for (const auto& [id, client] : clients_) wanted.insert(client.wanted.begin(), client.wanted.end());
+  if (frame_) bricks_.show(*frame_, wanted);
+}
+
+// Of a cloud that stands still: with what was done to it.
+void BrickServer::follow() {
+  if (!isBuilt_) {
+    isBuilt_ = true;
+    place_.upTo = parts_.points.head();
+    bricks_.build(parts_.points.points());
+  }
+  constexpr std::size_t kAtOnce = 4096;
+  while (parts_.points.isBehind(place_)) {
+    states_.clear();
+    parts_.points.collect(place_, Id{}, kAtOnce, states_);
+    for (const PointState& state : states_) bricks_.follow(state.number());
+  }
+}
+
+double BrickServer::write() {
+  if (clients_.empty()) return kIdle_s;
+  if (!parts_.facts.moves) follow();
+  if (parts_.facts.moves && wantedChanged_) showWanted();
+  double next_s = kIdle_s;
+  constexpr int kInTurn = 64;  // samples
+  for (auto& [id, client] : clients_) {
+    int written = 0;
+    for (; written < kInTurn && (client.outgoing || begin(client)); ++written)
+      if (!writeSample(client)) {
+        next_s = std::min(next_s, kSoon_s);
+        break;
+      }
+    if (written == kInTurn) next_s = 0;
+    probe(client);
+  }
+  return next_s;
+}
+
+// Points that move are of no use once newer ones are there: nothing waits in a link that is too slow for all frames.
+bool BrickServer::mayBegin(const Client& client) const {
+  if (client.sample - client.taken >= std::max(client.window, kFewestSamples)) return false;
+  constexpr double kSlack_s = 0.06;
+  return !parts_.facts.moves || client.unacked.empty() ||
+         client.unacked.front().since.elapsed_s() < 1.5 * client.fastest_s + kSlack_s;
+}
+
+bool BrickServer::begin(Client& client) {
+  if (client.epoch == 0 || (!client.wantsMore && client.seen == bricks_.version()) || !mayBegin(client)) return false;
+  const bool moves = parts_.facts.moves;
+  if (moves && !frame_) return false;
+  Outgoing going{.step = client.ledger.next(client.balls, client.wanted, bricks_, moves ? kMoving : kStill),
+                 .true_s = bricks_.true_s()};
+  client.wantsMore = !going.step.whole;
+  client.seen = bricks_.version();
+  if (going.step.isEmpty()) return false;
+  client.outgoing = std::move(going);
+  ++counts_.steps;
+  return true;
+}
+
+void BrickServer::fill(Bricks& sample, Outgoing& going) {
+  heads_.clear();
+  ids_.clear();
+  points_.clear();
+  velocities_.clear();
+  std::size_t room = kRoom_bytes;
+  const BrickLedger::Step& step = going.step;
+  for (; going.gone.dropped < step.dropped.size() && room >= kHead_bytes; ++going.gone.dropped, room -= kHead_bytes)
+    heads_.push_back({.key = step.dropped[going.gone.dropped], .total = kDropped, .count = 0});
+  while (going.gone.brick < step.bricks.size() && room >= kHead_bytes) {
+    const auto& [key, brick] = step.bricks[going.gone.brick];
+    const bool moves = !brick->velocities.empty();
+    const std::size_t each = kPoint_bytes + (moves ? kVelocity_bytes : 0);
+    const std::size_t count = std::min(brick->size() - going.gone.point, (room - kHead_bytes) / each);
+    if (count == 0 && brick->size() > 0) break;
+    heads_.push_back({.key = key, .total = static_cast<std::uint32_t>(brick->size()), .count = static_cast<std::uint32_t>(count)});
+    for (std::size_t i = going.gone.point; i < going.gone.point + count; ++i) {
+      Point point{};
+      for (int axis = 0; axis < 3; ++axis) {
+        point.position[axis] = brick->positions[i][axis];
+        point.normal[axis] = brick->normals[i][axis];
+        if (moves) velocities_.push_back(brick->velocities[i][axis]);
+      }
+      if (!brick->colors.empty())
+        for (unsigned k = 0; k < 3; ++k) point.color |= std::uint32_t{brick->colors[i][k]} << (8 * k);
+      ids_.push_back(brick->ids[i]);
+      points_.push_back(point);
+    }
+    room -= kHead_bytes + count * each;
+    going.gone.point += count;
+    if (going.gone.point < brick->size()) break;
+    ++going.gone.brick;
+    going.gone.point = 0;
+  }
+  const auto give = [](auto& to, auto& from) {
+    to._buffer = from.data();
+    to._length = to._maximum = static_cast<std::uint32_t>(from.size());
+  };
+  give(sample.parts, heads_);
+  give(sample.ids, ids_);
+  give(sample.points, points_);
+  give(sample.velocities, velocities_);
+}
+
+bool BrickServer::writeSample(Client& client) {
+  Outgoing& going = *client.outgoing;
+  const Gone before = going.gone;
+  Bricks sample{};
+  set(sample.session, parts_.session);
+  sample.epoch = client.epoch;
+  sample.sample = client.sample + 1;
+  sample.true_s = going.true_s;
+  sample.whole = going.step.whole;
+  fill(sample, going);
+  sample.last = going.gone.dropped == going.step.dropped.size() && going.gone.brick == going.step.bricks.size();
+  if (!client.writer.write(sample)) {
+    going.gone = before;
+    return false;
+  }
+  if (client.sample == client.taken) client.progressed = {};
+  ++client.sample;
+  ++counts_.samples;
+  counts_.points += ids_.size();
+  if (sample.last) {
+    client.unacked.push_back({.sample = client.sample, .since = {}});
+    client.outgoing.reset();
+  }
+  return true;
+}
+
+// Who has not got what was sent sees it by the number of the next sample, and asks anew.
+void BrickServer::probe(Client& client) {
+  if (client.sample == client.taken || client.outgoing || client.progressed.elapsed_s() < kProbe_s) return;
+  Bricks sample{};
+  set(sample.session, parts_.session);
+  sample.epoch = client.epoch;
+  sample.sample = client.sample + 1;
+  if (client.writer.write(sample)) ++client.sample;
+  client.progressed = {};
+}
+
+}  // namespace palpate::sharing

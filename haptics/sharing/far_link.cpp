@@ -1,0 +1,327 @@
+#include "haptics/sharing/far_link.hpp"
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "engine/core/clock.hpp"
+#include "engine/core/statistics.hpp"
+#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/brick_assembly.hpp"
+#include "haptics/sharing/hand_balls.hpp"
+#include "haptics/sharing/joined_session.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+constexpr std::size_t kRoom = 1 << 18;   // points that are known at once, twice what a server gives
+constexpr double kLook_s = 0.004;        // how often is looked where the hands are
+constexpr double kAsk_s = 0.05;          // between two questions where nothing is new
+constexpr double kNews_s = 0.005;        // and where something is
+constexpr double kSilent_s = 3;          // after which another server of the same points is looked for
+constexpr double kHand_s = 1.0 / 60;     // between two places of a hand that others see
+constexpr double kPing_s = 0.5, kFirstPings_s = 0.05;
+constexpr std::size_t kTrips = 32, kFirstPings = 8;
+constexpr double kFirstTrip_s = 0.1;     // until one is known
+constexpr double kLeastSpeed_mm_s = 60;  // of a hand that may set out
+constexpr double kFastestOf_s = 5;       // how long the fastest way from the server counts
+
+/// From the server's time to this machine's, by what has come fastest of late: what is felt is as old as that way.
+class FastestWay {
+ public:
+  double arrived(double now_s, double sent_s) {
+    if (now_s - since_s_ > kFastestOf_s) {
+      before_ = now_;
+      now_.reset();
+      since_s_ = now_s;
+    }
+    const double way = now_s - sent_s;
+    now_ = std::min(now_.value_or(way), way);
+    return sent_s + std::min(*now_, before_.value_or(*now_));
+  }
+
+ private:
+  double since_s_ = 0;
+  std::optional<double> now_, before_;
+};
+
+class FarLink final : public FarCloud {
+ public:
+  explicit FarLink(const FarParts& parts)
+      : parts_(parts),
+        to_(*parts.session),
+        server_(to_.session),
+        source_({.edge = parts.facts.edge, .points = kRoom, .moves = parts.facts.moves}),
+        assembly_(parts.facts.edge, kRoom, parts.notice.colored),
+        balls_(parts.facts.edge, kLeastSpeed_mm_s / parts.notice.mm_per_unit),
+        nears_(to_.participant, to_.topics.nears, bestEffortQos()),
+        handWriter_(to_.participant, to_.topics.hands, bestEffortQos()),
+        pings_(to_.participant, to_.topics.pings, bestEffortQos()),
+        echoes_(to_.participant, to_.topics.echoes, bestEffortQos()),
+        notices_(to_.participant, to_.topics),
+        wait_(std::in_place, to_.participant) {
+    std::uint8_t own[16];
+    set(own, to_.client);
+    bricks_ = Reader<Bricks>(to_.participant, to_.topics.bricks, reliableQos(false, partitionOf(own)));
+    wait_->attach(bricks_);
+    assembly_.begin();
+    counts_.resumed = 0;
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
+
+  BrickSource& source() override { return source_; }
+  const InformationAge& known() const override { return known_; }
+
+  FarCounts counts() const override {
+    const std::scoped_lock hold(lock_);
+    FarCounts counts = counts_;
+    const BrickSource::Known known = source_.known();
+    counts.bricks = known.bricks;
+    counts.known = known.points;
+    counts.silent_s = lastHeard_.elapsed_s();
+    counts.longestSilent_s = std::max(counts.longestSilent_s, counts.silent_s);
+    if (!trips_ms_.empty()) counts.roundTrip_ms = summarize({trips_ms_.begin(), trips_ms_.end()}).p50;
+    return counts;
+  }
+
+  void check() const override {
+    const std::scoped_lock hold(lock_);
+    if (!fault_.empty()) throw NetworkError("{}", fault_);
+  }
+
+ private:
+  void run(const std::stop_token& stop) {
+    try {
+      while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
+        wait_->sleep(kLook_s);
+        const std::scoped_lock hold(lock_);
+        hear();
+        hearEchoes();
+        watchServer();
+        if (const auto hands = source_.asked()) {
+          ask(*hands);
+          showHand(*hands);
+        }
+        ping();
+      }
+    } catch (const std::exception& error) {
+      const std::scoped_lock hold(lock_);
+      fail(fmt::format("'{}' of {}: {}", to_.name, to_.host, error.what()));
+    }
+    wait_.reset();
+    bricks_ = {};
+  }
+
+  void hear() {
+    bool gap = false;
+    bricks_.take([&](const Bricks& sample) {
+      if (gap || !isSame(sample.session, server_)) return;
+      const BrickAssembly::Heard heard = assembly_.hear(sample);
+      if (heard == BrickAssembly::Heard::old) return;
+      gap = heard == BrickAssembly::Heard::gap;
+      if (gap) return;
+      ++counts_.samples;
+      counts_.points += sample.points._length;
+      isHeardNow();
+      if (auto update = assembly_.takeUpdate()) {
+        update->true_s = way_.arrived(steadyNow_s(), update->true_s);
+        source_.apply(std::move(*update));
+        ++counts_.updates;
+        counts_.mostKnown = std::max(counts_.mostKnown, source_.known().points);
+      }
+    });
+    if (gap) restart();
+  }
+
+  void restart() {
+    assembly_.begin();
+    ++counts_.resumed;
+    isNew_ = true;
+  }
+
+  void isHeardNow() {
+    counts_.longestSilent_s = std::max(counts_.longestSilent_s, lastHeard_.elapsed_s());
+    lastHeard_ = {};
+    known_.heard();
+  }
+
+  void hearEchoes() {
+    echoes_.take([&](const Ping& echo) {
+      if (!isSame(echo.session, server_) || !isSame(echo.client, to_.client)) return;
+      const double trip_us = since_.elapsed_us() - echo.sent_us;
+      if (echo.number > counts_.pings || !(trip_us >= 0)) return;
+      isHeardNow();
+      ++counts_.answered;
+      trips_ms_.push_back(trip_us * 1e-3);
+      if (trips_ms_.size() > kTrips) trips_ms_.pop_front();
+      known_.setRoundTrip(trip_s());
+    });
+  }
+
+  // Silence is said, and its end. One that serves the same points anew is as good as the one before.
+  void watchServer() {
+    const double silent_s = lastHeard_.elapsed_s();
+    const bool isWhole = known_.share() >= 1;
+    if (isWhole && !std::exchange(wasWhole_, true)) say(fmt::format("{} of {} is heard again", to_.name, to_.host));
+    if (!isWhole && std::exchange(wasWhole_, false))
+      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades until it is", to_.name, to_.host, silent_s));
+    if (silent_s <= kSilent_s) return;
+    for (const SessionNotice& notice : notices_.known()) {
+      if (notice.name != to_.name || notice.session == server_ || left_.contains(notice.session)) continue;
+      if (notice.checksum != parts_.notice.checksum || notice.version != kVersion)
+        return fail(fmt::format("'{}' of {} has other points now; join it again", to_.name, notice.host));
+      left_.insert(server_);
+      server_ = notice.session;
+      ++counts_.servers;
+      return restart();
+    }
+  }
+
+  void ask(const HandReaches& hands) {
+    std::vector<Ball> balls = balls_.around(hands, trip_s());
+    isNew_ = isNew_ || balls != asked_ || assembly_.taken() != told_;
+    if (lastAsked_.elapsed_s() < (isNew_ ? kNews_s : kAsk_s)) return;
+    isNew_ = false;
+    lastAsked_ = {};
+    asked_ = std::move(balls);
+    told_ = assembly_.taken();
+    std::vector<palpate_sharing_Ball> said;
+    for (const Ball& ball : asked_)
+      said.push_back({.center = {ball.center.x, ball.center.y, ball.center.z}, .radius = ball.radius});
+    Near near{};
+    set(near.session, server_);
+    set(near.client, to_.client);
+    put(near.host, host_);
+    near.number = ++questions_;
+    near.epoch = assembly_.epoch();
+    near.taken = told_;
+    near.balls._buffer = said.data();
+    near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(said.size());
+    nears_.write(near);
+  }
+
+  double trip_s() const {
+    return trips_ms_.empty() ? kFirstTrip_s : 1e-3 * summarize({trips_ms_.begin(), trips_ms_.end()}).p50;
+  }
+
+  void ping() {
+    if (lastPing_.elapsed_s() < (counts_.pings < kFirstPings ? kFirstPings_s : kPing_s)) return;
+    lastPing_ = {};
+    Ping ping{};
+    set(ping.session, server_);
+    set(ping.client, to_.client);
+    ping.number = static_cast<std::uint32_t>(++counts_.pings);
+    ping.sent_us = since_.elapsed_us();
+    pings_.write(ping);
+  }
+
+  // The first one, for others to see.
+  void showHand(const HandReaches& hands) {
+    if (hands.count == 0 || hands.time_s == lastShown_s_ || shown_.elapsed_s() < kHand_s) return;
+    lastShown_s_ = hands.time_s;
+    shown_ = {};
+    const HandReach& first = hands.hands.front();
+    Hand hand{};
+    set(hand.session, server_);
+    set(hand.client, to_.client);
+    put(hand.name, parts_.hand.empty() ? host_ : parts_.hand);
+    for (int axis = 0; axis < 3; ++axis) {
+      hand.position[axis] = first.hip[axis];
+      hand.proxy[axis] = first.proxy[axis];
+    }
+    hand.orientation[3] = 1;
+    hand.touching = first.touching;
+    hand.number = ++handsShown_;
+    handWriter_.write(hand);
+  }
+
+  void fail(const std::string& why) {
+    if (!fault_.empty()) return;
+    fault_ = why;
+    known_.fail();
+    source_.giveUp();
+    say(why);
+  }
+
+  // Whoever listens may end what says it, which would be this hand's part in the session.
+  void say(const std::string& what) const {
+    if (!parts_.log) return;
+    try {
+      parts_.log->say("{}", what);
+    } catch (...) {
+    }
+  }
+
+  const FarParts parts_;
+  const JoinedSession& to_;
+  Id server_;
+  std::set<Id> left_;  // sessions before it
+  std::string host_ = ownHost();
+  BrickSource source_;
+
+  mutable std::mutex lock_;  // of all that follows but what says otherwise
+  BrickAssembly assembly_;
+  HandBalls balls_;
+  Writer<Near> nears_;
+  Writer<Hand> handWriter_;
+  Writer<Ping> pings_;
+  Reader<Bricks> bricks_;
+  Reader<Ping> echoes_;
+  SessionNotices notices_;
+  std::optional<ReaderWait> wait_;  // the thread's alone
+  FastestWay way_;
+  FarCounts counts_;
+  std::string fault_;
+  std::deque<double> trips_ms_;
+  std::vector<Ball> asked_;
+  std::uint64_t told_ = 0;
+  bool isNew_ = true;
+  std::uint32_t questions_ = 0, handsShown_ = 0;
+  double lastShown_s_ = -1;
+  Stopwatch since_, lastHeard_, lastAsked_, lastPing_, shown_;
+  InformationAge known_;
+  bool wasWhole_ = true;
+  std::jthread thread_;  // goes first
+};
+
+}  // namespace
+
+std::unique_ptr<FarCloud> openFarCloud(const FarParts& parts) { return std::make_unique<FarLink>(parts); }
+
+std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s) {
+  const Reader<Facts> reader(session.participant, session.topics.facts, reliableQos(true));
+  ReaderWait wait(session.participant);
+  wait.attach(reader);
+  std::optional<FarFacts> heard;
+  for (const Stopwatch since; !heard && since.elapsed_s() < patience_s;) {
+    wait.sleep(0.05);
+    reader.take([&](const Facts& facts) {
+      if (!isSame(facts.session, session.session)) return;
+      heard = FarFacts{.extent = {.bounds = {.min = DVec3(facts.low[0], facts.low[1], facts.low[2]),
+                                             .max = DVec3(facts.high[0], facts.high[1], facts.high[2])},
+                                  .points = facts.points},
+                       .spacing = facts.spacing,
+                       .wideSpacing = facts.wide_spacing,
+                       .noise = facts.noise,
+                       .up = static_cast<UpAxis>(facts.up),
+                       .edge = facts.edge,
+                       .moves = facts.moves};
+    });
+  }
+  if (!heard) return heard;
+  constexpr double kLargest = 1e30;
+  const auto isLength = [](double value) { return value >= 0 && value <= kLargest; };
+  const auto isPlace = [](const DVec3& place) { return glm::length(place) <= kLargest; };
+  if (!(heard->edge > 0) || !isLength(heard->edge) || !isLength(heard->spacing) || !isLength(heard->wideSpacing) ||
+      !isLength(heard->noise) || !isPlace(heard->extent.bounds.min) || !isPlace(heard->extent.bounds.max) ||
+      heard->up > UpAxis::minusZ || heard->extent.points >= std::uint64_t{1} << 32)
+    throw NetworkError("'{}' of {} announces what is no cloud", session.name, session.host);
+  return heard;
+}
+
+}  // namespace palpate

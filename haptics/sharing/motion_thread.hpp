@@ -1,0 +1,46 @@
+// The points of a served cloud, moved against the clock.
+#pragma once
+
+#include <atomic>
+#include <exception>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "engine/core/clock.hpp"
+#include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/shared_cloud.hpp"
+
+namespace palpate::sharing {
+
+/// Moves them on a thread of its own from its beginning to its end, and hears where hands are meanwhile.
+class MotionThread {
+ public:
+  MotionThread(const ServedMotion& motion, double rate_Hz, const Participant& participant, const Topics& topics,
+               const Id& session);
+  /// What has come since the last call; null: nothing. Throws what the motion has thrown.
+  std::shared_ptr<const CloudFrame> newest();
+  std::uint64_t frames() const { return frames_; }
+
+ private:
+  struct Hand {
+    SeenHand seen;
+    Stopwatch since;
+  };
+  void run(const std::stop_token& stop);
+  void hearHands();
+
+  ServedMotion motion_;
+  double apart_s_;
+  Reader<palpate_sharing_Hand> reader_;
+  Id session_;
+  std::map<Id, Hand> hands_;
+  std::mutex lock_;  // of the next two
+  std::shared_ptr<const CloudFrame> newest_;
+  std::exception_ptr failure_;
+  std::atomic<std::uint64_t> frames_ = 0;
+  std::jthread thread_;  // goes first
+};
+
+}  // namespace palpate::sharing

@@ -1,0 +1,246 @@
+// The points around hands over a network of this machine: still, sculpted by others, moving; and what becomes of a server
+// that dies, or is none of ours.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <mutex>
+#include <optional>
+
+#include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/messages.hpp"
+#include "tests/sharing/own_network.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+/// A square of 200 x 200 points, one apart.
+PointCloud square(float height = 0) {
+  PointCloud cloud;
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      cloud.positions.emplace_back(x, y, height);
+      cloud.normals.emplace_back(0, 0, 1);
+    }
+  return cloud;
+}
+
+class ServedSquare {
+ public:
+  explicit ServedSquare(const PointCloud& cloud, const std::string& name, ServedMotion motion = {})
+      : server_(cloud, {.network = ownNetwork(), .name = name, .sculptable = !motion, .motion = std::move(motion)}),
+        thread_([this] { server_.serve(stop_); }) {}
+  ~ServedSquare() { end(); }
+  ServedCounts end() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+    return server_.counts();
+  }
+
+ private:
+  std::atomic<bool> stop_ = false;
+  CloudServer server_;
+  std::jthread thread_;
+};
+
+bool within(double seconds, const std::function<bool()>& holds) {
+  for (const double end_s = steadyNow_s() + seconds; steadyNow_s() < end_s;) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return holds();
+}
+
+HandReaches handAt(const DVec3& hip) {
+  HandReaches hands{.time_s = steadyNow_s(), .steady_s = steadyNow_s(), .count = 1};
+  hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
+  return hands;
+}
+
+/// The points of the newest frame within 3 of the hand.
+std::size_t around(BrickSource& source, const DVec3& hip, CloudFrame& frame) {
+  source.makeFrame(steadyNow_s(), frame);
+  std::size_t found = 0;
+  for (const Vec3& position : frame.positions) found += glm::distance(DVec3(position), hip) < 3;
+  return found;
+}
+
+JoinedCloud joinNear(const std::string& name, Log* log = nullptr) {
+  return joinCloud(name, {.network = ownNetwork(), .near = true, .hand = "a test's", .log = log});
+}
+
+}  // namespace
+
+TEST_CASE("who joins near a hand has the points around it, follows it, and few others") {
+  const PointCloud cloud = square();
+  ServedSquare served(cloud, "near");
+  {
+    const JoinedCloud joined = joinNear("near");
+    REQUIRE(joined.far);
+    REQUIRE(joined.facts);
+    CHECK(joined.facts->extent.points == 40'000);
+    CHECK(joined.facts->extent.bounds == boundsOf(cloud));
+    CHECK_FALSE(joined.facts->moves);
+    CHECK(joined.cloud.size() == 8000);  // each fifth one
+    CHECK(joined.cloud.positions[1] == cloud.positions[5]);
+    BrickSource& source = joined.far->source();
+    CloudFrame frame;
+    for (const DVec3& hip : {DVec3(20, 20, 0.5), DVec3(60, 20, 0.5), DVec3(150, 160, 0.5)}) {
+      const HandReaches hands = handAt(hip);
+      source.ask(hands);
+      REQUIRE(source.await(hands, 5));
+      CHECK(around(source, hip, frame) == 25);  // of a square lattice within 2.96 of one of its points
+    }
+    CHECK(source.known().points < 30'000);
+    CHECK(within(3, [&] { return joined.far->counts().roundTrip_ms.has_value(); }));
+    CHECK(joined.far->known().share() == 1);
+    CHECK(joined.far->counts().resumed == 0);
+  }
+  const ServedCounts counts = served.end();
+  CHECK(counts.near == 1);
+  CHECK(counts.nearPoints > 100);
+  CHECK(counts.refused == 0);
+}
+
+TEST_CASE("requests that no client makes are counted, and change nothing") {
+  const PointCloud cloud = square();
+  ServedSquare served(cloud, "hostile");
+  const JoinedCloud joined = joinNear("hostile");
+  {
+    const Participant participant(ownNetwork());
+    const Topics topics(participant);
+    const Writer<Near> nears(participant, topics.nears, bestEffortQos());
+    const Reader<Facts> facts(participant, topics.facts, reliableQos(true));
+    std::optional<Facts> heard;
+    REQUIRE(within(3, [&] {
+      facts.take([&](const Facts& one) { heard = one; });
+      return heard.has_value();
+    }));
+    std::uint32_t number = 0;
+    const auto send = [&](std::vector<palpate_sharing_Ball> balls) {
+      Near near{};
+      std::memcpy(near.session, heard->session, sizeof near.session);
+      near.epoch = 1;
+      near.number = ++number;
+      near.taken = ~std::uint64_t{0};
+      near.balls._buffer = balls.data();
+      near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(balls.size());
+      nears.write(near);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    };
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (int again = 0; again < 5; ++again) {
+      send({{.center = {nan, 0, 0}, .radius = 1}});
+      send({{.center = {0, 0, 0}, .radius = nan}});
+      send({{.center = {0, 0, 0}, .radius = -1}});
+      send({{.center = {1e300, 0, 0}, .radius = 1}});
+      send({{.center = {0, 0, 1e29}, .radius = 1e29}});  // far too much of nothing
+    }
+  }
+  const HandReaches hands = handAt(DVec3(50, 50, 1));
+  joined.far->source().ask(hands);
+  CHECK(joined.far->source().await(hands, 5));
+  const ServedCounts counts = served.end();
+  CHECK(counts.refused >= 4);
+  CHECK(counts.refused <= 20);
+}
+
+TEST_CASE("points that move come again and again, with the time at which they are there, and the hand that presses is said") {
+  const PointCloud cloud = square();
+  std::mutex lock;
+  std::vector<SeenHand> seen;
+  ServedSquare served(cloud, "moving", [&](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
+    frame.time_s = time_s;
+    frame.positions = cloud.positions;
+    for (Vec3& position : frame.positions) position.z = static_cast<float>(time_s);
+    frame.normals = cloud.normals;
+    frame.velocities.assign(cloud.size(), Vec3(0, 0, 1));
+    const std::scoped_lock hold(lock);
+    seen.assign(hands.begin(), hands.end());
+    return true;
+  });
+  const JoinedCloud joined = joinCloud("moving", {.network = ownNetwork(), .hand = "a test's"});
+  REQUIRE(joined.far);  // without being asked for
+  CHECK(joined.facts->moves);
+  CHECK_FALSE(joined.sculptable);
+  BrickSource& source = joined.far->source();
+  CloudFrame frame;
+  double first = 0, last = 0, worst_s = 0;
+  std::size_t frames = 0, torn = 0;
+  const DVec3 hip(100, 100, 0);
+  for (const double begin_s = steadyNow_s(); steadyNow_s() < begin_s + 2;) {
+    HandReaches hands = handAt(hip + DVec3(0, 0, last));
+    hands.time_s -= begin_s;
+    source.ask(hands);
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+    if (!source.hasNewer(0, 0)) continue;
+    source.makeFrame(steadyNow_s() - begin_s, frame);
+    if (frame.positions.empty()) continue;
+    for (const Vec3& position : frame.positions) torn += position.z != frame.positions[0].z;
+    CHECK(frame.velocities.front() == Vec3(0, 0, 1));
+    const double height = frame.positions[0].z;
+    if (frames++ == 0) first = height - frame.time_s;
+    CHECK(height >= last);
+    last = height;
+    // The height is the server's time, and so is the frame's, but for where its clock begins.
+    if (frames > 10) worst_s = std::max(worst_s, std::abs(height - frame.time_s - first));
+  }
+  CHECK(torn == 0);
+  CHECK(frames > 40);
+  CHECK(frames < 140);
+  CHECK(worst_s < 0.03);
+  CHECK(joined.far->counts().mostKnown <= 1 << 13);
+  {
+    const std::scoped_lock hold(lock);
+    REQUIRE(seen.size() == 1);
+    CHECK(seen[0].name == "a test's");
+    CHECK(glm::distance(seen[0].place.position, hip) < 5);
+  }
+  CHECK(served.end().frames > 60);
+}
+
+TEST_CASE("a motion that fails ends what serves it, in its words") {
+  const PointCloud cloud = square();
+  CloudServer server(cloud, {.network = ownNetwork(), .name = "fails", .sculptable = false,
+                             .motion = [](double, std::span<const SeenHand>, CloudFrame&) -> bool { throw Error("it has burst"); }});
+  const std::atomic<bool> stop = false;
+  CHECK_THROWS_WITH(server.serve(stop, 5), doctest::Contains("it has burst"));
+}
+
+TEST_CASE("a server that is gone is said to be silent; one that serves the same points is gone on with, and others are not") {
+  const PointCloud cloud = square(), other = square(5);
+  std::optional<ServedSquare> served(std::in_place, cloud, "again");
+  const JoinedCloud joined = joinNear("again");
+  BrickSource& source = joined.far->source();
+  source.ask(handAt(DVec3(30, 30, 0)));
+  REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 5));
+  served.reset();
+  CHECK(within(6, [&] { return joined.far->known().share() == 0; }));
+  // What is known is still there.
+  CHECK(source.await(handAt(DVec3(30, 30, 0)), 0));
+  CHECK_FALSE(source.await(handAt(DVec3(190, 190, 0)), 0));
+  served.emplace(cloud, "again");
+  source.ask(handAt(DVec3(190, 190, 0)));
+  CHECK(source.await(handAt(DVec3(190, 190, 0)), 8));
+  CHECK(within(3, [&] { return joined.far->known().share() == 1; }));
+  CHECK(joined.far->counts().servers == 2);
+  CHECK(joined.far->counts().longestSilent_s > 3);
+  CHECK_NOTHROW(joined.far->check());
+  served.reset();
+  served.emplace(other, "again");
+  CHECK(within(10, [&] {
+    try {
+      joined.far->check();
+      return false;
+    } catch (const NetworkError& error) {
+      return std::string(error.what()).find("has other points now") != std::string::npos;
+    }
+  }));
+  CHECK_FALSE(joined.far->known().isTrue());
+}
+
+}  // namespace palpate

@@ -1,0 +1,342 @@
+// The points around hands, without a network: hands that wander over a cloud that is sculpted meanwhile, over links that are
+// slow. Whatever a hand may feel is there, point by point as in the whole cloud, or the tick is known to lack some.
+#include <doctest/doctest.h>
+
+#include <deque>
+#include <map>
+#include <random>
+#include <set>
+
+#include "haptics/sharing/brick_assembly.hpp"
+#include "haptics/sharing/brick_ledger.hpp"
+#include "haptics/sharing/hand_balls.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+constexpr double kSupport = 2;  // with points one apart
+
+/// A bumpy sheet, one point in each square of one.
+std::vector<PointState> sheet(int side, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> jitter(-0.4f, 0.4f);
+  std::vector<PointState> points;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      PointState point{.id = static_cast<std::uint32_t>(points.size()), .normal = Vec3(0, 0, 1), .color = static_cast<std::uint32_t>(points.size() & 0xffffff)};
+      point.position = Vec3(static_cast<float>(x) + jitter(random), static_cast<float>(y) + jitter(random), 3 * std::sin(0.2f * static_cast<float>(x)));
+      point.parent = point.id;
+      points.push_back(point);
+    }
+  return points;
+}
+
+std::vector<std::uint32_t> near(const std::vector<PointState>& points, const DVec3& hip) {
+  std::vector<std::uint32_t> found;
+  for (const PointState& point : points)
+    if (!point.gone() && glm::distance(DVec3(point.position), hip) < kSupport) found.push_back(point.number());
+  return found;
+}
+
+struct Walk {
+  unsigned seed = 1;
+  double speed = 20;      // units per second
+  double trip_s = 0.1;
+  bool sculpts = false;
+  std::size_t room = 1 << 17;
+};
+struct Walked {
+  std::uint64_t ticks = 0, without = 0, wrong = 0, felt = 0;
+  std::size_t mostKnown = 0;
+};
+
+/// Ticks of 1 ms; questions and answers are half a trip on their way.
+Walked walk(const Walk& how, int ticks) {
+  constexpr int kSide = 150;
+  constexpr double kEdge = 8, kTick_s = 1e-3;
+  std::mt19937 random(how.seed);
+  std::vector<PointState> points = sheet(kSide, how.seed);
+  ServedBricks served(kEdge);
+  served.build(points);
+  BrickLedger ledger;
+  BrickSource source({.edge = kEdge, .points = 2 * how.room});
+  HandBalls hand(kEdge, 10);
+  struct Question { double at_s; std::vector<Ball> balls; };
+  struct Answer { double at_s; BrickUpdate update; };
+  std::deque<Question> asked;
+  std::deque<Answer> answers;
+  DVec3 hip(0.5 * kSide, 0.5 * kSide, 0), way(1, 0, 0);
+  std::normal_distribution<double> turn(0, 0.1);
+  CloudFrame frame;
+  Walked walked;
+  for (int tick = 0; tick < ticks; ++tick) {
+    const double now_s = tick * kTick_s;
+    const DVec3 turned{turn(random), turn(random), 0.2 * turn(random)};
+    way = glm::normalize(way + turned);
+    hip += how.speed * kTick_s * way;
+    for (int k = 0; k < 3; ++k) {
+      const double low = k == 2 ? -6 : 5, high = k == 2 ? 6 : kSide - 5;
+      if (hip[k] < low || hip[k] > high) way[k] = -way[k];
+      hip[k] = std::clamp(hip[k], low, high);
+    }
+    HandReaches reaches{.time_s = now_s, .steady_s = now_s, .count = 1};
+    reaches.hands[0] = {.low = hip - kSupport, .high = hip + kSupport, .hip = hip, .proxy = hip};
+    asked.push_back({now_s + 0.5 * how.trip_s, hand.around(reaches, how.trip_s)});
+    // The server, each 5 ms.
+    while (!asked.empty() && asked.front().at_s <= now_s) {
+      const std::vector<Ball> balls = asked.front().balls;
+      asked.pop_front();
+      if (tick % 5 != 0) continue;
+      BrickLedger::Step step = ledger.next(balls, bricksIn(balls, served.grid()), served, {.known = how.room, .atOnce = 500});
+      CHECK(ledger.points() <= how.room);
+      if (!step.isEmpty()) answers.push_back({now_s + 0.5 * how.trip_s, {.dropped = step.dropped, .bricks = step.bricks}});
+    }
+    if (how.sculpts && tick < ticks / 2 && tick % 10 == 0) {
+      PointState& point = points[random() % points.size()];
+      point.position += Vec3(0, 0, 0.1f) * static_cast<float>(random() % 100);
+      if (random() % 7 == 0) point.id ^= PointState::kGone;
+      served.follow(point.number());
+    }
+    while (!answers.empty() && answers.front().at_s <= now_s) {
+      source.apply(std::move(answers.front().update));
+      answers.pop_front();
+    }
+    if (source.hasNewer(now_s, frame.time_s)) source.makeFrame(now_s, frame);
+    walked.mostKnown = std::max(walked.mostKnown, source.known().points);
+    ++walked.ticks;
+    if (!source.covers(frame.time_s, hip - kSupport, hip + kSupport)) {
+      ++walked.without;
+      continue;
+    }
+    // Beside a stroke that is on its way nothing can be said.
+    if (how.sculpts && tick < ticks / 2 + 4 * how.trip_s / kTick_s) continue;
+    std::vector<Vec3> is, should;
+    for (std::size_t i = 0; i < frame.size(); ++i)
+      if (glm::distance(DVec3(frame.positions[i]), hip) < kSupport) is.push_back(frame.positions[i]);
+    for (const std::uint32_t id : near(points, hip)) should.push_back(points[id].position);
+    walked.wrong += is != should;
+    walked.felt += !should.empty();
+  }
+  return walked;
+}
+
+}  // namespace
+
+TEST_CASE("each place has one brick, whose key gives it back") {
+  const BrickGrid grid(0.7);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-1e6, 1e6);
+  for (int i = 0; i < 10'000; ++i) {
+    const double x = place(random), y = place(random);
+    const DVec3 at(x, i % 2 ? y : 0.7 * (i % 9), -1e-9 * i);
+    const IVec3 brick = grid.brickAt(at);
+    CHECK(BrickGrid::brickOf(BrickGrid::keyOf(brick)) == brick);
+    CHECK(BrickGrid::isKey(BrickGrid::keyOf(brick)));
+    if (glm::length(at) < 5e5) CHECK(grid.distance(brick, at) == 0);
+  }
+  CHECK_FALSE(BrickGrid::isKey(~BrickKey{0}));
+}
+
+TEST_CASE("what a wandering hand may feel is there before it comes, at any trip, and is the cloud's, point by point in its order") {
+  for (const double trip_s : {0.002, 0.1, 0.5})
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      CAPTURE(trip_s);
+      CAPTURE(seed);
+      const Walked walked = walk({.seed = seed, .speed = 25, .trip_s = trip_s}, 4000);
+      CHECK(walked.wrong == 0);
+      CHECK(walked.felt > 500);
+      // Until the first ones are there.
+      CHECK(static_cast<double>(walked.without) < 1000 * trip_s + 40);
+      CHECK(walked.without > 0);
+    }
+}
+
+TEST_CASE("a hand that is faster than its points lacks some, which is known, and never feels others") {
+  const Walked walked = walk({.seed = 5, .speed = 900, .trip_s = 0.5}, 4000);
+  CHECK(walked.wrong == 0);
+  CHECK(walked.without > walk({.seed = 5, .speed = 25, .trip_s = 0.5}, 4000).without + 50);
+  CHECK(walked.without < 4000);
+}
+
+TEST_CASE("strokes of others reach the bricks that a hand has, and those that are gone") {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    CAPTURE(seed);
+    const Walked walked = walk({.seed = seed, .speed = 25, .trip_s = 0.1, .sculpts = true}, 4000);
+    CHECK(walked.wrong == 0);
+    CHECK(walked.felt > 200);
+  }
+}
+
+TEST_CASE("a client keeps no more than there is room for, the nearest first") {
+  const Walked walked = walk({.seed = 2, .speed = 25, .trip_s = 0.1, .room = 1200}, 3000);
+  CHECK(walked.mostKnown <= 1200);
+  CHECK(walked.mostKnown > 600);
+  CHECK(walked.wrong == 0);
+  CHECK(walked.without < 300);
+}
+
+TEST_CASE("of points that move a client has those of one time alone, after each step") {
+  constexpr double kEdge = 4;
+  ServedBricks served(kEdge);
+  BrickLedger ledger;
+  std::map<BrickKey, std::shared_ptr<const Brick>> known;
+  std::set<BrickKey> shown;
+  DVec3 at(0);
+  for (int turn = 0; turn < 300; ++turn) {
+    at += DVec3(0.5, 0.3 * (turn % 7), 0);
+    const std::vector<Ball> balls{{.center = at, .radius = 10}};
+    const std::vector<BrickKey> wanted = bricksIn(balls, served.grid());
+    CloudFrame frame{.time_s = turn * 0.1};
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+      frame.positions.push_back(Vec3(at + DVec3(std::sin(i) * 12, std::cos(3.0 * i) * 12, 0.01 * turn)));
+      frame.normals.emplace_back(0, 0, 1);
+      frame.velocities.emplace_back(0, 0, turn);
+    }
+    // Every other time somebody wants what the last frame was not looked through for: it comes with the next one.
+    if (turn % 2 == 0) {
+      shown = {wanted.begin(), wanted.end()};
+      served.show(frame, {wanted.begin(), wanted.end()});
+    }
+    const BrickLedger::Step step = ledger.next(balls, wanted, served, {.known = 1 << 14, .atOnce = 1 << 14});
+    for (const BrickKey key : step.dropped) CHECK(known.erase(key) == 1);
+    for (const auto& [key, brick] : step.bricks) {
+      CHECK(shown.contains(key));  // of others nobody knows whether they are empty
+      known[key] = brick;
+    }
+    for (const auto& [key, brick] : known)
+      for (const Vec3& velocity : brick->velocities) CHECK(velocity.z == static_cast<float>(turn - turn % 2));
+    CHECK(known.size() == ledger.size());
+  }
+  CHECK(known.size() > 20);
+}
+
+namespace {
+
+/// A sample of two points in one brick, and what it is made of.
+struct OneSample {
+  OneSample() {
+    sample.epoch = 1;
+    sample.sample = 1;
+    sample.last = sample.whole = true;
+  }
+  BrickAssembly::Heard hear(BrickAssembly& assembly) {
+    const auto give = [](auto& to, auto& from) {
+      to._buffer = from.data();
+      to._length = to._maximum = static_cast<std::uint32_t>(from.size());
+    };
+    give(sample.parts, parts);
+    give(sample.ids, ids);
+    give(sample.points, points);
+    give(sample.velocities, velocities);
+    return assembly.hear(sample);
+  }
+  Bricks sample{};
+  std::vector<BrickPart> parts{{.key = BrickGrid::keyOf(IVec3(0)), .total = 2, .count = 2}};
+  std::vector<std::uint32_t> ids{3, 8};
+  std::vector<Point> points{{.position = {0.5, 0.5, 0.5}, .normal = {0, 0, 1}, .color = 0x030201},
+                            {.position = {0.6, 0.5, 0.5}, .normal = {0, 1, 0}, .color = 0}};
+  std::vector<float> velocities;
+};
+
+BrickAssembly freshAssembly(std::size_t room = 100) {
+  BrickAssembly assembly(1, room, true);
+  CHECK(assembly.begin() == 1);
+  return assembly;
+}
+
+}  // namespace
+
+TEST_CASE("a step is put together from its samples; one that is missing is found out, and all is asked for anew") {
+  BrickAssembly assembly = freshAssembly();
+  OneSample first, second;
+  first.parts[0].count = 1;
+  first.ids = {3};
+  first.points.resize(1);
+  first.sample.last = false;
+  second.sample.sample = 2;
+  second.parts[0].count = 1;
+  second.ids = {8};
+  second.points.erase(second.points.begin());
+  second.parts.push_back({.key = BrickGrid::keyOf(IVec3(1, 0, 0)), .total = 0, .count = 0});
+  CHECK(second.hear(assembly) == BrickAssembly::Heard::gap);
+  CHECK(first.hear(assembly) == BrickAssembly::Heard::taken);
+  CHECK(first.hear(assembly) == BrickAssembly::Heard::old);
+  CHECK_FALSE(assembly.takeUpdate());
+  CHECK(second.hear(assembly) == BrickAssembly::Heard::taken);
+  const auto update = assembly.takeUpdate();
+  REQUIRE(update);
+  REQUIRE(update->bricks.size() == 2);
+  CHECK(update->bricks[0].second->ids == std::vector<std::uint32_t>{3, 8});
+  CHECK(update->bricks[0].second->colors[0] == std::array<std::uint8_t, 3>{1, 2, 3});
+  CHECK(update->bricks[1].second->size() == 0);
+  // Anew: what has come stays until it comes again; what has not come with the rest is gone then.
+  CHECK(assembly.begin() == 2);
+  OneSample again;
+  CHECK(again.hear(assembly) == BrickAssembly::Heard::old);
+  again.sample.epoch = 2;
+  CHECK(again.hear(assembly) == BrickAssembly::Heard::taken);
+  const auto restarted = assembly.takeUpdate();
+  REQUIRE(restarted);
+  CHECK(restarted->bricks.size() == 1);
+  CHECK(restarted->dropped == std::vector<BrickKey>{BrickGrid::keyOf(IVec3(1, 0, 0))});
+}
+
+TEST_CASE("what is no piece of such a cloud is refused") {
+  const auto refuses = [](const std::function<void(OneSample&)>& spoil) {
+    BrickAssembly assembly = freshAssembly();
+    OneSample one;
+    spoil(one);
+    CHECK_THROWS_AS(one.hear(assembly), NetworkError);
+  };
+  {
+    BrickAssembly assembly = freshAssembly();
+    OneSample good;
+    CHECK(good.hear(assembly) == BrickAssembly::Heard::taken);
+  }
+  refuses([](OneSample& one) { one.ids.pop_back(); });
+  refuses([](OneSample& one) { one.ids = {8, 8}; });
+  refuses([](OneSample& one) { one.parts[0].total = 1; });
+  refuses([](OneSample& one) { one.parts[0].total = 3; });
+  refuses([](OneSample& one) { one.parts[0].count = 1; });
+  refuses([](OneSample& one) { one.parts[0].count = 3; });
+  refuses([](OneSample& one) { one.parts[0].key = ~BrickKey{0}; });
+  refuses([](OneSample& one) { one.parts[0].key = BrickGrid::keyOf(IVec3(5, 0, 0)); });
+  refuses([](OneSample& one) { one.points[1].position[2] = std::numeric_limits<float>::quiet_NaN(); });
+  refuses([](OneSample& one) { one.points[1].normal[2] = 2; });
+  refuses([](OneSample& one) { one.velocities = {1, 2, 3}; });
+  refuses([](OneSample& one) { one.velocities.assign(6, std::numeric_limits<float>::infinity()); });
+  refuses([](OneSample& one) { one.sample.true_s = std::numeric_limits<double>::infinity(); });
+  BrickAssembly small = freshAssembly(1);
+  OneSample large;
+  CHECK_THROWS_AS(large.hear(small), NetworkError);
+}
+
+TEST_CASE("random samples end nothing and are bounded") {
+  std::mt19937 random(17);
+  int taken = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    BrickAssembly assembly = freshAssembly(50);
+    OneSample one;
+    one.parts.clear();
+    one.ids.clear();
+    one.points.clear();
+    for (unsigned k = random() % 4; k > 0; --k)
+      one.parts.push_back({.key = random() % 3 ? BrickGrid::keyOf(IVec3(0)) : BrickKey{random()} << random() % 40,
+                           .total = random() % 5 ? static_cast<std::uint32_t>(random() % 3) : static_cast<std::uint32_t>(random()),
+                           .count = random() % 5 ? static_cast<std::uint32_t>(random() % 3) : static_cast<std::uint32_t>(random())});
+    for (unsigned k = random() % 4; k > 0; --k) {
+      one.ids.push_back(k);
+      one.points.push_back({.position = {0.5f, 0.5f, random() % 9 ? 0.5f : -7.0f}, .normal = {0, 0, 1}});
+    }
+    try {
+      taken += one.hear(assembly) == BrickAssembly::Heard::taken;
+    } catch (const NetworkError&) {
+    }
+  }
+  CHECK(taken > 100);
+}
+
+}  // namespace palpate

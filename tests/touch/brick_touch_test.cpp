@@ -1,0 +1,219 @@
+// A cloud of which only the bricks around a hand are here, on the CPU: felt as the whole one, bit by bit, or not at all.
+#include "engine/touch/brick_touch.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "engine/core/error.hpp"
+
+#include "engine/touch/cpu_touch.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// Hands out the bricks of a cloud.
+class Bricks {
+ public:
+  Bricks(const PointCloud& cloud, const BrickGrid& grid) : grid_(grid) {
+    for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+      auto& brick = all_[grid.keyAt(DVec3(cloud.positions[i]))];
+      if (!brick) brick = std::make_shared<Brick>();
+      brick->ids.push_back(i);
+      brick->positions.push_back(cloud.positions[i]);
+      brick->normals.push_back(cloud.normals[i]);
+    }
+  }
+  std::pair<BrickKey, std::shared_ptr<const Brick>> at(const IVec3& brick) const {
+    const BrickKey key = BrickGrid::keyOf(brick);
+    const auto there = all_.find(key);
+    return {key, there == all_.end() ? std::make_shared<const Brick>() : std::shared_ptr<const Brick>(there->second)};
+  }
+  /// Those of a box, as far as `has` lets them.
+  BrickUpdate around(const DVec3& low, const DVec3& high, const std::function<bool(const IVec3&)>& has = {}) const {
+    BrickUpdate update;
+    grid_.boxOf(low, high).forEach([&](const IVec3& brick) {
+      if (!has || has(brick)) update.bricks.push_back(at(brick));
+    });
+    return update;
+  }
+
+ private:
+  BrickGrid grid_;
+  std::map<BrickKey, std::shared_ptr<Brick>> all_;
+};
+
+struct Hand {
+  explicit Hand(const Scene& scene, double edge_radii = 3)
+      : source({.edge = edge_radii * scene.radius, .points = scene.cloud.size()}), bricks(scene.cloud, source.grid()) {
+    PointCloud few;  // nobody feels them
+    few.origin = scene.cloud.origin;
+    few.positions = {scene.cloud.positions[0]};
+    few.normals = {scene.cloud.normals[0]};
+    touch = std::make_unique<BrickTouch>(
+        source,
+        std::make_unique<CpuTouch>(few, CpuTouchOptions{.radius = scene.radius,
+                                                        .threads = 1,
+                                                        .source = &source,
+                                                        .extent = PointExtent{.bounds = boundsOf(scene.cloud), .points = scene.cloud.size()}}),
+        BrickTouchOptions{.radius = scene.radius, .origin = scene.cloud.origin, .patience_s = 0.2});
+  }
+  BrickSource source;
+  Bricks bricks;
+  std::unique_ptr<BrickTouch> touch;
+};
+
+bool isSame(const Contact& a, const Contact& b) {
+  return a.proxy == b.proxy && a.normal == b.normal && a.touching == b.touching && a.valid == b.valid && a.neighbours == b.neighbours;
+}
+
+}  // namespace
+
+TEST_CASE("in virtual time a hand that waits for its bricks feels the whole cloud, bit by bit, near zero and far from it") {
+  for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)})
+    for (const double edge_radii : {0.8, 3.0}) {
+      const Scene scene = makeScene("bumpy-sphere", 30'000, center);
+      CpuTouch whole(scene.cloud, {.radius = scene.radius, .threads = 1});
+      Hand hand(scene, edge_radii);
+      // They come from another thread, those that are asked for alone, and what is far goes.
+      std::atomic<bool> stop = false;
+      std::jthread server([&] {
+        std::set<BrickKey> given;
+        while (!stop) {
+          std::this_thread::sleep_for(std::chrono::microseconds(200));
+          const auto asked = hand.source.asked();
+          if (!asked) continue;
+          const HandReach& reach = asked->hands[0];
+          BrickUpdate update = hand.bricks.around(reach.low, reach.high);
+          std::erase_if(update.bricks, [&](const auto& brick) { return given.contains(brick.first); });
+          const BrickBox box = hand.source.grid().boxOf(reach.low - 2 * scene.radius, reach.high + 2 * scene.radius);
+          std::set<BrickKey> near;
+          box.forEach([&](const IVec3& brick) { near.insert(BrickGrid::keyOf(brick)); });
+          for (const BrickKey key : given)
+            if (!near.contains(key)) update.dropped.push_back(key);
+          for (const BrickKey key : update.dropped) given.erase(key);
+          for (const auto& [key, brick] : update.bricks) given.insert(key);
+          if (!update.bricks.empty() || !update.dropped.empty()) hand.source.apply(std::move(update));
+        }
+      });
+      std::size_t touching = 0, differing = 0, tick = 0;
+      for (const DVec3& hip : wanderingPath(scene, 1500, 2 * scene.radius, 4)) {
+        const Pose pose{.time_s = static_cast<double>(tick++) * 1e-3, .hip = hip};
+        const Contact own = hand.touch->query(pose, 0), truth = whole.query(pose, 0);
+        differing += !isSame(own, truth);
+        touching += truth.touching;
+      }
+      stop = true;
+      CAPTURE(edge_radii);
+      CHECK(differing == 0);
+      CHECK(touching > 200);
+      CHECK(hand.touch->counts().ticks == 1500);
+      CHECK(hand.touch->counts().without == 0);
+      CHECK(hand.source.known().points < scene.cloud.size() / 2);
+    }
+}
+
+TEST_CASE("against the clock a hand feels nothing where points lack, which is counted, and never a surface that has a hole") {
+  const Scene scene = makeScene("sphere", 30'000);
+  CpuTouch whole(scene.cloud, {.radius = scene.radius, .threads = 1});
+  Hand hand(scene);
+  // A half of space is not known.
+  hand.source.apply(hand.bricks.around(DVec3(-70), DVec3(70), [](const IVec3& brick) { return brick.x >= 0; }));
+  constexpr double kBudget_us = 1e6;
+  const auto ask = [&](double time_s, const DVec3& hip) {
+    const Pose pose{.time_s = time_s, .hip = hip};
+    const Contact own = hand.touch->query(pose, kBudget_us), truth = whole.query(pose, kBudget_us);
+    hand.touch->prepare();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return std::pair(own, truth);
+  };
+  // Along the sphere's top, half a unit deep, from the known half into the other one and back.
+  std::size_t without = 0, felt = 0, wrong = 0, free = 0;
+  double time_s = 0;
+  for (int i = 0; i < 30; ++i) ask(time_s += 1e-3, DVec3(20, 0, 60));
+  for (int i = 0; i < 1200; ++i) {
+    const double angle = 0.4 * std::cos(i * 0.005), depth = std::min(0.5, -1 + i * 0.01);
+    const auto [own, truth] = ask(time_s += 1e-3, (50 - depth) * DVec3(std::sin(angle), 0, std::cos(angle)));
+    CHECK(own.valid);
+    const bool isKnown = 50 * std::sin(angle) > 8 * scene.radius;
+    if (own.touching) {
+      ++felt;
+      wrong += glm::distance(own.proxy, truth.proxy) > 1e-9;
+    } else if (truth.touching) {
+      ++(isKnown ? free : without);
+      if (!isKnown) CHECK(own.proxy != truth.proxy);
+    }
+  }
+  CHECK(felt > 100);
+  CHECK(wrong == 0);
+  CHECK(without > 300);
+  CHECK(hand.touch->counts().without > 300);
+  // All is known: what is felt is whole again.
+  hand.source.apply(hand.bricks.around(DVec3(-70), DVec3(70)));
+  for (int i = 0; i < 30; ++i) ask(time_s += 1e-3, DVec3(-20, 0, 60));
+  const std::uint64_t before = hand.touch->counts().without;
+  for (int i = 0; i < 60; ++i) {
+    const auto [own, truth] = ask(time_s += 1e-3, DVec3(-20, 0, 47 - 0.04 * i));
+    CHECK(own.touching == truth.touching);
+    if (truth.touching) CHECK(own.proxy == truth.proxy);
+  }
+  CHECK(hand.touch->counts().without == before);
+}
+
+TEST_CASE("virtual time that waits in vain ends the session with no force, and says why") {
+  const Scene scene = makeScene("sphere", 2000);
+  Hand hand(scene);
+  const Contact contact = hand.touch->query({.time_s = 0, .hip = DVec3(0, 0, 49)}, 0);
+  CHECK_FALSE(contact.valid);
+  CHECK(contact.lost);
+  CHECK_FALSE(contact.touching);
+  CHECK_THROWS_WITH(hand.touch->finish(), doctest::Contains("have not come within"));
+}
+
+TEST_CASE("what was waited for is in the frame of its time, whatever goes meanwhile, and not in later ones") {
+  BrickSource source({.edge = 1, .points = 10});
+  auto brick = std::make_shared<Brick>();
+  brick->ids = {4};
+  brick->positions = {Vec3(0.5f)};
+  brick->normals = {Vec3(0, 0, 1)};
+  const BrickKey key = BrickGrid::keyOf(IVec3(0));
+  BrickUpdate comes, goes;
+  comes.bricks.emplace_back(key, brick);
+  goes.dropped = {key};
+  HandReaches hands{.time_s = 0.25, .count = 1};
+  hands.hands[0] = {.low = DVec3(0.4), .high = DVec3(0.6)};
+  source.apply(comes);
+  REQUIRE(source.await(hands, 0));
+  source.apply(goes);
+  CloudFrame frame;
+  REQUIRE(source.hasNewer(0.25, -1));
+  source.makeFrame(0.25, frame);
+  CHECK(frame.size() == 1);
+  CHECK(source.covers(frame.time_s, DVec3(0.4), DVec3(0.6)));
+  CHECK_FALSE(source.covers(frame.time_s, DVec3(0.4), DVec3(1.6)));
+  REQUIRE(source.hasNewer(0.26, frame.time_s));
+  source.makeFrame(0.26, frame);
+  CHECK(frame.size() == 0);
+  CHECK_FALSE(source.covers(frame.time_s, DVec3(0.4), DVec3(0.6)));
+}
+
+TEST_CASE("more points than there is room for are refused, and what is given up waits for nobody") {
+  BrickSource source({.edge = 1, .points = 2});
+  auto brick = std::make_shared<Brick>();
+  brick->ids = {1, 2, 3};
+  brick->positions.assign(3, Vec3(0.5f));
+  brick->normals.assign(3, Vec3(0, 0, 1));
+  BrickUpdate update;
+  update.bricks.emplace_back(BrickGrid::keyOf(IVec3(0)), brick);
+  CHECK_THROWS_AS(source.apply(update), Error);
+  source.giveUp();
+  HandReaches hands{.count = 1};
+  hands.hands[0] = {.low = DVec3(5), .high = DVec3(6)};
+  CHECK_FALSE(source.await(hands, 60));
+}
+
+}  // namespace palpate
