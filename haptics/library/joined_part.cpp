@@ -58,7 +58,7 @@ pp_sharing JoinedPart::state(const Session& session) const {
   if (!shared) return state;
   const SharedCounts counts = shared->counts();
   state.sculptable = 1;
-  state.heard = shared->isHeard();
+  state.heard = shared->known().isTrue() && shared->known().share() > 0;
   state.delivered = counts.delivered;
   state.at_rest = counts.atRest;
   state.same = counts.same;

@@ -25,7 +25,7 @@ AskedHands::AskedHands(Session& session, const AskedHandsOptions& options)
   for (std::size_t i = 0; i < laws_.size(); ++i) laws_[i].feelWith(backend.points(i).size());
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const DeviceLimits limits{.peakForce_N = kNone, .continuousForce_N = kNone, .handHeld = false};
-  if (session.shared()) gates_.assign(laws_.size(), ForceGate(limits, 1 / session.config().rate_Hz));
+  if (session.known()) gates_.assign(laws_.size(), ForceGate(limits, 1 / session.config().rate_Hz));
   backend.setRealtime(budget_us_ > 0);
   backend.setSprings(std::vector<HandSpring>(laws_.size(), springOf(law)));
   for (std::size_t i = 0; i < laws_.size(); ++i) backend.resetHand(i);
@@ -58,6 +58,7 @@ void AskedHands::feel(std::size_t hand, const Contact& answer, const Pose& pose,
   tick = {.contact = answer};
   if (!isSane(answer)) tick.contact = {.proxy = pose.hip, .lost = answer.lost};
   ForceLaw& law = laws_[hand];
+  if (const InformationAge* const known = session_.known()) law.setChanging(known->isChanging());
   const std::span<const PointContact> points = session_.backend().points(hand);
   tick.force_N = points.empty() ? law.update(tick.contact, pose, dt_s) : law.update(tick.contact, points, pose, dt_s);
   tick.torque_mNm = law.torque_mNm();
@@ -69,8 +70,8 @@ void AskedHands::feel(std::size_t hand, const Contact& answer, const Pose& pose,
 void AskedHands::holdBack(std::size_t hand, double dt_s) noexcept {
   AskedTick& tick = hands_[hand];
   ForceGate& gate = gates_[hand];
-  const TickSigns signs{.on = session_.shared()->isHeard().load(std::memory_order_relaxed),
-                        .demand_N = laws_[hand].demand_N()};
+  const InformationAge& known = *session_.known();
+  const TickSigns signs{.on = known.isTrue(), .known = known.share(), .demand_N = laws_[hand].demand_N()};
   tick.force_N = gate.pass(tick.force_N, signs, std::clamp(dt_s, 0.0, 1 / session_.config().rate_Hz));
   tick.torque_mNm *= gate.share();
 }

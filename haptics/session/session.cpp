@@ -287,7 +287,7 @@ void Session::awaitPoints(std::span<const OpenHand> hands, const RunOptions& opt
     hips.push_back(hand.map.toModel(hand.device->read(options.begin_s).position));
   }
   constexpr double kBefore_s = 1e-6;  // of the first tick
-  bricks_->awaitAt(options.begin_s - kBefore_s, hips, kShared_s);
+  bricks_->awaitAt(options.begin_s - kBefore_s, hips, sharedPatience_s_);
   model_->far->check();
 }
 

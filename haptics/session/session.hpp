@@ -139,6 +139,9 @@ class Session {
   /// The points as they are: as the journal knows them, where there is one and nothing moves.
   SculptedCloud sculpted() const;
 
+  /// How old what is felt is, where somebody else has it; null elsewhere.
+  const InformationAge* known() const;
+
   /// Longest of the hands' paths, unless the configuration says how long, s.
   double durationOf(std::span<const OpenHand> hands) const;
 
@@ -146,7 +149,6 @@ class Session {
   void setSprings(std::span<const OpenHand> hands);
   std::unique_ptr<SharedFollower> takePart();
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
-  const InformationAge* known() const;
 
   const BackendKind& kind_;
   SessionConfig config_;

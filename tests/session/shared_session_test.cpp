@@ -1,7 +1,9 @@
 // A session that others have, too, as a session sees it: what it does when they are silent, and when their part is over.
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <memory>
+#include <optional>
 
 #include "engine/core/clock.hpp"
 #include "haptics/session/asked_hands.hpp"
@@ -15,20 +17,21 @@ namespace {
 class Others final : public SharedFollower {
  public:
   struct State {
-    std::atomic<bool> heard = true;
+    std::optional<InformationAge> known{std::in_place};
     SharedCounts counts{.delivered = true, .atRest = true, .same = true};
     HandPlace place;
     std::size_t moves = 0;
   };
   explicit Others(State& state) : state_(state) {}
   void catchUp(const EditBatch&) override {}
-  const std::atomic<bool>& isHeard() const override { return state_.heard; }
+  const InformationAge& known() const override { return *state_.known; }
   SharedCounts counts() const override { return state_.counts; }
   void moved(const HandPlace& place) noexcept override {
     state_.place = place;
     ++state_.moves;
   }
   std::vector<SeenHand> others() const override { return {}; }
+  std::vector<std::string> takeSaid() override { return {}; }
 
  private:
   State& state_;
@@ -74,10 +77,10 @@ TEST_CASE("a pulled hand has no force while the others are silent, and it comes 
   CHECK(others.place.position == DVec3(0, 0, 49));
   CHECK(glm::length(others.place.proxy) == doctest::Approx(50).epsilon(0.01));
   CHECK_FALSE(others.place.sculpts);
-  others.heard = false;
-  CHECK(hand.at(49, 1) == 0);
+  others.known.emplace(InformationAge::Clock::now() - std::chrono::minutes(1));
+  CHECK(hand.at(49, 1) > 0);  // it goes no faster than a hand bears
   CHECK(hand.at(49, 100) == 0);
-  others.heard = true;
+  others.known.emplace();
   CHECK(hand.at(49, 1000) == 0);  // a surface that would push at once
   hand.at(52, 10);
   const double soon_N = hand.at(49, 30), later_N = hand.at(49, 1000);

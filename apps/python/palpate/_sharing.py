@@ -112,7 +112,7 @@ class Sharing:
     Attributes:
         name, host, model: of the session, of its server, and what its points are in that one's words.
         sculptable: False: it is served to be felt alone; once it is joined nothing is exchanged, and all counts are 0.
-        heard: False: the server has been silent for three seconds, and there is no force until it is heard again.
+        heard: False: the server has been silent for so long that there is no force, until it is heard again.
         silent_s, longest_silent_s: s, since the server was heard last, and at most so far.
         round_trip_ms: the median of the last pings; None: none was answered yet.
         pings, answered: how many there were.

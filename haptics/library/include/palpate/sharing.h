@@ -47,7 +47,7 @@ PP_OPTIONS(join_options)
  * cloud of one's own, by path, tick by tick and live. What a hand does to them goes to the server, and comes from there to
  * all others, whose strokes are felt between two ticks; at rest all have the same points, bit by bit. No points come or go
  * to keep the surface whole, whatever pp_brush.keeps_density says. Undo takes back this hand's strokes, where nobody has
- * changed the points since. After three seconds without the server there is no force, tick by tick and live, until it is
+ * changed the points since. While the server is silent for seconds the force fades, tick by tick and live, until it is
  * heard again: contact->valid stays 1. Nobody is told where a hand is between two ticks. No session log is made of one that
  * is sculpted. Options may be null. PP_ERROR_NETWORK where there is no such session, or two of that name, or one of another
  * version, and from any call that touches once this hand's part has ended for good: the points can be taken then. */
@@ -58,7 +58,7 @@ PP_API pp_status pp_session_join(const char* name, const pp_join_options* join, 
 typedef struct pp_sharing {
   uint32_t size;
   uint32_t sculptable; /* 0: it is served to be felt alone; once it is joined nothing is exchanged, and all counts are 0 */
-  uint32_t heard;      /* 0: the server has been silent for three seconds, and there is no force */
+  uint32_t heard;      /* 0: the server has been silent for so long that there is no force */
   uint32_t delivered;  /* 1: all that this hand has done has been taken by the server */
   uint32_t at_rest;    /* 1: and all that others have done is in effect here */
   uint32_t same;       /* 1: at rest, and the points are the server's, bit by bit */
