@@ -11,7 +11,8 @@ namespace palpate {
 
 namespace {
 
-std::string domain() { return " --domain " + std::to_string(120 + ::getpid() % 80); }
+unsigned domainNumber() { return 120 + static_cast<unsigned>(::getpid()) % 80; }
+std::string domain() { return " --domain " + std::to_string(domainNumber()); }
 
 bool isBuilt(const ScratchFolder& folder) {
   const Outcome network = palpate("doctor --network" + domain()),
@@ -49,7 +50,8 @@ TEST_CASE(
   const ScratchFolder folder;
   if (!isBuilt(folder)) return;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
-  works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
+  works("make bumpy-sphere -n 20000 --seed " + std::to_string(::getpid()) + " -o " +
+        in("m.ply"));  // as nobody else has it
   works("keys '" + in("the lab") + "' --name server");
   works("keys '" + in("the lab") + "' --name surgeon --days 2 --json " + in("keys.json"));
   works("keys " + in("other") + " --name surgeon");
@@ -59,7 +61,7 @@ TEST_CASE(
   CHECK(says(twice.text, "is there already"));
   const std::string own = " --security '" + in("the lab") + "/surgeon'",
                     others = " --security " + in("other") + "/surgeon";
-  WireCapture wire;
+  WireCapture wire(domainNumber());
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply") + " --security '" + in("the lab") + "/server'",
                   folder / "said");
   CHECK(says(contentOf(folder / "said"), "encrypted, for holders of keys of 'the_lab' on this machine"));
@@ -106,7 +108,7 @@ TEST_CASE(
   CHECK(heard.find("m.ply") == std::string::npos);
   CHECK(heard.find("palpate/1/block") == std::string::npos);
   // The same without keys: whoever listens has all of it.
-  WireCapture clear;
+  WireCapture clear(domainNumber());
   Serving open(in("m.ply") + " --name clay", folder / "open.said");
   works("touch --join clay --backend cpu --duration 0.05" + domain());
   CHECK(open.program.wait(SIGINT) == 0);
