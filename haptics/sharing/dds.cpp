@@ -41,7 +41,7 @@ constexpr bool kCanEncrypt = false;
 #endif
 constexpr std::string_view kHasKeys = "palpate=keys;";  // the user data of who has some
 constexpr std::uint32_t kLastDomain = 230;  // of those that have ports
-constexpr auto kPatience = DDS_MSECS(0);  // of a writer whose readers do not keep up: others have their turn, and it is tried again
+constexpr auto kPatience = DDS_MSECS(0);  // of a writer whose readers do not keep up: others have their turn meanwhile
 
 // Without characters that would end what they stand in.
 std::string plain(const std::string& word, const char* what) {

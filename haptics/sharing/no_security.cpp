@@ -5,8 +5,10 @@ namespace palpate {
 namespace {
 
 [[noreturn]] void refuse() {
-  throw Error("this palpate was built without what encrypts sessions; install cyclonedds-dev, libssl-dev and libpugixml-dev, and "
-              "build it again");
+  throw Error(
+      "this palpate was built without what encrypts sessions; install cyclonedds-dev, libssl-dev and libpugixml-dev, "
+      "and "
+      "build it again");
 }
 
 }  // namespace

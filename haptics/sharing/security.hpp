@@ -1,4 +1,5 @@
-// Who may find, join and hear a session: keys for DDS Security, made and looked at. Nothing of DDS or OpenSSL is seen here.
+// Who may find, join and hear a session: keys for DDS Security, made and looked at. Nothing of DDS or OpenSSL is seen
+// here.
 #pragma once
 
 #include <array>
@@ -27,9 +28,9 @@ struct MadeKeys {
   std::string until;  ///< a date
 };
 
-/// Makes keys for one more: a certificate that the authority has signed, its private key, and what is allowed with it. The
-/// authority is made where there is none. All files are of this user alone, and nothing that is there is written over.
-/// Throws UsageError, FileError.
+/// Makes keys for one more: a certificate that the authority has signed, its private key, and what is allowed with it.
+/// The authority is made where there is none. All files are of this user alone, and nothing that is there is written
+/// over. Throws UsageError, FileError.
 MadeKeys makeKeys(const KeyRequest& request);
 
 /// The keys of one participant, as read from a folder: the files of an enclave, as ROS 2 names them.
@@ -37,12 +38,12 @@ struct SecurityProfile {
   static constexpr std::array<const char*, 6> kFiles{"identity_ca.cert.pem",    "cert.pem",       "key.pem",
                                                      "permissions_ca.cert.pem", "governance.p7s", "permissions.p7s"};
   std::array<std::string, kFiles.size()> contents;  ///< of those
-  std::string authority;  ///< what the one that has signed the certificate is called
-  std::string name;       ///< of the holder
+  std::string authority;                            ///< what the one that has signed the certificate is called
+  std::string name;                                 ///< of the holder
 };
 
-/// Reads and judges a folder of keys. Throws FileError, which names the file, where one is missing, is readable by others
-/// than its owner, does not belong to the rest, is not signed, has expired, or asks for no encryption.
+/// Reads and judges a folder of keys. Throws FileError, which names the file, where one is missing, is readable by
+/// others than its owner, does not belong to the rest, is not signed, has expired, or asks for no encryption.
 SecurityProfile readSecurityProfile(const std::filesystem::path& folder);
 
 }  // namespace palpate

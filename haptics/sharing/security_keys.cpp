@@ -1,11 +1,11 @@
-// Makes keys: an authority that says who somebody is (identity) and one that says what is allowed (permissions), and for each
-// holder a certificate of the first and a document of the second.
+// Makes keys: an authority that says who somebody is (identity) and one that says what is allowed (permissions), and
+// for each holder a certificate of the first and a document of the second.
 #include <openssl/rand.h>
 #include <openssl/x509v3.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cerrno>
+#include <chrono>
 #include <fstream>
 
 #include "engine/core/system_file.hpp"
@@ -98,7 +98,8 @@ PrivateKey freshKey() {
 
 std::string pemOf(const PrivateKey& key) {
   const Bio out = collect();
-  require(PEM_write_bio_PKCS8PrivateKey(out.get(), key.get(), nullptr, nullptr, 0, nullptr, nullptr) == 1, "a key's text");
+  require(PEM_write_bio_PKCS8PrivateKey(out.get(), key.get(), nullptr, nullptr, 0, nullptr, nullptr) == 1,
+          "a key's text");
   return textOf(out);
 }
 
@@ -130,7 +131,8 @@ Certificate certify(const std::string& name, const PrivateKey& key, const Validi
       ASN1_TIME_set(X509_getm_notBefore(certificate), good.from_s) != nullptr &&
       ASN1_TIME_set(X509_getm_notAfter(certificate), good.until_s) != nullptr &&
       X509_set_pubkey(certificate, key.get()) == 1 &&
-      X509_NAME_add_entry_by_NID(subject, NID_commonName, MBSTRING_ASC, words, static_cast<int>(name.size()), -1, 0) == 1 &&
+      X509_NAME_add_entry_by_NID(subject, NID_commonName, MBSTRING_ASC, words, static_cast<int>(name.size()), -1, 0) ==
+          1 &&
       X509_set_issuer_name(certificate, issuer ? X509_get_subject_name(issuer->certificate.get()) : subject) == 1;
   require(isSet, "a certificate");
   extend(certificate, NID_basic_constraints, issuer ? "critical,CA:FALSE" : "critical,CA:TRUE");
@@ -158,10 +160,12 @@ std::string signedBy(const Signer& signer, const std::string& text) {
 class FreshFolder {
  public:
   explicit FreshFolder(fs::path target) : target_(std::move(target)) {
-    if (fs::exists(fs::symlink_status(target_))) throw FileError(target_, "is there already, and is not written over; give another name");
+    if (fs::exists(fs::symlink_status(target_)))
+      throw FileError(target_, "is there already, and is not written over; give another name");
     made_ = target_.parent_path() / fmt::format(".{}.{}.part", target_.filename().string(), processNumber());
     std::error_code fault;
-    if (!fs::create_directory(made_, fault)) throw FileError(target_, fmt::format("cannot be made: {}", fault.message()));
+    if (!fs::create_directory(made_, fault))
+      throw FileError(target_, fmt::format("cannot be made: {}", fault.message()));
     fs::permissions(made_, fs::perms::owner_all);
   }
   ~FreshFolder() {
@@ -210,7 +214,8 @@ Signer authorityIn(const fs::path& folder, const std::string& name) {
 std::string authorityName(const fs::path& folder) {
   constexpr std::size_t kLongest = 40;
   std::string name = fs::weakly_canonical(folder).filename().string().substr(0, kLongest);
-  std::ranges::replace_if(name, [](unsigned char c) { return c > 0x7e || (!std::isalnum(c) && c != '-' && c != '_' && c != '.'); }, '_');
+  const auto isOdd = [](unsigned char c) { return c > 0x7e || (!std::isalnum(c) && c != '-' && c != '_' && c != '.'); };
+  std::ranges::replace_if(name, isOdd, '_');
   return name.empty() ? "palpate" : name;
 }
 
@@ -232,19 +237,21 @@ std::string xmlTime(std::int64_t time_s) {
   const sys_seconds time{seconds(time_s)};
   const year_month_day day{floor<days>(time)};
   const hh_mm_ss clock{time - floor<days>(time)};
-  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", static_cast<int>(day.year()), static_cast<unsigned>(day.month()),
-                     static_cast<unsigned>(day.day()), clock.hours().count(), clock.minutes().count(), clock.seconds().count());
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", static_cast<int>(day.year()),
+                     static_cast<unsigned>(day.month()), static_cast<unsigned>(day.day()), clock.hours().count(),
+                     clock.minutes().count(), clock.seconds().count());
 }
 
 void requireName(const std::string& name) {
   constexpr std::size_t kLongest = 64;  // of a common name
-  const bool isName = !name.empty() && name.size() <= kLongest && name != kAuthority && name[0] != '.' && name[0] != '-' &&
-                      std::ranges::all_of(name, [](unsigned char c) {
+  const bool isName = !name.empty() && name.size() <= kLongest && name != kAuthority && name[0] != '.' &&
+                      name[0] != '-' && std::ranges::all_of(name, [](unsigned char c) {
                         return c < 0x7f && (std::isalnum(c) || c == '.' || c == '-' || c == '_');
                       });
   if (!isName)
-    throw UsageError("name: '{}' is none for who gets keys: 1 to {} letters, digits, dots, dashes and underscores, and not '{}'",
-                     name, kLongest, kAuthority);
+    throw UsageError(
+        "name: '{}' is none for who gets keys: 1 to {} letters, digits, dots, dashes and underscores, and not '{}'",
+        name, kLongest, kAuthority);
 }
 
 // Whether there is an authority already. A folder of other things becomes none.
@@ -252,7 +259,8 @@ bool hasAuthority(const fs::path& folder) {
   if (folder.empty()) throw UsageError("folder: has no name");
   std::error_code fault;
   if (fs::is_directory(folder / kAuthority, fault)) return true;
-  if (fs::exists(folder, fault) && !fs::is_directory(folder, fault)) throw FileError(folder, "is there already, and is no folder");
+  if (fs::exists(folder, fault) && !fs::is_directory(folder, fault))
+    throw FileError(folder, "is there already, and is no folder");
   if (fs::exists(folder, fault) && !fs::is_empty(folder, fault))
     throw FileError(folder, "has other things in it and no authority; name a new folder");
   return false;
@@ -261,10 +269,12 @@ bool hasAuthority(const fs::path& folder) {
 }  // namespace
 
 MadeKeys makeKeys(const KeyRequest& request) {
+  using namespace std::chrono;
   requireName(request.name);
-  if (request.days == 0 || request.days > kMostDays) throw UsageError("days: is {}; there are 1 to {}", request.days, kMostDays);
+  if (request.days == 0 || request.days > kMostDays)
+    throw UsageError("days: is {}; there are 1 to {}", request.days, kMostDays);
   const std::int64_t now_s =
-      request.now_s.value_or(std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count());
+      request.now_s.value_or(duration_cast<seconds>(system_clock::now().time_since_epoch()).count());
   const fs::path authority = request.folder / kAuthority;
   const bool isNew = !hasAuthority(request.folder);
   if (isNew) {
@@ -287,7 +297,8 @@ MadeKeys makeKeys(const KeyRequest& request) {
   made.add("key.pem", pemOf(key));
   made.add("permissions_ca.cert.pem", contentOf(authority / "permissions_ca.cert.pem"));
   made.add("governance.p7s", contentOf(authority / "governance.p7s"));
-  made.add("permissions.p7s", signedBy(permitting, fmt::format(kPermissions, request.name, xmlTime(good.from_s), xmlTime(good.until_s))));
+  made.add("permissions.p7s",
+           signedBy(permitting, fmt::format(kPermissions, request.name, xmlTime(good.from_s), xmlTime(good.until_s))));
   made.finish();
   return keys;
 }

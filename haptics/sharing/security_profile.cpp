@@ -24,7 +24,8 @@ class ProfileReader {
 
   SecurityProfile read() {
     requireFolder();
-    for (std::size_t kind = 0; kind < SecurityProfile::kFiles.size(); ++kind) profile_.contents[kind] = contentOf(Kind(kind));
+    for (std::size_t kind = 0; kind < SecurityProfile::kFiles.size(); ++kind)
+      profile_.contents[kind] = contentOf(Kind(kind));
     const Certificate authority = certificateIn(identityAuthority), own = certificateIn(certificate);
     requireOwnKey(own);
     requireSigned(own, authority);
@@ -45,9 +46,11 @@ class ProfileReader {
 
   void requireFolder() const {
     std::error_code none;
-    if (!std::filesystem::is_directory(folder_, none)) throw FileError(folder_, "is no folder of keys: there is no such folder");
+    if (!std::filesystem::is_directory(folder_, none))
+      throw FileError(folder_, "is no folder of keys: there is no such folder");
     if (std::filesystem::exists(folder_ / "authority", none))
-      throw FileError(folder_, "has an authority and the keys of several; name the folder of one of them, which is in it");
+      throw FileError(folder_,
+                      "has an authority and the keys of several; name the folder of one of them, which is in it");
   }
 
   std::string contentOf(Kind kind) const {
@@ -111,11 +114,13 @@ class ProfileReader {
     const int verified =
         PKCS7_verify(text.get(), signers, nullptr, content, out.get(), PKCS7_TEXT | PKCS7_NOVERIFY | PKCS7_NOINTERN);
     sk_X509_free(signers);
-    if (verified != 1) refuse(kind, "is not signed by the authority of {}", file(permissionsAuthority).filename().string());
+    if (verified != 1)
+      refuse(kind, "is not signed by the authority of {}", file(permissionsAuthority).filename().string());
     return textOf(out);
   }
 
-  // What the document says is what its programs do; and of ours nobody is told that something is encrypted where it is not.
+  // What the document says is what its programs do; and of ours nobody is told that something is encrypted where it is
+  // not.
   void requireEncryption(const std::string& text) const {
     pugi::xml_document document;
     const auto rules = document.load_buffer(text.data(), text.size())
@@ -135,7 +140,9 @@ class ProfileReader {
       if (!isEncrypted) refuse(governance, "does not have what is sent encrypted");
     }
   }
-  static bool isEncrypting(const pugi::xml_node& kind) { return std::string_view(kind.text().get()).starts_with("ENCRYPT"); }
+  static bool isEncrypting(const pugi::xml_node& kind) {
+    return std::string_view(kind.text().get()).starts_with("ENCRYPT");
+  }
 
   std::filesystem::path folder_;
   SecurityProfile profile_;

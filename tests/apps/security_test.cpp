@@ -1,5 +1,5 @@
-// Sessions with keys, as a user meets them: who has some joins, who has none or others finds nothing, and nothing that is
-// said can be read on the wire. Not where palpate was built without DDS.
+// Sessions with keys, as a user meets them: who has some joins, who has none or others finds nothing, and nothing that
+// is said can be read on the wire. Not where palpate was built without DDS.
 #include <cstring>
 
 #include "engine/io/cloud_formats.hpp"
@@ -11,10 +11,12 @@ namespace palpate {
 
 namespace {
 
-std::string domain() { return " --domain " + std::to_string(120 + ::getpid() % 80); }
+unsigned domainNumber() { return 120 + static_cast<unsigned>(::getpid()) % 80; }
+std::string domain() { return " --domain " + std::to_string(domainNumber()); }
 
 bool isBuilt(const ScratchFolder& folder) {
-  const Outcome network = palpate("doctor --network" + domain()), keys = palpate("keys " + (folder / "try").string() + " --name a");
+  const Outcome network = palpate("doctor --network" + domain()),
+                keys = palpate("keys " + (folder / "try").string() + " --name a");
   if (network.code == 0 && keys.code == 0) return true;
   MESSAGE("skipped: this palpate was built without DDS, or without what encrypts: " << network.text << keys.text);
   return false;
@@ -33,19 +35,23 @@ std::size_t placesIn(const std::string& heard, const PointCloud& cloud) {
 
 class Serving {
  public:
-  Serving(const std::string& arguments, const std::filesystem::path& said) : program("serve " + arguments + domain(), said) {
-    REQUIRE_MESSAGE(program.waitFor([&] { return contentOf(said).find("serving") != std::string::npos; }), contentOf(said));
+  Serving(const std::string& arguments, const std::filesystem::path& said)
+      : program("serve " + arguments + domain(), said) {
+    REQUIRE_MESSAGE(program.waitFor([&] { return contentOf(said).find("serving") != std::string::npos; }),
+                    contentOf(said));
   }
   RunningProgram program;
 };
 
 }  // namespace
 
-TEST_CASE("holders of keys join, sculpt, and have the same points; without keys, or with others', there is no session") {
+TEST_CASE(
+    "holders of keys join, sculpt, and have the same points; without keys, or with others', there is no session") {
   const ScratchFolder folder;
   if (!isBuilt(folder)) return;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
-  works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
+  works("make bumpy-sphere -n 20000 --seed " + std::to_string(::getpid()) + " -o " +
+        in("m.ply"));  // as nobody else has it
   works("keys '" + in("the lab") + "' --name server");
   works("keys '" + in("the lab") + "' --name surgeon --days 2 --json " + in("keys.json"));
   works("keys " + in("other") + " --name surgeon");
@@ -53,16 +59,18 @@ TEST_CASE("holders of keys join, sculpt, and have the same points; without keys,
   const Outcome twice = palpate("keys '" + in("the lab") + "' --name surgeon");
   CHECK(twice.code == 1);
   CHECK(says(twice.text, "is there already"));
-  const std::string own = " --security '" + in("the lab") + "/surgeon'", others = " --security " + in("other") + "/surgeon";
-  WireCapture wire;
-  Serving serving(in("m.ply") + " --name clay --save " + in("end.ply") + " --security '" + in("the lab") + "/server'", folder / "said");
+  const std::string own = " --security '" + in("the lab") + "/surgeon'",
+                    others = " --security " + in("other") + "/surgeon";
+  WireCapture wire(domainNumber());
+  Serving serving(in("m.ply") + " --name clay --save " + in("end.ply") + " --security '" + in("the lab") + "/server'",
+                  folder / "said");
   CHECK(says(contentOf(folder / "said"), "encrypted, for holders of keys of 'the_lab' on this machine"));
   // Those who are turned away look for as long as they look for anything.
   RunningProgram none("touch --join clay --backend cpu" + domain(), folder / "none.said"),
       wrong("touch --join clay --backend cpu" + domain() + others, folder / "wrong.said");
   works("touch --join clay --backend cpu --duration 0.1 --save " + in("joined.ply") + domain() + own);
-  works("touch --join clay --backend cpu --duration 0.3 --edit push --penetration 4 --save " + in("hand.ply") + " --json " +
-        in("hand.json") + domain() + own);
+  works("touch --join clay --backend cpu --duration 0.3 --edit push --penetration 4 --save " + in("hand.ply") +
+        " --json " + in("hand.json") + domain() + own);
   const Outcome listed = palpate("doctor --network" + domain() + own);
   CHECK(says(listed.text, "clay: 20000 points of m.ply"));
   const Outcome hidden = palpate("doctor --network" + domain());
@@ -100,7 +108,7 @@ TEST_CASE("holders of keys join, sculpt, and have the same points; without keys,
   CHECK(heard.find("m.ply") == std::string::npos);
   CHECK(heard.find("palpate/1/block") == std::string::npos);
   // The same without keys: whoever listens has all of it.
-  WireCapture clear;
+  WireCapture clear(domainNumber());
   Serving open(in("m.ply") + " --name clay", folder / "open.said");
   works("touch --join clay --backend cpu --duration 0.05" + domain());
   CHECK(open.program.wait(SIGINT) == 0);
@@ -128,8 +136,9 @@ TEST_CASE("keys that cannot be used are refused before anything is sent, and so 
   refuses("doctor --security " + in("lab/a"), 2, "are for --network");
   std::filesystem::permissions(folder / "lab" / "a" / "key.pem", std::filesystem::perms::others_read,
                                std::filesystem::perm_options::add);
-  for (const std::string& command : {"serve " + in("m.ply") + " --name x", std::string("touch --join x"), std::string("doctor --network"),
-                                    "render --join x -o " + in("p.png"), "serve " + in("m.ply") + " --name x --ros x"}) {
+  for (const std::string& command :
+       {"serve " + in("m.ply") + " --name x", std::string("touch --join x"), std::string("doctor --network"),
+        "render --join x -o " + in("p.png"), "serve " + in("m.ply") + " --name x --ros x"}) {
     refuses(command + domain() + " --security " + in("lab/a"), 1, "key.pem: others than its owner can read or write");
     refuses(command + domain() + " --security " + in("lab"), 1, "name the folder of one of them");
   }

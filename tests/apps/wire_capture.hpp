@@ -1,9 +1,9 @@
-// What goes over the loopback while this lives, as whoever sits on the wire reads it.
+// What goes over the loopback to programs of one domain of DDS while this lives, as whoever sits on the wire reads it.
 #pragma once
 
 #include <arpa/inet.h>
 #include <linux/if_ether.h>
-#include <net/if.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -16,7 +16,8 @@ namespace palpate {
 
 class WireCapture {
  public:
-  WireCapture() : socket_(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, htons(ETH_P_ALL))) {
+  explicit WireCapture(unsigned domain)
+      : firstPort_(7400 + 250 * domain), socket_(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, htons(ETH_P_ALL))) {
     if (socket_ < 0) return;
     const int room = 64 << 20;
     ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUFFORCE, &room, sizeof room);
@@ -47,10 +48,22 @@ class WireCapture {
     std::array<char, 1 << 16> frame;
     while (!stop.stop_requested()) {
       const ssize_t size = ::recv(socket_, frame.data(), frame.size(), 0);
-      if (size > 0) heard_.append(frame.data(), static_cast<std::size_t>(size));
+      if (size > 0 && isOurs(frame, static_cast<std::size_t>(size)))
+        heard_.append(frame.data(), static_cast<std::size_t>(size));
     }
   }
+  // UDP of IPv4, to a port of the domain. Others may be at theirs meanwhile.
+  bool isOurs(const std::array<char, 1 << 16>& frame, std::size_t size) const {
+    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(frame[i]); };
+    constexpr std::size_t kIp = 14;
+    if (size < kIp + 28 || at(12) != 0x08 || at(13) != 0 || at(kIp + 9) != IPPROTO_UDP) return false;
+    const std::size_t udp = kIp + (at(kIp) & 0x0fU) * 4;
+    if (size < udp + 8) return false;
+    const unsigned port = at(udp + 2) * 256U + at(udp + 3);
+    return port >= firstPort_ && port < firstPort_ + 250;
+  }
 
+  unsigned firstPort_;
   int socket_;
   std::string heard_;
   std::jthread thread_;  // goes first

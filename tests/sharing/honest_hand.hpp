@@ -1,5 +1,5 @@
-// A hand that has joined a session of this test's own network, sculpts it and follows what others do, without what a device and
-// a back end would need.
+// A hand that has joined a session of this test's own network, sculpts it and follows what others do, without what a
+// device and a back end would need.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -70,7 +70,8 @@ class HonestHand {
  public:
   explicit HonestHand(const std::string& name)
       : joined_(joinCloud(name, {.network = ownNetwork()})),
-        follower_(shareEdits({.session = joined_.session, .cloud = joined_.cloud, .backend = backend_, .hand = "honest"})),
+        follower_(
+            shareEdits({.session = joined_.session, .cloud = joined_.cloud, .backend = backend_, .hand = "honest"})),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   /// Moves no more, and waits until all is where it belongs.

@@ -1,5 +1,5 @@
-// A session amid others that mean it no good: another process says as fast as it can what no palpate says, and meanwhile
-// nothing ends, nothing grows without a bound, and whoever is honest goes on.
+// A session amid others that mean it no good: another process says as fast as it can what no palpate says, and
+// meanwhile nothing ends, nothing grows without a bound, and whoever is honest goes on.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <malloc.h>
@@ -85,7 +85,8 @@ Outcome attacked(const std::string& attack, double seconds) {
   Outcome outcome;
   const double before_MB = allocated_MB();
   HostileSide side(attack, seconds);
-  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 12; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 12;
+       std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     outcome.grown_MB = std::max(outcome.grown_MB, allocated_MB() - before_MB);
     for (const SeenHand& other : hand.others()) {
       CHECK(glm::length(other.place.position) < 1e12);  // no hand that nothing could draw
@@ -97,11 +98,12 @@ Outcome attacked(const std::string& attack, double seconds) {
   // Whoever comes later has what there is.
   CHECK(joinCloud("attacked", {.network = ownNetwork()}).cloud.positions == cloud.positions);
   outcome.served = served.end();
-  MESSAGE(fmt::format("{}: {:.1f} MB at most; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; {} requests, "
-                      "{} blocks, {} refused, {} sculptors, {} pieces, {} again, {} clients",
-                      attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.sent,
-                      outcome.hand.received, outcome.served.requests, outcome.served.blocks, outcome.served.refused,
-                      outcome.served.sculptors, outcome.served.pieces, outcome.served.again, outcome.served.clients));
+  MESSAGE(fmt::format(
+      "{}: {:.1f} MB at most; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; {} requests, "
+      "{} blocks, {} refused, {} sculptors, {} pieces, {} again, {} clients",
+      attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.sent,
+      outcome.hand.received, outcome.served.requests, outcome.served.blocks, outcome.served.refused,
+      outcome.served.sculptors, outcome.served.pieces, outcome.served.again, outcome.served.clients));
   CHECK(outcome.hand.delivered);
   CHECK(outcome.hand.same);
   CHECK(outcome.hand.sent > 50);
@@ -121,7 +123,8 @@ TEST_CASE("who asks for everything again and again, in the name of ten thousand,
   attacked("one-resumes", 1.5);
 }
 
-TEST_CASE("strokes without end, of more hands than there can be, and such as no hand makes, are taken, counted or refused") {
+TEST_CASE(
+    "strokes without end, of more hands than there can be, and such as no hand makes, are taken, counted or refused") {
   CHECK(attacked("strokes", 1.5).served.pieces > 1000);
   const Outcome sculptors = attacked("sculptors", 1.5);
   CHECK(sculptors.served.sculptors > 200);
@@ -129,7 +132,8 @@ TEST_CASE("strokes without end, of more hands than there can be, and such as no 
   CHECK(attacked("bad-strokes", 1.5).served.refused > 0);
 }
 
-TEST_CASE("hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory") {
+TEST_CASE(
+    "hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory") {
   for (const char* attack : {"hands", "notices", "results"}) CHECK(attacked(attack, 1.5).grown_MB < 15);
 }
 
@@ -153,8 +157,9 @@ TEST_CASE("readers that have fallen asleep with all that there is on the way to 
   const SharedCounts counts = hand.end();
   CHECK(side.end(SIGKILL) != 0);
   const ServedCounts handed = served.end();
-  MESSAGE(fmt::format("asleep: {:.0f} MB at most, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients", grown_MB,
-                      counts.longestSilent_s, counts.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
+  MESSAGE(
+      fmt::format("asleep: {:.0f} MB at most, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients",
+                  grown_MB, counts.longestSilent_s, counts.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
   CHECK(counts.same);
   CHECK(counts.longestSilent_s < 2);
   CHECK(grown_MB < 400);

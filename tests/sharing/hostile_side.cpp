@@ -1,5 +1,5 @@
-// One who is on the network of a session and means it no good: says as fast as it can what no client and no server of ours
-// would, for so many seconds, the same for the same seed.
+// One who is on the network of a session and means it no good: says as fast as it can what no client and no server of
+// ours would, for so many seconds, the same for the same seed.
 //   hostile_side DOMAIN ATTACK SECONDS SEED
 #include <fmt/format.h>
 
@@ -29,8 +29,8 @@ constexpr std::size_t kManyIds = 10'000;
 template <class Raw>
 class RawWriter {
  public:
-  RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& raw, const dds_topic_descriptor_t& as, const std::string& topic,
-            const Qos& qos)
+  RawWriter(dds_entity_t participant, const dds_topic_descriptor_t& raw, const dds_topic_descriptor_t& as,
+            const std::string& topic, const Qos& qos)
       : type_(raw), topic_(participant, named(type_, as), topic), writer_(participant, topic_, qos) {}
   void write(const Raw& sample) const { writer_.write(sample); }
 
@@ -128,7 +128,8 @@ class HostileSide {
         points_ = static_cast<std::uint32_t>(notice.points);
       });
       dds_publication_matched_status_t status{};
-      if (isFound && dds_get_publication_matched_status(writers_.requests, &status) == 0 && status.current_count > 0) return true;
+      if (isFound && dds_get_publication_matched_status(writers_.requests, &status) == 0 && status.current_count > 0)
+        return true;
     }
     return false;
   }
@@ -164,11 +165,17 @@ class HostileSide {
   }
   std::uint32_t roll() { return static_cast<std::uint32_t>(dice_()); }
   std::uint64_t any64() {
-    constexpr std::array<std::uint64_t, 6> kEdges{0, 1, ~std::uint64_t{0}, std::uint64_t{1} << 63, 0xffffffff, 1'000'000'000'000};
+    constexpr std::array<std::uint64_t, 6> kEdges{
+        0, 1, ~std::uint64_t{0}, std::uint64_t{1} << 63, 0xffffffff, 1'000'000'000'000};
     return roll() % 2 ? kEdges[roll() % kEdges.size()] : (std::uint64_t{roll()} << 32) | roll();
   }
   float anyFloat() {
-    constexpr std::array<float, 7> kEdges{0, -0.0F, 1e38F, -1e38F, 1e-42F, std::numeric_limits<float>::quiet_NaN(),
+    constexpr std::array<float, 7> kEdges{0,
+                                          -0.0F,
+                                          1e38F,
+                                          -1e38F,
+                                          1e-42F,
+                                          std::numeric_limits<float>::quiet_NaN(),
                                           std::numeric_limits<float>::infinity()};
     return kEdges[roll() % kEdges.size()];
   }
@@ -231,12 +238,18 @@ class HostileSide {
     set(partition, *victim_);
     if (!results_) results_.emplace(participant_, topics_.results, reliableQos(false, partitionOf(partition)));
     std::vector<State> states(1 + roll() % kStates);
-    for (State& state : states) state = {.id = roll() % points_, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = roll()};
+    for (State& state : states)
+      state = {.id = roll() % points_, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = roll()};
     State& bad = states[roll() % states.size()];
     switch (roll() % 3) {
-      case 0: bad.id = points_ + roll() % 1000; break;
-      case 1: bad.position[roll() % 3] = std::numeric_limits<float>::quiet_NaN(); break;
-      default: bad.normal[roll() % 3] = 1e30F;
+      case 0:
+        bad.id = points_ + roll() % 1000;
+        break;
+      case 1:
+        bad.position[roll() % 3] = std::numeric_limits<float>::quiet_NaN();
+        break;
+      default:
+        bad.normal[roll() % 3] = 1e30F;
     }
     Result result{};
     set(result.session, idOf(session_));
@@ -308,7 +321,8 @@ class HostileSide {
 int main(int argc, char** argv) {
   if (argc != 5) return 2;
   try {
-    palpate::HostileSide side(static_cast<std::uint32_t>(std::atoi(argv[1])), static_cast<std::uint32_t>(std::atoi(argv[4])));
+    palpate::HostileSide side(static_cast<std::uint32_t>(std::atoi(argv[1])),
+                              static_cast<std::uint32_t>(std::atoi(argv[4])));
     if (!side.findSession()) {
       fmt::print("nothing to attack\n");
       return 1;

@@ -1,5 +1,6 @@
-// Samples of each of our types, and ROS's clouds, with bytes that are not as they were: lengths, counts, numbers, bits. DDS
-// refuses those that cannot be, and the others come to a session that is served and to one that is joined, as if sent.
+// Samples of each of our types, and ROS's clouds, with bytes that are not as they were: lengths, counts, numbers, bits.
+// DDS refuses those that cannot be, and the others come to a session that is served and to one that is joined, as if
+// sent.
 #include <dds/ddsi/ddsi_serdata.h>
 #include <doctest/doctest.h>
 
@@ -21,14 +22,19 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// One to four things that are wrong with a sample; of its first bytes fewer, so that it is still somebody's.
 void mutate(Bytes& bytes, std::mt19937& dice) {
-  constexpr std::array<std::uint32_t, 12> kEdges{0,    1,    2,          36,         37,         64,
-                                                 65,   4096, 0x7fc00000, 0x7f800000, 0xffffffff, 0x80000000};
+  constexpr std::array<std::uint32_t, 12> kEdges{0,  1,    2,          36,         37,         64,
+                                                 65, 4096, 0x7fc00000, 0x7f800000, 0xffffffff, 0x80000000};
   constexpr std::size_t kHead = 20;  // of the encapsulation, and of the session
   for (std::size_t left = 1 + dice() % 4; left > 0 && !bytes.empty(); --left) {
-    const std::size_t from = bytes.size() > kHead && dice() % 16 ? kHead : 0, at = from + dice() % (bytes.size() - from);
+    const std::size_t from = bytes.size() > kHead && dice() % 16 ? kHead : 0,
+                      at = from + dice() % (bytes.size() - from);
     switch (dice() % 6) {
-      case 0: bytes[at] ^= static_cast<std::uint8_t>(1U << dice() % 8); break;
-      case 1: bytes[at] = static_cast<std::uint8_t>(dice()); break;
+      case 0:
+        bytes[at] ^= static_cast<std::uint8_t>(1U << dice() % 8);
+        break;
+      case 1:
+        bytes[at] = static_cast<std::uint8_t>(dice());
+        break;
       case 2:
       case 3: {
         const std::uint32_t edge = kEdges[dice() % kEdges.size()];
@@ -36,8 +42,11 @@ void mutate(Bytes& bytes, std::mt19937& dice) {
         std::memcpy(bytes.data() + begin, &edge, std::min(sizeof edge, bytes.size() - begin));
         break;
       }
-      case 4: bytes.resize(dice() % 4 ? bytes.size() - std::min<std::size_t>(bytes.size(), dice() % 8) : at); break;
-      default: bytes.insert(bytes.end(), dice() % 64, static_cast<std::uint8_t>(dice()));
+      case 4:
+        bytes.resize(dice() % 4 ? bytes.size() - std::min<std::size_t>(bytes.size(), dice() % 8) : at);
+        break;
+      default:
+        bytes.insert(bytes.end(), dice() % 64, static_cast<std::uint8_t>(dice()));
     }
   }
 }
@@ -52,7 +61,7 @@ class Wire {
  public:
   /// How DDS has the type is seen at any sample of it, of a topic that nobody else has.
   Wire(dds_entity_t participant, const dds_topic_descriptor_t& type, const T& any)
-      : topic_(participant, type, "nobody/" + std::string(type.m_typename).substr(std::string(type.m_typename).rfind(':') + 1)) {
+      : topic_(participant, type, "nobody/" + lastPart(type.m_typename)) {
     const Reader<T> reader(participant, topic_, reliableQos(false));
     const Writer<T> writer(participant, topic_, reliableQos(false));
     REQUIRE(writer.write(any));
@@ -90,6 +99,8 @@ class Wire {
   }
 
  private:
+  static std::string lastPart(const std::string& name) { return name.substr(name.rfind(':') + 1); }
+
   Topic<T> topic_;
   const ddsi_sertype* type_ = nullptr;
 };
@@ -133,7 +144,8 @@ class Mutant {
 
 void fillStates(Mutant& mutant, std::vector<State>& states, std::uint32_t points) {
   states.resize(1 + mutant.roll() % kStates);
-  for (State& state : states) state = {.id = mutant.roll() % points, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0};
+  for (State& state : states)
+    state = {.id = mutant.roll() % points, .position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0};
 }
 
 }  // namespace
@@ -148,11 +160,12 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   constexpr int kTimes = 4000;
   std::vector<State> states;
   const auto id = [&](std::uint8_t(&to)[16]) { to[0] = static_cast<std::uint8_t>(1 + mutant.roll() % 40); };
-  mutant.write<Request>(palpate_sharing_Request_desc, topics.requests, reliableQos(false), kTimes, [&](Request& request) {
-    id(request.client);
-    put(request.host, "mutant");
-    request.count = 1 + mutant.roll() % 100;
-  });
+  mutant.write<Request>(palpate_sharing_Request_desc, topics.requests, reliableQos(false), kTimes,
+                        [&](Request& request) {
+                          id(request.client);
+                          put(request.host, "mutant");
+                          request.count = 1 + mutant.roll() % 100;
+                        });
   mutant.write<Stroke>(palpate_sharing_Stroke_desc, topics.strokes, reliableQos(false), kTimes, [&](Stroke& stroke) {
     id(stroke.client);
     stroke.number = mutant.roll() % 50;  // in any order, and again
@@ -160,35 +173,41 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     stroke.states._buffer = states.data();
     stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states.size());
   });
-  mutant.write<ResumeRequest>(palpate_sharing_Resume_desc, topics.resumes, reliableQos(false), kTimes, [&](ResumeRequest& resume) {
-    id(resume.client);
-    put(resume.host, "mutant");
-    resume.epoch = mutant.roll() % 100;
-    resume.upTo = mutant.roll() % 1000;
-  });
+  mutant.write<ResumeRequest>(palpate_sharing_Resume_desc, topics.resumes, reliableQos(false), kTimes,
+                              [&](ResumeRequest& resume) {
+                                id(resume.client);
+                                put(resume.host, "mutant");
+                                resume.epoch = mutant.roll() % 100;
+                                resume.upTo = mutant.roll() % 1000;
+                              });
   mutant.write<Hand>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes, [&](Hand& shown) {
     id(shown.client);
     put(shown.name, "mutant");
     shown.number = mutant.roll();
   });
   for (const Topic<Ping>* topic : {&topics.pings, &topics.echoes})
-    mutant.write<Ping>(palpate_sharing_Ping_desc, *topic, bestEffortQos(), kTimes, [&](Ping& ping) { id(ping.client); });
+    mutant.write<Ping>(palpate_sharing_Ping_desc, *topic, bestEffortQos(), kTimes,
+                       [&](Ping& ping) { id(ping.client); });
   mutant.write<Notice>(palpate_sharing_Notice_desc, topics.notices, reliableQos(true), kTimes, [&](Notice& notice) {
     notice = mutant.notice();
     notice.session[5] ^= static_cast<std::uint8_t>(1 + mutant.roll() % 200);
   });
   std::optional<Id> victim;
   const Reader<Hand> hands(mutant.participant(), topics.hands, bestEffortQos());
-  while (!victim) hands.take([&](const Hand& shown) { if (std::string(shown.name) == "honest") victim = idOf(shown.client); });
+  while (!victim)
+    hands.take([&](const Hand& shown) {
+      if (std::string(shown.name) == "honest") victim = idOf(shown.client);
+    });
   std::uint8_t partition[16];
   set(partition, *victim);
-  mutant.write<Result>(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes, [&](Result& result) {
-    result.epoch = 1;
-    result.head = mutant.roll();
-    fillStates(mutant, states, 5000);
-    result.states._buffer = states.data();
-    result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
-  });
+  mutant.write<Result>(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes,
+                       [&](Result& result) {
+                         result.epoch = 1;
+                         result.head = mutant.roll();
+                         fillStates(mutant, states, 5000);
+                         result.states._buffer = states.data();
+                         result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
+                       });
   const SharedCounts counts = hand.end();
   CHECK(counts.same);
   CHECK(counts.delivered);
@@ -220,12 +239,14 @@ TEST_CASE("whoever joins amid blocks that are not as they were gets the points a
     std::optional<Request> asked;
     requests.take([&](const Request& request) { asked = request; });
     if (!asked) continue;
-    mutant.write<Block>(palpate_sharing_Block_desc, mutant.topics().blocks, reliableQos(false, partitionOf(asked->client)), 400, [&](Block& block) {
-      block.number = mutant.roll() % static_cast<std::uint32_t>(blocksOf(kPoints));
-      points.assign(pointsIn(block.number, kPoints), Point{.position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0});
-      block.points._buffer = points.data();
-      block.points._length = block.points._maximum = static_cast<std::uint32_t>(points.size());
-    });
+    mutant.write<Block>(
+        palpate_sharing_Block_desc, mutant.topics().blocks, reliableQos(false, partitionOf(asked->client)), 400,
+        [&](Block& block) {
+          block.number = mutant.roll() % static_cast<std::uint32_t>(blocksOf(kPoints));
+          points.assign(pointsIn(block.number, kPoints), Point{.position = {1, 2, 3}, .normal = {0, 0, 1}, .color = 0});
+          block.points._buffer = points.data();
+          block.points._length = block.points._maximum = static_cast<std::uint32_t>(points.size());
+        });
   }
   joining.request_stop();
   joining.join();

@@ -1,4 +1,5 @@
-// Keys as they are made and as they are judged: whose they are, what is wrong with a folder of them, in words that name it.
+// Keys as they are made and as they are judged: whose they are, what is wrong with a folder of them, in words that name
+// it.
 #include "haptics/sharing/security.hpp"
 
 #include <doctest/doctest.h>
@@ -60,7 +61,8 @@ TEST_CASE("keys are their owner's alone, whatever their folder is called, and ar
   for (const char* name : {"lab", "the lab's \"best\" <&> folder", "Gebäude 7"}) {
     CAPTURE(name);
     const fs::path lab = scratch / name;
-    const MadeKeys server = makeKeys({.folder = lab, .name = "server"}), second = makeKeys({.folder = lab, .name = "surgeon"});
+    const MadeKeys server = makeKeys({.folder = lab, .name = "server"}),
+                   second = makeKeys({.folder = lab, .name = "surgeon"});
     CHECK(server.isNewAuthority);
     CHECK_FALSE(second.isNewAuthority);
     CHECK(server.authority == second.authority);
@@ -81,7 +83,8 @@ TEST_CASE("keys are their owner's alone, whatever their folder is called, and ar
     CHECK(one.contents[2] != other.contents[2]);
     CHECK(contentOf(lab / "authority" / "identity_ca.key.pem").find("PRIVATE KEY") != std::string::npos);
     // No holder is given what makes keys.
-    for (const std::string& content : one.contents) CHECK(content != contentOf(lab / "authority" / "identity_ca.key.pem"));
+    for (const std::string& content : one.contents)
+      CHECK(content != contentOf(lab / "authority" / "identity_ca.key.pem"));
   }
 }
 
@@ -89,7 +92,8 @@ TEST_CASE("nothing that is there is written over") {
   const ScratchFolder scratch;
   const fs::path lab = scratch / "lab";
   makeKeys({.folder = lab, .name = "server"});
-  const std::string key = contentOf(lab / "server" / "key.pem"), authority = contentOf(lab / "authority" / "identity_ca.key.pem");
+  const std::string key = contentOf(lab / "server" / "key.pem"),
+                    authority = contentOf(lab / "authority" / "identity_ca.key.pem");
   checkSays(errorOf([&] { makeKeys({.folder = lab, .name = "server"}); }), {"lab/server", "is there already"});
   CHECK(contentOf(lab / "server" / "key.pem") == key);
   CHECK(contentOf(lab / "authority" / "identity_ca.key.pem") == authority);
@@ -98,7 +102,8 @@ TEST_CASE("nothing that is there is written over") {
   fs::create_directory(scratch / "photos");
   write(scratch / "photos" / "cat.jpg", "a cat");
   checkSays(errorOf([&] { makeKeys({.folder = scratch / "photos", .name = "a"}); }), {"photos", "no authority"});
-  checkSays(errorOf([&] { makeKeys({.folder = scratch / "photos" / "cat.jpg", .name = "a"}); }), {"cat.jpg", "no folder"});
+  checkSays(errorOf([&] { makeKeys({.folder = scratch / "photos" / "cat.jpg", .name = "a"}); }),
+            {"cat.jpg", "no folder"});
   CHECK(contentOf(scratch / "photos" / "cat.jpg") == "a cat");
   fs::remove(lab / "authority" / "identity_ca.key.pem");
   checkSays(errorOf([&] { makeKeys({.folder = lab, .name = "b"}); }), {"identity_ca.key.pem", "cannot be read"});
@@ -140,7 +145,8 @@ TEST_CASE("what is wrong with a folder of keys is said of the file that it is wr
               {file, "is no file"});
   }
   for (const fs::perms open : {fs::perms::group_read, fs::perms::others_read, fs::perms::group_write})
-    checkSays(fault([&] { fs::permissions(tried / "key.pem", open, fs::perm_options::add); }), {"key.pem", "chmod 600"});
+    checkSays(fault([&] { fs::permissions(tried / "key.pem", open, fs::perm_options::add); }),
+              {"key.pem", "chmod 600"});
   checkSays(replaced("key.pem", lab / "b"), {"key.pem", "is not the key of cert.pem"});
   checkSays(replaced("identity_ca.cert.pem", other / "a"), {"cert.pem", "is not signed by the authority"});
   checkSays(replaced("governance.p7s", other / "a"), {"governance.p7s", "is not signed by the authority"});
@@ -157,13 +163,16 @@ TEST_CASE("what is wrong with a folder of keys is said of the file that it is wr
 
 TEST_CASE("keys that are no longer good, or not yet, are refused with the day") {
   const ScratchFolder scratch;
-  const std::int64_t now_s = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  const std::int64_t now_s =
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch()).count();
   const fs::path lab = scratch / "lab";
   const MadeKeys past = makeKeys({.folder = lab, .name = "past", .days = 30, .now_s = now_s - kYear_s});
   checkSays(errorOf([&] { readSecurityProfile(past.folder); }), {"past/cert.pem", "has expired on " + past.until});
   const MadeKeys future = makeKeys({.folder = lab, .name = "future", .now_s = now_s + kYear_s});
-  checkSays(errorOf([&] { readSecurityProfile(future.folder); }), {"future/cert.pem", "is the clock of this machine right?"});
-  const MadeKeys old = makeKeys({.folder = scratch / "old", .name = "a", .days = 3650, .now_s = kLongAgo_s - 10 * kYear_s});
+  checkSays(errorOf([&] { readSecurityProfile(future.folder); }),
+            {"future/cert.pem", "is the clock of this machine right?"});
+  const MadeKeys old =
+      makeKeys({.folder = scratch / "old", .name = "a", .days = 3650, .now_s = kLongAgo_s - 10 * kYear_s});
   checkSays(errorOf([&] { readSecurityProfile(old.folder); }), {"has expired on"});
 }
 
@@ -173,11 +182,12 @@ TEST_CASE("rules that encrypt nothing or let anybody in are refused, whoever has
   makeKeys({.folder = lab, .name = "a"});
   const auto judged = [&](const char* encrypts, const char* data, const char* strangers) {
     write(lab / "a" / "governance.p7s",
-          signedBy(lab / "authority", std::string("<dds><domain_access_rules><domain_rule><allow_unauthenticated_participants>") +
-                                          strangers + "</allow_unauthenticated_participants><rtps_protection_kind>" + encrypts +
-                                          "</rtps_protection_kind><topic_access_rules><topic_rule><data_protection_kind>" + data +
-                                          "</data_protection_kind></topic_rule></topic_access_rules></domain_rule>"
-                                          "</domain_access_rules></dds>"));
+          signedBy(lab / "authority",
+                   std::string("<dds><domain_access_rules><domain_rule><allow_unauthenticated_participants>") +
+                       strangers + "</allow_unauthenticated_participants><rtps_protection_kind>" + encrypts +
+                       "</rtps_protection_kind><topic_access_rules><topic_rule><data_protection_kind>" + data +
+                       "</data_protection_kind></topic_rule></topic_access_rules></domain_rule>"
+                       "</domain_access_rules></dds>"));
     return errorOf([&] { readSecurityProfile(lab / "a"); });
   };
   CHECK(judged("ENCRYPT", "NONE", "false").empty());
