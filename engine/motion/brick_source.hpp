@@ -32,7 +32,8 @@ struct Brick {
 /// What changes at once of what is known.
 struct BrickUpdate {
   double true_s = 0;  ///< of points that move: when all known bricks are where they are now (steadyNow_s())
-  std::vector<BrickKey> dropped;                                        ///< not known any more
+  bool whole = false;             ///< nothing else is to come of what was asked for
+  std::vector<BrickKey> dropped;  ///< not known any more
   std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;  ///< are this now
 };
 
@@ -82,6 +83,8 @@ class BrickSource final : public CloudSource {
   /// Waits until all bricks that each of the hands reaches are known, at most so long. What is known then is what the frame
   /// for the hands' time has, whatever comes or goes meanwhile.
   bool await(const HandReaches& hands, double patience_s);
+  /// Waits for the same, and for all around it that `wide` reaches, as far as there is room for that.
+  bool await(const HandReaches& hands, const HandReaches& wide, double patience_s);
 
   /// Throws Error for points that are none, or more than there is room for.
   void apply(BrickUpdate update);
@@ -125,7 +128,7 @@ class BrickSource final : public CloudSource {
   std::size_t points_ = 0;
   State awaited_;
   std::optional<double> awaitedFor_s_;
-  bool isOver_ = false;
+  bool isWhole_ = false, isOver_ = false;
 
   // Of the thread that makes frames.
   std::uint64_t made_ = 0;

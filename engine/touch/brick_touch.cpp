@@ -54,7 +54,7 @@ bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double pati
     reach.low -= (kAtFirst - kMayGo) * options_.radius;
     reach.high += (kAtFirst - kMayGo) * options_.radius;
   }
-  if (!source_.await(first, patience_s)) return false;
+  if (!source_.await(asked_, first, patience_s)) return false;
   surface_->ask(poses, 0);  // it has their frame then
   for (std::size_t i = 0; i < hips.size(); ++i) resetHand(i);
   return true;

@@ -97,6 +97,7 @@ void BrickAssembly::finish(bool whole) {
   }
   coming_.clear();
   comingPoints_ = 0;
+  next_.whole = whole;
   if (whole) {
     next_.dropped.insert(next_.dropped.end(), before_.begin(), before_.end());
     before_.clear();
