@@ -129,7 +129,8 @@ void BrickSource::makeFrame(double time_s, CloudFrame& frame) {
   }
   order_.clear();
   for (std::size_t b = 0; b < taken_.size(); ++b)
-    for (std::size_t i = 0; i < taken_[b]->size(); ++i) order_.emplace_back(taken_[b]->ids[i], std::uint64_t{b} << 32 | i);
+    for (std::size_t i = 0; i < taken_[b]->size(); ++i)
+      order_.emplace_back(taken_[b]->ids[i], std::uint64_t{b} << 32 | i);
   std::ranges::sort(order_);
   frame.ids.clear();
   frame.colors.clear();
