@@ -59,13 +59,18 @@ FarFacts factsOf(const Model& model) {
   return {.spacing = model.spacing, .wideSpacing = model.wideSpacing, .noise = model.noise, .up = model.upright.up};
 }
 
-ServedMotion motionOf(Context& context, const SessionConfig& config, const std::shared_ptr<const Model>& model, double& rate_Hz) {
+ServedMotion motionOf(Context& context, const SessionConfig& config, const std::shared_ptr<const Model>& model,
+                      double& rate_Hz) {
   if (!config.moves()) return {};
-  auto stepped = std::make_shared<SteppedModel>(
-      config, model,
-      SteppedModel::Parts{.backend = context.backends().named(config.backend.name), .threads = context.threads(), .log = &context.log()});
+  auto stepped =
+      std::make_shared<SteppedModel>(config, model,
+                                     SteppedModel::Parts{.backend = context.backends().named(config.backend.name),
+                                                         .threads = context.threads(),
+                                                         .log = &context.log()});
   rate_Hz = stepped->rate_Hz();
-  return [stepped](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) { return stepped->step(time_s, hands, frame); };
+  return [stepped](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
+    return stepped->step(time_s, hands, frame);
+  };
 }
 
 void serve(Context& context, const ServeOptions& options) {
@@ -103,8 +108,8 @@ void serve(Context& context, const ServeOptions& options) {
                     options.name, counts.clients, counts.clients == 1 ? "" : "s", counts.blocks, counts.sculptors,
                     counts.states, counts.pieces);
   if (counts.near > 0)
-    context.log().say("{} client{} had the points around their hands alone: {} in {} steps{}", counts.near, counts.near == 1 ? "" : "s",
-                      counts.nearPoints, counts.nearSteps,
+    context.log().say("{} client{} had the points around their hands alone: {} in {} steps{}", counts.near,
+                      counts.near == 1 ? "" : "s", counts.nearPoints, counts.nearSteps,
                       config.moves() ? fmt::format(", of {} frames", counts.frames) : std::string());
   if (!options.saveFile.empty()) saveKeeping(options.saveFile, editedCloud(model.cloud, server.points()));
   context.writeJson({{"name", options.name},
@@ -136,7 +141,8 @@ void addServe(Options& app, Context& context, Command& command) {
   addModelOptions(sub, options->model, modelsAndStreams() + "; of matter a soft body", false);
   sub.add("--name", options->name, "by which it is joined; no other session of the network has it").required();
   sub.add("--journal", options->journalFile,
-          "a file that each stroke goes into as it is taken: whoever serves the model again with it goes on where this ends, "
+          "a file that each stroke goes into as it is taken: whoever serves the model again with it goes on where this "
+          "ends, "
           "and so do those who have joined")
       .typeName("FILE");
   sub.add("--save", options->saveFile, "the points as they are in the end; an older file is kept").typeName("FILE");
@@ -146,15 +152,20 @@ void addServe(Options& app, Context& context, Command& command) {
   addNetworkOptions(sub, options->network);
   addMotionOptions(sub, options->motion);
   addStreamOptions(sub, options->stream);
-  sub.add("--backend", options->backend, "that moves a soft body: auto, vulkan or cpu").check(oneOf({"auto", "vulkan", "cpu"})).showDefault();
+  sub.add("--backend", options->backend, "that moves a soft body: auto, vulkan or cpu")
+      .check(oneOf({"auto", "vulkan", "cpu"}))
+      .showDefault();
   sub.add("--duration", options->duration_s, "s (default: until it is asked to end, as by Ctrl+C)")
       .check(between(bounds::kShortest_s, bounds::kLongest_s));
   sub.footer(
-      "What is served is the points with their normals, colours and scale, as they were read, and what those who join do to "
+      "What is served is the points with their normals, colours and scale, as they were read, and what those who join "
+      "do to "
       "them, in one order for all: each feels what the others do, and in the end all have the same points, bit by bit. "
       "Points are moved, painted and taken away; none come to keep the surface whole (--keep-points).\n"
-      "A model that moves (--motion, the frames of a depth camera, a soft body such as jelly) goes on by the clock of this "
-      "program, and is felt alone: who joins it has the points around the hands, up to 60 times a second, and his hands press a "
+      "A model that moves (--motion, the frames of a depth camera, a soft body such as jelly) goes on by the clock of "
+      "this "
+      "program, and is felt alone: who joins it has the points around the hands, up to 60 times a second, and his "
+      "hands press a "
       "soft body as those of one session do. So has who joins with --near what stands still.\n"
       "Without --interface nobody but this machine can join; with it, whoever is on that network can, and nothing is "
       "encrypted. With --security all is, and only who has keys of the same authority can join (palpate keys makes them).\n");

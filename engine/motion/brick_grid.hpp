@@ -30,7 +30,8 @@ struct BrickBox {
   }
 };
 
-/// Bricks of one edge, model units, the first one from the cloud's origin on. What lies beyond the last one belongs to that.
+/// Bricks of one edge, model units, the first one from the cloud's origin on. What lies beyond the last one belongs to
+/// that.
 class BrickGrid {
  public:
   explicit BrickGrid(double edge) : edge_(edge) {}

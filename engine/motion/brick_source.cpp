@@ -41,9 +41,11 @@ bool BrickSource::knows(const HandReaches& hands) const {
   return all;
 }
 
-bool BrickSource::await(const HandReaches& hands, double patience_s) {
+bool BrickSource::await(const HandReaches& hands, double patience_s) { return await(hands, hands, patience_s); }
+
+bool BrickSource::await(const HandReaches& hands, const HandReaches& wide, double patience_s) {
   std::unique_lock hold(lock_);
-  const auto enough = [&] { return isOver_ || knows(hands); };
+  const auto enough = [&] { return isOver_ || (knows(hands) && (isWhole_ || knows(wide))); };
   came_.wait_for(hold, std::chrono::duration<double>(patience_s), enough);
   if (!knows(hands)) return false;
   awaitedFor_s_ = hands.time_s;
@@ -74,6 +76,7 @@ void BrickSource::apply(BrickUpdate update) {
     now_.bricks.emplace(key, std::move(brick));
   }
   now_.true_s = update.true_s;
+  isWhole_ = update.whole;
   ++now_.version;
   came_.notify_all();
 }
@@ -126,7 +129,8 @@ void BrickSource::makeFrame(double time_s, CloudFrame& frame) {
   }
   order_.clear();
   for (std::size_t b = 0; b < taken_.size(); ++b)
-    for (std::size_t i = 0; i < taken_[b]->size(); ++i) order_.emplace_back(taken_[b]->ids[i], std::uint64_t{b} << 32 | i);
+    for (std::size_t i = 0; i < taken_[b]->size(); ++i)
+      order_.emplace_back(taken_[b]->ids[i], std::uint64_t{b} << 32 | i);
   std::ranges::sort(order_);
   frame.ids.clear();
   frame.colors.clear();

@@ -23,7 +23,7 @@ namespace palpate {
 struct Brick {
   std::vector<std::uint32_t> ids;
   std::vector<Vec3> positions, normals;
-  std::vector<Vec3> velocities;                      ///< empty where points stand still
+  std::vector<Vec3> velocities;                     ///< empty where points stand still
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< empty where they have none
 
   std::size_t size() const { return ids.size(); }
@@ -31,8 +31,9 @@ struct Brick {
 
 /// What changes at once of what is known.
 struct BrickUpdate {
-  double true_s = 0;  ///< of points that move: when all known bricks are where they are now (steadyNow_s())
-  std::vector<BrickKey> dropped;                                        ///< not known any more
+  double true_s = 0;              ///< of points that move: when all known bricks are where they are now (steadyNow_s())
+  bool whole = false;             ///< nothing else is to come of what was asked for
+  std::vector<BrickKey> dropped;  ///< not known any more
   std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;  ///< are this now
 };
 
@@ -46,8 +47,8 @@ double steadyNow_s();
 
 /// Where the points have to be known for one hand. Relative to the cloud's origin, but for what says otherwise.
 struct HandReach {
-  DVec3 low{0}, high{0};         ///< box of all that the surface may be made of at this tick
-  DVec3 hip{0}, proxy{0};        ///< file coordinates, at the last tick
+  DVec3 low{0}, high{0};   ///< box of all that the surface may be made of at this tick
+  DVec3 hip{0}, proxy{0};  ///< file coordinates, at the last tick
   bool touching = false;
 };
 struct HandReaches {
@@ -57,17 +58,17 @@ struct HandReaches {
   std::array<HandReach, kMostHands> hands{};
 };
 
-/// Bricks as they have come, in frames: the points of all known bricks in the order of the whole cloud, so that sums over
-/// neighbours are those of whoever has all of it, bit by bit. The number of a point in a frame is its place there. What
-/// apply() brings is in the next frame. ask(), covers() and await() are for one thread, makeFrame() and hasNewer() for
-/// another one, the rest for any.
+/// Bricks as they have come, in frames: the points of all known bricks in the order of the whole cloud, so that sums
+/// over neighbours are those of whoever has all of it, bit by bit. The number of a point in a frame is its place there.
+/// What apply() brings is in the next frame. ask(), covers() and await() are for one thread, makeFrame() and hasNewer()
+/// for another one, the rest for any.
 class BrickSource final : public CloudSource {
  public:
   /// Room for so many points.
   struct Options {
-    double edge = 1;             ///< of a brick, model units
-    std::size_t points = 1;      ///< that are known at once, at most
-    bool moves = false;          ///< their frames are true for the times of their updates, and not for any
+    double edge = 1;         ///< of a brick, model units
+    std::size_t points = 1;  ///< that are known at once, at most
+    bool moves = false;      ///< their frames are true for the times of their updates, and not for any
   };
   explicit BrickSource(const Options& options) : options_(options), grid_(options.edge) {}
   const BrickGrid& grid() const { return grid_; }
@@ -77,11 +78,14 @@ class BrickSource final : public CloudSource {
   void ask(const HandReaches& hands) noexcept { asked_.store(hands); }
   std::optional<HandReaches> asked() const noexcept { return asked_.load(); }
 
-  /// Whether all bricks that the box reaches are in the frame that is true for `frame_s`, of the last ones that were made.
+  /// Whether all bricks that the box reaches are in the frame that is true for `frame_s`, of the last ones that were
+  /// made.
   bool covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept;
-  /// Waits until all bricks that each of the hands reaches are known, at most so long. What is known then is what the frame
-  /// for the hands' time has, whatever comes or goes meanwhile.
+  /// Waits until all bricks that each of the hands reaches are known, at most so long. What is known then is what the
+  /// frame for the hands' time has, whatever comes or goes meanwhile.
   bool await(const HandReaches& hands, double patience_s);
+  /// Waits for the same, and for all around it that `wide` reaches, as far as there is room for that.
+  bool await(const HandReaches& hands, const HandReaches& wide, double patience_s);
 
   /// Throws Error for points that are none, or more than there is room for.
   void apply(BrickUpdate update);
@@ -125,7 +129,7 @@ class BrickSource final : public CloudSource {
   std::size_t points_ = 0;
   State awaited_;
   std::optional<double> awaitedFor_s_;
-  bool isOver_ = false;
+  bool isWhole_ = false, isOver_ = false;
 
   // Of the thread that makes frames.
   std::uint64_t made_ = 0;

@@ -9,15 +9,19 @@
 namespace palpate {
 
 BrickTouch::BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surface, const BrickTouchOptions& options)
-    : source_(source), surface_(std::move(surface)), options_(options), hands_(surface_->hands()), answers_(hands_.size()) {
+    : source_(source),
+      surface_(std::move(surface)),
+      options_(options),
+      hands_(surface_->hands()),
+      answers_(hands_.size()) {
   for (std::size_t i = 0; i < hands_.size(); ++i)
     hands_[i].points.assign(surface_->points(i).begin(), surface_->points(i).end());
 }
 
 namespace {
 
-// Support radii: what an answer is made of, about the way of the hand and that of the proxy, and what is asked for before
-// it is known where the proxy goes; and what a script that is about to begin has around it.
+// Support radii: what an answer is made of, about the way of the hand and that of the proxy, and what is asked for
+// before it is known where the proxy goes; and what a script that is about to begin has around it.
 constexpr double kMadeOf = 1.25, kMayGo = 3, kAtFirst = 12;
 
 }  // namespace
@@ -25,7 +29,8 @@ constexpr double kMadeOf = 1.25, kMayGo = 3, kAtFirst = 12;
 // The surface is looked for along the way from where the hand was to where it is, and about its proxy.
 HandReach BrickTouch::reachOf(std::size_t hand, const DVec3& hip, double around) const {
   const Hand& last = hands_[hand];
-  HandReach reach{.low = hip, .high = hip, .hip = hip, .proxy = last.proxy.value_or(hip), .touching = last.proxy.has_value()};
+  HandReach reach{
+      .low = hip, .high = hip, .hip = hip, .proxy = last.proxy.value_or(hip), .touching = last.proxy.has_value()};
   for (const std::optional<DVec3>& place : {last.hip, last.proxy})
     if (place) {
       reach.low = glm::min(reach.low, *place);
@@ -40,7 +45,8 @@ void BrickTouch::tell(double time_s, std::span<const Pose> poses) {
   asked_.time_s = time_s;
   asked_.steady_s = steadyNow_s();
   asked_.count = static_cast<std::uint32_t>(poses.size());
-  for (std::size_t i = 0; i < poses.size(); ++i) asked_.hands[i] = reachOf(i, poses[i].hip, kMayGo * options_.radius + options_.tool);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    asked_.hands[i] = reachOf(i, poses[i].hip, kMayGo * options_.radius + options_.tool);
   source_.ask(asked_);
 }
 
@@ -54,7 +60,7 @@ bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double pati
     reach.low -= (kAtFirst - kMayGo) * options_.radius;
     reach.high += (kAtFirst - kMayGo) * options_.radius;
   }
-  if (!source_.await(first, patience_s)) return false;
+  if (!source_.await(asked_, first, patience_s)) return false;
   surface_->ask(poses, 0);  // it has their frame then
   for (std::size_t i = 0; i < hips.size(); ++i) resetHand(i);
   return true;

@@ -10,8 +10,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kBodyRate_Hz = 500;    // hands are where they are so often
-constexpr double kBudget_us = 1000;     // and wait so long for an answer
+constexpr double kBodyRate_Hz = 500;       // hands are where they are so often
+constexpr double kBudget_us = 1000;        // and wait so long for an answer
 constexpr double kBetweenPlaces_s = 0.02;  // in which a hand is where it was said to be
 
 // A soft body with as many hands as there can be.
@@ -46,8 +46,10 @@ SteppedModel::SteppedModel(const SessionConfig& config, std::shared_ptr<const Mo
     return;
   }
   if (config.matter->matter != Matter::soft)
-    throw ConfigError("matter", "of water and sand a hand feels what they do to a ball that it holds there, and no surface, which is "
-                                "all that goes over a network; take a soft body");
+    throw ConfigError(
+        "matter",
+        "of water and sand a hand feels what they do to a ball that it holds there, and no surface, which is "
+        "all that goes over a network; take a soft body");
   body_ = softBody(config, *model_, parts);
   for (Slot& slot : slots_) slot.hip = nowhere();
 }

@@ -62,14 +62,16 @@ void BrickAssembly::add(const BrickPart& part, const Bricks& sample, std::size_t
   require(coming_.size() <= kMostBricks, "too many bricks");
   if (!coming.brick) coming = {.total = part.total, .brick = std::make_shared<Brick>()};
   Brick& brick = *coming.brick;
-  require(part.total == coming.total && part.count <= part.total - brick.size(), "a brick has more points than it said");
+  require(part.total == coming.total && part.count <= part.total - brick.size(),
+          "a brick has more points than it said");
   comingPoints_ += part.count;
   require(comingPoints_ <= room_, "more points than anybody has room for");
   const bool moves = sample.velocities._length > 0;
   for (std::size_t i = at; i < at + part.count; ++i) {
     const Point& point = sample.points._buffer[i];
     const std::uint32_t id = sample.ids._buffer[i];
-    const Vec3 place(point.position[0], point.position[1], point.position[2]), normal(point.normal[0], point.normal[1], point.normal[2]);
+    const Vec3 place(point.position[0], point.position[1], point.position[2]),
+        normal(point.normal[0], point.normal[1], point.normal[2]);
     constexpr float kLongest = 1.01f;  // of a unit normal
     require(isFinite(place) && glm::length(normal) < kLongest, "a point has no place or no normal");
     require(grid_.keyAt(DVec3(place)) == part.key, "a point stands in another brick");
@@ -97,6 +99,7 @@ void BrickAssembly::finish(bool whole) {
   }
   coming_.clear();
   comingPoints_ = 0;
+  next_.whole = whole;
   if (whole) {
     next_.dropped.insert(next_.dropped.end(), before_.begin(), before_.end());
     before_.clear();

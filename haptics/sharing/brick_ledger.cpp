@@ -8,7 +8,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kKept = 1.3;            // radii of a ball up to which a brick is kept that has come
+constexpr double kKept = 1.3;              // radii of a ball up to which a brick is kept that has come
 constexpr std::size_t kMostKept = 60'000;  // bricks; those that are wanted are fewer
 
 }  // namespace
@@ -34,8 +34,8 @@ std::vector<BrickKey> bricksIn(std::span<const Ball> balls, const BrickGrid& gri
   return keys;
 }
 
-BrickLedger::Step BrickLedger::next(std::span<const Ball> balls, std::span<const BrickKey> wanted, const ServedBricks& bricks,
-                                    const LedgerLimits& limits) {
+BrickLedger::Step BrickLedger::next(std::span<const Ball> balls, std::span<const BrickKey> wanted,
+                                    const ServedBricks& bricks, const LedgerLimits& limits) {
   ++steps_;
   Step step;
   // What there is room for, by distance.
@@ -79,7 +79,8 @@ void BrickLedger::dropFar(std::span<const Ball> balls, const ServedBricks& brick
   std::size_t kept = 0;
   for (const auto& [key, known] : known_) {
     if (known.wantedAt == steps_) continue;
-    const bool stays = known.version == bricks.versionOf(key) && kept + known.size <= room && known_.size() <= kMostKept && isNear(key);
+    const bool stays = known.version == bricks.versionOf(key) && kept + known.size <= room &&
+                       known_.size() <= kMostKept && isNear(key);
     if (stays)
       kept += known.size;
     else

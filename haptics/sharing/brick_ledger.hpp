@@ -31,8 +31,8 @@ struct LedgerLimits {
   std::size_t atOnce = 0;  ///< points of a step; one brick goes in any case
 };
 
-/// Keeps a client's bricks: what it wants and has not, or has in an older version, is next, and what has gone far away is
-/// dropped. What a client has of points that move is all of one time after each step.
+/// Keeps a client's bricks: what it wants and has not, or has in an older version, is next, and what has gone far away
+/// is dropped. What a client has of points that move is all of one time after each step.
 class BrickLedger {
  public:
   struct Step {

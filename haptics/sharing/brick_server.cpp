@@ -6,13 +6,13 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostClients = 64;     // at a time; one more takes the place of who was not heard for longest
-constexpr double kForgotten_s = 30;          // a client that says nothing for so long is gone
+constexpr std::size_t kMostClients = 64;  // at a time; one more takes the place of who was not heard for longest
+constexpr double kForgotten_s = 30;       // a client that says nothing for so long is gone
 constexpr LedgerLimits kStill{.known = 1 << 17, .atOnce = 1024};
 constexpr LedgerLimits kMoving{.known = 1 << 13, .atOnce = 1 << 13};
 constexpr std::uint64_t kFewestSamples = 256, kMostSamples = 1024;  // on their way to a client
-constexpr double kProbe_s = 1;               // after which a client is shown that something has come before
-constexpr double kSoon_s = 0.002;            // a link that has no room
+constexpr double kProbe_s = 1;     // after which a client is shown that something has come before
+constexpr double kSoon_s = 0.002;  // a link that has no room
 constexpr double kIdle_s = 0.05;
 // Of a sample, which is one frame of Ethernet (messages.hpp).
 constexpr std::size_t kRoom_bytes = 1200, kHead_bytes = 16, kPoint_bytes = 32, kVelocity_bytes = 12;
@@ -62,11 +62,13 @@ BrickServer::Client& BrickServer::clientOf(const Near& near) {
   const Id id = idOf(near.client);
   if (const auto there = clients_.find(id); there != clients_.end()) return there->second;
   if (clients_.size() >= kMostClients)
-    clients_.erase(std::ranges::max_element(clients_, {}, [](const auto& entry) { return entry.second.heard.elapsed_s(); }));
+    clients_.erase(
+        std::ranges::max_element(clients_, {}, [](const auto& entry) { return entry.second.heard.elapsed_s(); }));
   ++counts_.clients;
   if (parts_.log) parts_.log->say("{} feels the points around its hands", printable(near.host));
   Client& client = clients_[id];
-  client.writer = Writer<Bricks>(parts_.participant, parts_.topics.bricks, reliableQos(false, partitionOf(near.client)));
+  client.writer =
+      Writer<Bricks>(parts_.participant, parts_.topics.bricks, reliableQos(false, partitionOf(near.client)));
   return client;
 }
 
@@ -195,7 +197,8 @@ void BrickServer::fill(Bricks& sample, Outgoing& going) {
     const std::size_t each = kPoint_bytes + (moves ? kVelocity_bytes : 0);
     const std::size_t count = std::min(brick->size() - going.gone.point, (room - kHead_bytes) / each);
     if (count == 0 && brick->size() > 0) break;
-    heads_.push_back({.key = key, .total = static_cast<std::uint32_t>(brick->size()), .count = static_cast<std::uint32_t>(count)});
+    heads_.push_back(
+        {.key = key, .total = static_cast<std::uint32_t>(brick->size()), .count = static_cast<std::uint32_t>(count)});
     for (std::size_t i = going.gone.point; i < going.gone.point + count; ++i) {
       Point point{};
       for (int axis = 0; axis < 3; ++axis) {

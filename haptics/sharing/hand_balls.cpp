@@ -7,7 +7,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kForgotten_s = 2;   // in which a speed falls to a third
+constexpr double kForgotten_s = 2;    // in which a speed falls to a third
 constexpr double kShortest_s = 1e-3;  // between two places that say a speed
 
 }  // namespace
@@ -16,14 +16,16 @@ Ball HandBalls::ballOf(Hand& hand, const HandReach& reach, double steady_s, doub
   if (!hand.last_s || steady_s < *hand.last_s) hand = {.last = reach.hip, .last_s = steady_s};
   const double since_s = steady_s - *hand.last_s;
   if (since_s >= kShortest_s) {
-    hand.speed = std::max(hand.speed * std::exp(-since_s / kForgotten_s), glm::distance(reach.hip, hand.last) / since_s);
+    hand.speed =
+        std::max(hand.speed * std::exp(-since_s / kForgotten_s), glm::distance(reach.hip, hand.last) / since_s);
     hand.last = reach.hip;
     hand.last_s = steady_s;
   }
   // What is lost on the way comes a trip later, and what is asked for waits for the next question.
   constexpr double kTrips = 2, kSlack_s = 0.15;
   const double ahead = std::max(hand.speed, leastSpeed_) * (kTrips * trip_s + kSlack_s);
-  return {.center = 0.5 * (reach.low + reach.high), .radius = 0.5 * glm::distance(reach.low, reach.high) + ahead + edge_};
+  return {.center = 0.5 * (reach.low + reach.high),
+          .radius = 0.5 * glm::distance(reach.low, reach.high) + ahead + edge_};
 }
 
 const std::vector<Ball>& HandBalls::around(const HandReaches& hands, double trip_s) {
@@ -35,8 +37,8 @@ const std::vector<Ball>& HandBalls::around(const HandReaches& hands, double trip
     // A server works for each new ball.
     const Ball& before = balls_[i];
     constexpr double kMoved = 0.5, kGrown = 1.1, kShrunk = 0.5;
-    const bool stays = glm::distance(next.center, before.center) < kMoved * edge_ && next.radius <= before.radius * kGrown &&
-                       next.radius >= before.radius * kShrunk;
+    const bool stays = glm::distance(next.center, before.center) < kMoved * edge_ &&
+                       next.radius <= before.radius * kGrown && next.radius >= before.radius * kShrunk;
     if (!stays) balls_[i] = next;
   }
   return balls_;

@@ -12,8 +12,8 @@ constexpr std::size_t kMostKnown = 256;
 
 }  // namespace
 
-MotionThread::MotionThread(const ServedMotion& motion, double rate_Hz, const Participant& participant, const Topics& topics,
-                           const Id& session)
+MotionThread::MotionThread(const ServedMotion& motion, double rate_Hz, const Participant& participant,
+                           const Topics& topics, const Id& session)
     : motion_(motion),
       apart_s_(1 / rate_Hz),
       reader_(participant, topics.hands, bestEffortQos()),

@@ -1,5 +1,5 @@
-// The points around hands over a network of this machine: still, sculpted by others, moving; and what becomes of a server
-// that dies, or is none of ours.
+// The points around hands over a network of this machine: still, sculpted by others, moving; and what becomes of a
+// server that dies, or is none of ours.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -149,7 +149,8 @@ TEST_CASE("requests that no client makes are counted, and change nothing") {
   CHECK(counts.refused <= 20);
 }
 
-TEST_CASE("points that move come again and again, with the time at which they are there, and the hand that presses is said") {
+TEST_CASE(
+    "points that move come again and again, with the time at which they are there, and the hand that presses is said") {
   const PointCloud cloud = square();
   std::mutex lock;
   std::vector<SeenHand> seen;
@@ -205,13 +206,17 @@ TEST_CASE("points that move come again and again, with the time at which they ar
 
 TEST_CASE("a motion that fails ends what serves it, in its words") {
   const PointCloud cloud = square();
-  CloudServer server(cloud, {.network = ownNetwork(), .name = "fails", .sculptable = false,
-                             .motion = [](double, std::span<const SeenHand>, CloudFrame&) -> bool { throw Error("it has burst"); }});
+  CloudServer server(
+      cloud, {.network = ownNetwork(),
+              .name = "fails",
+              .sculptable = false,
+              .motion = [](double, std::span<const SeenHand>, CloudFrame&) -> bool { throw Error("it has burst"); }});
   const std::atomic<bool> stop = false;
   CHECK_THROWS_WITH(server.serve(stop, 5), doctest::Contains("it has burst"));
 }
 
-TEST_CASE("a server that is gone is said to be silent; one that serves the same points is gone on with, and others are not") {
+TEST_CASE(
+    "a server that is gone is said to be silent; one that serves the same points is gone on with, and others are not") {
   const PointCloud cloud = square(), other = square(5);
   std::optional<ServedSquare> served(std::in_place, cloud, "again");
   const JoinedCloud joined = joinNear("again");

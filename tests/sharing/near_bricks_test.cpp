@@ -1,5 +1,6 @@
-// The points around hands, without a network: hands that wander over a cloud that is sculpted meanwhile, over links that are
-// slow. Whatever a hand may feel is there, point by point as in the whole cloud, or the tick is known to lack some.
+// The points around hands, without a network: hands that wander over a cloud that is sculpted meanwhile, over links
+// that are slow. Whatever a hand may feel is there, point by point as in the whole cloud, or the tick is known to lack
+// some.
 #include <doctest/doctest.h>
 
 #include <deque>
@@ -26,8 +27,11 @@ std::vector<PointState> sheet(int side, unsigned seed) {
   std::vector<PointState> points;
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
-      PointState point{.id = static_cast<std::uint32_t>(points.size()), .normal = Vec3(0, 0, 1), .color = static_cast<std::uint32_t>(points.size() & 0xffffff)};
-      point.position = Vec3(static_cast<float>(x) + jitter(random), static_cast<float>(y) + jitter(random), 3 * std::sin(0.2f * static_cast<float>(x)));
+      PointState point{.id = static_cast<std::uint32_t>(points.size()),
+                       .normal = Vec3(0, 0, 1),
+                       .color = static_cast<std::uint32_t>(points.size() & 0xffffff)};
+      point.position = Vec3(static_cast<float>(x) + jitter(random), static_cast<float>(y) + jitter(random),
+                            3 * std::sin(0.2f * static_cast<float>(x)));
       point.parent = point.id;
       points.push_back(point);
     }
@@ -43,7 +47,7 @@ std::vector<std::uint32_t> near(const std::vector<PointState>& points, const DVe
 
 struct Walk {
   unsigned seed = 1;
-  double speed = 20;      // units per second
+  double speed = 20;  // units per second
   double trip_s = 0.1;
   bool sculpts = false;
   std::size_t room = 1 << 17;
@@ -64,8 +68,14 @@ Walked walk(const Walk& how, int ticks) {
   BrickLedger ledger;
   BrickSource source({.edge = kEdge, .points = 2 * how.room});
   HandBalls hand(kEdge, 10);
-  struct Question { double at_s; std::vector<Ball> balls; };
-  struct Answer { double at_s; BrickUpdate update; };
+  struct Question {
+    double at_s;
+    std::vector<Ball> balls;
+  };
+  struct Answer {
+    double at_s;
+    BrickUpdate update;
+  };
   std::deque<Question> asked;
   std::deque<Answer> answers;
   DVec3 hip(0.5 * kSide, 0.5 * kSide, 0), way(1, 0, 0);
@@ -90,9 +100,11 @@ Walked walk(const Walk& how, int ticks) {
       const std::vector<Ball> balls = asked.front().balls;
       asked.pop_front();
       if (tick % 5 != 0) continue;
-      BrickLedger::Step step = ledger.next(balls, bricksIn(balls, served.grid()), served, {.known = how.room, .atOnce = 500});
+      BrickLedger::Step step =
+          ledger.next(balls, bricksIn(balls, served.grid()), served, {.known = how.room, .atOnce = 500});
       CHECK(ledger.points() <= how.room);
-      if (!step.isEmpty()) answers.push_back({now_s + 0.5 * how.trip_s, {.dropped = step.dropped, .bricks = step.bricks}});
+      if (!step.isEmpty())
+        answers.push_back({now_s + 0.5 * how.trip_s, {.dropped = step.dropped, .bricks = step.bricks}});
     }
     if (how.sculpts && tick < ticks / 2 && tick % 10 == 0) {
       PointState& point = points[random() % points.size()];
@@ -140,7 +152,9 @@ TEST_CASE("each place has one brick, whose key gives it back") {
   CHECK_FALSE(BrickGrid::isKey(~BrickKey{0}));
 }
 
-TEST_CASE("what a wandering hand may feel is there before it comes, at any trip, and is the cloud's, point by point in its order") {
+TEST_CASE(
+    "what a wandering hand may feel is there before it comes, at any trip, and is the cloud's, point by point in its "
+    "order") {
   for (const double trip_s : {0.002, 0.1, 0.5})
     for (unsigned seed = 1; seed <= 4; ++seed) {
       CAPTURE(trip_s);
@@ -324,9 +338,10 @@ TEST_CASE("random samples end nothing and are bounded") {
     one.ids.clear();
     one.points.clear();
     for (unsigned k = random() % 4; k > 0; --k)
-      one.parts.push_back({.key = random() % 3 ? BrickGrid::keyOf(IVec3(0)) : BrickKey{random()} << random() % 40,
-                           .total = random() % 5 ? static_cast<std::uint32_t>(random() % 3) : static_cast<std::uint32_t>(random()),
-                           .count = random() % 5 ? static_cast<std::uint32_t>(random() % 3) : static_cast<std::uint32_t>(random())});
+      one.parts.push_back(
+          {.key = random() % 3 ? BrickGrid::keyOf(IVec3(0)) : BrickKey{random()} << random() % 40,
+           .total = random() % 5 ? static_cast<std::uint32_t>(random() % 3) : static_cast<std::uint32_t>(random()),
+           .count = random() % 5 ? static_cast<std::uint32_t>(random() % 3) : static_cast<std::uint32_t>(random())});
     for (unsigned k = random() % 4; k > 0; --k) {
       one.ids.push_back(k);
       one.points.push_back({.position = {0.5f, 0.5f, random() % 9 ? 0.5f : -7.0f}, .normal = {0, 0, 1}});

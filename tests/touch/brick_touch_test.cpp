@@ -1,4 +1,5 @@
-// A cloud of which only the bricks around a hand are here, on the CPU: felt as the whole one, bit by bit, or not at all.
+// A cloud of which only the bricks around a hand are here, on the CPU: felt as the whole one, bit by bit, or not at
+// all.
 #include "engine/touch/brick_touch.hpp"
 
 #include <doctest/doctest.h>
@@ -56,10 +57,11 @@ struct Hand {
     few.normals = {scene.cloud.normals[0]};
     touch = std::make_unique<BrickTouch>(
         source,
-        std::make_unique<CpuTouch>(few, CpuTouchOptions{.radius = scene.radius,
-                                                        .threads = 1,
-                                                        .source = &source,
-                                                        .extent = PointExtent{.bounds = boundsOf(scene.cloud), .points = scene.cloud.size()}}),
+        std::make_unique<CpuTouch>(
+            few, CpuTouchOptions{.radius = scene.radius,
+                                 .threads = 1,
+                                 .source = &source,
+                                 .extent = PointExtent{.bounds = boundsOf(scene.cloud), .points = scene.cloud.size()}}),
         BrickTouchOptions{.radius = scene.radius, .origin = scene.cloud.origin, .patience_s = 0.2});
   }
   BrickSource source;
@@ -68,12 +70,14 @@ struct Hand {
 };
 
 bool isSame(const Contact& a, const Contact& b) {
-  return a.proxy == b.proxy && a.normal == b.normal && a.touching == b.touching && a.valid == b.valid && a.neighbours == b.neighbours;
+  return a.proxy == b.proxy && a.normal == b.normal && a.touching == b.touching && a.valid == b.valid &&
+         a.neighbours == b.neighbours;
 }
 
 }  // namespace
 
-TEST_CASE("in virtual time a hand that waits for its bricks feels the whole cloud, bit by bit, near zero and far from it") {
+TEST_CASE(
+    "in virtual time a hand that waits for its bricks feels the whole cloud, bit by bit, near zero and far from it") {
   for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)})
     for (const double edge_radii : {0.8, 3.0}) {
       const Scene scene = makeScene("bumpy-sphere", 30'000, center);
@@ -117,7 +121,8 @@ TEST_CASE("in virtual time a hand that waits for its bricks feels the whole clou
     }
 }
 
-TEST_CASE("against the clock a hand feels nothing where points lack, which is counted, and never a surface that has a hole") {
+TEST_CASE(
+    "against the clock a hand feels nothing where points lack, which is counted, and never a surface that has a hole") {
   const Scene scene = makeScene("sphere", 30'000);
   CpuTouch whole(scene.cloud, {.radius = scene.radius, .threads = 1});
   Hand hand(scene);
