@@ -95,8 +95,10 @@ class Session {
   SharedFollower* shared() { return shared_.get(); }
   const SharedFollower* shared() const { return shared_.get(); }
   /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long. Whether
-  /// it is. Between runs; without others at once.
-  bool settleShared(double patience_s);
+  /// it is. Between runs; without others at once. `known`: where others go on for more than a second, until this hand's
+  /// is taken and theirs so far is in effect here.
+  enum class Settling { known, all };
+  bool settleShared(double patience_s, Settling until = Settling::known);
   /// Nothing where none is kept.
   Journal* journal() { return relay_.journal(); }
   EditRelay& relay() { return relay_; }

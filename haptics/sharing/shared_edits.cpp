@@ -130,6 +130,7 @@ class SharedEdits final : public SharedFollower {
     watchServer();
     send();
     offer();
+    counts_.inEffect += exchange_.isInEffect();
     judge();
     ping();
     showHand();
