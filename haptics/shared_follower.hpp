@@ -27,6 +27,7 @@ struct SharedCounts {
   std::uint64_t resent = 0;     ///< pieces of strokes that went more than once
   std::uint64_t resumed = 0;    ///< times that what was missing was asked for, the first included
   std::uint64_t differed = 0;   ///< times that the points at rest were others than the server's, and were all asked for
+  std::uint64_t inEffect = 0;   ///< times that all that others had done, as far as it was heard, was in effect here
   double silent_s = 0;          ///< since the server was heard last
   double longestSilent_s = 0;
   double age_s = 0;             ///< of what is known: since what was heard last was said

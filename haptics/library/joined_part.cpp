@@ -66,11 +66,11 @@ pp_sharing JoinedPart::state(const Session& session) const {
   state.received = counts.received;
   state.resent = counts.resent;
   state.resumed = counts.resumed;
-  state.pings = counts.pings;
-  state.answered = counts.answered;
+  state.pings = counts.link.pings;
+  state.answered = counts.link.answered;
   state.silent_s = counts.silent_s;
   state.longest_silent_s = counts.longestSilent_s;
-  if (counts.roundTrip_ms) state.round_trip_ms = *counts.roundTrip_ms;
+  if (counts.link.roundTrip_ms) state.round_trip_ms = *counts.link.roundTrip_ms;
   putText(counts.fault, state.fault);
   return state;
 }

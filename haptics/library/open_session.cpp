@@ -119,9 +119,13 @@ void OpenSession::checkShared() const {
 
 bool OpenSession::settleShared(double seconds) {
   joined();
-  settle();
+  endAsking();
+  session_->backend().finish();
+  session_->relay().finish();
   checkShared();
-  return session_->settleShared(seconds);
+  const bool isSame = session_->settleShared(seconds, Session::Settling::all);
+  checkShared();
+  return isSame;
 }
 
 void OpenSession::build(bool journal, bool editable) {
@@ -146,12 +150,15 @@ void OpenSession::build(bool journal, bool editable) {
   editable_ = editable || session_->shared();
 }
 
-void OpenSession::settle() {
+void OpenSession::endAsking() {
   if (isLive()) throw StateError("the session is live; pp_live_stop() comes first");
-  if (asked_) {
-    asked_->check();
-    asked_.reset();
-  }
+  if (!asked_) return;
+  asked_->check();
+  asked_.reset();
+}
+
+void OpenSession::settle() {
+  endAsking();
   if (hasFailed()) {
     if (session_->recording()) session_->releaseRecording();  // whose end is not known
     return session_->relay().finish();                        // all that is left of it is its reset

@@ -99,7 +99,9 @@ class OpenSession {
 
  private:
   class Followers;
-  /// Throws StateError while it is live; what was asked for tick by tick ends, and all that was done is taken in.
+  /// What was asked for tick by tick ends. Throws StateError while it is live.
+  void endAsking();
+  /// The same, and all that was done is taken in.
   void settle();
   // With a journal where it is to be logged, and for brushes of any kind where it is to be edited.
   void build(bool journal, bool editable);

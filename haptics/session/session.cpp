@@ -153,15 +153,17 @@ std::unique_ptr<SharedFollower> Session::takePart() {
   return model_->share(model_->cloud, *backend_);
 }
 
-bool Session::settleShared(double patience_s) {
+bool Session::settleShared(double patience_s, Settling until) {
   if (!shared_) return true;
   const Stopwatch since;
   relay_.catchUp();
   SharedCounts counts = shared_->counts();
   const auto isSettled = [&] { return counts.atRest && counts.same; };
-  const auto isOver = [&] {
-    return isSettled() || !counts.fault.empty() || (counts.delivered && counts.silent_s < kOthersBusy_s && since.elapsed_s() > kOthersBusy_s);
+  const std::uint64_t inEffectBefore = counts.inEffect;
+  const auto goesOnWithoutUs = [&] {
+    return until == Settling::known && counts.delivered && counts.inEffect > inEffectBefore && since.elapsed_s() > kOthersBusy_s;
   };
+  const auto isOver = [&] { return isSettled() || !counts.fault.empty() || goesOnWithoutUs(); };
   std::vector<Pose> far(backend_->hands());
   // A hand that touches nothing: between its answers the others' changes are done.
   const Bounds box = boundsOf(model_->cloud);

@@ -100,8 +100,10 @@ class Session {
   const FarCloud* far() const { return model_->far.get(); }
   UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
   /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long. Whether
-  /// it is. Between runs; without others at once.
-  bool settleShared(double patience_s);
+  /// it is. Between runs; without others at once. `known`: where others go on for more than a second, until this hand's
+  /// is taken and theirs so far is in effect here.
+  enum class Settling { known, all };
+  bool settleShared(double patience_s, Settling until = Settling::known);
   /// Nothing where none is kept.
   Journal* journal() { return relay_.journal(); }
   EditRelay& relay() { return relay_; }

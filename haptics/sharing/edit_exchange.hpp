@@ -75,10 +75,10 @@ class EditExchange {
   /// The one that nextPiece() gave last could not be sent: it is the next one again.
   void notSent() { --toSend_; }
 
+  /// All that the server had as it was heard last is in effect here.
+  bool isInEffect() const { return hasHeard_ && inFlight_.empty() && waiting_.empty() && upTo_ == head_; }
   /// Nothing is on the way in either direction.
-  bool isAtRest() const {
-    return hasHeard_ && queue_.empty() && unacked_.empty() && inFlight_.empty() && waiting_.empty() && upTo_ == head_;
-  }
+  bool isAtRest() const { return isInEffect() && isDelivered(); }
   /// All that this hand has done is where it belongs.
   bool isDelivered() const { return queue_.empty() && unacked_.empty(); }
   /// At rest: whether the points here are those of the server.

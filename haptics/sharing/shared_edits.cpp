@@ -123,6 +123,7 @@ class SharedEdits final : public SharedFollower {
     watchServer();
     send();
     offer();
+    counts_.inEffect += exchange_.isInEffect();
     judge();
     probe_.turn();
     if (const auto trip_ms = probe_.counts().roundTrip_ms) known_.setRoundTrip(*trip_ms * 1e-3);

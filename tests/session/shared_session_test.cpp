@@ -19,13 +19,17 @@ class Others final : public SharedFollower {
   struct State {
     std::optional<InformationAge> known{std::in_place};
     SharedCounts counts{.delivered = true, .atRest = true, .same = true};
+    bool inEffectEachTime = false;  // that it is asked
     HandPlace place;
     std::size_t moves = 0;
   };
   explicit Others(State& state) : state_(state) {}
   void catchUp(const EditBatch&) override {}
   const InformationAge& known() const override { return *state_.known; }
-  SharedCounts counts() const override { return state_.counts; }
+  SharedCounts counts() const override {
+    state_.counts.inEffect += state_.inEffectEachTime;
+    return state_.counts;
+  }
   void moved(const HandPlace& place) noexcept override {
     state_.place = place;
     ++state_.moves;
@@ -110,6 +114,23 @@ TEST_CASE("a session waits for the others as long as it was told, and not for th
   const Stopwatch over;
   CHECK_FALSE(session.settleShared(60));
   CHECK(over.elapsed_s() < 3);
+}
+
+TEST_CASE("others who go on are not waited for, but for what they have done so far, unless all of it is asked for") {
+  Others::State others;
+  others.counts = {.delivered = true};
+  const auto cpu = cpuBackend();
+  Session session(joined(), sharedSphere(others), {.backend = *cpu});
+  const Stopwatch unheard;
+  CHECK_FALSE(session.settleShared(2));  // nothing of theirs is here yet
+  CHECK(unheard.elapsed_s() >= 2);
+  others.inEffectEachTime = true;
+  const Stopwatch known;
+  CHECK_FALSE(session.settleShared(60));
+  CHECK(known.elapsed_s() < 10);
+  const Stopwatch all;
+  CHECK_FALSE(session.settleShared(2, Session::Settling::all));
+  CHECK(all.elapsed_s() >= 2);
 }
 
 }  // namespace palpate
