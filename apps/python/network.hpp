@@ -11,7 +11,8 @@
 namespace palpate::python {
 
 /// Interface, peers and domain, as palpate.Network has them.
-using NetworkTuple = std::tuple<std::optional<std::string>, std::vector<std::string>, std::uint32_t>;
+using NetworkTuple =
+    std::tuple<std::optional<std::string>, std::vector<std::string>, std::uint32_t, std::optional<std::string>>;
 
 /// Keeps the words that it points to.
 class Network {
@@ -28,7 +29,7 @@ class Network {
 };
 
 /// Name, network, hand, read_only and patience_s, as palpate.Join has them.
-using JoinTuple = std::tuple<std::string, NetworkTuple, std::optional<std::string>, bool, double>;
+using JoinTuple = std::tuple<std::string, NetworkTuple, std::optional<std::string>, bool, double, bool>;
 /// Without Python's lock.
 pp::Session join(const JoinTuple& how, const pp_session_options& options);
 

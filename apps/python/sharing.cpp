@@ -6,22 +6,24 @@
 namespace palpate::python {
 
 Network::Network(NetworkTuple given) : given_(std::move(given)) {
-  const auto& [interface, peers, domain] = given_;
+  const auto& [interface, peers, domain, security] = given_;
   for (const std::string& peer : peers) peers_.push_back(peer.c_str());
   network_.interface_name = interface ? interface->c_str() : nullptr;
   network_.peers = peers_.data();
   network_.peer_count = peers_.size();
   network_.domain = domain;
+  network_.security = security ? security->c_str() : nullptr;
 }
 
 pp::Session join(const JoinTuple& how, const pp_session_options& options) {
-  const auto& [name, network, hand, readOnly, patience_s] = how;
+  const auto& [name, network, hand, readOnly, patience_s, near] = how;
   const Network on(network);
   pp_join_options join = pp_default_join_options();
   join.network = on.get();
   join.hand = hand ? hand->c_str() : nullptr;
   join.read_only = readOnly ? 1 : 0;
   join.patience_s = patience_s;
+  join.near_hands = near ? 1 : 0;
   return pp::Session::joined(name, join, options);
 }
 

@@ -12,7 +12,9 @@ NetworkConfig networkFrom(const pp_network* given) {
   constexpr std::uint64_t kMostPeers = 1000;
   if (network.peer_count > kMostPeers)
     throw UsageError("network.peers: {} are more than {}", network.peer_count, kMostPeers);
-  NetworkConfig config{.interface = textOf(network.interface_name), .domain = network.domain};
+  NetworkConfig config{.interface = textOf(network.interface_name),
+                       .domain = network.domain,
+                       .security = textOf(network.security)};
   if (network.peer_count > 0) required(network.peers, "network.peers");
   for (std::uint64_t i = 0; i < network.peer_count; ++i)
     config.peers.emplace_back(&required(network.peers[i], "network.peers"));
@@ -23,7 +25,11 @@ JoinSubject joinFrom(const pp_join_options& options) {
   if (!(options.patience_s > 0 && options.patience_s <= bounds::kLongest_s))
     throw UsageError("patience_s: {} is not above 0 and at most {}", options.patience_s, bounds::kLongest_s);
   const NetworkConfig network = networkFrom(options.network);
-  return {.network = {.network = network.interface, .peers = network.peers, .domain = network.domain},
+  return {.network = {.network = network.interface,
+                      .peers = network.peers,
+                      .domain = network.domain,
+                      .security = network.security,
+                      .near = options.near_hands != 0},
           .hand = textOf(options.hand),
           .patience_s = options.patience_s,
           .readOnly = options.read_only != 0};

@@ -101,7 +101,7 @@ Outcome attacked(const std::string& attack, double seconds) {
   MESSAGE(fmt::format(
       "{}: {:.1f} MB at most; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; {} requests, "
       "{} blocks, {} refused, {} sculptors, {} pieces, {} again, {} clients",
-      attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.sent,
+      attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.link.roundTrip_ms.value_or(-1), outcome.hand.sent,
       outcome.hand.received, outcome.served.requests, outcome.served.blocks, outcome.served.refused,
       outcome.served.sculptors, outcome.served.pieces, outcome.served.again, outcome.served.clients));
   CHECK(outcome.hand.delivered);
@@ -159,7 +159,7 @@ TEST_CASE("readers that have fallen asleep with all that there is on the way to 
   const ServedCounts handed = served.end();
   MESSAGE(
       fmt::format("asleep: {:.0f} MB at most, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients",
-                  grown_MB, counts.longestSilent_s, counts.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
+                  grown_MB, counts.longestSilent_s, counts.link.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
   CHECK(counts.same);
   CHECK(counts.longestSilent_s < 2);
   CHECK(grown_MB < 400);

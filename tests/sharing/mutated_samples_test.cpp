@@ -180,7 +180,7 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
                                 resume.epoch = mutant.roll() % 100;
                                 resume.upTo = mutant.roll() % 1000;
                               });
-  mutant.write<Hand>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes, [&](Hand& shown) {
+  mutant.write<sharing::Hand>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes, [&](sharing::Hand& shown) {
     id(shown.client);
     put(shown.name, "mutant");
     shown.number = mutant.roll();
@@ -193,9 +193,9 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     notice.session[5] ^= static_cast<std::uint8_t>(1 + mutant.roll() % 200);
   });
   std::optional<Id> victim;
-  const Reader<Hand> hands(mutant.participant(), topics.hands, bestEffortQos());
+  const Reader<sharing::Hand> hands(mutant.participant(), topics.hands, bestEffortQos());
   while (!victim)
-    hands.take([&](const Hand& shown) {
+    hands.take([&](const sharing::Hand& shown) {
       if (std::string(shown.name) == "honest") victim = idOf(shown.client);
     });
   std::uint8_t partition[16];

@@ -107,7 +107,7 @@ class LawInput:
     @property
     def fresh(self) -> bool: ...
 
-_Network = tuple[str | None, list[str], int]
+_Network = tuple[str | None, list[str], int, str | None]
 
 def can_share() -> bool: ...
 def _survey(
@@ -170,7 +170,7 @@ class _Session:
         speed: float = ...,
         loop: bool = ...,
         fuse: bool = ...,
-        join: tuple[str, _Network, str | None, bool, float] | None = ...,
+        join: tuple[str, _Network, str | None, bool, float, bool] | None = ...,
         law: Any = ...,
         allow_python: bool = ...,
     ) -> None: ...

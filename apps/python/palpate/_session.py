@@ -44,8 +44,8 @@ class Session(_palpate._Session):
             of Matter, in mm: a hand holds a ball in water and sand, and presses on what is soft. Or the folder of a recorded
             depth camera (TUM, Redwood), in metres. Or a Join: a session that another program serves, whose points are felt as
             those of a cloud; what a hand does to them goes to all who have joined, and theirs comes here between two ticks.
-            At rest all have the same points, bit by bit; none come to keep the surface whole (keeps_density). After three
-            seconds without its server a live hand has no force, until that is heard again.
+            At rest all have the same points, bit by bit; none come to keep the surface whole (keeps_density). While its
+            server is silent for seconds the force fades, until that is heard again.
         gpu: number or part of the name of a GPU; "cpu": none, in double precision; None: a GPU where there is one.
         mm_per_unit: millimetres per model unit; None: as the file says, or the longest side becomes 100 mm.
         surface: what the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).

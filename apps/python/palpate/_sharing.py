@@ -25,17 +25,20 @@ class Network:
 
     Attributes:
         interface: of this machine, by name or address; None: programs of this machine alone. With it, whoever is on that
-            network can take part, and nothing is encrypted.
+            network can take part, and without `security` nothing is encrypted.
         peers: addresses of machines to look for, where the network carries no multicast.
         domain: of DDS, as ROS numbers them, 0 to 230.
+        security: a folder of keys (`palpate keys`): all is encrypted, for holders of keys of the same authority alone.
     """
 
     interface: str | None = None
     peers: Sequence[str] = ()
     domain: int = 0
+    security: str | os.PathLike[str] | None = None
 
-    def _told(self) -> tuple[str | None, list[str], int]:
-        return self.interface, list(self.peers), self.domain
+    def _told(self) -> tuple[str | None, list[str], int, str | None]:
+        security = None if self.security is None else os.fspath(self.security)
+        return self.interface, list(self.peers), self.domain, security
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ class Join:
         read_only: this hand feels what the others do, and takes no brush.
         patience_s: s, for the session to be found, for each next piece of it, and, by path and in cloud(), for what everybody
             has done to be everywhere.
+        near: of its points those around the hands alone come here, ahead of them, and none is sculpted. What moves comes so in
+            any case, and is felt live.
     """
 
     name: str
@@ -56,9 +61,10 @@ class Join:
     hand: str | None = None
     read_only: bool = False
     patience_s: float = 10
+    near: bool = False
 
-    def _told(self) -> tuple[str, tuple[str | None, list[str], int], str | None, bool, float]:
-        return self.name, self.network._told(), self.hand, self.read_only, self.patience_s
+    def _told(self) -> tuple[str, tuple[str | None, list[str], int, str | None], str | None, bool, float, bool]:
+        return self.name, self.network._told(), self.hand, self.read_only, self.patience_s, self.near
 
 
 class SeenSession(NamedTuple):

@@ -13,9 +13,12 @@ typedef struct pp_network {
   uint32_t size;
   uint32_t domain;            /* of DDS, as ROS numbers them: 0 to 230 */
   const char* interface_name; /* an interface of this machine, by name or address; null: programs of this machine alone.
-                                 With it, whoever is on that network can take part, and nothing is encrypted. */
+                                 With it, whoever is on that network can take part, and without `security` nothing is
+                                 encrypted. */
   const char* const* peers;   /* addresses of machines to look for, where the network carries no multicast */
   uint64_t peer_count;
+  const char* security;       /* a folder of keys (palpate keys): all is encrypted, for holders of keys of the same authority
+                                 alone; null: none */
 } pp_network;
 PP_OPTIONS(network)
 
@@ -41,6 +44,8 @@ typedef struct pp_join_options {
   const char* hand;          /* what the others see this hand called; null: as the machine */
   double patience_s; /* for the session to be found, for each next piece of it, and, by path and where the points are
                         taken, for what everybody has done to be everywhere; above 0 */
+  uint32_t near_hands; /* 1: of its points those around the hands alone come here, ahead of them, and none is sculpted; what
+                          moves comes so in any case, and is felt live */
 } pp_join_options;
 PP_OPTIONS(join_options)
 /* A session that another program serves (pp_serve(), `palpate serve`), by its name: a copy of its points, felt as those of a
