@@ -47,6 +47,7 @@ SessionJoiner JoinedPart::joiner() {
 }
 
 BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session) const {
+  if (session.far()) throw UsageError("brush: of '{}' the points near the hands are here, and are felt alone", name_);
   if (!session.shared()) throw UsageError("brush: '{}' is served to be felt alone", name_);
   if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only, to be felt alone", name_);
   BrushConfig allowed = brush;
@@ -54,12 +55,33 @@ BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session
   return allowed;
 }
 
+namespace {
+
+// Of points around the hands alone, which are felt and not sculpted.
+void tellFar(const FarCloud& far, pp_sharing& state) {
+  const FarCounts counts = far.counts();
+  state.heard = far.known().isTrue() && far.known().share() > 0;
+  state.pings = counts.pings;
+  state.answered = counts.answered;
+  state.silent_s = counts.silent_s;
+  state.longest_silent_s = counts.longestSilent_s;
+  if (counts.roundTrip_ms) state.round_trip_ms = *counts.roundTrip_ms;
+  try {
+    far.check();
+  } catch (const NetworkError& error) {
+    putText(error.what(), state.fault);
+  }
+}
+
+}  // namespace
+
 pp_sharing JoinedPart::state(const Session& session) const {
   pp_sharing state = usual<pp_sharing>();
   state.round_trip_ms = -1;
   putText(name_, state.name);
   putText(host_, state.host);
   putText(source_, state.model);
+  if (session.far()) tellFar(*session.far(), state);
   const SharedFollower* const shared = session.shared();
   if (!shared) return state;
   const SharedCounts counts = shared->counts();
@@ -101,6 +123,7 @@ std::vector<pp_other_hand> JoinedPart::others(const Session& session) const {
 }
 
 void JoinedPart::check(const Session& session) const {
+  if (session.far()) session.far()->check();
   if (!session.shared()) return;
   const std::string fault = session.shared()->counts().fault;
   if (!fault.empty()) throw NetworkError("{}", fault);

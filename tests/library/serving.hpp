@@ -63,12 +63,16 @@ struct Serving {
   }
 };
 
-inline pp_session joined(const char* name, const char* hand, pp_session_options options = cpuOptions(), bool readOnly = false) {
+enum class JoinedTo { sculpt, feel, feelNear };
+
+inline pp_session joined(const char* name, const char* hand, pp_session_options options = cpuOptions(),
+                         JoinedTo aim = JoinedTo::sculpt) {
   const pp_network network = ownNetwork();
   pp_join_options join = pp_default_join_options();
   join.network = &network;
   join.hand = hand;
-  join.read_only = readOnly ? 1 : 0;
+  join.read_only = aim == JoinedTo::feel ? 1 : 0;
+  join.near_hands = aim == JoinedTo::feelNear ? 1 : 0;
   join.patience_s = 20;
   options.mm_per_unit = 0;  // as it is served
   pp_session session{};

@@ -208,7 +208,7 @@ TEST_CASE("a server that is gone takes the force of a pulled hand away, and one 
   }));
   CHECK(contact.valid == 1);
   CHECK(sharingOf(session).heard == 0);
-  CHECK(sharingOf(session).silent_s > 2.5);
+  CHECK(sharingOf(session).silent_s > 1.8);
 
   serving = std::make_unique<Serving>("brief");
   CHECK(comes(20, [&] {
@@ -256,7 +256,7 @@ TEST_CASE("a server with a journal goes on where it was, and so do those who hav
 TEST_CASE("what is served to be felt alone, or joined so, takes no brush") {
   if (!isBuilt()) return;
   const Serving felt("felt", true), shared("shared");
-  const pp_session alone = joined("felt", "anna"), careful = joined("shared", "ben", cpuOptions(), true);
+  const pp_session alone = joined("felt", "anna"), careful = joined("shared", "ben", cpuOptions(), JoinedTo::feel);
   pp_brush push = pp_default_brush();
   CHECK(pp_session_set_brush(alone, &push) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("served to be felt alone"));
@@ -273,6 +273,29 @@ TEST_CASE("what is served to be felt alone, or joined so, takes no brush") {
   CHECK(lastErrorSays("what others do"));
   PP_CHECK_OK(pp_session_close(alone));
   PP_CHECK_OK(pp_session_close(careful));
+}
+
+TEST_CASE("of what is joined near, the points around the hand are felt as all of them would be") {
+  if (!isBuilt()) return;
+  const Serving serving("near");
+  const pp_session near = joined("near", "anna", cpuOptions(), JoinedTo::feelNear);
+  const pp_session whole = joined("near", "ben", cpuOptions(), JoinedTo::feel);
+  const auto path = pressPath(2);
+  const auto far = touch(near, pathOf(path)), all = touch(whole, pathOf(path));
+  REQUIRE(far.size() == all.size());
+  CHECK(far.back().contact == 1);
+  for (std::size_t i = 0; i < far.size(); ++i)
+    for (int k = 0; k < 3; ++k) CHECK(far[i].force_N[k] == all[i].force_N[k]);
+  const pp_sharing sharing = sharingOf(near);
+  CHECK(sharing.sculptable == 0);
+  CHECK(sharing.heard == 1);
+  CHECK(sharing.pings > 0);
+  CHECK(std::string(sharing.fault).empty());
+  const pp_brush push = pp_default_brush();
+  CHECK(pp_session_set_brush(near, &push) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("near"));
+  PP_CHECK_OK(pp_session_close(near));
+  PP_CHECK_OK(pp_session_close(whole));
 }
 
 TEST_CASE("sessions of a network are listed; what cannot be joined or served is said") {
@@ -313,6 +336,13 @@ TEST_CASE("sessions of a network are listed; what cannot be joined or served is 
   wrong.domain = network.domain - 90;
   CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_NETWORK);
   CHECK(lastErrorSays("nowhere0"));
+  wrong = network;
+  wrong.security = "/nowhere/keys";
+  CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("on domain"));
+  wrong.domain = network.domain - 91;
+  CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_FILE);
+  CHECK(lastErrorSays("/nowhere/keys"));
   wrong = network;
   wrong.domain = 5000;
   CHECK(pp_session_join("listed", &join, &options, &session) == PP_ERROR_ARGUMENT);

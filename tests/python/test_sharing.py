@@ -136,9 +136,15 @@ def test_what_is_felt_alone_takes_no_brush(ball):
         assert not s.sharing.sculptable and s.others == []
         with pytest.raises(pp.UsageError, match="felt alone"):
             s.push(press_path(1))
-    with pp.serve(ball, f"felt {os.getpid()}", NETWORK) as server, joined(server, read_only=True) as s:
-        with pytest.raises(pp.UsageError, match="read_only"):
+    with pp.serve(ball, f"felt {os.getpid()}", NETWORK) as server:
+        with joined(server, read_only=True) as s, pytest.raises(pp.UsageError, match="read_only"):
             s.push(press_path(1))
+        # Of its points those around the hand alone, felt as all of them.
+        with joined(server, near=True) as near, joined(server, read_only=True) as whole:
+            assert (near.touch(press_path(1))["force_N"] == whole.touch(press_path(1))["force_N"]).all()
+            assert near.sharing.heard
+            with pytest.raises(pp.UsageError, match="near the hands"):
+                near.push(press_path(1))
 
 
 @needs_dds
@@ -207,6 +213,7 @@ def test_what_cannot_be_is_said(ball, served):
         (lambda: pp.serve(ball, "", NETWORK), pp.UsageError, "none for a session"),
         (lambda: pp.serve(ball, "free", pp.Network("nowhere0", domain=NETWORK.domain + 100)), pp.Error, "nowhere0"),
         (lambda: pp.serve(ball, "free", pp.Network(domain=1000)), pp.UsageError, "domain"),
+        (lambda: pp.serve(ball, "free", pp.Network(security="/nowhere/keys")), pp.Error, "no folder of keys"),
         (lambda: pp.serve(ball, "free", NETWORK, mm_per_unit=-1), pp.UsageError, "mm_per_unit"),
         (lambda: pp.serve(ball, "free", NETWORK, read_only=True, journal="j"), pp.UsageError, "journal"),
         (lambda: pp.serve(pp.Cloud(np.zeros((0, 3))), "free", NETWORK), pp.UsageError, "no points"),

@@ -62,7 +62,7 @@ PP_API pp_status pp_session_join(const char* name, const pp_join_options* join, 
 /* How it goes with the others. */
 typedef struct pp_sharing {
   uint32_t size;
-  uint32_t sculptable; /* 0: it is served to be felt alone; once it is joined nothing is exchanged, and all counts are 0 */
+  uint32_t sculptable; /* 0: it is served, or was joined, to be felt alone: what counts strokes is 0 */
   uint32_t heard;      /* 0: the server has been silent for so long that there is no force */
   uint32_t delivered;  /* 1: all that this hand has done has been taken by the server */
   uint32_t at_rest;    /* 1: and all that others have done is in effect here */
