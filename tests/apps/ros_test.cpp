@@ -119,7 +119,7 @@ TEST_CASE("what ROS cannot name, and options of its network without it, are refu
   refuses("serve a.ply --name a --ros a-b", "is no name there");
   refuses("touch ros:a//b", "is no name there");
   refuses("touch a.ply --ros-rate 0 --ros a", "--ros-rate");
-  refuses("touch a.ply --domain 3", "for --as for ROS");
+  refuses("touch a.ply --domain 3", "for --as and --near for ROS");
   CHECK(palpate("mesh ros:a -o never.ply").text.find("are not heard here") != std::string::npos);
 }
 

@@ -155,7 +155,7 @@ def test_a_server_that_is_served_anew_ends_a_hands_part_in_words(ball):
     s.push(press_path(2), radius_mm=5)
     live = s.live(path=press_path(1)[-1:])
     server.close()
-    assert until(lambda: not s.sharing.heard) and s.sharing.silent_s > 2.5
+    assert until(lambda: not s.sharing.heard) and s.sharing.silent_s > 1.8
     with pp.serve(ball, name, NETWORK):
         assert until(lambda: s.sharing.fault)
         with pytest.raises(pp.Error, match="served anew") as caught:
@@ -246,7 +246,7 @@ def test_names_that_are_cut_off_in_a_character_are_told_as_well_as_they_can_be(b
             assert s.sharing.name == server.name and s.sharing.model.startswith("aééé")
             assert any("aééé" in line for line in s.remarks)
         seen = next(session for session in pp.sessions(NETWORK, 0.5) if session.name == server.name)
-        assert seen.model.startswith("aééé") and seen.model.endswith("\ufffd")
+        assert seen.model.startswith("aééé") and set(seen.model) == {"a", "é"} and len(seen.model) < 151
 
 
 @needs_dds
