@@ -81,7 +81,9 @@ void BrickServer::take(const Near& near) {
   client.heard = {};
   if (near.epoch > client.epoch) {
     client.epoch = near.epoch;
-    client.sample = client.taken = 0;
+    // Who has samples of an epoch that is new here was forgotten, or has them of the server before this one: the next one that
+    // it gets is no successor of those, upon which it asks for all anew.
+    client.sample = client.taken = near.taken > 0 ? near.taken + 1 : 0;
     client.window = kFewestSamples;
     client.ledger = {};
     client.outgoing.reset();

@@ -10,6 +10,7 @@
 
 #include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "tests/scratch_folder.hpp"
 #include "tests/sharing/own_network.hpp"
 
 namespace palpate {
@@ -31,8 +32,13 @@ PointCloud square(float height = 0) {
 
 class ServedSquare {
  public:
-  explicit ServedSquare(const PointCloud& cloud, const std::string& name, ServedMotion motion = {})
-      : server_(cloud, {.network = ownNetwork(), .name = name, .sculptable = !motion, .motion = std::move(motion)}),
+  explicit ServedSquare(const PointCloud& cloud, const std::string& name, ServedMotion motion = {},
+                        const std::filesystem::path& journal = {})
+      : server_(cloud, {.network = ownNetwork(),
+                        .name = name,
+                        .sculptable = !motion,
+                        .journal = journal,
+                        .motion = std::move(motion)}),
         thread_([this] { server_.serve(stop_); }) {}
   ~ServedSquare() { end(); }
   ServedCounts end() {
@@ -246,6 +252,28 @@ TEST_CASE(
     }
   }));
   CHECK_FALSE(joined.far->known().isTrue());
+}
+
+TEST_CASE("who was near his hand before a server was started again with its journal goes on there") {
+  const ScratchFolder folder;
+  const PointCloud cloud = square();
+  std::optional<ServedSquare> served(std::in_place, cloud, "journal", ServedMotion{}, folder / "strokes");
+  const JoinedCloud joined = joinNear("journal");
+  BrickSource& source = joined.far->source();
+  const auto comesTo = [&](const DVec3& hip) {
+    source.ask(handAt(hip));
+    return source.await(handAt(hip), 5);
+  };
+  for (const double x : {20.0, 100.0, 180.0}) REQUIRE(comesTo(DVec3(x, 20, 0)));
+  CHECK(within(2, [&] { return joined.far->counts().samples > 256; }));  // more than the new one sends at once
+  served.reset();
+  served.emplace(cloud, "journal", ServedMotion{}, folder / "strokes");
+  CHECK(comesTo(DVec3(100, 180, 0)));
+  CHECK(comesTo(DVec3(20, 180, 0)));
+  const FarCounts counts = joined.far->counts();
+  CHECK(counts.servers == 1);
+  CHECK(counts.resumed == 1);
+  CHECK_NOTHROW(joined.far->check());
 }
 
 }  // namespace palpate
