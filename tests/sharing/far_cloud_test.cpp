@@ -7,6 +7,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/messages.hpp"
@@ -208,6 +209,49 @@ TEST_CASE(
     CHECK(glm::distance(seen[0].place.position, hip) < 5);
   }
   CHECK(served.end().frames > 60);
+}
+
+TEST_CASE("hands that are farther than anything is do not press what moves") {
+  const PointCloud cloud = square();
+  std::mutex lock;
+  std::set<std::string> seen;
+  ServedSquare served(cloud, "pressed", [&](double, std::span<const SeenHand> hands, CloudFrame&) {
+    const std::scoped_lock hold(lock);
+    for (const SeenHand& hand : hands) seen.insert(hand.name);
+    return false;
+  });
+  const Participant participant(ownNetwork());
+  const Topics topics(participant);
+  const Writer<sharing::Hand> hands(participant, topics.hands, bestEffortQos());
+  const Reader<Facts> facts(participant, topics.facts, reliableQos(true));
+  std::optional<Facts> heard;
+  REQUIRE(within(3, [&] {
+    facts.take([&](const Facts& one) { heard = one; });
+    return heard.has_value();
+  }));
+  std::uint32_t number = 0;
+  const auto send = [&](const std::string& name, double x, double proxy) {
+    sharing::Hand hand{};
+    std::memcpy(hand.session, heard->session, sizeof hand.session);
+    put(hand.name, name);
+    hand.client[0] = name.back();
+    hand.position[0] = x;
+    hand.proxy[1] = proxy;
+    hand.number = ++number;
+    hands.write(hand);
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(within(5, [&] {
+    send("far a", 1e30, 0);
+    send("far b", 0, 1e10);
+    send("far c", nan, 0);
+    send("near", 1e4, 100);
+    const std::scoped_lock hold(lock);
+    return seen.contains("near");
+  }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const std::scoped_lock hold(lock);
+  CHECK(seen == std::set<std::string>{"near"});
 }
 
 TEST_CASE("a motion that fails ends what serves it, in its words") {
