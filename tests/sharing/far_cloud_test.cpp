@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -12,7 +13,7 @@
 #include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "tests/scratch_folder.hpp"
-#include "tests/sharing/own_network.hpp"
+#include "tests/sharing/honest_hand.hpp"
 
 namespace palpate {
 
@@ -318,6 +319,116 @@ TEST_CASE("who was near his hand before a server was started again with its jour
   CHECK(counts.servers == 1);
   CHECK(counts.resumed == 1);
   CHECK_NOTHROW(joined.far->check());
+}
+
+namespace {
+
+/// One on the network who says in the server's name what it does not: the next sample that who is near his hand waits for.
+class Forger {
+ public:
+  Forger()
+      : participant_(ownNetwork()),
+        topics_(participant_),
+        nears_(participant_, topics_.nears, bestEffortQos()) {}
+
+  /// Samples that are none, as many as come to be waited for until it holds.
+  bool forge(double seconds, const std::function<bool()>& holds) {
+    return within(seconds, [&] {
+      nears_.take([&](const Near& near) { heard_ = near; });
+      if (heard_) write(*heard_);
+      return holds();
+    });
+  }
+
+ private:
+  void write(const Near& near) {
+    if (!bricks_) bricks_.emplace(participant_, topics_.bricks, reliableQos(false, partitionOf(near.client)));
+    BrickPart part{.key = ~BrickKey{0}, .total = 1, .count = 0};
+    Bricks sample{};
+    std::memcpy(sample.session, near.session, sizeof sample.session);
+    sample.epoch = near.epoch;
+    sample.sample = near.taken + 1;
+    sample.parts._buffer = &part;
+    sample.parts._length = sample.parts._maximum = 1;
+    bricks_->write(sample);
+  }
+
+  Participant participant_;
+  Topics topics_;
+  Reader<Near> nears_;
+  std::optional<Near> heard_;  // but for its balls, which are not ours
+  std::optional<Writer<Bricks>> bricks_;
+};
+
+/// Asks, each time that something is said, how it goes: on a thread of its own, and waits for the answer.
+class AskingListener final : public LogListener {
+ public:
+  void said(std::string_view) override {
+    const FarCloud* const far = far_;
+    if (!far) return;
+    auto answer = std::async(std::launch::async, [far] { return far->counts(); });
+    answered_ += answer.wait_for(std::chrono::seconds(2)) == std::future_status::ready;
+    ++asked_;
+  }
+  void progressed(std::string_view, double) override {}
+  void about(const FarCloud* far) { far_ = far; }
+  int asked() const { return asked_; }
+  int answered() const { return answered_; }
+
+ private:
+  std::atomic<const FarCloud*> far_ = nullptr;
+  std::atomic<int> asked_ = 0, answered_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a sample that is no piece of the cloud is no more than one that is missing, until nothing else comes") {
+  const PointCloud cloud = square();
+  std::optional<ServedSquare> served(std::in_place, cloud, "forged");
+  const JoinedCloud joined = joinNear("forged");
+  BrickSource& source = joined.far->source();
+  source.ask(handAt(DVec3(30, 30, 0)));
+  REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 5));
+  Forger forger;
+  CHECK(forger.forge(5, [&] { return joined.far->counts().resumed >= 3; }));
+  CHECK_NOTHROW(joined.far->check());
+  source.ask(handAt(DVec3(170, 170, 0)));
+  CHECK(source.await(handAt(DVec3(170, 170, 0)), 5));
+  CHECK_NOTHROW(joined.far->check());
+  CHECK(joined.far->known().isTrue());
+  served.reset();
+  CHECK(forger.forge(10, [&] { return !joined.far->known().isTrue(); }));
+  CHECK_THROWS_WITH_AS(joined.far->check(), doctest::Contains("a brick has no such place"), NetworkError);
+}
+
+TEST_CASE("what another hand does within reach of who is near his is a change under that hand") {
+  const PointCloud cloud = square();
+  ServedSquare served(cloud, "changed");
+  const JoinedCloud joined = joinNear("changed");
+  BrickSource& source = joined.far->source();
+  source.ask(handAt(DVec3(50, 50, 0)));
+  REQUIRE(source.await(handAt(DVec3(50, 50, 0)), 5));
+  CHECK_FALSE(within(0.5, [&] { return joined.far->known().isChanging(); }));
+  HonestHand other("changed");
+  CHECK(within(8, [&] { return joined.far->known().isChanging(); }));
+  other.end();
+}
+
+TEST_CASE("who listens to what is said of a silent server may ask meanwhile how it goes") {
+  const PointCloud cloud = square();
+  AskingListener listener;
+  Log log(true);
+  log.listen(&listener);
+  std::optional<ServedSquare> served(std::in_place, cloud, "silent");
+  {
+    const JoinedCloud joined = joinNear("silent", &log);
+    REQUIRE(within(3, [&] { return joined.far->counts().answered > 0; }));
+    listener.about(joined.far.get());
+    served.reset();
+    CHECK(within(6, [&] { return listener.answered() > 0; }));
+    listener.about(nullptr);
+  }
+  CHECK(listener.asked() == listener.answered());
 }
 
 }  // namespace palpate
