@@ -1,5 +1,6 @@
 #include "engine/motion/brick_source.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -59,8 +60,23 @@ void BrickSource::giveUp() {
   came_.notify_all();
 }
 
-void BrickSource::apply(BrickUpdate update) {
+// What was not known, or comes again as it was, changes nothing under a hand.
+bool BrickSource::isOther(const HandReaches& hands, BrickKey key, const Brick& brick) const {
+  const IVec3 at = BrickGrid::brickOf(key);
+  const auto isReached = [&](const HandReach& hand) {
+    const BrickBox box = grid_.boxOf(hand.low, hand.high);
+    return glm::all(glm::lessThanEqual(box.low, at)) && glm::all(glm::lessThanEqual(at, box.high));
+  };
+  if (std::none_of(hands.hands.begin(), hands.hands.begin() + hands.count, isReached)) return false;
+  const auto known = now_.bricks.find(key);
+  return known != now_.bricks.end() && *known->second != brick;
+}
+
+bool BrickSource::apply(BrickUpdate update) {
   const std::scoped_lock hold(lock_);
+  bool isChanged = false;
+  if (const auto hands = asked_.load())
+    for (const auto& [key, brick] : update.bricks) isChanged = isChanged || isOther(*hands, key, *brick);
   const auto remove = [&](BrickKey key) {
     const auto there = now_.bricks.find(key);
     if (there == now_.bricks.end()) return;
@@ -79,6 +95,7 @@ void BrickSource::apply(BrickUpdate update) {
   isWhole_ = update.whole;
   ++now_.version;
   came_.notify_all();
+  return isChanged;
 }
 
 void BrickSource::forget() {

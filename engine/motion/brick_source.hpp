@@ -27,6 +27,7 @@ struct Brick {
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< empty where they have none
 
   std::size_t size() const { return ids.size(); }
+  bool operator==(const Brick&) const = default;
 };
 
 /// What changes at once of what is known.
@@ -87,8 +88,9 @@ class BrickSource final : public CloudSource {
   /// Waits for the same, and for all around it that `wide` reaches, as far as there is room for that.
   bool await(const HandReaches& hands, const HandReaches& wide, double patience_s);
 
-  /// Throws Error for points that are none, or more than there is room for.
-  void apply(BrickUpdate update);
+  /// Whether a brick that a hand reaches (ask()) has other points now than it was known to have. Throws Error for more points
+  /// than there is room for.
+  bool apply(BrickUpdate update);
   /// Nothing is known any more.
   void forget();
   /// From now on await() waits for nobody, and says no.
@@ -116,6 +118,7 @@ class BrickSource final : public CloudSource {
     std::uint64_t version = 0;
   };
   bool knows(const HandReaches& hands) const;
+  bool isOther(const HandReaches& hands, BrickKey key, const Brick& brick) const;
   const State& stateFor(double time_s) const { return awaitedFor_s_ == time_s ? awaited_ : now_; }
   double frameTime(double time_s, double true_s);
 

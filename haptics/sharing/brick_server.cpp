@@ -6,7 +6,11 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostClients = 64;  // at a time; one more takes the place of who was not heard for longest
+constexpr std::size_t kMostClients = 64;  // at a time; one more takes the place of who was heard longest ago,
+constexpr double kGone_s = 5;             // and so long ago: who is near his hand asks twenty times a second
+constexpr std::int32_t kMostWaiting = 4096;  // requests
+constexpr double kLooking_s = 0.005;      // of a turn, for what they ask for: others wait, too
+constexpr double kShowApart_s = 0.005;    // between two times that a frame is looked through
 constexpr double kForgotten_s = 30;       // a client that says nothing for so long is gone
 constexpr LedgerLimits kStill{.known = 1 << 17, .atOnce = 1024};
 constexpr LedgerLimits kMoving{.known = 1 << 13, .atOnce = 1 << 13};
@@ -23,7 +27,7 @@ constexpr std::uint32_t kDropped = 0xffffffff;
 BrickServer::BrickServer(const Parts& parts)
     : parts_(parts),
       facts_(parts.participant, parts.topics.facts, reliableQos(true)),
-      nears_(parts.participant, parts.topics.nears, bestEffortQos()),
+      nears_(parts.participant, parts.topics.nears, keepingLast(bestEffortQos(), kMostWaiting)),
       bricks_(parts.facts.edge) {
   const FarFacts& known = parts.facts;
   Facts facts{};
@@ -58,30 +62,37 @@ bool BrickServer::isWhole(const Near& near) const {
          });
 }
 
-BrickServer::Client& BrickServer::clientOf(const Near& near) {
+// Null where there are too many, who are all at it.
+BrickServer::Client* BrickServer::clientOf(const Near& near) {
   const Id id = idOf(near.client);
-  if (const auto there = clients_.find(id); there != clients_.end()) return there->second;
-  if (clients_.size() >= kMostClients)
-    clients_.erase(
-        std::ranges::max_element(clients_, {}, [](const auto& entry) { return entry.second.heard.elapsed_s(); }));
+  if (const auto there = clients_.find(id); there != clients_.end()) return &there->second;
+  if (clients_.size() >= kMostClients) {
+    const auto last =
+        std::ranges::max_element(clients_, {}, [](const auto& entry) { return entry.second.heard.elapsed_s(); });
+    if (last->second.heard.elapsed_s() < kGone_s) return nullptr;
+    clients_.erase(last);
+  }
   ++counts_.clients;
   if (parts_.log) parts_.log->say("{} feels the points around its hands", printable(near.host));
   Client& client = clients_[id];
   client.writer =
       Writer<Bricks>(parts_.participant, parts_.topics.bricks, reliableQos(false, partitionOf(near.client)));
-  return client;
+  return &client;
 }
 
 void BrickServer::take(const Near& near) {
-  if (!isWhole(near)) {
+  Client* const known = isWhole(near) ? clientOf(near) : nullptr;
+  if (!known) {
     ++counts_.refused;
     return;
   }
-  Client& client = clientOf(near);
+  Client& client = *known;
   client.heard = {};
   if (near.epoch > client.epoch) {
     client.epoch = near.epoch;
-    client.sample = client.taken = 0;
+    // Who has samples of an epoch that is new here was forgotten, or has them of the server before this one: the next one that
+    // it gets is no successor of those, upon which it asks for all anew.
+    client.sample = client.taken = near.taken > 0 ? near.taken + 1 : 0;
     client.window = kFewestSamples;
     client.ledger = {};
     client.outgoing.reset();
@@ -97,10 +108,28 @@ void BrickServer::take(const Near& near) {
     const palpate_sharing_Ball& ball = near.balls._buffer[i];
     balls.push_back({.center = DVec3(ball.center[0], ball.center[1], ball.center[2]), .radius = ball.radius});
   }
-  if (balls == client.balls) return;
-  client.balls = std::move(balls);
-  client.wanted = bricksIn(client.balls, bricks_.grid());
-  client.wantsMore = wantedChanged_ = true;
+  Wanted& wanted = client.wanted;
+  if (balls == (wanted.asked ? *wanted.asked : wanted.balls)) return;
+  if (!wanted.asked) wanted.since = Stopwatch::Clock::now();
+  wanted.asked = std::move(balls);
+}
+
+// Who has waited for it longest first. True where somebody has to wait for the next turn.
+bool BrickServer::lookAround() {
+  std::vector<Client*> waiting;
+  for (auto& [id, client] : clients_)
+    if (client.wanted.asked) waiting.push_back(&client);
+  std::ranges::sort(waiting, {}, [](const Client* client) { return client->wanted.since; });
+  const Stopwatch since;
+  for (Client* const client : waiting) {
+    if (since.elapsed_s() > kLooking_s) return true;
+    Wanted& wanted = client->wanted;
+    wanted.balls = std::move(*wanted.asked);
+    wanted.asked.reset();
+    wanted.bricks = bricksIn(wanted.balls, bricks_.grid());
+    client->wantsMore = shown_.isOld = true;
+  }
+  return false;
 }
 
 void BrickServer::acknowledge(Client& client, std::uint64_t taken) {
@@ -115,15 +144,21 @@ void BrickServer::acknowledge(Client& client, std::uint64_t taken) {
 }
 
 void BrickServer::show(std::shared_ptr<const CloudFrame> frame) {
-  frame_ = std::move(frame);
-  showWanted();
+  shown_.frame = std::move(frame);
+  shown_.isOld = true;
 }
 
-void BrickServer::showWanted() {
-  wantedChanged_ = false;
+// In so many seconds there may be something to show.
+double BrickServer::showWanted() {
+  if (!shown_.frame || !shown_.isOld) return kIdle_s;
+  const double wait_s = shown_.since ? kShowApart_s - shown_.since->elapsed_s() : 0;
+  if (wait_s > 0) return wait_s;
+  shown_.since.emplace();
+  shown_.isOld = false;
   std::unordered_set<BrickKey> wanted;
-  for (const auto& [id, client] : clients_) wanted.insert(client.wanted.begin(), client.wanted.end());
-  if (frame_) bricks_.show(*frame_, wanted);
+  for (const auto& [id, client] : clients_) wanted.insert(client.wanted.bricks.begin(), client.wanted.bricks.end());
+  bricks_.show(*shown_.frame, wanted);
+  return kIdle_s;
 }
 
 // Of a cloud that stands still: with what was done to it.
@@ -144,8 +179,9 @@ void BrickServer::follow() {
 double BrickServer::write() {
   if (clients_.empty()) return kIdle_s;
   if (!parts_.facts.moves) follow();
-  if (parts_.facts.moves && wantedChanged_) showWanted();
-  double next_s = kIdle_s;
+  const bool isLeft = lookAround();
+  double next_s = parts_.facts.moves ? showWanted() : kIdle_s;
+  if (isLeft) next_s = 0;
   constexpr int kInTurn = 64;  // samples
   for (auto& [id, client] : clients_) {
     int written = 0;
@@ -171,8 +207,8 @@ bool BrickServer::mayBegin(const Client& client) const {
 bool BrickServer::begin(Client& client) {
   if (client.epoch == 0 || (!client.wantsMore && client.seen == bricks_.version()) || !mayBegin(client)) return false;
   const bool moves = parts_.facts.moves;
-  if (moves && !frame_) return false;
-  Outgoing going{.step = client.ledger.next(client.balls, client.wanted, bricks_, moves ? kMoving : kStill),
+  if (moves && !shown_.since) return false;
+  Outgoing going{.step = client.ledger.next(client.wanted.balls, client.wanted.bricks, bricks_, moves ? kMoving : kStill),
                  .true_s = bricks_.true_s()};
   client.wantsMore = !going.step.whole;
   client.seen = bricks_.version();

@@ -60,12 +60,18 @@ class BrickServer {
     std::uint64_t sample = 0;
     Stopwatch since;
   };
+  // What is wanted around a client's hands, and what it has asked for since, where nobody has looked yet which bricks that are.
+  struct Wanted {
+    std::vector<Ball> balls;
+    std::vector<BrickKey> bricks;
+    std::optional<std::vector<Ball>> asked;
+    Stopwatch::Clock::time_point since;  // it has waited
+  };
   struct Client {
     Writer<Bricks> writer;  // in its partition
     std::uint32_t number = 0, epoch = 0;
     std::uint64_t sample = 0, taken = 0, window = 0;
-    std::vector<Ball> balls;
-    std::vector<BrickKey> wanted;
+    Wanted wanted;
     std::uint64_t seen = 0;       // version of the bricks for which nothing was left to do
     bool wantsMore = true;        // since then it has asked for something else
     BrickLedger ledger;
@@ -76,10 +82,11 @@ class BrickServer {
   };
   void take(const Near& near);
   bool isWhole(const Near& near) const;
-  Client& clientOf(const Near& near);
+  Client* clientOf(const Near& near);
   void acknowledge(Client& client, std::uint64_t taken);
+  bool lookAround();
   void follow();
-  void showWanted();
+  double showWanted();
   bool mayBegin(const Client& client) const;
   bool begin(Client& client);
   bool writeSample(Client& client);
@@ -92,8 +99,14 @@ class BrickServer {
   std::map<Id, Client> clients_;
   ServedBricks bricks_;
   SharedPoints::Place place_;  // up to where the bricks have followed
-  bool isBuilt_ = false, wantedChanged_ = false;
-  std::shared_ptr<const CloudFrame> frame_;
+  bool isBuilt_ = false;
+  // Of points that move.
+  struct Shown {
+    std::shared_ptr<const CloudFrame> frame;
+    bool isOld = false;  // it is another one, or has been looked through for others than are wanted
+    std::optional<Stopwatch> since;  // nothing: never
+  };
+  Shown shown_;
   std::vector<PointState> states_;
   // Of the sample that is written.
   std::vector<BrickPart> heads_;

@@ -89,7 +89,13 @@ struct CloudServer::Link {
                                     .points = shared,
                                     .log = parts.log});
     near->attach(wait);
-    if (parts.motion) moving.emplace(parts.motion, parts.motion_Hz, participant, topics, session);
+    if (parts.motion)
+      moving.emplace(MotionThread::Parts{.motion = parts.motion,
+                                         .rate_Hz = parts.motion_Hz,
+                                         .cloud = cloud,
+                                         .participant = participant,
+                                         .topics = topics,
+                                         .session = session});
   }
 
   // With what the journal has, where there is one.

@@ -1,17 +1,16 @@
 #include "haptics/sharing/far_link.hpp"
 
 #include <algorithm>
-#include <deque>
 #include <mutex>
 #include <thread>
 #include <utility>
 
 #include "engine/core/clock.hpp"
-#include "engine/core/statistics.hpp"
 #include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/brick_assembly.hpp"
 #include "haptics/sharing/hand_balls.hpp"
 #include "haptics/sharing/joined_session.hpp"
+#include "haptics/sharing/link_probe.hpp"
 
 namespace palpate {
 
@@ -25,8 +24,8 @@ constexpr double kAsk_s = 0.05;          // between two questions where nothing 
 constexpr double kNews_s = 0.005;        // and where something is
 constexpr double kSilent_s = 3;          // after which another server of the same points is looked for
 constexpr double kHand_s = 1.0 / 60;     // between two places of a hand that others see
-constexpr double kPing_s = 0.5, kFirstPings_s = 0.05;
-constexpr std::size_t kTrips = 32, kFirstPings = 8;
+constexpr int kMostSpoilt = 100;         // samples that are none, before one step has come whole
+constexpr std::int32_t kMostFacts = 1000;  // of sessions
 constexpr double kFirstTrip_s = 0.1;     // until one is known
 constexpr double kLeastSpeed_mm_s = 60;  // of a hand that may set out
 constexpr double kFastestOf_s = 5;       // how long the fastest way from the server counts
@@ -61,8 +60,7 @@ class FarLink final : public FarCloud {
         balls_(parts.facts.edge, kLeastSpeed_mm_s / parts.notice.mm_per_unit),
         nears_(to_.participant, to_.topics.nears, bestEffortQos()),
         handWriter_(to_.participant, to_.topics.hands, bestEffortQos()),
-        pings_(to_.participant, to_.topics.pings, bestEffortQos()),
-        echoes_(to_.participant, to_.topics.echoes, bestEffortQos()),
+        probe_(to_),
         notices_(to_.participant, to_.topics),
         wait_(std::in_place, to_.participant) {
     std::uint8_t own[16];
@@ -85,7 +83,10 @@ class FarLink final : public FarCloud {
     counts.known = known.points;
     counts.silent_s = lastHeard_.elapsed_s();
     counts.longestSilent_s = std::max(counts.longestSilent_s, counts.silent_s);
-    if (!trips_ms_.empty()) counts.roundTrip_ms = summarize({trips_ms_.begin(), trips_ms_.end()}).p50;
+    const LinkCounts link = probe_.counts();
+    counts.pings = link.pings;
+    counts.answered = link.answered;
+    counts.roundTrip_ms = link.roundTrip_ms;
     return counts;
   }
 
@@ -99,43 +100,63 @@ class FarLink final : public FarCloud {
     try {
       while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
         wait_->sleep(kLook_s);
-        const std::scoped_lock hold(lock_);
-        hear();
-        hearEchoes();
-        watchServer();
-        if (const auto hands = source_.asked()) {
-          ask(*hands);
-          showHand(*hands);
+        {
+          const std::scoped_lock hold(lock_);
+          turn();
         }
-        ping();
+        tell();
       }
     } catch (const std::exception& error) {
       const std::scoped_lock hold(lock_);
       fail(fmt::format("'{}' of {}: {}", to_.name, to_.host, error.what()));
     }
+    tell();
     wait_.reset();
     bricks_ = {};
+  }
+
+  void turn() {
+    hear();
+    probe();
+    watchServer();
+    if (const auto hands = source_.asked()) {
+      ask(*hands);
+      showHand(*hands);
+    }
   }
 
   void hear() {
     bool gap = false;
     bricks_.take([&](const Bricks& sample) {
       if (gap || !isSame(sample.session, server_)) return;
-      const BrickAssembly::Heard heard = assembly_.hear(sample);
-      if (heard == BrickAssembly::Heard::old) return;
-      gap = heard == BrickAssembly::Heard::gap;
-      if (gap) return;
-      ++counts_.samples;
-      counts_.points += sample.points._length;
-      isHeardNow();
-      if (auto update = assembly_.takeUpdate()) {
-        update->true_s = way_.arrived(steadyNow_s(), update->true_s);
-        source_.apply(std::move(*update));
-        ++counts_.updates;
-        counts_.mostKnown = std::max(counts_.mostKnown, source_.known().points);
+      try {
+        gap = !take(sample);
+      } catch (const Error&) {
+        // Damaged on the way, or another's: what it stood for comes anew, unless nothing else comes.
+        if (++spoilt_ > kMostSpoilt) throw;
+        gap = true;
       }
     });
     if (gap) restart();
+  }
+
+  // False where something is missing before it.
+  bool take(const Bricks& sample) {
+    const BrickAssembly::Heard heard = assembly_.hear(sample);
+    if (heard == BrickAssembly::Heard::old) return true;
+    if (heard == BrickAssembly::Heard::gap) return false;
+    ++counts_.samples;
+    counts_.points += sample.points._length;
+    isHeardNow();
+    if (auto update = assembly_.takeUpdate()) {
+      update->true_s = way_.arrived(steadyNow_s(), update->true_s);
+      const bool isChanged = source_.apply(std::move(*update));
+      if (isChanged && !parts_.facts.moves) known_.changed();
+      spoilt_ = 0;
+      ++counts_.updates;
+      counts_.mostKnown = std::max(counts_.mostKnown, source_.known().points);
+    }
+    return true;
   }
 
   void restart() {
@@ -150,17 +171,11 @@ class FarLink final : public FarCloud {
     known_.heard();
   }
 
-  void hearEchoes() {
-    echoes_.take([&](const Ping& echo) {
-      if (!isSame(echo.session, server_) || !isSame(echo.client, to_.client)) return;
-      const double trip_us = since_.elapsed_us() - echo.sent_us;
-      if (echo.number > counts_.pings || !(trip_us >= 0)) return;
-      isHeardNow();
-      ++counts_.answered;
-      trips_ms_.push_back(trip_us * 1e-3);
-      if (trips_ms_.size() > kTrips) trips_ms_.pop_front();
-      known_.setRoundTrip(trip_s());
-    });
+  void probe() {
+    if (!probe_.turn()) return;
+    isHeardNow();
+    trip_s_ = 1e-3 * probe_.counts().roundTrip_ms.value();
+    known_.setRoundTrip(trip_s_);
   }
 
   // Silence is said, and its end. One that serves the same points anew is as good as the one before.
@@ -177,13 +192,15 @@ class FarLink final : public FarCloud {
         return fail(fmt::format("'{}' of {} has other points now; join it again", to_.name, notice.host));
       left_.insert(server_);
       server_ = notice.session;
+      probe_.follow(server_);
+      way_ = {};  // its clock is another one
       ++counts_.servers;
       return restart();
     }
   }
 
   void ask(const HandReaches& hands) {
-    std::vector<Ball> balls = balls_.around(hands, trip_s());
+    std::vector<Ball> balls = balls_.around(hands, trip_s_);
     isNew_ = isNew_ || balls != asked_ || assembly_.taken() != told_;
     if (lastAsked_.elapsed_s() < (isNew_ ? kNews_s : kAsk_s)) return;
     isNew_ = false;
@@ -203,21 +220,6 @@ class FarLink final : public FarCloud {
     near.balls._buffer = said.data();
     near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(said.size());
     nears_.write(near);
-  }
-
-  double trip_s() const {
-    return trips_ms_.empty() ? kFirstTrip_s : 1e-3 * summarize({trips_ms_.begin(), trips_ms_.end()}).p50;
-  }
-
-  void ping() {
-    if (lastPing_.elapsed_s() < (counts_.pings < kFirstPings ? kFirstPings_s : kPing_s)) return;
-    lastPing_ = {};
-    Ping ping{};
-    set(ping.session, server_);
-    set(ping.client, to_.client);
-    ping.number = static_cast<std::uint32_t>(++counts_.pings);
-    ping.sent_us = since_.elapsed_us();
-    pings_.write(ping);
   }
 
   // The first one, for others to see.
@@ -248,11 +250,19 @@ class FarLink final : public FarCloud {
     say(why);
   }
 
-  // Whoever listens may end what says it, which would be this hand's part in the session.
-  void say(const std::string& what) const {
+  void say(std::string what) { untold_.push_back(std::move(what)); }
+
+  // Without the lock, which others may wait for: who listens takes as long as it likes. It may also end what says it, which
+  // would be this hand's part in the session.
+  void tell() {
+    std::vector<std::string> said;
+    {
+      const std::scoped_lock hold(lock_);
+      said.swap(untold_);
+    }
     if (!parts_.log) return;
     try {
-      parts_.log->say("{}", what);
+      for (const std::string& what : said) parts_.log->say("{}", what);
     } catch (...) {
     }
   }
@@ -269,21 +279,22 @@ class FarLink final : public FarCloud {
   HandBalls balls_;
   Writer<Near> nears_;
   Writer<Hand> handWriter_;
-  Writer<Ping> pings_;
+  LinkProbe probe_;
   Reader<Bricks> bricks_;
-  Reader<Ping> echoes_;
   SessionNotices notices_;
   std::optional<ReaderWait> wait_;  // the thread's alone
   FastestWay way_;
   FarCounts counts_;
   std::string fault_;
-  std::deque<double> trips_ms_;
+  std::vector<std::string> untold_;  // what the log has not heard
+  int spoilt_ = 0;                   // samples since a step has come whole
+  double trip_s_ = kFirstTrip_s;
   std::vector<Ball> asked_;
   std::uint64_t told_ = 0;
   bool isNew_ = true;
   std::uint32_t questions_ = 0, handsShown_ = 0;
   double lastShown_s_ = -1;
-  Stopwatch since_, lastHeard_, lastAsked_, lastPing_, shown_;
+  Stopwatch lastHeard_, lastAsked_, shown_;
   InformationAge known_;
   bool wasWhole_ = true;
   std::jthread thread_;  // goes first
@@ -294,7 +305,8 @@ class FarLink final : public FarCloud {
 std::unique_ptr<FarCloud> openFarCloud(const FarParts& parts) { return std::make_unique<FarLink>(parts); }
 
 std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s) {
-  const Reader<Facts> reader(session.participant, session.topics.facts, reliableQos(true));
+  const Reader<Facts> reader(session.participant, session.topics.facts,
+                             keepingInstances(reliableQos(true), kMostFacts));
   ReaderWait wait(session.participant);
   wait.attach(reader);
   std::optional<FarFacts> heard;

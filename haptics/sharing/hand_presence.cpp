@@ -11,17 +11,28 @@ namespace {
 constexpr double kHand_s = 1.0 / 60;  // between two places of a hand
 constexpr double kHandSeen_s = 2;     // after which a hand that says nothing is gone
 constexpr double kFarthest = 1e6;     // that a hand can be, sizes of the cloud
-constexpr std::size_t kMostHands = 256, kMostInstances = 1024;
+constexpr std::size_t kMostHands = 256;
 
 }  // namespace
+
+HandRoom::HandRoom(const PointCloud& cloud)
+    : middle_(cloud.origin + boundsOf(cloud).center()),
+      farthest_(kFarthest * std::max(1.0, boundsOf(cloud).longestSide())) {}
+
+std::optional<HandPlace> HandRoom::placeOf(const Hand& hand) const {
+  const DVec3 position(hand.position[0], hand.position[1], hand.position[2]);
+  const DVec3 proxy(hand.proxy[0], hand.proxy[1], hand.proxy[2]);
+  if (!(glm::distance(position, middle_) < farthest_) || !(glm::distance(proxy, middle_) < farthest_))
+    return std::nullopt;
+  return HandPlace{.position = position, .proxy = proxy, .touching = hand.touching, .sculpts = hand.sculpts};
+}
 
 HandPresence::HandPresence(const JoinedSession& session, std::string name, const PointCloud& cloud)
     : session_(session),
       name_(std::move(name)),
-      middle_(cloud.origin + boundsOf(cloud).center()),
-      farthest_(kFarthest * std::max(1.0, boundsOf(cloud).longestSide())),
+      room_(cloud),
       writer_(session.participant, session.topics.hands, bestEffortQos()),
-      reader_(session.participant, session.topics.hands, keepingInstances(bestEffortQos(), kMostInstances)) {}
+      reader_(session.participant, session.topics.hands, keepingInstances(bestEffortQos(), kMostShownHands)) {}
 
 void HandPresence::turn() {
   reader_.take([&](const Hand& hand) { hear(hand); });
@@ -41,10 +52,8 @@ std::vector<SeenHand> HandPresence::others() const {
 
 void HandPresence::hear(const Hand& hand) {
   if (!isSame(hand.session, session_.session) || isSame(hand.client, session_.client)) return;
-  const DVec3 position(hand.position[0], hand.position[1], hand.position[2]);
-  const DVec3 proxy(hand.proxy[0], hand.proxy[1], hand.proxy[2]);
-  // Nobody looks that far, and nothing that draws has to.
-  if (!(glm::distance(position, middle_) < farthest_) || !(glm::distance(proxy, middle_) < farthest_)) return;
+  const std::optional<HandPlace> place = room_.placeOf(hand);
+  if (!place) return;
   const Id client = idOf(hand.client);
   if (!others_.contains(client) && others_.size() >= kMostHands) return;
   Other& other = others_[client];
@@ -53,7 +62,7 @@ void HandPresence::hear(const Hand& hand) {
   other.last = hand.number;
   other.since = {};
   other.seen.name = printable(hand.name);
-  other.seen.place = {.position = position, .proxy = proxy, .touching = hand.touching, .sculpts = hand.sculpts};
+  other.seen.place = *place;
 }
 
 void HandPresence::show() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,21 @@
 #include "haptics/sharing/joined_session.hpp"
 
 namespace palpate::sharing {
+
+/// Clients whose hands wait to be heard, at most.
+inline constexpr std::int32_t kMostShownHands = 1024;
+
+/// How far a hand can be from a cloud: farther nobody looks, and nothing that draws or computes has to.
+class HandRoom {
+ public:
+  explicit HandRoom(const PointCloud& cloud);
+  /// Nothing where it is beyond, or nowhere.
+  std::optional<HandPlace> placeOf(const Hand& hand) const;
+
+ private:
+  DVec3 middle_;
+  double farthest_;
+};
 
 /// One thread uses it at a time, but for moved() and place().
 class HandPresence {
@@ -37,8 +53,7 @@ class HandPresence {
 
   const JoinedSession& session_;
   std::string name_;
-  DVec3 middle_;
-  double farthest_;  // that another hand can be from there
+  HandRoom room_;
   Writer<Hand> writer_;
   Reader<Hand> reader_;
   std::map<Id, Other> others_;

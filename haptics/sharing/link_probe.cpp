@@ -4,28 +4,32 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kPing_s = 0.2;
+constexpr double kPing_s = 0.2, kFirstPings_s = 0.05;
+constexpr std::uint32_t kFirstPings = 8;
 
 }  // namespace
 
 LinkProbe::LinkProbe(const JoinedSession& session)
-    : session_(session),
+    : server_(session.session),
+      client_(session.client),
       pings_(session.participant, session.topics.pings, bestEffortQos()),
       echoes_(session.participant, session.topics.echoes, bestEffortQos()) {}
 
-void LinkProbe::turn() {
+bool LinkProbe::turn() {
+  bool isAnswered = false;
   echoes_.take([&](const Ping& echo) {
-    if (isSame(echo.session, session_.session) && isSame(echo.client, session_.client))
-      statistics_.answered(echo.number, since_.elapsed_s());
+    if (isSame(echo.session, server_) && isSame(echo.client, client_))
+      isAnswered = statistics_.answered(echo.number, since_.elapsed_s()) || isAnswered;
   });
-  if (lastPing_.elapsed_s() < kPing_s) return;
+  if (lastPing_.elapsed_s() < (sent_ < kFirstPings ? kFirstPings_s : kPing_s)) return isAnswered;
   lastPing_ = {};
   Ping ping{};
-  set(ping.session, session_.session);
-  set(ping.client, session_.client);
-  ping.number = statistics_.sent(since_.elapsed_s());
+  set(ping.session, server_);
+  set(ping.client, client_);
+  ping.number = sent_ = statistics_.sent(since_.elapsed_s());
   ping.sent_us = since_.elapsed_us();
   pings_.write(ping);
+  return isAnswered;
 }
 
 }  // namespace palpate::sharing

@@ -22,13 +22,14 @@ std::uint32_t LinkStatistics::sent(double now_s) {
   return ++numbers_;
 }
 
-void LinkStatistics::answered(std::uint32_t number, double now_s) {
+bool LinkStatistics::answered(std::uint32_t number, double now_s) {
   const std::uint32_t before = numbers_ - static_cast<std::uint32_t>(last_.size());
-  if (number <= before || number > numbers_) return;
+  if (number <= before || number > numbers_) return false;
   Ping& ping = last_[number - before - 1];
-  if (ping.trip_s >= 0 || !(now_s >= ping.sent_s)) return;
+  if (ping.trip_s >= 0 || !(now_s >= ping.sent_s)) return false;
   ping.trip_s = now_s - ping.sent_s;
   ++answered_;
+  return true;
 }
 
 LinkCounts LinkStatistics::counts(double now_s) const {

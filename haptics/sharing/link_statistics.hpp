@@ -13,8 +13,8 @@ class LinkStatistics {
  public:
   /// A ping goes out: its number, from 1 on.
   std::uint32_t sent(double now_s);
-  /// Its echo has come. Nothing where none of the last pings had that number, or it came before.
-  void answered(std::uint32_t number, double now_s);
+  /// Its echo has come. False where none of the last pings had that number, or it came before: that counts for nothing.
+  bool answered(std::uint32_t number, double now_s);
   LinkCounts counts(double now_s) const;
 
  private:

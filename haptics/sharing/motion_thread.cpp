@@ -12,12 +12,12 @@ constexpr std::size_t kMostKnown = 256;
 
 }  // namespace
 
-MotionThread::MotionThread(const ServedMotion& motion, double rate_Hz, const Participant& participant,
-                           const Topics& topics, const Id& session)
-    : motion_(motion),
-      apart_s_(1 / rate_Hz),
-      reader_(participant, topics.hands, bestEffortQos()),
-      session_(session),
+MotionThread::MotionThread(const Parts& parts)
+    : motion_(parts.motion),
+      apart_s_(1 / parts.rate_Hz),
+      room_(parts.cloud),
+      reader_(parts.participant, parts.topics.hands, keepingInstances(bestEffortQos(), kMostShownHands)),
+      session_(parts.session),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 std::shared_ptr<const CloudFrame> MotionThread::newest() {
@@ -29,15 +29,14 @@ std::shared_ptr<const CloudFrame> MotionThread::newest() {
 void MotionThread::hearHands() {
   reader_.take([&](const palpate_sharing_Hand& hand) {
     if (!isSame(hand.session, session_)) return;
-    const DVec3 position(hand.position[0], hand.position[1], hand.position[2]);
-    const DVec3 proxy(hand.proxy[0], hand.proxy[1], hand.proxy[2]);
+    const std::optional<HandPlace> place = room_.placeOf(hand);
     const Id client = idOf(hand.client);
-    if (!isFinite(position) || !isFinite(proxy) || (!hands_.contains(client) && hands_.size() >= kMostKnown)) return;
+    if (!place || (!hands_.contains(client) && hands_.size() >= kMostKnown)) return;
     Hand& known = hands_[client];
     known.since = {};
     std::memcpy(&known.seen.number, client.data(), sizeof known.seen.number);
     known.seen.name = printable(hand.name);
-    known.seen.place = {.position = position, .proxy = proxy, .touching = hand.touching, .sculpts = hand.sculpts};
+    known.seen.place = *place;
   });
   std::erase_if(hands_, [](const auto& one) { return one.second.since.elapsed_s() > kGone_s; });
 }

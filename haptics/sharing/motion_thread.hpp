@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "engine/core/clock.hpp"
+#include "haptics/sharing/hand_presence.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 
@@ -17,8 +18,15 @@ namespace palpate::sharing {
 /// Moves them on a thread of its own from its beginning to its end, and hears where hands are meanwhile.
 class MotionThread {
  public:
-  MotionThread(const ServedMotion& motion, double rate_Hz, const Participant& participant, const Topics& topics,
-               const Id& session);
+  struct Parts {
+    ServedMotion motion;
+    double rate_Hz = 60;
+    const PointCloud& cloud;  ///< as it begins: about which hands are
+    const Participant& participant;
+    const Topics& topics;
+    Id session;
+  };
+  explicit MotionThread(const Parts& parts);
   /// What has come since the last call; null: nothing. Throws what the motion has thrown.
   std::shared_ptr<const CloudFrame> newest();
   std::uint64_t frames() const { return frames_; }
@@ -33,6 +41,7 @@ class MotionThread {
 
   ServedMotion motion_;
   double apart_s_;
+  HandRoom room_;
   Reader<palpate_sharing_Hand> reader_;
   Id session_;
   std::map<Id, Hand> hands_;

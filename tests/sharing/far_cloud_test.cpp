@@ -5,12 +5,15 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <future>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/messages.hpp"
-#include "tests/sharing/own_network.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/sharing/honest_hand.hpp"
 
 namespace palpate {
 
@@ -31,8 +34,13 @@ PointCloud square(float height = 0) {
 
 class ServedSquare {
  public:
-  explicit ServedSquare(const PointCloud& cloud, const std::string& name, ServedMotion motion = {})
-      : server_(cloud, {.network = ownNetwork(), .name = name, .sculptable = !motion, .motion = std::move(motion)}),
+  explicit ServedSquare(const PointCloud& cloud, const std::string& name, ServedMotion motion = {},
+                        const std::filesystem::path& journal = {})
+      : server_(cloud, {.network = ownNetwork(),
+                        .name = name,
+                        .sculptable = !motion,
+                        .journal = journal,
+                        .motion = std::move(motion)}),
         thread_([this] { server_.serve(stop_); }) {}
   ~ServedSquare() { end(); }
   ServedCounts end() {
@@ -204,6 +212,49 @@ TEST_CASE(
   CHECK(served.end().frames > 60);
 }
 
+TEST_CASE("hands that are farther than anything is do not press what moves") {
+  const PointCloud cloud = square();
+  std::mutex lock;
+  std::set<std::string> seen;
+  ServedSquare served(cloud, "pressed", [&](double, std::span<const SeenHand> hands, CloudFrame&) {
+    const std::scoped_lock hold(lock);
+    for (const SeenHand& hand : hands) seen.insert(hand.name);
+    return false;
+  });
+  const Participant participant(ownNetwork());
+  const Topics topics(participant);
+  const Writer<sharing::Hand> hands(participant, topics.hands, bestEffortQos());
+  const Reader<Facts> facts(participant, topics.facts, reliableQos(true));
+  std::optional<Facts> heard;
+  REQUIRE(within(3, [&] {
+    facts.take([&](const Facts& one) { heard = one; });
+    return heard.has_value();
+  }));
+  std::uint32_t number = 0;
+  const auto send = [&](const std::string& name, double x, double proxy) {
+    sharing::Hand hand{};
+    std::memcpy(hand.session, heard->session, sizeof hand.session);
+    put(hand.name, name);
+    hand.client[0] = name.back();
+    hand.position[0] = x;
+    hand.proxy[1] = proxy;
+    hand.number = ++number;
+    hands.write(hand);
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(within(5, [&] {
+    send("far a", 1e30, 0);
+    send("far b", 0, 1e10);
+    send("far c", nan, 0);
+    send("near", 1e4, 100);
+    const std::scoped_lock hold(lock);
+    return seen.contains("near");
+  }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const std::scoped_lock hold(lock);
+  CHECK(seen == std::set<std::string>{"near"});
+}
+
 TEST_CASE("a motion that fails ends what serves it, in its words") {
   const PointCloud cloud = square();
   CloudServer server(
@@ -246,6 +297,138 @@ TEST_CASE(
     }
   }));
   CHECK_FALSE(joined.far->known().isTrue());
+}
+
+TEST_CASE("who was near his hand before a server was started again with its journal goes on there") {
+  const ScratchFolder folder;
+  const PointCloud cloud = square();
+  std::optional<ServedSquare> served(std::in_place, cloud, "journal", ServedMotion{}, folder / "strokes");
+  const JoinedCloud joined = joinNear("journal");
+  BrickSource& source = joined.far->source();
+  const auto comesTo = [&](const DVec3& hip) {
+    source.ask(handAt(hip));
+    return source.await(handAt(hip), 5);
+  };
+  for (const double x : {20.0, 100.0, 180.0}) REQUIRE(comesTo(DVec3(x, 20, 0)));
+  CHECK(within(2, [&] { return joined.far->counts().samples > 256; }));  // more than the new one sends at once
+  served.reset();
+  served.emplace(cloud, "journal", ServedMotion{}, folder / "strokes");
+  CHECK(comesTo(DVec3(100, 180, 0)));
+  CHECK(comesTo(DVec3(20, 180, 0)));
+  const FarCounts counts = joined.far->counts();
+  CHECK(counts.servers == 1);
+  CHECK(counts.resumed == 1);
+  CHECK_NOTHROW(joined.far->check());
+}
+
+namespace {
+
+/// One on the network who says in the server's name what it does not: the next sample that who is near his hand waits for.
+class Forger {
+ public:
+  Forger()
+      : participant_(ownNetwork()),
+        topics_(participant_),
+        nears_(participant_, topics_.nears, bestEffortQos()) {}
+
+  /// Samples that are none, as many as come to be waited for until it holds.
+  bool forge(double seconds, const std::function<bool()>& holds) {
+    return within(seconds, [&] {
+      nears_.take([&](const Near& near) { heard_ = near; });
+      if (heard_) write(*heard_);
+      return holds();
+    });
+  }
+
+ private:
+  void write(const Near& near) {
+    if (!bricks_) bricks_.emplace(participant_, topics_.bricks, reliableQos(false, partitionOf(near.client)));
+    BrickPart part{.key = ~BrickKey{0}, .total = 1, .count = 0};
+    Bricks sample{};
+    std::memcpy(sample.session, near.session, sizeof sample.session);
+    sample.epoch = near.epoch;
+    sample.sample = near.taken + 1;
+    sample.parts._buffer = &part;
+    sample.parts._length = sample.parts._maximum = 1;
+    bricks_->write(sample);
+  }
+
+  Participant participant_;
+  Topics topics_;
+  Reader<Near> nears_;
+  std::optional<Near> heard_;  // but for its balls, which are not ours
+  std::optional<Writer<Bricks>> bricks_;
+};
+
+/// Asks, each time that something is said, how it goes: on a thread of its own, and waits for the answer.
+class AskingListener final : public LogListener {
+ public:
+  void said(std::string_view) override {
+    const FarCloud* const far = far_;
+    if (!far) return;
+    auto answer = std::async(std::launch::async, [far] { return far->counts(); });
+    answered_ += answer.wait_for(std::chrono::seconds(2)) == std::future_status::ready;
+    ++asked_;
+  }
+  void progressed(std::string_view, double) override {}
+  void about(const FarCloud* far) { far_ = far; }
+  int asked() const { return asked_; }
+  int answered() const { return answered_; }
+
+ private:
+  std::atomic<const FarCloud*> far_ = nullptr;
+  std::atomic<int> asked_ = 0, answered_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a sample that is no piece of the cloud is no more than one that is missing, until nothing else comes") {
+  const PointCloud cloud = square();
+  std::optional<ServedSquare> served(std::in_place, cloud, "forged");
+  const JoinedCloud joined = joinNear("forged");
+  BrickSource& source = joined.far->source();
+  source.ask(handAt(DVec3(30, 30, 0)));
+  REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 5));
+  Forger forger;
+  CHECK(forger.forge(5, [&] { return joined.far->counts().resumed >= 3; }));
+  CHECK_NOTHROW(joined.far->check());
+  source.ask(handAt(DVec3(170, 170, 0)));
+  CHECK(source.await(handAt(DVec3(170, 170, 0)), 5));
+  CHECK_NOTHROW(joined.far->check());
+  CHECK(joined.far->known().isTrue());
+  served.reset();
+  CHECK(forger.forge(10, [&] { return !joined.far->known().isTrue(); }));
+  CHECK_THROWS_WITH_AS(joined.far->check(), doctest::Contains("a brick has no such place"), NetworkError);
+}
+
+TEST_CASE("what another hand does within reach of who is near his is a change under that hand") {
+  const PointCloud cloud = square();
+  ServedSquare served(cloud, "changed");
+  const JoinedCloud joined = joinNear("changed");
+  BrickSource& source = joined.far->source();
+  source.ask(handAt(DVec3(50, 50, 0)));
+  REQUIRE(source.await(handAt(DVec3(50, 50, 0)), 5));
+  CHECK_FALSE(within(0.5, [&] { return joined.far->known().isChanging(); }));
+  HonestHand other("changed");
+  CHECK(within(8, [&] { return joined.far->known().isChanging(); }));
+  other.end();
+}
+
+TEST_CASE("who listens to what is said of a silent server may ask meanwhile how it goes") {
+  const PointCloud cloud = square();
+  AskingListener listener;
+  Log log(true);
+  log.listen(&listener);
+  std::optional<ServedSquare> served(std::in_place, cloud, "silent");
+  {
+    const JoinedCloud joined = joinNear("silent", &log);
+    REQUIRE(within(3, [&] { return joined.far->counts().answered > 0; }));
+    listener.about(joined.far.get());
+    served.reset();
+    CHECK(within(6, [&] { return listener.answered() > 0; }));
+    listener.about(nullptr);
+  }
+  CHECK(listener.asked() == listener.answered());
 }
 
 }  // namespace palpate

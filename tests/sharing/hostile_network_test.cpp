@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "engine/core/clock.hpp"
+#include "engine/motion/brick_source.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -135,6 +136,54 @@ TEST_CASE(
 TEST_CASE(
     "hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory") {
   for (const char* attack : {"hands", "notices", "results"}) CHECK(attacked(attack, 1.5).grown_MB < 15);
+}
+
+namespace {
+
+struct NearOutcome {
+  FarCounts hand;
+  ServedCounts served;
+};
+
+/// One who is near his hand, and wanders, while somebody attacks for so long.
+NearOutcome attackedNear(const std::string& attack, double seconds) {
+  CAPTURE(attack);
+  const PointCloud cloud = flatCloud(20'000);
+  Served served(cloud, "attacked");
+  const JoinedCloud joined = joinCloud("attacked", {.network = ownNetwork(), .near = true});
+  BrickSource& source = joined.far->source();
+  const auto comesTo = [&](double y) {
+    HandReaches hands{.time_s = steadyNow_s(), .steady_s = steadyNow_s(), .count = 1};
+    const DVec3 hip(50, y, 0);
+    hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
+    source.ask(hands);
+    return source.await(hands, 4);
+  };
+  REQUIRE(comesTo(20));
+  HostileSide side(attack, seconds);
+  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 12;)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  CHECK(side.end(SIGKILL) == 0);
+  const FarCounts during = joined.far->counts();
+  CHECK(comesTo(180));
+  CHECK_NOTHROW(joined.far->check());
+  const NearOutcome outcome{.hand = during, .served = served.end()};
+  MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times anew; {} clients, {} refused", attack,
+                      outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.resumed, outcome.served.near, outcome.served.refused));
+  CHECK(outcome.hand.longestSilent_s < 1);
+  return outcome;
+}
+
+}  // namespace
+
+TEST_CASE("who asks for all that is around eight hands again and again keeps nobody waiting") {
+  attackedNear("one-near", 1);
+}
+
+TEST_CASE("of ten thousand who are near their hands as many as there is room for take nobody's place") {
+  const NearOutcome many = attackedNear("nears", 1);
+  CHECK(many.served.near <= 64);
+  CHECK(many.served.refused > 1000);
 }
 
 TEST_CASE("bytes that are no samples of ours are no more than noise") {

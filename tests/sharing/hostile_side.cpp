@@ -97,6 +97,8 @@ struct Writers {
         resumes(participant, topics.resumes, reliableQos(false)),
         notices(participant, topics.notices, reliableQos(true)),
         hands(participant, topics.hands, bestEffortQos()),
+        nears(participant, topics.nears, bestEffortQos()),
+        facts(participant, topics.facts, reliableQos(true)),
         pings(participant, topics.pings, bestEffortQos()),
         echoes(participant, topics.echoes, bestEffortQos()) {}
   Writer<Request> requests;
@@ -104,6 +106,8 @@ struct Writers {
   Writer<ResumeRequest> resumes;
   Writer<Notice> notices;
   Writer<Hand> hands;
+  Writer<Near> nears;
+  Writer<Facts> facts;
   Writer<Ping> pings, echoes;
 };
 
@@ -115,6 +119,7 @@ class HostileSide {
         dice_(seed),
         writers_(participant_, topics_),
         heardHands_(participant_, topics_.hands, bestEffortQos()),
+        heardNears_(participant_, topics_.nears, bestEffortQos()),
         bytes_(domain) {}
 
   /// The session that is served there.
@@ -146,6 +151,10 @@ class HostileSide {
         {"bad-strokes", [&] { stroke(idNumber(roll() % kManyIds), any64(), roll() % 2 == 0); }},
         {"results", [&] { result(); }},
         {"hands", [&] { hand(); }},
+        {"one-near", [&] { near(idNumber(1)); }},
+        {"nears", [&] { near(idNumber(roll() % kManyIds)); }},
+        {"bricks", [&] { bricks(); }},
+        {"facts", [&] { facts(); }},
         {"notices", [&] { notice(); }},
         {"pings", [&] { ping(); }},
         {"bytes", [&] { bytes_.write(dice_, session_); }},
@@ -278,6 +287,51 @@ class HostileSide {
     writers_.hands.write(hand);
   }
 
+  // Balls as large as a client gets them, never where they were.
+  void near(const Id& client) {
+    std::vector<palpate_sharing_Ball> balls(8);
+    for (palpate_sharing_Ball& ball : balls)
+      ball = {.center = {1.0 * (roll() % 1000), 1.0 * (roll() % 1000), 0}, .radius = 1e6};
+    Near near{};
+    set(near.session, idOf(session_));
+    set(near.client, client);
+    put(near.host, std::string(200, 'x'));
+    near.number = ++nears_;
+    near.epoch = 1 + nears_ / 256;
+    near.taken = any64();
+    near.balls._buffer = balls.data();
+    near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(balls.size());
+    writers_.nears.write(near);
+  }
+
+  // In the name of the server, to whoever is near his hand, as the next sample that he waits for: what is no brick.
+  void bricks() {
+    heardNears_.take([&](const Near& near) {
+      if (isSame(near.session, idOf(session_))) heard_ = near;
+    });
+    if (!heard_) return;
+    if (!bricksTo_) bricksTo_.emplace(participant_, topics_.bricks, reliableQos(false, partitionOf(heard_->client)));
+    BrickPart part{.key = any64(), .total = roll() % 3, .count = roll() % 3};
+    Bricks bricks{};
+    set(bricks.session, idOf(session_));
+    bricks.epoch = heard_->epoch;
+    bricks.sample = heard_->taken + 1 + (roll() % 4 ? 0 : roll());
+    bricks.true_s = anyFloat();
+    bricks.last = bricks.whole = roll() % 2;
+    bricks.parts._buffer = &part;
+    bricks.parts._length = bricks.parts._maximum = 1;
+    bricksTo_->write(bricks);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+
+  void facts() {
+    Facts facts{};
+    set(facts.session, idNumber(++number_));
+    facts.points = any64();
+    facts.spacing = facts.edge = anyFloat();
+    writers_.facts.write(facts);
+  }
+
   void notice() {
     Notice notice{};
     set(notice.session, idNumber(++number_));
@@ -305,12 +359,15 @@ class HostileSide {
   std::mt19937 dice_;
   Writers writers_;
   Reader<Hand> heardHands_;
+  Reader<Near> heardNears_;
   AnyBytes bytes_;
   std::vector<Reader<Block>> unread_;
   std::optional<Id> victim_;
   std::optional<Writer<Result>> results_;
+  std::optional<Near> heard_;  // but for its balls, which are DDS's
+  std::optional<Writer<Bricks>> bricksTo_;
   std::uint8_t session_[16] = {};
-  std::uint32_t points_ = 1, epoch_ = 0;
+  std::uint32_t points_ = 1, epoch_ = 0, nears_ = 0;
   std::uint64_t number_ = 0;
 };
 

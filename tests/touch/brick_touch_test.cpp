@@ -206,6 +206,32 @@ TEST_CASE("what was waited for is in the frame of its time, whatever goes meanwh
   CHECK_FALSE(source.covers(frame.time_s, DVec3(0.4), DVec3(0.6)));
 }
 
+TEST_CASE("a brick that comes with other points changes what a hand feels where the hand reaches it, and nowhere else") {
+  BrickSource source({.edge = 1, .points = 10});
+  const auto brickAt = [](int x, float height) {
+    auto brick = std::make_shared<Brick>();
+    brick->ids = {static_cast<std::uint32_t>(x)};
+    brick->positions = {Vec3(static_cast<float>(x) + 0.5f, 0.5f, height)};
+    brick->normals = {Vec3(0, 0, 1)};
+    BrickUpdate update;
+    update.bricks.emplace_back(BrickGrid::keyOf(IVec3(x, 0, 0)), brick);
+    return update;
+  };
+  CHECK_FALSE(source.apply(brickAt(1, 0.5f)));  // there is no hand
+  HandReaches hands{.count = 1};
+  hands.hands[0] = {.low = DVec3(0.4), .high = DVec3(1.6, 0.6, 0.6)};
+  source.ask(hands);
+  CHECK_FALSE(source.apply(brickAt(0, 0.5f)));  // it was not known
+  CHECK(source.apply(brickAt(0, 0.6f)));
+  CHECK(source.apply(brickAt(1, 0.6f)));
+  CHECK_FALSE(source.apply(brickAt(1, 0.6f)));  // again, as it was
+  CHECK_FALSE(source.apply(brickAt(2, 0.5f)));
+  CHECK_FALSE(source.apply(brickAt(2, 0.6f)));  // no hand reaches it
+  BrickUpdate anew = brickAt(1, 0.7f);
+  anew.dropped = {anew.bricks.front().first};
+  CHECK(source.apply(std::move(anew)));
+}
+
 TEST_CASE("more points than there is room for are refused, and what is given up waits for nobody") {
   BrickSource source({.edge = 1, .points = 2});
   auto brick = std::make_shared<Brick>();
