@@ -193,6 +193,13 @@ TEST_CASE("a window says what silence does to the force") {
   CHECK(has(end["last_message"].get<std::string>(), "there is no force until it is"));
 }
 
+namespace {
+
+// What the version before is told, in parentheses.
+std::string olderAndThis() { return fmt::format("({}, and this is {})", sharing::kVersion - 1, sharing::kVersion); }
+
+}  // namespace
+
 TEST_CASE("versions that do not go together are refused in words on both sides, and so is a name that two have") {
   const ScratchFolder folder;
   works("make sphere -n 1000 -o " + (folder / "m.ply").string());
@@ -200,12 +207,12 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
   {
     // A client of the version before: it has topics of its own, and is heard by nobody.
     const sharing::Participant old(NetworkConfig{.domain = domainNumber()}, sharing::versionQos(sharing::kVersion - 1));
-    CHECK(serving.program.waitFor([&] { return has(contentOf(folder / "said"), "another version of palpate (0, and this is 1)"); }));
+    CHECK(serving.program.waitFor([&] { return has(contentOf(folder / "said"), "another version of palpate " + olderAndThis()); }));
   }
   const Announcement older("older", sharing::kVersion - 1), twin("twins", sharing::kVersion), other("twins", sharing::kVersion);
   const Outcome refused = palpate("touch --join older --backend cpu" + domain());
   CHECK(refused.code == 1);
-  CHECK(has(refused.text, "is served by another version of palpate (0, and this is 1)"));
+  CHECK(has(refused.text, "is served by another version of palpate " + olderAndThis()));
   const std::string report = (folder / "doctor.json").string();
   const Outcome listed = palpate("doctor --network --json " + report + domain());
   const Result sessions = jsonOf(report)["network"];
@@ -218,7 +225,7 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
     if (!session["fits"].get<bool>()) CHECK(session["lost_percent"].is_null());
   }
   CHECK(has(listed.text, "older: 1000 points"));
-  CHECK(has(listed.text, "of another version of palpate (0), and cannot be joined"));
+  CHECK(has(listed.text, fmt::format("of another version of palpate ({}), and cannot be joined", sharing::kVersion - 1)));
   const Outcome both = palpate("touch --join twins --backend cpu" + domain());
   CHECK(both.code == 1);
   CHECK(has(both.text, "two sessions are named 'twins'"));
@@ -227,7 +234,7 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
   CHECK(has(second.text, "served already"));
   // None of it disturbs who is served.
   works("touch --join here --backend cpu --duration 0.05" + domain());
-  CHECK_FALSE(has(contentOf(folder / "said"), "(1, and"));
+  CHECK_FALSE(has(contentOf(folder / "said"), fmt::format("({}, and", sharing::kVersion)));
   CHECK(serving.program.wait(SIGINT) == 0);
 }
 
