@@ -186,6 +186,12 @@ TEST_CASE("of ten thousand who are near their hands as many as there is room for
   CHECK(many.served.refused > 1000);
 }
 
+TEST_CASE("bricks that no server gives end nobody's part near his hand") {
+  CHECK(attackedNear("bricks", 1).hand.resumed > 10);
+}
+
+TEST_CASE("facts of ever new sessions keep nobody waiting") { attackedNear("facts", 1); }
+
 TEST_CASE("bytes that are no samples of ours are no more than noise") {
   attacked("pings", 1.5);
   attacked("bytes", 2);
