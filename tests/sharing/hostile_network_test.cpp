@@ -169,7 +169,8 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   CHECK_NOTHROW(joined.far->check());
   const NearOutcome outcome{.hand = during, .served = served.end()};
   MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times anew; {} clients, {} refused", attack,
-                      outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.resumed, outcome.served.near, outcome.served.refused));
+                      outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.resumed,
+                      outcome.served.near, outcome.served.refused));
   CHECK(outcome.hand.longestSilent_s < 1);
   return outcome;
 }
