@@ -366,18 +366,25 @@ class AskingListener final : public LogListener {
   void said(std::string_view) override {
     const FarCloud* const far = far_;
     if (!far) return;
-    auto answer = std::async(std::launch::async, [far] { return far->counts(); });
-    answered_ += answer.wait_for(std::chrono::seconds(2)) == std::future_status::ready;
     ++asked_;
+    std::promise<void> answer;
+    std::future<void> answered = answer.get_future();
+    asking_.emplace_back([far, answer = std::move(answer)]() mutable {
+      far->counts();
+      answer.set_value();
+    });
+    answered_ += answered.wait_for(std::chrono::seconds(1)) == std::future_status::ready;
   }
   void progressed(std::string_view, double) override {}
   void about(const FarCloud* far) { far_ = far; }
+  void wait() { asking_.clear(); }  // nothing is said any more
   int asked() const { return asked_; }
   int answered() const { return answered_; }
 
  private:
   std::atomic<const FarCloud*> far_ = nullptr;
   std::atomic<int> asked_ = 0, answered_ = 0;
+  std::vector<std::jthread> asking_;  // which ends after what is said
 };
 
 }  // namespace
@@ -427,6 +434,7 @@ TEST_CASE("who listens to what is said of a silent server may ask meanwhile how 
     served.reset();
     CHECK(within(6, [&] { return listener.answered() > 0; }));
     listener.about(nullptr);
+    listener.wait();
   }
   CHECK(listener.asked() == listener.answered());
 }

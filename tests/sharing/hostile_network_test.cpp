@@ -169,7 +169,8 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   CHECK_NOTHROW(joined.far->check());
   const NearOutcome outcome{.hand = during, .served = served.end()};
   MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times anew; {} clients, {} refused", attack,
-                      outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.resumed, outcome.served.near, outcome.served.refused));
+                      outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.resumed,
+                      outcome.served.near, outcome.served.refused));
   CHECK(outcome.hand.longestSilent_s < 1);
   return outcome;
 }
@@ -185,6 +186,12 @@ TEST_CASE("of ten thousand who are near their hands as many as there is room for
   CHECK(many.served.near <= 64);
   CHECK(many.served.refused > 1000);
 }
+
+TEST_CASE("bricks that no server gives end nobody's part near his hand") {
+  CHECK(attackedNear("bricks", 1).hand.resumed > 10);
+}
+
+TEST_CASE("facts of ever new sessions keep nobody waiting") { attackedNear("facts", 1); }
 
 TEST_CASE("bytes that are no samples of ours are no more than noise") {
   attacked("pings", 1.5);

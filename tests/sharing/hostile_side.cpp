@@ -69,6 +69,8 @@ class AnyBytes {
     add(palpate_sharing_Stroke_desc, topic("stroke"), reliableQos(false));
     add(palpate_sharing_Resume_desc, topic("resume"), reliableQos(false));
     add(palpate_sharing_Hand_desc, topic("hand"), bestEffortQos());
+    add(palpate_sharing_Near_desc, topic("near"), bestEffortQos());
+    add(palpate_sharing_Facts_desc, topic("facts"), reliableQos(true));
     add(palpate_sharing_Ping_desc, topic("ping"), bestEffortQos());
     add(palpate_sharing_Ping_desc, topic("echo"), bestEffortQos());
   }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+#include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/ros_intake.hpp"
 #include "tests/sharing/honest_hand.hpp"
@@ -253,6 +254,70 @@ TEST_CASE("whoever joins amid blocks that are not as they were gets the points a
   CAPTURE(whole);
   CAPTURE(told);
   CHECK(told > 0);
+}
+
+TEST_CASE("who is near his hand goes on amid questions, facts and bricks that are not as they were") {
+  const PointCloud cloud = flatCloud(20'000);
+  Served served(cloud, "mutated");
+  const JoinedCloud joined = joinCloud("mutated", {.network = ownNetwork(), .near = true});
+  BrickSource& source = joined.far->source();
+  const auto comesTo = [&](double y) {
+    HandReaches hands{.time_s = steadyNow_s(), .steady_s = steadyNow_s(), .count = 1};
+    const DVec3 hip(50, y, 0);
+    hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
+    source.ask(hands);
+    return source.await(hands, 5);
+  };
+  REQUIRE(comesTo(20));
+  Mutant mutant(4);
+  const Topics& topics = mutant.topics();
+  constexpr int kTimes = 2000;
+  std::vector<palpate_sharing_Ball> balls(8);
+  mutant.write<Near>(palpate_sharing_Near_desc, topics.nears, bestEffortQos(), kTimes, [&](Near& near) {
+    near.client[0] = static_cast<std::uint8_t>(1 + mutant.roll() % 40);
+    put(near.host, "mutant");
+    near.number = mutant.roll();
+    near.epoch = mutant.roll() % 100;
+    near.taken = mutant.roll();
+    for (palpate_sharing_Ball& ball : balls) ball = {.center = {1.0 * (mutant.roll() % 200), 0, 0}, .radius = 20};
+    near.balls._buffer = balls.data();
+    near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(balls.size());
+  });
+  mutant.write<Facts>(palpate_sharing_Facts_desc, topics.facts, reliableQos(true), kTimes, [&](Facts& facts) {
+    facts.session[5] ^= static_cast<std::uint8_t>(mutant.roll() % 200);
+    facts.points = 20'000;
+    facts.spacing = facts.edge = 1;
+  });
+  const Reader<Near> nears(mutant.participant(), topics.nears, bestEffortQos());
+  BrickPart part{.key = BrickGrid::keyOf(IVec3(0)), .total = 1, .count = 1};
+  std::uint32_t id = 0;
+  Point point{.position = {1, 2, 0}, .normal = {0, 0, 1}, .color = 0};
+  int rounds = 0;
+  for (const Stopwatch since; since.elapsed_s() < 1.5;) {
+    std::optional<Near> asked;
+    nears.take([&](const Near& near) {
+      if (std::string(near.host) != "mutant") asked = near;
+    });
+    if (!asked) continue;
+    ++rounds;
+    mutant.write<Bricks>(palpate_sharing_Bricks_desc, topics.bricks, reliableQos(false, partitionOf(asked->client)), 200,
+                         [&](Bricks& bricks) {
+                           const auto give = [](auto& to, auto& from) {
+                             to._buffer = &from;
+                             to._length = to._maximum = 1;
+                           };
+                           bricks.epoch = asked->epoch + mutant.roll() % 2;
+                           bricks.sample = asked->taken + 1;
+                           give(bricks.parts, part);
+                           give(bricks.ids, id);
+                           give(bricks.points, point);
+                         });
+  }
+  CHECK(rounds > 0);
+  CHECK(comesTo(180));
+  CHECK_NOTHROW(joined.far->check());
+  CHECK(joined.far->counts().resumed > 0);
+  CHECK(served.end().refused > 20);
 }
 
 TEST_CASE("ROS's clouds that are not as they were are points, or refused in words") {

@@ -227,9 +227,9 @@ TEST_CASE("a brick that comes with other points changes what a hand feels where 
   CHECK_FALSE(source.apply(brickAt(1, 0.6f)));  // again, as it was
   CHECK_FALSE(source.apply(brickAt(2, 0.5f)));
   CHECK_FALSE(source.apply(brickAt(2, 0.6f)));  // no hand reaches it
-  BrickUpdate anew = brickAt(1, 0.7f);
-  anew.dropped = {anew.bricks.front().first};
-  CHECK(source.apply(std::move(anew)));
+  BrickUpdate again = brickAt(1, 0.7f);
+  again.dropped = {again.bricks.front().first};
+  CHECK(source.apply(std::move(again)));
 }
 
 TEST_CASE("more points than there is room for are refused, and what is given up waits for nobody") {
