@@ -140,9 +140,10 @@ TEST_CASE("what a pulled hand has done, and nobody has taken in yet, is delivere
   push.radius_mm = 5;
   PP_REQUIRE_OK(pp_session_set_brush(session, &push));
   pp_contact contact{};
-  for (std::size_t i = 0; i < 100; ++i) {
-    const pp_pose pose = poseAt(i, 52 - 0.05 * static_cast<double>(i));
+  for (std::size_t i = 0; i < 300; ++i) {  // each with the time that an edit takes
+    const pp_pose pose = poseAt(i, 52 - 0.02 * static_cast<double>(i));
     PP_REQUIRE_OK(pp_touch(session, &pose, &contact));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   CHECK(serving.info().states == 0);
   PP_CHECK_OK(pp_session_close(session));

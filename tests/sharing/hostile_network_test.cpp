@@ -157,7 +157,7 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
     const DVec3 hip(50, y, 0);
     hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
     source.ask(hands);
-    return source.await(hands, 4);
+    return source.await(hands, 15);  // up to 64 have their turn first, each of them some milliseconds, ten times that with sanitizers
   };
   REQUIRE(comesTo(20));
   HostileSide side(attack, seconds);
