@@ -204,6 +204,24 @@ TEST_CASE_FIXTURE(GpuFixture, "against the clock frames come between ticks, one 
   CHECK(frame.positions == truth.positions);
 }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "where there is time for more frames than ticks, none is felt after a newer one") {
+  const Scene scene = makeScene("sphere", 20'000);
+  MovingCloud source(scene.cloud, oscillation());
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
+  double last_s = 0;
+  int newer = 0;
+  for (int i = 1; i <= 200; ++i) {
+    CHECK(touch.query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, 200'000).valid);
+    touch.prepare();
+    const double now_s = touch.pointsTime()->true_s;
+    CHECK(now_s >= last_s);
+    newer += now_s > last_s;
+    last_s = now_s;
+    if (i % 4 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));  // more than one frame takes
+  }
+  CHECK(newer > 5);
+}
+
 TEST_CASE_FIXTURE(CoreGpuFixture, "frames that are old are felt where the surface is by now") {
   checkOldFrames([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
