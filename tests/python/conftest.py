@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+
 import numpy as np
 import palpate as pp
 import pytest
@@ -35,3 +38,23 @@ def ball() -> pp.Cloud:
 def session(ball: pp.Cloud):
     with pp.Session(ball, gpu="cpu", mm_per_unit=1) as opened:
         yield opened
+
+
+@pytest.fixture(scope="session")
+def npm(tmp_path_factory):
+    """Packages of npm, in a folder of their own; where they cannot be had the test is skipped, with the reason."""
+
+    def install(*packages: str):
+        if shutil.which("node") is None or shutil.which("npm") is None:
+            pytest.skip("there is no node with npm")
+        folder = tmp_path_factory.mktemp("npm")
+        command = ["npm", "install", "--prefix", str(folder), "--no-audit", "--no-fund", "--ignore-scripts", *packages]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=90)
+        except subprocess.TimeoutExpired:
+            pytest.skip("npm's packages do not come within 90 seconds")
+        if done.returncode != 0:
+            pytest.skip("npm's packages cannot be had: " + done.stderr.strip()[-300:])
+        return folder
+
+    return install

@@ -88,3 +88,24 @@ def test_open3d_reads_the_same_points(tmp_path, ending):
     pp.write(tmp_path / f"a.{ending}", pp.Cloud(xyz))
     read = np.asarray(open3d.io.read_point_cloud(str(tmp_path / f"a.{ending}")).points)
     assert same_bits(read.astype(np.float32), xyz)
+
+
+@pytest.fixture(scope="module")
+def splat_transform(npm):
+    return npm("@playcanvas/splat-transform@3") / "node_modules" / ".bin" / "splat-transform"
+
+
+def test_splat_transform_reads_the_same_gaussians(tmp_path, splat_transform):
+    cloud = cloud_of(3000)
+    pp.write(tmp_path / "a.3dgs.ply", cloud)
+    command = ["node", splat_transform, "-w", tmp_path / "a.3dgs.ply", tmp_path / "a.csv"]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=60)
+    rows = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True)
+    assert same_bits(np.column_stack([rows[n] for n in "xyz"]).astype(np.float32), cloud.xyz.copy())
+    # The colour from all sides (Kerbl 2023: the first harmonic), and the disc's short axis along the normal.
+    colors = 255 * (0.5 + 0.28209479177387814 * np.column_stack([rows[f"f_dc_{i}"] for i in range(3)]))
+    assert np.abs(colors - cloud.colors[:, :3]).max() < 0.01
+    w, x, y, z = (rows[f"rot_{i}"] for i in range(4))
+    axis = np.column_stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    assert np.abs(np.abs((axis * cloud.normals).sum(1)) - 1).max() < 1e-5
+    assert (rows["scale_2"] < rows["scale_0"] - 1).all() and np.array_equal(rows["scale_0"], rows["scale_1"])
