@@ -123,6 +123,7 @@ void serve(Context& context, const ServeOptions& options) {
                      {"sculptors", counts.sculptors},
                      {"pieces", counts.pieces},
                      {"states", counts.states},
+                     {"copied", counts.copied},
                      {"again", counts.again},
                      {"sent", counts.sent},
                      {"near", counts.near},

@@ -126,6 +126,12 @@ void secure(dds_qos_t& qos, const SecurityProfile& profile) {
   }
 }
 
+void setPartition(dds_qos_t& qos, const std::string& partition) {
+  if (partition.empty()) return;
+  const char* name = partition.c_str();
+  dds_qset_partition(&qos, 1, &name);
+}
+
 }  // namespace
 
 dds_return_t checked(dds_return_t result, const char* what) {
@@ -138,17 +144,15 @@ Qos reliableQos(bool lasting, const std::string& partition) {
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, kPatience);
   dds_qset_durability(qos.get(), lasting ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), lasting ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL, lasting ? 1 : 0);
-  if (!partition.empty()) {
-    const char* name = partition.c_str();
-    dds_qset_partition(qos.get(), 1, &name);
-  }
+  setPartition(*qos, partition);
   return qos;
 }
 
-Qos bestEffortQos() {
+Qos bestEffortQos(const std::string& partition) {
   Qos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 64);
+  setPartition(*qos, partition);
   return qos;
 }
 

@@ -49,8 +49,8 @@ using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
 /// Reliable, and kept for who comes later where `lasting`; in that partition, unless it is empty.
 Qos reliableQos(bool lasting, const std::string& partition = {});
-/// The newest alone, and it may be lost.
-Qos bestEffortQos();
+/// The newest alone, and it may be lost; in that partition, unless it is empty.
+Qos bestEffortQos(const std::string& partition = {});
 // For readers, so that what waits to be taken has a bound, whoever sends however fast.
 /// The last samples of a topic without keys. Whoever misses an answer asks again.
 Qos keepingLast(Qos qos, std::int32_t samples);

@@ -47,6 +47,8 @@ struct Topics {
   Topic<Block> blocks;
   Topic<Stroke> strokes;
   Topic<Result> results;
+  Topic<Stroke> strokeCopies;
+  Topic<Result> resultCopies;
   Topic<ResumeRequest> resumes;
   Topic<Hand> hands;
   Topic<Facts> facts;

@@ -27,7 +27,8 @@ struct ServedCounts {
   std::uint64_t refused = 0;
   std::uint64_t sculptors = 0;  ///< clients of whom strokes were taken, before the server was started again included
   std::uint64_t pieces = 0, states = 0;  ///< of strokes; states of points in them
-  std::uint64_t again = 0;  ///< pieces that had been taken before, or came before another one
+  std::uint64_t copied = 0;  ///< of the pieces, whose best-effort copy came before they did
+  std::uint64_t again = 0;  ///< pieces that the reliable way had brought before, or before another one
   std::uint64_t sent = 0;   ///< states, to all who follow
   std::uint64_t near = 0;   ///< clients that have ever felt the points around their hands alone
   std::uint64_t nearPoints = 0, nearSteps = 0;  ///< that went to them, and in how many steps
