@@ -70,7 +70,11 @@ class SharedHand {
     return result_;
   }
   void finish() { session_.finish(); }
-  std::uint64_t editsTooSlow() const { return session_.backend().shortfalls().editsTooSlow; }
+  /// Edits of its own that its machine has left out, and those of others that it has put off, because one took long.
+  std::uint64_t editsTooSlow() const {
+    const TouchShortfalls& shortfalls = session_.backend().shortfalls();
+    return shortfalls.editsTooSlow + shortfalls.offersTooSlow;
+  }
 
  private:
   SessionConfig config_;
@@ -171,7 +175,7 @@ struct ShareRecord {
   SharedCounts rests, presses;
   double trip_ms = 0;  // there and back, of both
   std::uint64_t ticks = 0, missed = 0, aged = 0;
-  std::uint64_t editsTooSlow = 0;  // of the one who presses: its machine rests after an edit that took long
+  std::uint64_t editsTooSlow = 0;  // of both, once they have ended
   bool same = false;
 };
 
@@ -191,7 +195,7 @@ ShareRecord measureShare(Context& context, const ShareOptions& share, const std:
   record.ticks = result.trace().rows.size();
   record.missed = result.trace().missedTicks;
   record.aged = result.counts().withheld.aged;
-  record.editsTooSlow = presser.editsTooSlow();
+  record.editsTooSlow = presser.editsTooSlow() + rester.editsTooSlow();
   record.same = rester.counts().same && presser.counts().same;
   return record;
 }

@@ -28,7 +28,7 @@ class ByteBudget {
   double rate_, left_, filled_s_ = 0;
 };
 
-/// Items in the order of a stream, each due three times within 30 ms of the moment at which it was said. What the budget has no
+/// Items in the order of a stream, each due four times within 70 ms of the moment at which it was said. What the budget has no
 /// room for is left out, and what is said the reliable way spends it, too: where much is said, little of it goes again.
 template <class Item>
 class CopySchedule {
@@ -66,7 +66,7 @@ class CopySchedule {
   }
 
  private:
-  static constexpr std::array<double, 3> kAfter_s{0, 0.010, 0.030};  // apart, since losses come in bursts
+  static constexpr std::array<double, 4> kAfter_s{0, 0.010, 0.030, 0.070};  // apart, since losses come in bursts
   static constexpr std::size_t kMost = 64;
   struct Entry {
     Item item;

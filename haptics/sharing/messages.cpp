@@ -24,6 +24,14 @@ Topics::Topics(dds_entity_t participant)
       pings(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/ping", kVersion)),
       echoes(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/echo", kVersion)) {}
 
+Topic<Facts> factsOf(dds_entity_t participant, const Id& session) {
+  Topic<Facts> facts(participant, palpate_sharing_Facts_desc, fmt::format("palpate/{}/facts", kVersion));
+  facts.letThrough(
+      [](const void* sample, void* of) { return isSame(static_cast<const Facts*>(sample)->session, *static_cast<const Id*>(of)); },
+      &session);
+  return facts;
+}
+
 Id freshId() {
   std::random_device device;
   Id id;

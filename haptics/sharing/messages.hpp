@@ -57,6 +57,9 @@ struct Topics {
   Topic<Ping> pings, echoes;
 };
 
+/// Facts of that session, however many others somebody makes up. The id outlives the readers that are made of it.
+Topic<Facts> factsOf(dds_entity_t participant, const Id& session);
+
 /// One that no other has.
 Id freshId();
 /// The partition of who has it.

@@ -64,8 +64,8 @@ class CloudServer {
   CloudServer(const CloudServer&) = delete;
   CloudServer& operator=(const CloudServer&) = delete;
 
-  /// Answers until `stop` is true, or `seconds` have passed, where they are more than 0. Throws NetworkError, and what the
-  /// motion has thrown.
+  /// Answers until `stop` is true, or `seconds` have passed, where they are more than 0. Throws NetworkError, also where another
+  /// session of its name has begun at the same time and this is the one to give way, and what the motion has thrown.
   void serve(const std::atomic<bool>& stop, double seconds = 0);
   ServedCounts counts() const;
   /// The points as they are, by id; those of the cloud where nobody has sculpted. Between calls of serve().

@@ -9,6 +9,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "haptics/sharing/early_copies.hpp"
 #include "haptics/sharing/edit_exchange.hpp"
 #include "haptics/sharing/hand_presence.hpp"
 #include "haptics/sharing/joined_session.hpp"
@@ -139,12 +140,17 @@ class SharedEdits final : public SharedFollower {
 
   void hear() {
     bool gap = false;
-    results_.take([&](const Result& result) {
-      gap = gap || hear(result) == EditExchange::Heard::gap;
-    });
-    // Of a copy that comes too early the one before it is under way: nothing has to be asked for.
-    resultCopies_.take([&](const Result& result) { counts_.copied += hear(result) == EditExchange::Heard::taken; });
+    results_.take([&](const Result& result) { gap = gap || hear(result) == EditExchange::Heard::gap; });
+    // Of a copy that comes too early the one before it is under way: it waits for that, and nothing has to be asked for.
+    resultCopies_.take([&](const Result& result) { hearCopy(result); });
+    while (auto next = early_.takeAfter(lastCounter_)) hearCopy(next->sample());
     if (gap) resume(exchange_.resume());
+  }
+
+  void hearCopy(const Result& result) {
+    const EditExchange::Heard heard = hear(result);
+    counts_.copied += heard == EditExchange::Heard::taken;
+    if (heard == EditExchange::Heard::gap) early_.keep(result.counter, lastCounter_, KeptSample<Result>(result));
   }
 
   EditExchange::Heard hear(const Result& result) {
@@ -157,6 +163,7 @@ class SharedEdits final : public SharedFollower {
       stuck_ = 0;
     }
     lastAcked_ = result.acked;
+    lastCounter_ = result.counter;
     counts_.longestSilent_s = std::max(counts_.longestSilent_s, lastHeard_.elapsed_s());
     counts_.oldest_s = std::max(counts_.oldest_s, known_.age_s());
     lastHeard_ = {};
@@ -204,6 +211,8 @@ class SharedEdits final : public SharedFollower {
   void resume(const Resume& asked) {
     resumes_.write(requestOf(session_, asked));
     strokeCopies_.forget();
+    early_.clear();
+    lastCounter_ = 0;
     lastResumed_ = {};
     ++counts_.resumed;
   }
@@ -297,6 +306,7 @@ class SharedEdits final : public SharedFollower {
   SampleCopies<Stroke> strokeCopies_;
   Writer<ResumeRequest> resumes_;
   Reader<Result> results_, resultCopies_;
+  EarlyCopies<KeptSample<Result>> early_;
   LinkProbe probe_;
   HandPresence presence_;  // says itself what any thread may do
   SessionNotices notices_;
@@ -305,7 +315,7 @@ class SharedEdits final : public SharedFollower {
   SharedCounts counts_;
   std::string fault_;
   std::vector<std::string> said_, untold_;  // what nobody has taken, and what the log has not heard
-  std::uint64_t lastAcked_ = 0;
+  std::uint64_t lastAcked_ = 0, lastCounter_ = 0;
   int stuck_ = 0;
   bool isOfferNear_ = false;
   std::vector<PointState> states_;

@@ -88,14 +88,29 @@ void StrokeServer::take(const Stroke& stroke, Way way) {
   for (const State& state : given) states_.push_back(pointOf(state));
   const Id client = idOf(stroke.client);
   heard(client);
+  SharedPoints::Taken taken = take(client, stroke.number, states_, way);
+  const auto follower = followers_.find(client);
+  if (follower == followers_.end()) return;
+  EarlyCopies<std::vector<PointState>>& early = follower->second.early;
+  if (taken == SharedPoints::Taken::early && way == Way::copy) early.keep(stroke.number, parts_.points.lastOf(client), states_);
+  while (taken == SharedPoints::Taken::taken) {
+    const std::uint64_t last = parts_.points.lastOf(client);
+    const auto next = early.takeAfter(last);
+    if (!next) break;
+    taken = take(client, last + 1, *next, Way::copy);
+  }
+}
+
+SharedPoints::Taken StrokeServer::take(const Id& client, std::uint64_t number, std::span<const PointState> states, Way way) {
   const std::uint64_t before = parts_.points.lastOf(client);
-  const SharedPoints::Taken taken = parts_.points.take(client, stroke.number, states_);
+  const SharedPoints::Taken taken = parts_.points.take(client, number, states);
   if (parts_.points.lastOf(client) > 0) reliable_.try_emplace(client, before);
   if (taken == SharedPoints::Taken::taken) {
-    counts_.states += states_.size();
-    if (parts_.journal) parts_.journal->add({.client = client, .number = stroke.number, .states = states_});
+    counts_.states += states.size();
+    if (parts_.journal) parts_.journal->add({.client = client, .number = number, .states = {states.begin(), states.end()}});
   }
-  count(client, stroke.number, way, taken);
+  count(client, number, way, taken);
+  return taken;
 }
 
 void StrokeServer::count(const Id& client, std::uint64_t number, Way way, SharedPoints::Taken taken) {

@@ -6,6 +6,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/log.hpp"
+#include "haptics/sharing/early_copies.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/sample_copies.hpp"
 #include "haptics/sharing/shared_points.hpp"
@@ -55,10 +56,12 @@ class StrokeServer {
     bool holds = false;         // it is to be written
     std::uint32_t unacked = 0;  // results that were written since all had come, at most
     SampleCopies<Result> copies;
+    EarlyCopies<std::vector<PointState>> early;  // pieces of its own
     Stopwatch lastHeard, lastWritten;
   };
   enum class Way { reliable, copy };
   void take(const Stroke& stroke, Way way);
+  SharedPoints::Taken take(const Id& client, std::uint64_t number, std::span<const PointState> states, Way way);
   void count(const Id& client, std::uint64_t number, Way way, SharedPoints::Taken taken);
   void take(const ResumeRequest& request);
   double write(const Id& client, Follower& follower);

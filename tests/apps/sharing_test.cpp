@@ -9,13 +9,14 @@
 
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/window_play.hpp"
+#include "tests/own_domain.hpp"
 
 namespace palpate {
 
 namespace {
 
 // A domain that no other test is on at the same time.
-std::string domain() { return " --domain " + std::to_string(20 + ::getpid() % 80); }
+std::string domain() { return " --domain " + std::to_string(ownDomain()); }
 
 bool isBuilt() {
   if (palpate("doctor --network" + domain()).code == 0) return true;
