@@ -215,7 +215,7 @@ void print(std::FILE* out, const std::string& backend, const ShareRecord& record
   if (record.felt.unsteady > 0)
     fmt::print(out, "  at {} places the resting hand did not come to rest, and nothing was pressed\n", record.felt.unsteady);
   if (record.editsTooSlow > 0)
-    fmt::print(out, "  {} edits were left out, for one took this machine longer than a force can be held: presses may be felt late\n",
+    fmt::print(out, "  edits were left out or put off in {} ticks, for one took this machine longer than a force can be held: presses may be felt late\n",
                record.editsTooSlow);
 }
 
@@ -230,6 +230,7 @@ Json toJson(const std::string& backend, const ShareRecord& record) {
           {"not_felt", record.felt.notFelt},
           {"unsteady", record.felt.unsteady},
           {"skipped_edits", record.editsTooSlow},
+          {"copied", record.rests.copied},
           {"ticks", record.ticks},
           {"missed_ticks", record.missed},
           {"aged_ticks", record.aged},
