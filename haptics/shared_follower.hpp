@@ -25,6 +25,7 @@ struct SharedCounts {
   std::uint64_t sent = 0;       ///< states of points that this hand has made
   std::uint64_t received = 0;   ///< that others have made, as they took effect here
   std::uint64_t resent = 0;     ///< pieces of strokes that went more than once
+  std::uint64_t copied = 0;     ///< of what the server has said, whose best-effort copy came first
   std::uint64_t resumed = 0;    ///< times that what was missing was asked for, the first included
   std::uint64_t differed = 0;   ///< times that the points at rest were others than the server's, and were all asked for
   std::uint64_t inEffect = 0;   ///< times that all that others had done, as far as it was heard, was in effect here

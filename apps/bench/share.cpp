@@ -70,7 +70,11 @@ class SharedHand {
     return result_;
   }
   void finish() { session_.finish(); }
-  std::uint64_t editsTooSlow() const { return session_.backend().shortfalls().editsTooSlow; }
+  /// Edits of its own that its machine has left out, and those of others that it has put off, because one took long.
+  std::uint64_t editsTooSlow() const {
+    const TouchShortfalls& shortfalls = session_.backend().shortfalls();
+    return shortfalls.editsTooSlow + shortfalls.offersTooSlow;
+  }
 
  private:
   SessionConfig config_;
@@ -171,7 +175,7 @@ struct ShareRecord {
   SharedCounts rests, presses;
   double trip_ms = 0;  // there and back, of both
   std::uint64_t ticks = 0, missed = 0, aged = 0;
-  std::uint64_t editsTooSlow = 0;  // of the one who presses: its machine rests after an edit that took long
+  std::uint64_t editsTooSlow = 0;  // of both, once they have ended
   bool same = false;
 };
 
@@ -191,7 +195,7 @@ ShareRecord measureShare(Context& context, const ShareOptions& share, const std:
   record.ticks = result.trace().rows.size();
   record.missed = result.trace().missedTicks;
   record.aged = result.counts().withheld.aged;
-  record.editsTooSlow = presser.editsTooSlow();
+  record.editsTooSlow = presser.editsTooSlow() + rester.editsTooSlow();
   record.same = rester.counts().same && presser.counts().same;
   return record;
 }
@@ -211,7 +215,7 @@ void print(std::FILE* out, const std::string& backend, const ShareRecord& record
   if (record.felt.unsteady > 0)
     fmt::print(out, "  at {} places the resting hand did not come to rest, and nothing was pressed\n", record.felt.unsteady);
   if (record.editsTooSlow > 0)
-    fmt::print(out, "  {} edits were left out, for one took this machine longer than a force can be held: presses may be felt late\n",
+    fmt::print(out, "  edits were left out or put off in {} ticks, for one took this machine longer than a force can be held: presses may be felt late\n",
                record.editsTooSlow);
 }
 
@@ -226,6 +230,7 @@ Json toJson(const std::string& backend, const ShareRecord& record) {
           {"not_felt", record.felt.notFelt},
           {"unsteady", record.felt.unsteady},
           {"skipped_edits", record.editsTooSlow},
+          {"copied", record.rests.copied},
           {"ticks", record.ticks},
           {"missed_ticks", record.missed},
           {"aged_ticks", record.aged},

@@ -1,3 +1,5 @@
+#include <exception>
+
 #include "apps/cli/backend.hpp"
 #include "apps/cli/model.hpp"
 #include "apps/cli/motion_options.hpp"
@@ -97,11 +99,16 @@ void serve(Context& context, const ServeOptions& options) {
                                    .motion_Hz = rate_Hz});
   context.log().say("serving '{}': {} points of {}{}; {}", options.name, model.cloud.size(), config.model.file,
                     config.moves() ? ", which move" : "", opennessOf(options.network.config()));
-  if (options.ros.empty()) {
-    server.serve(StopBySignal::requested(), options.duration_s);
-  } else {
-    RosCloud ros({.network = options.network.config(), .name = options.ros, .mm_per_unit = model.scale.mm_per_unit});
-    serveWith(server, ros, model.cloud, options.duration_s);
+  std::exception_ptr ended;  // otherwise than it was told to: what was done to the points is saved nevertheless
+  try {
+    if (options.ros.empty()) {
+      server.serve(StopBySignal::requested(), options.duration_s);
+    } else {
+      RosCloud ros({.network = options.network.config(), .name = options.ros, .mm_per_unit = model.scale.mm_per_unit});
+      serveWith(server, ros, model.cloud, options.duration_s);
+    }
+  } catch (const NetworkError&) {
+    ended = std::current_exception();
   }
   const ServedCounts counts = server.counts();
   context.log().say("served '{}' to {} client{}: {} blocks of points; {} sculpted it, {} states of points in {} pieces",
@@ -123,6 +130,7 @@ void serve(Context& context, const ServeOptions& options) {
                      {"sculptors", counts.sculptors},
                      {"pieces", counts.pieces},
                      {"states", counts.states},
+                     {"copied", counts.copied},
                      {"again", counts.again},
                      {"sent", counts.sent},
                      {"near", counts.near},
@@ -130,6 +138,7 @@ void serve(Context& context, const ServeOptions& options) {
                      {"near_steps", counts.nearSteps},
                      {"frames", counts.frames},
                      {"edited", changedPoints(model.cloud, server.points())}});
+  if (ended) std::rethrow_exception(ended);
 }
 
 }  // namespace

@@ -161,6 +161,7 @@ Json toJson(const SharedCounts& shared) {
   return {{"sent", shared.sent},
           {"received", shared.received},
           {"resent", shared.resent},
+          {"copied", shared.copied},
           {"resumed", shared.resumed},
           {"differed", shared.differed},
           {"longest_silence_s", shared.longestSilent_s},

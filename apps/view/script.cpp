@@ -142,6 +142,7 @@ ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "replay") return ReplayAction{line.rest("the file")};
   if (what == "impatient" || what == "patient") return ImpatientAction{what == "impatient"};
   if (what == "ask") return AskAction{};
+  if (what == "await") return AwaitAction{line.rest("the file")};
   if (what == "click") return ClickAction{line.rest("the name")};
   if (what == "set") {
     const std::string name = line.word("the parameter");
@@ -150,7 +151,7 @@ ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "quit") return WindowEvent(CloseEvent{});
   line.fail(
       fmt::format("'{}' is none of key, mouse, button, wheel, push, drop, text, resize, minimise, restore, screenshot, "
-                  "state, save, record, replay, impatient, patient, ask, click, set, quit",
+                  "state, save, record, replay, impatient, patient, ask, click, set, await, quit",
                   what));
 }
 

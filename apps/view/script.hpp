@@ -43,6 +43,11 @@ struct ClickAction {
   std::string name;
 };
 
+/// The script stands still until that file is there: another program has come as far.
+struct AwaitAction {
+  std::string file;
+};
+
 /// A parameter of what moves by itself.
 struct SetAction {
   std::string name;
@@ -50,7 +55,8 @@ struct SetAction {
 };
 
 using ScriptAction = std::variant<WindowEvent, ResizeAction, MinimiseAction, ScreenshotAction, StateAction, SaveAction,
-                                  RecordAction, ReplayAction, ImpatientAction, AskAction, ClickAction, SetAction>;
+                                  RecordAction, ReplayAction, ImpatientAction, AskAction, ClickAction, SetAction,
+                                  AwaitAction>;
 
 struct TimedAction {
   double time_s = 0;
@@ -60,7 +66,7 @@ struct TimedAction {
 /// One event a line, `#` comments: `TIME_S key NAME [down|up]` (NAME may be ctrl+z), `mouse X Y`,
 /// `button left|middle|right down|up`, `wheel N`, `drop FILE`, `text WORDS`, `resize W H`, `minimise`, `restore`,
 /// `screenshot FILE.png`, `state FILE.json`, `save FILE.ply`, `record FILE`, `record`, `replay FILE`, `impatient`,
-/// `patient`, `ask`, `click NAME`, `set NAME VALUE`, `quit`. Times do not fall. Throws FileError with the line.
+/// `patient`, `ask`, `click NAME`, `set NAME VALUE`, `await FILE`, `quit`. Times do not fall. Throws FileError with the line.
 std::vector<TimedAction> readScript(const std::filesystem::path& file);
 
 }  // namespace palpate

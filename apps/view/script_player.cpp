@@ -6,7 +6,7 @@ namespace palpate {
 
 void ScriptPlayer::passPicture(double picture_s) {
   constexpr double kLongest_s = 0.1;  // slow machines play a script slowly, not coarsely
-  if (!isClicking()) time_s_ += ownClock_ ? kStep_s : std::min(kLongest_s, picture_s);
+  if (!standsStill()) time_s_ += ownClock_ ? kStep_s : std::min(kLongest_s, picture_s);
 }
 
 std::optional<ScriptAction> ScriptPlayer::takeDue() {
@@ -22,6 +22,17 @@ bool ScriptPlayer::lookAgain() {
   }
   looks_ = 0;
   return false;
+}
+
+bool ScriptPlayer::awaitAgain() {
+  constexpr double kLongest_s = 60;
+  if (!awaits_) awaits_.emplace();
+  const bool goesOn = awaits_->elapsed_s() < kLongest_s;
+  if (goesOn)
+    --next_;
+  else
+    awaits_.reset();
+  return goesOn;
 }
 
 void ScriptPlayer::pressAndRelease() {

@@ -33,11 +33,15 @@ class ScriptPlayer {
 
   /// What the last one is to click has no place yet: it comes again. False after so many times in vain.
   bool lookAgain();
+  /// What the last one waits for is not there yet: it comes again, and no time passes. False after a minute in vain.
+  bool awaitAgain();
+  /// It is there.
+  void hasCome() { awaits_.reset(); }
   /// The button goes down and up again before anything else; the pictures in which it does are given to the panels.
   void pressAndRelease();
 
  private:
-  bool isClicking() const { return looks_ > 0 || next_ < clickEnd_; }
+  bool standsStill() const { return awaits_ || looks_ > 0 || next_ < clickEnd_; }
 
   std::vector<TimedAction> actions_;
   bool ownClock_, impatient_ = false;
@@ -45,6 +49,7 @@ class ScriptPlayer {
   Stopwatch sinceStart_;
   double time_s_ = 0;
   int looks_ = 0;  // in vain
+  std::optional<Stopwatch> awaits_;
 };
 
 }  // namespace palpate

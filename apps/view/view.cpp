@@ -121,7 +121,8 @@ void addView(Options& app, Context& context, Command& command) {
           "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, wheel N, "
           "push X Y Z RX RY RZ [BUTTONS], click NAME (in the panels), drop FILE, text WORDS, resize W H, "
           "minimise, restore, screenshot FILE.png, state FILE.json, save FILE.ply, record [FILE], replay FILE, "
-          "impatient, patient, ask (about changes, and how to save: click Save beside, click Save over), quit; # "
+          "impatient, patient, ask (about changes, and how to save: click Save beside, click Save over), await FILE (until it is "
+          "there, a minute at most), quit; # "
           "comments")
       .typeName("FILE");
   sub.addFlag("--realtime", options->realtime,

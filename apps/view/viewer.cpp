@@ -92,7 +92,9 @@ void Viewer::playScript() {
     if (scriptWaits()) return;
     if (const auto* event = std::get_if<WindowEvent>(&*action))
       if (std::holds_alternative<ButtonEvent>(*event) || std::holds_alternative<KeyEvent>(*event)) return;
-    if (std::holds_alternative<ScreenshotAction>(*action) || std::holds_alternative<ClickAction>(*action)) return;
+    if (std::holds_alternative<ScreenshotAction>(*action) || std::holds_alternative<ClickAction>(*action) ||
+        std::holds_alternative<AwaitAction>(*action))
+      return;
   }
 }
 
@@ -112,6 +114,7 @@ void Viewer::act(const ScriptAction& action) {
     if (std::holds_alternative<AskAction>(action)) document_.askFromNowOn();
     if (const auto* set = std::get_if<SetAction>(&action); set && session) session->setParameter(set->name, set->value);
     if (const auto* click = std::get_if<ClickAction>(&action)) this->click(click->name);
+    if (const auto* await = std::get_if<AwaitAction>(&action)) this->await(await->file);
   });
 }
 
@@ -126,6 +129,12 @@ void Viewer::click(const std::string& name) {
   }
   handle(MouseEvent{*place_px});
   script_.pressAndRelease();
+}
+
+void Viewer::await(const std::string& file) {
+  std::error_code none;
+  if (std::filesystem::exists(file, none)) return script_.hasCome();
+  if (!script_.awaitAgain()) throw Error("{} has not come within a minute", file);
 }
 
 void Viewer::carryOut(const ViewRequests& requests) {

@@ -43,6 +43,7 @@ class Viewer {
   bool scriptWaits() const;
   void act(const ScriptAction& action);
   void click(const std::string& name);
+  void await(const std::string& file);
   void carryOut(const ViewRequests& requests);
   void letGo();
   void welcome();

@@ -30,6 +30,7 @@ struct TouchShortfalls {
   std::uint64_t editsLogFull =
       0;  ///< edits left out: a reader of the log had fallen behind, or it is too small for them
   std::uint64_t editsTooSlow = 0;    ///< left out in real time because an edit takes longer than a force can be held
+  std::uint64_t offersTooSlow = 0;   ///< answers that put off what was offered, for the same reason
   std::uint64_t editsHeldUp = 0;     ///< left out in real time because the index was being compacted
   std::uint64_t editsRebuilt = 0;    ///< the index could not follow, and was built anew for them
   std::uint64_t truncatedTicks = 0;  ///< the proxy had not arrived when the work budget was spent

@@ -47,7 +47,11 @@ void CpuEdits::editIfYielding(const Contact& contact, const Pose& pose, const DV
 }
 
 bool CpuEdits::takeUpOffer(double time_s, bool realtime) {
-  if (isUnderWay_ || !offered_.isThere() || (realtime && !pace_.mayEdit(time_s))) return false;
+  if (isUnderWay_ || !offered_.isThere()) return false;
+  if (realtime && !pace_.mayEdit(time_s)) {
+    ++statistics_.shortfalls.offersTooSlow;
+    return false;
+  }
   if (offered_.changesFollowed() != changes_) {
     report(0, inStroke_);
     return false;

@@ -127,7 +127,11 @@ void EditPipeline::settle() {
 }
 
 bool EditPipeline::takeUpOffer(double time_s, bool realtime) {
-  if (isUnderWay() || !offered_.isThere() || (realtime && !pace_.mayEdit(time_s))) return false;
+  if (isUnderWay() || !offered_.isThere()) return false;
+  if (realtime && !pace_.mayEdit(time_s)) {
+    ++statistics_.shortfalls.offersTooSlow;
+    return false;
+  }
   // Somebody's change has come between: what was offered may not be where it says any more, or be there twice.
   if (offered_.changesFollowed() != changes_) {
     offer_.isDone = true;

@@ -11,7 +11,7 @@
 #include "haptics/sharing/brick_server.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/motion_thread.hpp"
-#include "haptics/sharing/session_notices.hpp"
+#include "haptics/sharing/session_name.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/stroke_server.hpp"
 #include "haptics/sharing/version_watch.hpp"
@@ -31,7 +31,6 @@ constexpr std::int32_t kMostWaiting = 4096;  // requests, and pings
 constexpr std::uint64_t kMostUnacked = 65'536, kLeastUnacked = 512;
 constexpr double kLook_s = 0.05;           // how often an end that is asked for is seen
 constexpr double kFrameLook_s = 0.004;     // how often a new frame is looked for
-constexpr double kOthers_s = 1;            // in which a session of the same name is found, if there is one
 
 void requireName(const std::string& name) {
   if (name.empty() || name.size() > kLongestName || printable(name.c_str()) != name)
@@ -72,7 +71,7 @@ struct CloudServer::Link {
         parts(std::move(given)),
         participant(parts.network),
         topics(participant),
-        notices(participant, topics.notices, reliableQos(true)),
+        name(participant, topics, parts.name, parts.log),
         echoes(participant, topics.echoes, bestEffortQos()),
         requests(participant, topics.requests, keepingLast(reliableQos(false), kMostWaiting)),
         pings(participant, topics.pings, keepingLast(bestEffortQos(), kMostWaiting)),
@@ -130,11 +129,7 @@ struct CloudServer::Link {
   }
 
   void announce() {
-    SessionNotices others(participant, topics);
-    const std::vector<SessionNotice> known = others.listen(kOthers_s);
-    for (const SessionNotice& other : known)
-      if (other.name == parts.name)
-        throw NetworkError("a session named '{}' is served already, by {}; give this one another name", parts.name, other.host);
+    name.requireFree();
     Notice notice{};
     set(notice.session, session);
     notice.version = kVersion;
@@ -147,7 +142,7 @@ struct CloudServer::Link {
     notice.colored = cloud.hasColors();
     notice.sculptable = parts.sculptable;
     notice.checksum = sharing::checksumOf(cloud);
-    notices.write(notice);
+    name.announce(notice);
   }
 
   // Null where there are too many, who are all at it.
@@ -243,7 +238,7 @@ struct CloudServer::Link {
   Participant participant;
   Topics topics;
   Id session = freshId();
-  Writer<Notice> notices;
+  SessionName name;
   Writer<Ping> echoes;
   Reader<Request> requests;
   Reader<Ping> pings;
@@ -284,6 +279,7 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
       if (link_->strokes) link_->strokes->heard(idOf(ping.client));
     });
     link_->sayVersions();
+    link_->name.watch();
     link_->requests.take([&](const Request& request) { link_->answer(request); });
     if (link_->strokes) link_->strokes->take();
     next_s = link_->write();
@@ -309,6 +305,7 @@ ServedCounts CloudServer::counts() const {
   counts.sculptors = strokes.sculptors;
   counts.pieces = strokes.pieces;
   counts.states = strokes.states;
+  counts.copied = strokes.copied;
   counts.again = strokes.again;
   counts.refused += strokes.refused;
   counts.sent = strokes.sent;

@@ -49,8 +49,8 @@ using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
 /// Reliable, and kept for who comes later where `lasting`; in that partition, unless it is empty.
 Qos reliableQos(bool lasting, const std::string& partition = {});
-/// The newest alone, and it may be lost.
-Qos bestEffortQos();
+/// The newest alone, and it may be lost; in that partition, unless it is empty.
+Qos bestEffortQos(const std::string& partition = {});
 // For readers, so that what waits to be taken has a bound, whoever sends however fast.
 /// The last samples of a topic without keys. Whoever misses an answer asks again.
 Qos keepingLast(Qos qos, std::int32_t samples);
@@ -79,6 +79,11 @@ class Topic {
  public:
   Topic(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& name)
       : topic_(dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr), "a topic") {}
+  /// Readers that are made of it from now on get what this lets through alone, and the rest takes none of their room. `of`
+  /// outlives them.
+  void letThrough(bool (*lets)(const void* sample, void* of), const void* of) const {
+    checked(dds_set_topic_filter_and_arg(topic_, lets, const_cast<void*>(of)), "a topic");  // NOLINT: DDS hands it back alone
+  }
   operator dds_entity_t() const { return topic_; }  // NOLINT: as above
 
  private:
@@ -98,6 +103,8 @@ class Writer {
     checked(result, "a sample");
     return true;
   }
+  /// The same, as of that moment (dds_time()).
+  void writeAt(const T& sample, dds_time_t moment) const { checked(dds_write_ts(writer_, &sample, moment), "a sample"); }
   /// All that was written has come to those who read it.
   bool isAcked() const { return dds_wait_for_acks(writer_, 0) == DDS_RETCODE_OK; }
   operator dds_entity_t() const { return writer_; }  // NOLINT: as above
@@ -119,6 +126,18 @@ class Reader {
   /// not so much that something else has its turn first. Those that only say that an instance has ended are not seen.
   template <class Visit>
   std::size_t take(Visit&& visit) const {
+    return takeWithEnds([&](const T& sample, const dds_sample_info_t& about) {
+      if (!about.valid_data) return false;
+      if constexpr (std::is_invocable_v<Visit, const T&, const dds_sample_info_t&>)
+        visit(sample, about);
+      else
+        visit(sample);
+      return true;
+    });
+  }
+  /// The same, with those, of which the key alone is there. `visit` may say of a sample that it does not count.
+  template <class Visit>
+  std::size_t takeWithEnds(Visit&& visit) const {
     constexpr std::uint32_t kAtOnce = 16, kInTurn = 2048;
     std::size_t seen = 0;
     for (std::uint32_t taken = 0; taken < kInTurn; taken += kAtOnce) {
@@ -134,13 +153,13 @@ class Reader {
         dds_return_t count;
       } const loan{reader_, samples, count};
       for (dds_return_t i = 0; i < count; ++i) {
-        if (!about[i].valid_data) continue;
         const T& sample = *static_cast<const T*>(samples[i]);
-        if constexpr (std::is_invocable_v<Visit, const T&, const dds_sample_info_t&>)
+        if constexpr (std::is_void_v<std::invoke_result_t<Visit, const T&, const dds_sample_info_t&>>) {
           visit(sample, about[i]);
-        else
-          visit(sample);
-        ++seen;
+          ++seen;
+        } else {
+          seen += visit(sample, about[i]);
+        }
       }
       if (count < static_cast<dds_return_t>(kAtOnce)) return seen;
     }

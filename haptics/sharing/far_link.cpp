@@ -25,7 +25,6 @@ constexpr double kNews_s = 0.005;        // and where something is
 constexpr double kSilent_s = 3;          // after which another server of the same points is looked for
 constexpr double kHand_s = 1.0 / 60;     // between two places of a hand that others see
 constexpr int kMostSpoilt = 100;         // samples that are none, before one step has come whole
-constexpr std::int32_t kMostFacts = 1000;  // of sessions
 constexpr double kFirstTrip_s = 0.1;     // until one is known
 constexpr double kLeastSpeed_mm_s = 60;  // of a hand that may set out
 constexpr double kFastestOf_s = 5;       // how long the fastest way from the server counts
@@ -305,8 +304,8 @@ class FarLink final : public FarCloud {
 std::unique_ptr<FarCloud> openFarCloud(const FarParts& parts) { return std::make_unique<FarLink>(parts); }
 
 std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s) {
-  const Reader<Facts> reader(session.participant, session.topics.facts,
-                             keepingInstances(reliableQos(true), kMostFacts));
+  const Topic<Facts> topic = factsOf(session.participant, session.session);
+  const Reader<Facts> reader(session.participant, topic, keepingInstances(reliableQos(true), 1));
   ReaderWait wait(session.participant);
   wait.attach(reader);
   std::optional<FarFacts> heard;

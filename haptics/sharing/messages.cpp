@@ -14,6 +14,8 @@ Topics::Topics(dds_entity_t participant)
       blocks(participant, palpate_sharing_Block_desc, fmt::format("palpate/{}/block", kVersion)),
       strokes(participant, palpate_sharing_Stroke_desc, fmt::format("palpate/{}/stroke", kVersion)),
       results(participant, palpate_sharing_Result_desc, fmt::format("palpate/{}/result", kVersion)),
+      strokeCopies(participant, palpate_sharing_Stroke_desc, fmt::format("palpate/{}/stroke_copy", kVersion)),
+      resultCopies(participant, palpate_sharing_Result_desc, fmt::format("palpate/{}/result_copy", kVersion)),
       resumes(participant, palpate_sharing_Resume_desc, fmt::format("palpate/{}/resume", kVersion)),
       hands(participant, palpate_sharing_Hand_desc, fmt::format("palpate/{}/hand", kVersion)),
       facts(participant, palpate_sharing_Facts_desc, fmt::format("palpate/{}/facts", kVersion)),
@@ -21,6 +23,14 @@ Topics::Topics(dds_entity_t participant)
       bricks(participant, palpate_sharing_Bricks_desc, fmt::format("palpate/{}/bricks", kVersion)),
       pings(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/ping", kVersion)),
       echoes(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/echo", kVersion)) {}
+
+Topic<Facts> factsOf(dds_entity_t participant, const Id& session) {
+  Topic<Facts> facts(participant, palpate_sharing_Facts_desc, fmt::format("palpate/{}/facts", kVersion));
+  facts.letThrough(
+      [](const void* sample, void* of) { return isSame(static_cast<const Facts*>(sample)->session, *static_cast<const Id*>(of)); },
+      &session);
+  return facts;
+}
 
 Id freshId() {
   std::random_device device;

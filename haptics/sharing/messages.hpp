@@ -47,6 +47,8 @@ struct Topics {
   Topic<Block> blocks;
   Topic<Stroke> strokes;
   Topic<Result> results;
+  Topic<Stroke> strokeCopies;
+  Topic<Result> resultCopies;
   Topic<ResumeRequest> resumes;
   Topic<Hand> hands;
   Topic<Facts> facts;
@@ -54,6 +56,9 @@ struct Topics {
   Topic<Bricks> bricks;
   Topic<Ping> pings, echoes;
 };
+
+/// Facts of that session, however many others somebody makes up. The id outlives the readers that are made of it.
+Topic<Facts> factsOf(dds_entity_t participant, const Id& session);
 
 /// One that no other has.
 Id freshId();

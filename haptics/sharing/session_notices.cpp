@@ -18,7 +18,11 @@ SessionNotices::SessionNotices(dds_entity_t participant, const Topics& topics)
 }
 
 void SessionNotices::take() {
-  reader_.take([&](const Notice& notice) {
+  reader_.takeWithEnds([&](const Notice& notice, const dds_sample_info_t& about) {
+    if (about.instance_state != DDS_ALIVE_INSTANCE_STATE) {
+      std::erase_if(known_, [&](const SessionNotice& one) { return isSame(notice.session, one.session); });
+      return;
+    }
     SessionNotice known{.session = idOf(notice.session),
                         .version = notice.version,
                         .name = printable(notice.name),
@@ -29,7 +33,8 @@ void SessionNotices::take() {
                         .mm_per_unit = notice.mm_per_unit,
                         .colored = notice.colored,
                         .sculptable = notice.sculptable,
-                        .checksum = notice.checksum};
+                        .checksum = notice.checksum,
+                        .moment_ns = about.source_timestamp};
     const auto same = std::ranges::find(known_, known.session, &SessionNotice::session);
     if (same != known_.end())
       *same = std::move(known);

@@ -18,12 +18,13 @@ struct SessionNotice {
   double mm_per_unit = 0;
   bool colored = false, sculptable = false;
   std::uint64_t checksum = 0;
+  dds_time_t moment_ns = 0;  ///< at which it was announced, by its own clock
 };
 
 class SessionNotices {
  public:
   SessionNotices(dds_entity_t participant, const Topics& topics);
-  /// All that are known now.
+  /// All that are known now, and have not ended.
   const std::vector<SessionNotice>& known();
   /// All that are known once `seconds` have passed.
   std::vector<SessionNotice> listen(double seconds);

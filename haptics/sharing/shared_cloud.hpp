@@ -27,7 +27,8 @@ struct ServedCounts {
   std::uint64_t refused = 0;
   std::uint64_t sculptors = 0;  ///< clients of whom strokes were taken, before the server was started again included
   std::uint64_t pieces = 0, states = 0;  ///< of strokes; states of points in them
-  std::uint64_t again = 0;  ///< pieces that had been taken before, or came before another one
+  std::uint64_t copied = 0;  ///< of the pieces, whose best-effort copy came before they did
+  std::uint64_t again = 0;  ///< pieces that the reliable way had brought before, or before another one
   std::uint64_t sent = 0;   ///< states, to all who follow
   std::uint64_t near = 0;   ///< clients that have ever felt the points around their hands alone
   std::uint64_t nearPoints = 0, nearSteps = 0;  ///< that went to them, and in how many steps
@@ -63,8 +64,8 @@ class CloudServer {
   CloudServer(const CloudServer&) = delete;
   CloudServer& operator=(const CloudServer&) = delete;
 
-  /// Answers until `stop` is true, or `seconds` have passed, where they are more than 0. Throws NetworkError, and what the
-  /// motion has thrown.
+  /// Answers until `stop` is true, or `seconds` have passed, where they are more than 0. Throws NetworkError, also where another
+  /// session of its name has begun at the same time and this is the one to give way, and what the motion has thrown.
   void serve(const std::atomic<bool>& stop, double seconds = 0);
   ServedCounts counts() const;
   /// The points as they are, by id; those of the cloud where nobody has sculpted. Between calls of serve().

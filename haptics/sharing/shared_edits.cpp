@@ -9,10 +9,12 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "haptics/sharing/early_copies.hpp"
 #include "haptics/sharing/edit_exchange.hpp"
 #include "haptics/sharing/hand_presence.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/link_probe.hpp"
+#include "haptics/sharing/sample_copies.hpp"
 #include "haptics/sharing/session_notices.hpp"
 
 namespace palpate {
@@ -27,6 +29,7 @@ constexpr double kStuck_s = 5;         // the same for pieces that were sent and
 constexpr double kNear = 3;            // cells of the index from a proxy, within which a change may be felt there
 constexpr double kSettled_s = 0.3;     // at rest, before it is judged whether the points are the same
 constexpr int kMostDiffered = 3;
+constexpr std::int32_t kMostCopiesWaiting = 4096;  // which come the reliable way where they do not as copies
 constexpr int kMostStuck = 12;         // times in a row that nothing was taken, though the server is heard
 
 class SharedEdits final : public SharedFollower {
@@ -39,6 +42,7 @@ class SharedEdits final : public SharedFollower {
         log_(parts.log),
         exchange_(statesOf(parts.cloud), parts.backend.mostOffered()),
         strokes_(session_.participant, session_.topics.strokes, reliableQos(false)),
+        strokeCopies_(session_.participant, session_.topics.strokeCopies, bestEffortQos()),
         resumes_(session_.participant, session_.topics.resumes, reliableQos(false)),
         probe_(session_),
         presence_(session_, parts.hand.empty() ? ownHost() : parts.hand, parts.cloud),
@@ -49,7 +53,10 @@ class SharedEdits final : public SharedFollower {
     std::uint8_t own[16];
     set(own, session_.client);
     results_ = Reader<Result>(session_.participant, session_.topics.results, reliableQos(false, partitionOf(own)));
+    resultCopies_ = Reader<Result>(session_.participant, session_.topics.resultCopies,
+                                   keepingLast(bestEffortQos(partitionOf(own)), kMostCopiesWaiting));
     wait_->attach(results_);
+    wait_->attach(resultCopies_);
     probe_.attach(*wait_);
     wait_->attach(wakeUp_);
     resume(exchange_.resume());
@@ -115,6 +122,7 @@ class SharedEdits final : public SharedFollower {
     // What comes from now on is not kept for anybody.
     wait_.reset();
     results_ = {};
+    resultCopies_ = {};
   }
 
   void turn() {
@@ -132,24 +140,35 @@ class SharedEdits final : public SharedFollower {
 
   void hear() {
     bool gap = false;
-    results_.take([&](const Result& result) {
-      if (gap) return;
-      const std::optional<Results> said = resultsOf(session_, result, exchange_.points().size(), states_);
-      if (!said) return;
-      const EditExchange::Heard heard = exchange_.hear(*said);
-      if (heard == EditExchange::Heard::old) return;
-      gap = heard == EditExchange::Heard::gap;
-      if (result.acked != lastAcked_) {
-        lastTaken_ = {};
-        stuck_ = 0;
-      }
-      lastAcked_ = result.acked;
-      counts_.longestSilent_s = std::max(counts_.longestSilent_s, lastHeard_.elapsed_s());
-      counts_.oldest_s = std::max(counts_.oldest_s, known_.age_s());
-      lastHeard_ = {};
-      known_.heard();
-    });
+    results_.take([&](const Result& result) { gap = gap || hear(result) == EditExchange::Heard::gap; });
+    // Of a copy that comes too early the one before it is under way: it waits for that, and nothing has to be asked for.
+    resultCopies_.take([&](const Result& result) { hearCopy(result); });
+    while (auto next = early_.takeAfter(lastCounter_)) hearCopy(next->sample());
     if (gap) resume(exchange_.resume());
+  }
+
+  void hearCopy(const Result& result) {
+    const EditExchange::Heard heard = hear(result);
+    counts_.copied += heard == EditExchange::Heard::taken;
+    if (heard == EditExchange::Heard::gap) early_.keep(result.counter, lastCounter_, KeptSample<Result>(result));
+  }
+
+  EditExchange::Heard hear(const Result& result) {
+    const std::optional<Results> said = resultsOf(session_, result, exchange_.points().size(), states_);
+    if (!said) return EditExchange::Heard::old;
+    const EditExchange::Heard heard = exchange_.hear(*said);
+    if (heard != EditExchange::Heard::taken) return heard;
+    if (result.acked != lastAcked_) {
+      lastTaken_ = {};
+      stuck_ = 0;
+    }
+    lastAcked_ = result.acked;
+    lastCounter_ = result.counter;
+    counts_.longestSilent_s = std::max(counts_.longestSilent_s, lastHeard_.elapsed_s());
+    counts_.oldest_s = std::max(counts_.oldest_s, known_.age_s());
+    lastHeard_ = {};
+    known_.heard();
+    return heard;
   }
 
   // What silence does to the force is said, and that it does so no more.
@@ -191,6 +210,9 @@ class SharedEdits final : public SharedFollower {
 
   void resume(const Resume& asked) {
     resumes_.write(requestOf(session_, asked));
+    strokeCopies_.forget();
+    early_.clear();
+    lastCounter_ = 0;
     lastResumed_ = {};
     ++counts_.resumed;
   }
@@ -205,10 +227,13 @@ class SharedEdits final : public SharedFollower {
       for (const PointState& point : piece->states) sent_.push_back(stateOf(point));
       stroke.states._buffer = sent_.data();
       stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(sent_.size());
-      if (strokes_.write(stroke)) continue;
-      exchange_.notSent();
-      return;
+      if (!strokes_.write(stroke)) {
+        exchange_.notSent();
+        break;
+      }
+      strokeCopies_.wrote(stroke);
     }
+    strokeCopies_.write();
   }
 
   void offer() {
@@ -278,8 +303,10 @@ class SharedEdits final : public SharedFollower {
   mutable std::mutex lock_;  // of all that follows but what says otherwise
   EditExchange exchange_;
   Writer<Stroke> strokes_;
+  SampleCopies<Stroke> strokeCopies_;
   Writer<ResumeRequest> resumes_;
-  Reader<Result> results_;
+  Reader<Result> results_, resultCopies_;
+  EarlyCopies<KeptSample<Result>> early_;
   LinkProbe probe_;
   HandPresence presence_;  // says itself what any thread may do
   SessionNotices notices_;
@@ -288,7 +315,7 @@ class SharedEdits final : public SharedFollower {
   SharedCounts counts_;
   std::string fault_;
   std::vector<std::string> said_, untold_;  // what nobody has taken, and what the log has not heard
-  std::uint64_t lastAcked_ = 0;
+  std::uint64_t lastAcked_ = 0, lastCounter_ = 0;
   int stuck_ = 0;
   bool isOfferNear_ = false;
   std::vector<PointState> states_;

@@ -10,6 +10,8 @@ namespace {
 constexpr std::size_t kMostFollowers = 64;  // at a time; one more takes the place of who was heard longest ago,
 constexpr double kGone_s = 5;               // and so long ago: who follows pings
 constexpr std::int32_t kMostWaiting = 32'768;  // samples of each kind, of 1.4 KB; what is lost of them is sent again
+constexpr std::int32_t kMostCopiesWaiting = 4096;  // of strokes, which have to come the reliable way where these do not
+constexpr double kAllCopies_B_per_s = 4e6;     // of results, to all who follow
 constexpr std::uint32_t kMostUnacked = 2048;   // results that are kept for one who may not have them yet
 constexpr double kApart_s = 0.008;          // what is done within goes together, each point once
 /// After which who follows hears that there is nothing. On a link that loses, each word that has to come again holds up those
@@ -22,6 +24,7 @@ constexpr int kInTurn = 64;                 // results for one before it is the 
 StrokeServer::StrokeServer(const Parts& parts)
     : parts_(parts),
       strokes_(parts.participant, parts.topics.strokes, keepingLast(reliableQos(false), kMostWaiting)),
+      strokeCopies_(parts.participant, parts.topics.strokeCopies, keepingLast(bestEffortQos(), kMostCopiesWaiting)),
       resumes_(parts.participant, parts.topics.resumes, keepingLast(reliableQos(false), kMostWaiting)) {
   counts_.sculptors = parts_.points.clients();
   counts_.states = parts_.points.head();
@@ -30,12 +33,14 @@ StrokeServer::StrokeServer(const Parts& parts)
 
 void StrokeServer::attach(ReaderWait& wait) const {
   wait.attach(strokes_);
+  wait.attach(strokeCopies_);
   wait.attach(resumes_);
 }
 
 void StrokeServer::take() {
   resumes_.take([&](const ResumeRequest& request) { take(request); });
-  strokes_.take([&](const Stroke& stroke) { take(stroke); });
+  strokes_.take([&](const Stroke& stroke) { take(stroke, Way::reliable); });
+  strokeCopies_.take([&](const Stroke& stroke) { take(stroke, Way::copy); });
 }
 
 void StrokeServer::take(const ResumeRequest& request) {
@@ -50,8 +55,13 @@ void StrokeServer::take(const ResumeRequest& request) {
       }
       followers_.erase(last);
     }
-    followers_[client].results =
-        Writer<Result>(parts_.participant, parts_.topics.results, reliableQos(false, partitionOf(request.client)));
+    const std::string partition = partitionOf(request.client);
+    Follower fresh;
+    fresh.results = Writer<Result>(parts_.participant, parts_.topics.results, reliableQos(false, partition));
+    fresh.copies = SampleCopies<Result>(parts_.participant, parts_.topics.resultCopies, bestEffortQos(partition));
+    followers_.emplace(client, std::move(fresh));
+    for (auto& [id, each] : followers_)
+      each.copies.setRate(std::min(kCopies_B_per_s, kAllCopies_B_per_s / static_cast<double>(followers_.size())));
     if (parts_.log) parts_.log->say("{} follows", printable(request.host));
   }
   Follower& follower = followers_[client];
@@ -63,6 +73,7 @@ void StrokeServer::take(const ResumeRequest& request) {
   follower.place = {.upTo = std::min<std::uint64_t>(request.upTo, parts_.points.head()),
                     .ownUpTo = request.upTo == 0 ? parts_.points.head() : 0};
   follower.holds = false;
+  follower.copies.forget();
   follower.toldAcked = ~std::uint64_t{0};  // it hears at once
 }
 
@@ -70,28 +81,61 @@ void StrokeServer::heard(const Id& client) {
   if (const auto found = followers_.find(client); found != followers_.end()) found->second.lastHeard = {};
 }
 
-void StrokeServer::take(const Stroke& stroke) {
+void StrokeServer::take(const Stroke& stroke, Way way) {
   if (!isSame(stroke.session, parts_.session)) return;
   const std::span<const State> given(stroke.states._buffer, stroke.states._length);
   states_.clear();
   for (const State& state : given) states_.push_back(pointOf(state));
   const Id client = idOf(stroke.client);
   heard(client);
-  switch (parts_.points.take(client, stroke.number, states_)) {
+  SharedPoints::Taken taken = take(client, stroke.number, states_, way);
+  const auto follower = followers_.find(client);
+  if (follower == followers_.end()) return;
+  EarlyCopies<std::vector<PointState>>& early = follower->second.early;
+  if (taken == SharedPoints::Taken::early && way == Way::copy) early.keep(stroke.number, parts_.points.lastOf(client), states_);
+  while (taken == SharedPoints::Taken::taken) {
+    const std::uint64_t last = parts_.points.lastOf(client);
+    const auto next = early.takeAfter(last);
+    if (!next) break;
+    taken = take(client, last + 1, *next, Way::copy);
+  }
+}
+
+SharedPoints::Taken StrokeServer::take(const Id& client, std::uint64_t number, std::span<const PointState> states, Way way) {
+  const std::uint64_t before = parts_.points.lastOf(client);
+  const SharedPoints::Taken taken = parts_.points.take(client, number, states);
+  if (parts_.points.lastOf(client) > 0) reliable_.try_emplace(client, before);
+  if (taken == SharedPoints::Taken::taken) {
+    counts_.states += states.size();
+    if (parts_.journal) parts_.journal->add({.client = client, .number = number, .states = {states.begin(), states.end()}});
+  }
+  count(client, number, way, taken);
+  return taken;
+}
+
+void StrokeServer::count(const Id& client, std::uint64_t number, Way way, SharedPoints::Taken taken) {
+  counts_.sculptors = parts_.points.clients();
+  const bool isCopy = way == Way::copy;
+  switch (taken) {
     case SharedPoints::Taken::taken:
       ++counts_.pieces;
-      counts_.states += states_.size();
-      counts_.sculptors = parts_.points.clients();
-      if (parts_.journal) parts_.journal->add({.client = client, .number = stroke.number, .states = states_});
+      counts_.copied += isCopy;
       break;
     case SharedPoints::Taken::known:
-    case SharedPoints::Taken::early: ++counts_.again; break;
+    case SharedPoints::Taken::early: {
+      // Copies come again as a matter of course, and so does, once, what a copy has brought before.
+      const auto last = reliable_.find(client);
+      counts_.again += !isCopy && (last == reliable_.end() || number <= last->second || taken == SharedPoints::Taken::early);
+      break;
+    }
     case SharedPoints::Taken::refused:
       if (counts_.refused++ == 0 && parts_.log)
         parts_.log->say("a piece of a stroke was refused, as others may be: no hand of ours makes it, or {} hands have sculpted "
                         "and no more can", parts_.points.clients());
       break;
   }
+  const auto last = reliable_.find(client);
+  if (!isCopy && last != reliable_.end()) last->second = std::max(last->second, std::min(number, parts_.points.lastOf(client)));
 }
 
 double StrokeServer::write() {
@@ -101,6 +145,11 @@ double StrokeServer::write() {
 }
 
 double StrokeServer::write(const Id& client, Follower& follower) {
+  const double next_s = writeResults(client, follower);
+  return std::min(next_s, follower.copies.write());
+}
+
+double StrokeServer::writeResults(const Id& client, Follower& follower) {
   const auto isDue = [&] {
     return follower.holds || parts_.points.isBehind(follower.place) || parts_.points.lastOf(client) != follower.toldAcked;
   };
@@ -137,6 +186,7 @@ bool StrokeServer::writeOne(const Id& client, Follower& follower) {
   }
   if (follower.unacked >= kMostUnacked && follower.results.isAcked()) follower.unacked = 0;
   if (follower.unacked >= kMostUnacked || !follower.results.write(result)) return false;
+  follower.copies.wrote(result);
   ++follower.unacked;
   follower.holds = false;
   follower.toldAcked = result.acked;

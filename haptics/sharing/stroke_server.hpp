@@ -6,7 +6,9 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/log.hpp"
+#include "haptics/sharing/early_copies.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/sample_copies.hpp"
 #include "haptics/sharing/shared_points.hpp"
 #include "haptics/sharing/stroke_journal.hpp"
 
@@ -14,7 +16,8 @@ namespace palpate::sharing {
 
 struct StrokeCounts {
   std::uint64_t pieces = 0, states = 0;  ///< of strokes, that were taken; those in the journal included
-  std::uint64_t again = 0;               ///< that had been taken before, or came too early
+  std::uint64_t copied = 0;              ///< of the pieces, whose copy came before they did
+  std::uint64_t again = 0;               ///< that the reliable way brought before, or too early
   std::uint64_t refused = 0;             ///< that no client of ours makes; and who would follow and has no room
   std::uint64_t sent = 0;                ///< states, to all clients together
   std::uint64_t sculptors = 0;           ///< clients that have ever sent a piece that was taken
@@ -52,17 +55,24 @@ class StrokeServer {
     std::vector<State> states;  // of it
     bool holds = false;         // it is to be written
     std::uint32_t unacked = 0;  // results that were written since all had come, at most
+    SampleCopies<Result> copies;
+    EarlyCopies<std::vector<PointState>> early;  // pieces of its own
     Stopwatch lastHeard, lastWritten;
   };
-  void take(const Stroke& stroke);
+  enum class Way { reliable, copy };
+  void take(const Stroke& stroke, Way way);
+  SharedPoints::Taken take(const Id& client, std::uint64_t number, std::span<const PointState> states, Way way);
+  void count(const Id& client, std::uint64_t number, Way way, SharedPoints::Taken taken);
   void take(const ResumeRequest& request);
   double write(const Id& client, Follower& follower);
+  double writeResults(const Id& client, Follower& follower);
   bool writeOne(const Id& client, Follower& follower);
 
   Parts parts_;
-  Reader<Stroke> strokes_;
+  Reader<Stroke> strokes_, strokeCopies_;
   Reader<ResumeRequest> resumes_;
   std::map<Id, Follower> followers_;
+  std::map<Id, std::uint64_t> reliable_;  // by client, the last piece that has come the reliable way
   std::vector<PointState> states_;
   StrokeCounts counts_;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tests/apps/running_program.hpp"
+#include "tests/own_domain.hpp"
 #include "tests/sharing/ros_discovery.hpp"
 
 namespace palpate {
@@ -13,7 +14,7 @@ using namespace sharing;
 namespace {
 
 // A domain that no other test is on at the same time.
-NetworkConfig network() { return {.domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80}; }
+NetworkConfig network() { return {.domain = ownDomain()}; }
 std::string domain() { return " --domain " + std::to_string(network().domain); }
 
 bool isNear(const geometry_msgs_msg_dds__Point_& heard_m, const DVec3& place, double mm_per_unit) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tests/apps/running_program.hpp"
+#include "tests/own_domain.hpp"
 #include "tests/sharing/ros_camera.hpp"
 
 namespace palpate {
@@ -12,7 +13,7 @@ constexpr DepthCamera kCamera{.width = 64, .height = 48, .fx = 120, .fy = 120, .
 constexpr double kStiffness_N_per_mm = 0.5;
 
 // A domain that no other test is on at the same time.
-inline NetworkConfig network() { return {.domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80}; }
+inline NetworkConfig network() { return {.domain = ownDomain()}; }
 
 inline std::string touching(const std::filesystem::path& folder, const DVec3& hip_m, double duration_s) {
   std::ofstream(folder / "path.csv") << fmt::format("t_s,x,y,z\n0,{0},{1},0.4\n0.3,{0},{1},{2}\n{3},{0},{1},{2}\n", hip_m.x,

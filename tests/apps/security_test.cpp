@@ -5,13 +5,14 @@
 #include "engine/io/cloud_formats.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/wire_capture.hpp"
+#include "tests/own_domain.hpp"
 #include "tests/says.hpp"
 
 namespace palpate {
 
 namespace {
 
-unsigned domainNumber() { return 120 + static_cast<unsigned>(::getpid()) % 80; }
+unsigned domainNumber() { return ownDomain(); }
 std::string domain() { return " --domain " + std::to_string(domainNumber()); }
 
 bool isBuilt(const ScratchFolder& folder) {

@@ -9,6 +9,7 @@
 #include "haptics/sharing/version_watch.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/window_play.hpp"
+#include "tests/own_domain.hpp"
 
 namespace palpate {
 
@@ -16,8 +17,7 @@ namespace {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-std::uint32_t domainNumber() { return 120 + static_cast<std::uint32_t>(::getpid()) % 80; }
-std::string domain() { return " --domain " + std::to_string(domainNumber()); }
+std::string domain() { return " --domain " + std::to_string(ownDomain()); }
 
 class Serving {
  public:
@@ -44,7 +44,7 @@ std::string pointsOf(const std::filesystem::path& cloud) {
 class Announcement {
  public:
   Announcement(const std::string& name, std::uint32_t version)
-      : participant_(NetworkConfig{.domain = domainNumber()}),
+      : participant_(NetworkConfig{.domain = ownDomain()}),
         topics_(participant_),
         notices_(participant_, topics_.notices, sharing::reliableQos(true)) {
     sharing::Notice notice{};
@@ -206,7 +206,7 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
   Serving serving((folder / "m.ply").string() + " --name here", folder / "said");
   {
     // A client of the version before: it has topics of its own, and is heard by nobody.
-    const sharing::Participant old(NetworkConfig{.domain = domainNumber()}, sharing::versionQos(sharing::kVersion - 1));
+    const sharing::Participant old(NetworkConfig{.domain = ownDomain()}, sharing::versionQos(sharing::kVersion - 1));
     CHECK(serving.program.waitFor([&] { return has(contentOf(folder / "said"), "another version of palpate " + olderAndThis()); }));
   }
   const Announcement older("older", sharing::kVersion - 1), twin("twins", sharing::kVersion), other("twins", sharing::kVersion);

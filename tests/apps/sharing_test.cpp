@@ -9,13 +9,14 @@
 
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/window_play.hpp"
+#include "tests/own_domain.hpp"
 
 namespace palpate {
 
 namespace {
 
 // A domain that no other test is on at the same time.
-std::string domain() { return " --domain " + std::to_string(20 + ::getpid() % 80); }
+std::string domain() { return " --domain " + std::to_string(ownDomain()); }
 
 bool isBuilt() {
   if (palpate("doctor --network" + domain()).code == 0) return true;
@@ -137,10 +138,14 @@ TEST_CASE("two windows on one model show each other's hands, and what both do to
   }
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply"), folder / "said");
   const auto view = [&](const std::string& name, const std::string& place) {
+    // A script goes as fast as its pictures come, so that of two windows one may be over before the other one has begun: each
+    // waits until the other one sculpts, and lets go once that has seen it.
+    const std::string other = name == "Ada" ? "Bert" : "Ada";
     std::ofstream(in(name + ".txt")) << "2 key T\n2 mouse " << place << "\n2.2 key 2\n2.3 button left down\n"
+                                     << "2.5 state " << in(name + ".begun") << "\n2.5 await " << in(other + ".begun") << "\n"
                                      << "5 click link\n5.5 click link\n"
-                                     << "8 state " << in(name + ".json") << "\n8 screenshot " << in(name + ".png")
-                                     << "\n8 button left up\n9 quit\n";
+                                     << "8 screenshot " << in(name + ".png") << "\n8 state " << in(name + ".json")
+                                     << "\n8 await " << in(other + ".json") << "\n8 button left up\n9 quit\n";
     return std::system(("XDG_STATE_HOME=" + in(name) + " xvfb-run -a " + program() + " view --join clay --as " + name + domain() +
                         " --backend cpu --realtime --script " + in(name + ".txt") + " > " + in(name + ".said") + " 2>&1")
                            .c_str());

@@ -50,7 +50,7 @@ awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++
 "$scratch/build/stir"
 
 # One serves a cloud, and two others dent it.
-domain=$((20 + $$ % 80))
+source "$(dirname "$0")/../own_domain.sh"
 mkfifo "$scratch/end"
 exec 3<> "$scratch/end"
 "$scratch/build/share" serve "$domain" < "$scratch/end" > "$scratch/serve.txt" &

@@ -1,21 +1,20 @@
 // Sessions that several programs have, within one test program.
 #pragma once
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <thread>
 
 #include "tests/library/ball.hpp"
+#include "tests/own_domain.hpp"
 
 namespace palpate {
 
 /// That no other test program is on, of this machine alone.
 inline pp_network ownNetwork() {
   pp_network network = pp_default_network();
-  network.domain = 100 + static_cast<std::uint32_t>(getpid()) % 100;
+  network.domain = ownDomain();
   return network;
 }
 

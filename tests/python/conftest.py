@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import palpate as pp
 import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from own_domain import own_domain  # noqa: E402, F401 (the tests take it from here)
 
 RADIUS = 50.0
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import palpate as pp
 import pytest
-from conftest import ball_arrays, press_path
+from conftest import ball_arrays, own_domain, press_path
 
 README = Path(__file__).parents[2] / "apps" / "python" / "README.md"
 
@@ -48,7 +48,7 @@ def test_the_example_of_the_readme_runs(tmp_path, monkeypatch):
 def test_the_example_of_shared_sessions_runs(ball, tmp_path, monkeypatch):
     source = README.read_text().split("\n\nlan = ", 1)[1].split("\n```", 1)[0]
     source = "lan = " + source
-    for shown, here in (('interface="eth0"', f"domain={20 + os.getpid() % 80}"), ("server.wait(600)", "server.wait(0.1)"),
+    for shown, here in (('interface="eth0"', f"domain={own_domain()}"), ("server.wait(600)", "server.wait(0.1)"),
                         ('hand="anna")', 'hand="anna"), gpu="cpu"')):
         assert source.count(shown) == 1, shown
         source = source.replace(shown, here)

@@ -14,9 +14,9 @@ import time
 import numpy as np
 import palpate as pp
 import pytest
-from conftest import RADIUS, ball_arrays, press_path
+from conftest import RADIUS, ball_arrays, own_domain, press_path
 
-NETWORK = pp.Network(domain=20 + os.getpid() % 80)  # of this machine alone, and no other test's
+NETWORK = pp.Network(domain=own_domain())  # of this machine alone, and no other test's
 needs_dds = pytest.mark.skipif(not pp.can_share(), reason="this palpate was built without DDS")
 
 

@@ -7,7 +7,8 @@ set -euo pipefail
 palpate=$(readlink -f "$1") listener=$(readlink -f "$2") seconds=${3:-5}
 command -v ddsperf > /dev/null || { echo 'beside_ddsperf: skipped: there is no ddsperf (cyclonedds-tools)'; exit 77; }
 folder=$(mktemp -d)
-domain=$((110 + $$ % 100)) running=()
+source "$(dirname "$0")/../own_domain.sh"
+running=()
 end() {
   for process in "${running[@]}"; do kill "$process" 2> /dev/null || true; done
   wait

@@ -131,11 +131,15 @@ TEST_CASE(
   CHECK(sculptors.served.sculptors > 200);
   CHECK(sculptors.served.sculptors <= 4096);
   CHECK(attacked("bad-strokes", 1.5).served.refused > 0);
+  const Outcome copies = attacked("stroke-copies", 1.5);
+  CHECK(copies.served.pieces > 1000);
+  CHECK(copies.served.copied > 1000);
+  CHECK(attacked("bad-stroke-copies", 1.5).served.refused > 0);
 }
 
 TEST_CASE(
     "hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory") {
-  for (const char* attack : {"hands", "notices", "results"}) CHECK(attacked(attack, 1.5).grown_MB < 15);
+  for (const char* attack : {"hands", "notices", "results", "result-copies"}) CHECK(attacked(attack, 1.5).grown_MB < 15);
 }
 
 namespace {
@@ -191,7 +195,16 @@ TEST_CASE("bricks that no server gives end nobody's part near his hand") {
   CHECK(attackedNear("bricks", 1).hand.resumed > 10);
 }
 
-TEST_CASE("facts of ever new sessions keep nobody waiting") { attackedNear("facts", 1); }
+TEST_CASE("facts of ever new sessions keep nobody waiting, and hide those of the honest one from nobody who joins later") {
+  attackedNear("facts", 1);
+  const PointCloud cloud = flatCloud(20'000);
+  Served served(cloud, "attacked");
+  HostileSide side("facts", 60);
+  // More of them than anybody has room for.
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  CHECK(joinCloud("attacked", {.network = ownNetwork(), .near = true, .patience_s = 20}).facts->extent.points == 20'000);
+  CHECK_FALSE(side.ended());
+}
 
 TEST_CASE("bytes that are no samples of ours are no more than noise") {
   attacked("pings", 1.5);

@@ -131,7 +131,7 @@ def line(cell):
     ticks = share["ticks"] + share["missed_ticks"] + hand["ticks"] + hand["missed_ticks"]
     same = "byte by byte" if cell["same"] else f"differs, {cell['worst_N']:.3g} N"
     return (f"| {cell['trip_ms']} | {cell['loss']} | {same} | {pair(share['felt_ms'])} | {pair(share['beyond_ms'])} | "
-            f"{(share['felt_ms'] or {'n': 0})['n']}, {share['not_felt']} | "
+            f"{(share['felt_ms'] or {'n': 0})['n']}, {share['not_felt']} | {share['skipped_edits']} | "
             f"{share['missed_ticks'] + hand['missed_ticks']} of {ticks} | "
             f"{share['aged_ticks'] + hand['safety']['aged_ticks']} | {hand['shared']['oldest_s']:.1f} | "
             f"{hand['passivity_energy_mJ']:.3f} |")
@@ -143,6 +143,8 @@ def complaints(cell):
         yield f"the trace is not the file's; forces differ by up to {cell['worst_N']} N"
     if cell["jitter_ms"] and ", 0 overtaken" in cell["frames"]:
         yield "no frame has overtaken another one"
+    if cell["jitter_ms"] and share["copied"] == 0:
+        yield "no copy of what the server said has come before it"
     if share["not_felt"] or not share["felt_ms"]:
         yield f"{share['not_felt']} presses were not felt"
     elif share["beyond_ms"]["p50"] > MOST_BEYOND_MS:
@@ -176,8 +178,8 @@ def main():
         subprocess.run([*quietly, "touch", folder / "model.ply", "--backend", "cpu", "--duration", "1", "--trace",
                         folder / "own.csv"], check=True, stdout=subprocess.DEVNULL)
         print("| round trip, ms | lost, % | trace of a hand, 1 s | a press felt by another hand, ms | beyond the round trip, ms | "
-              "felt, not felt | ticks missed | ticks with less force | oldest, s | least energy, mJ |")
-        print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
+              "felt, not felt | ticks that put an edit off | ticks missed | ticks with less force | oldest, s | least energy, mJ |")
+        print("|---|---|---|---|---|---|---|---|---|---|---|", flush=True)
         for trip_ms, loss, *jitter_ms in cells:
             presses = 6 if short else 60 if trip_ms < 1000 else 30
             cell = measure(palpate, folder, trip_ms, loss, *(jitter_ms or [0]), presses, 1 if short else 10)

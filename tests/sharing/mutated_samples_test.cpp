@@ -167,13 +167,15 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
                           put(request.host, "mutant");
                           request.count = 1 + mutant.roll() % 100;
                         });
-  mutant.write<Stroke>(palpate_sharing_Stroke_desc, topics.strokes, reliableQos(false), kTimes, [&](Stroke& stroke) {
+  const auto change = [&](Stroke& stroke) {
     id(stroke.client);
     stroke.number = mutant.roll() % 50;  // in any order, and again
     fillStates(mutant, states, 5000);
     stroke.states._buffer = states.data();
     stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states.size());
-  });
+  };
+  mutant.write<Stroke>(palpate_sharing_Stroke_desc, topics.strokes, reliableQos(false), kTimes, change);
+  mutant.write<Stroke>(palpate_sharing_Stroke_desc, topics.strokeCopies, bestEffortQos(), kTimes, change);
   mutant.write<ResumeRequest>(palpate_sharing_Resume_desc, topics.resumes, reliableQos(false), kTimes,
                               [&](ResumeRequest& resume) {
                                 id(resume.client);
@@ -201,14 +203,15 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     });
   std::uint8_t partition[16];
   set(partition, *victim);
-  mutant.write<Result>(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes,
-                       [&](Result& result) {
-                         result.epoch = 1;
-                         result.head = mutant.roll();
-                         fillStates(mutant, states, 5000);
-                         result.states._buffer = states.data();
-                         result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
-                       });
+  const auto answer = [&](Result& result) {
+    result.epoch = 1;
+    result.head = mutant.roll();
+    fillStates(mutant, states, 5000);
+    result.states._buffer = states.data();
+    result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
+  };
+  mutant.write<Result>(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes, answer);
+  mutant.write<Result>(palpate_sharing_Result_desc, topics.resultCopies, bestEffortQos(partitionOf(partition)), kTimes, answer);
   const SharedCounts counts = hand.end();
   CHECK(counts.same);
   CHECK(counts.delivered);

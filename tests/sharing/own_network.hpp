@@ -1,17 +1,16 @@
 // A network that no other test program is on, and sessions that are served there for a test's time.
 #pragma once
 
-#include <unistd.h>
-
 #include <atomic>
 #include <string>
 #include <thread>
 
 #include "haptics/sharing/shared_cloud.hpp"
+#include "tests/own_domain.hpp"
 
 namespace palpate {
 
-inline NetworkConfig ownNetwork() { return {.domain = 100 + static_cast<std::uint32_t>(getpid()) % 100}; }
+inline NetworkConfig ownNetwork() { return {.domain = ownDomain()}; }
 
 class Served {
  public:

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <thread>
 
-#include "tests/sharing/own_network.hpp"
+#include "haptics/sharing/messages.hpp"
+#include "tests/sharing/honest_hand.hpp"
 
 namespace palpate {
 
@@ -79,6 +80,96 @@ TEST_CASE("of one name there is one session; a name that is not there is said wi
   CHECK(says([&] { Served bad(cloud, ""); }, "is none for a session"));
   CHECK(says([&] { Served bad(cloud, "a\nb"); }, "is none for a session"));
   CHECK(says([&] { Served bad(cloud, std::string(201, 'x')); }, "is none for a session"));
+}
+
+namespace {
+
+/// Serves until it ends by itself, or is told to, and keeps what has ended it.
+class ServedToTheEnd {
+ public:
+  ServedToTheEnd(const PointCloud& cloud, const std::string& name)
+      : thread_([this, &cloud, name] {
+          try {
+            CloudServer server(cloud, {.network = ownNetwork(), .name = name});
+            isServing_ = true;
+            server.serve(stop_);
+          } catch (const NetworkError& error) {
+            why_ = error.what();
+          }
+          hasEnded_ = true;
+        }) {}
+  ~ServedToTheEnd() { stop(); }
+  void stop() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  bool hasEnded() const { return hasEnded_; }
+  bool isServing() const { return isServing_; }
+  std::string why() {
+    stop();
+    return why_;
+  }
+
+ private:
+  std::atomic<bool> stop_ = false, isServing_ = false, hasEnded_ = false;
+  std::string why_;
+  std::jthread thread_;
+};
+
+bool comes(double seconds, const std::function<bool()>& is) {
+  const Stopwatch since;
+  while (!is() && since.elapsed_s() < seconds) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return is();
+}
+
+}  // namespace
+
+TEST_CASE("of two that take one name in the same second one gives way in words, and is left by nobody in silence") {
+  const PointCloud cloud = flatCloud(100);
+  {
+    ServedToTheEnd first(cloud, "twins"), second(cloud, "twins");
+    CHECK(comes(20, [&] { return first.hasEnded() || second.hasEnded(); }));
+    // And the other one goes on.
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    CHECK(first.hasEnded() != second.hasEnded());
+    ServedToTheEnd& gone = first.hasEnded() ? first : second;
+    CHECK(gone.why().find("give") != std::string::npos);
+    CHECK(joinCloud("twins", {.network = ownNetwork()}).cloud.positions == cloud.positions);
+  }
+  // One that neither had heard of, and that others say was there before or after it.
+  const sharing::Participant participant(ownNetwork());
+  const sharing::Topics topics(participant);
+  sharing::Notice notice{};
+  notice.version = sharing::kVersion;
+  sharing::put(notice.name, "alike");
+  sharing::put(notice.host, "elsewhere");
+  notice.mm_per_unit = 1;
+  {
+    const dds_time_t before = dds_time();
+    ServedToTheEnd late(cloud, "alike");
+    REQUIRE(comes(10, [&] { return late.isServing(); }));
+    const HonestHand hand("alike");
+    CHECK_FALSE(late.hasEnded());
+    const sharing::Writer<sharing::Notice> writer(participant, topics.notices, sharing::reliableQos(true));
+    sharing::set(notice.session, sharing::freshId());
+    writer.writeAt(notice, before);
+    CHECK(comes(5, [&] { return late.hasEnded(); }));
+    CHECK(late.why().find("gives way") != std::string::npos);
+    CHECK(late.why().find("elsewhere") != std::string::npos);
+    // Whoever had joined it hears what has become of it.
+    CHECK(comes(10, [&] { return !hand.counts().fault.empty(); }));
+    CHECK(hand.counts().fault.find("has nowhere to go") != std::string::npos);
+  }
+  {
+    ServedToTheEnd early(cloud, "alike");
+    REQUIRE(comes(10, [&] { return early.isServing(); }));
+    const sharing::Writer<sharing::Notice> writer(participant, topics.notices, sharing::reliableQos(true));
+    sharing::set(notice.session, sharing::freshId());
+    writer.writeAt(notice, dds_time() + 1'000'000'000);
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    CHECK_FALSE(early.hasEnded());
+    CHECK(early.why().empty());
+  }
 }
 
 TEST_CASE("the sessions of a network are listed, and answer pings") {

@@ -1,0 +1,14 @@
+# Which domain of DDS a test has to itself, as own_domain.hpp has it; to be sourced. Sets `domain`, and keeps the lock on
+# descriptor 8 until the shell, and what it has started, ends.
+domain=
+for turn in $(seq 600); do
+  for i in $(seq 0 79); do
+    candidate=$((20 + ($$ + i) % 80))
+    { exec 8>> "/tmp/palpate-tests-domain-$candidate"; } 2> /dev/null || continue
+    flock -n 8 || continue
+    domain=$candidate
+    break 2
+  done
+  sleep 0.1
+done
+[ -n "$domain" ] || { echo 'all domains of /tmp/palpate-tests-domain-* are in use by other tests' >&2; exit 1; }
