@@ -131,7 +131,7 @@ struct CloudServer::Link {
 
   void announce() {
     SessionNotices others(participant, topics);
-    const std::vector<SessionNotice> known = others.listen(kOthers_s);
+    const std::vector<SessionNotice> known = others.listen(kOthers_s, parts.stop);
     for (const SessionNotice& other : known)
       if (other.name == parts.name)
         throw NetworkError("a session named '{}' is served already, by {}; give this one another name", parts.name, other.host);

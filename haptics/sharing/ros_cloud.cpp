@@ -1,10 +1,12 @@
 #include <chrono>
 #include <future>
+#include <thread>
 #include <vector>
 
 #include "engine/cloud/length_unit.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_intake.hpp"
+#include "haptics/sharing/ros_tf.hpp"
 
 namespace palpate {
 
@@ -16,7 +18,8 @@ class RosCloud::Link {
       : publishing_(publishing),
         frame_(rosName(publishing.name)),
         participant_(rosParticipant(publishing.network)),
-        clouds_(participant_, kRosTopics + frame_ + "/cloud", RosDelivery::latched) {
+        clouds_(participant_, kRosTopics + frame_ + "/cloud", RosDelivery::latched),
+        stands_(publishFrame(participant_, publishing)) {
     for (const RosField& field : fieldsOfRosPoints()) {
       names_.emplace_back(field.name);
       fields_.push_back({.offset = field.offset, .datatype = field.type, .count = field.count});
@@ -61,6 +64,7 @@ class RosCloud::Link {
   std::vector<std::uint8_t> data_;
   Participant participant_;
   RosPublisher<RosPointCloud2> clouds_;
+  std::optional<RosTransformPublisher> stands_;
   std::uint64_t shown_ = 0;
   std::future<bool> writing_;  // ends before all that it uses
 };
@@ -70,6 +74,34 @@ RosCloud::~RosCloud() = default;
 bool RosCloud::show(std::span<const PointState> points, const DVec3& origin) { return link_->show(points, origin); }
 std::uint64_t RosCloud::shown() const { return link_->shown(); }
 
+namespace {
+
+void putInFrame(PointCloud& cloud, const CameraPose& pose) {
+  cloud.origin = pose.toWorld(cloud.origin);
+  for (Vec3& position : cloud.positions) position = Vec3(pose.turn * DVec3(position));
+  for (Vec3& normal : cloud.normals) normal = Vec3(pose.turn * DVec3(normal));
+}
+
+// What says where a frame stands may come after what is in it.
+CameraPose awaitPose(RosTransformIntake& transforms, const RosHeader& header, const std::string& topic,
+                     const RosListening& listening) {
+  std::string why;
+  std::optional<CameraPose> pose;
+  const bool came = waitFor(listening, topic, [&] {
+    try {
+      pose = transforms.poseOf(header);
+    } catch (const NetworkError& error) {
+      why = error.what();
+      std::this_thread::sleep_for(std::chrono::duration<double>(kRosLook_s));
+    }
+    return pose.has_value();
+  });
+  if (!came) throw NetworkError("ros:{}: {}", topic, why);
+  return *pose;
+}
+
+}  // namespace
+
 PointCloud hearRosCloud(const std::string& topic, const RosListening& listening) {
   constexpr double kMmPerMetre = 1000;
   const std::string name = rosName(topic);
@@ -77,10 +109,16 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
   RosIntake<RosPointCloud2> clouds(participant, name);
   RosWriters writers(participant, name);
   if (listening.log) listening.log->say("ros:{}: waiting for a PointCloud2", topic);
+  RosTransformIntake transforms(participant, listening.frame);
   std::optional<TakenRosPoints> taken;
+  std::string frame;
+  RosHeader header{};
   const bool came = waitFor(listening, topic, [&] {
     clouds.take(kRosLook_s, [&](const RosPointCloud2& message) {
-      if (!taken) taken = takeMessage(message, listening.log);
+      if (taken) return;
+      taken = takeMessage(message, listening.log);
+      frame = message.header.frame_id ? message.header.frame_id : "";
+      header.stamp = message.header.stamp;
     });
     if (!taken) requireSent(topic, writers, {rosTypeOf<RosPointCloud2>().name()});
     return taken.has_value();
@@ -95,6 +133,10 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
   if (listening.log)
     listening.log->say("ros:{}: {} points{}", topic, taken->cloud.size(),
                        taken->skipped > 0 ? fmt::format("; {} without a place are left out", taken->skipped) : "");
+  if (transforms.isNeeded()) {
+    header.frame_id = frame.data();
+    putInFrame(taken->cloud, awaitPose(transforms, header, topic, listening));
+  }
   sayScale(taken->cloud.storedAs.comments, kMmPerMetre);
   return std::move(taken->cloud);
 }

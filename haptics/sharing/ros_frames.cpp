@@ -7,6 +7,7 @@
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/ros_images.hpp"
 #include "haptics/sharing/ros_intake.hpp"
+#include "haptics/sharing/ros_tf.hpp"
 
 namespace palpate {
 
@@ -112,11 +113,12 @@ class FromPoints {
 template <class Maker>
 class RosFrames final : public DepthStream {
  public:
-  RosFrames(Participant participant, std::string topic, Maker maker)
+  RosFrames(Participant participant, std::string topic, const std::string& frame, Maker maker)
       : participant_(std::move(participant)),
         topic_(std::move(topic)),
         maker_(std::move(maker)),
-        intake_(participant_, rosName(topic_)) {}
+        intake_(participant_, rosName(topic_)),
+        transforms_(participant_, frame) {}
 
   /// Waits for the first good frame, which next() gives again.
   void begin(const RosListening& listening) {
@@ -159,6 +161,7 @@ class RosFrames final : public DepthStream {
       try {
         where_.require(message.header);
         maker_.make(message, frame);
+        if (transforms_.isNeeded()) frame.pose = transforms_.poseOf(message.header);
         frame.time_s = times_.timeOf(stampOf(message.header), clock_.elapsed_s());
         isThere = true;
       } catch (const NetworkError& error) {
@@ -172,14 +175,12 @@ class RosFrames final : public DepthStream {
     if (frame.points) return !frame.points->places.empty();
     return std::ranges::any_of(frame.depth_m, [](float depth) { return depth > 0; });
   }
-  static std::int64_t stampOf(const RosHeader& header) {
-    return std::int64_t{header.stamp.sec} * 1'000'000'000 + header.stamp.nanosec;
-  }
 
   Participant participant_;
   std::string topic_;
   Maker maker_;
   RosIntake<typename Maker::Message> intake_;
+  RosTransformIntake transforms_;
   OneFrame where_;
   RosFrameTimes times_;
   Stopwatch clock_;
@@ -246,7 +247,7 @@ RosContent discover(dds_entity_t participant, const std::string& topic, const Ro
 template <class Maker>
 std::shared_ptr<DepthStream> begun(Participant participant, const std::string& topic, Maker maker,
                                    const RosListening& listening) {
-  auto frames = std::make_shared<RosFrames<Maker>>(std::move(participant), topic, std::move(maker));
+  auto frames = std::make_shared<RosFrames<Maker>>(std::move(participant), topic, listening.frame, std::move(maker));
   frames->begin(listening);
   return frames;
 }
