@@ -1,6 +1,7 @@
 #include <chrono>
 #include <future>
-#include <thread>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/cloud/length_unit.hpp"
@@ -82,23 +83,47 @@ void putInFrame(PointCloud& cloud, const CameraPose& pose) {
   for (Vec3& normal : cloud.normals) normal = Vec3(pose.turn * DVec3(normal));
 }
 
-// What says where a frame stands may come after what is in it.
-CameraPose awaitPose(RosTransformIntake& transforms, const RosHeader& header, const std::string& topic,
-                     const RosListening& listening) {
-  std::string why;
-  std::optional<CameraPose> pose;
-  const bool came = waitFor(listening, topic, [&] {
+// The first message of which it is known where it stands, which may be said later than what is in it.
+class FirstCloud {
+ public:
+  FirstCloud(dds_entity_t participant, const std::string& name, const RosListening& listening)
+      : listening_(listening), clouds_(participant, name), transforms_(participant, listening.frame) {}
+
+  bool look() {
+    clouds_.take(kRosLook_s, [&](const RosPointCloud2& message) {
+      if (isPlaced_) return;
+      taken_ = takeMessage(message, taken_ ? nullptr : listening_.log);
+      frame_ = message.header.frame_id ? message.header.frame_id : "";
+      stamp_ = message.header.stamp;
+    });
+    if (taken_ && !isPlaced_) place();
+    return isPlaced_;
+  }
+  bool hasCome() const { return taken_.has_value(); }
+  /// Why it is not known where it stands.
+  const std::string& why() const { return why_; }
+  TakenRosPoints& taken() { return *taken_; }
+
+ private:
+  void place() {
+    isPlaced_ = !transforms_.isNeeded();
+    if (isPlaced_) return;
     try {
-      pose = transforms.poseOf(header);
+      putInFrame(taken_->cloud, transforms_.poseOf({.stamp = stamp_, .frame_id = frame_.data()}));
+      isPlaced_ = true;
     } catch (const NetworkError& error) {
-      why = error.what();
-      std::this_thread::sleep_for(std::chrono::duration<double>(kRosLook_s));
+      why_ = error.what();
     }
-    return pose.has_value();
-  });
-  if (!came) throw NetworkError("ros:{}: {}", topic, why);
-  return *pose;
-}
+  }
+
+  const RosListening& listening_;
+  RosIntake<RosPointCloud2> clouds_;
+  RosTransformIntake transforms_;
+  std::optional<TakenRosPoints> taken_;
+  std::string frame_, why_;
+  decltype(RosHeader::stamp) stamp_{};
+  bool isPlaced_ = false;
+};
 
 }  // namespace
 
@@ -106,39 +131,28 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
   constexpr double kMmPerMetre = 1000;
   const std::string name = rosName(topic);
   const Participant participant = rosParticipant(listening.network);
-  RosIntake<RosPointCloud2> clouds(participant, name);
+  FirstCloud first(participant, name, listening);
   RosWriters writers(participant, name);
   if (listening.log) listening.log->say("ros:{}: waiting for a PointCloud2", topic);
-  RosTransformIntake transforms(participant, listening.frame);
-  std::optional<TakenRosPoints> taken;
-  std::string frame;
-  RosHeader header{};
   const bool came = waitFor(listening, topic, [&] {
-    clouds.take(kRosLook_s, [&](const RosPointCloud2& message) {
-      if (taken) return;
-      taken = takeMessage(message, listening.log);
-      frame = message.header.frame_id ? message.header.frame_id : "";
-      header.stamp = message.header.stamp;
-    });
-    if (!taken) requireSent(topic, writers, {rosTypeOf<RosPointCloud2>().name()});
-    return taken.has_value();
+    if (first.look()) return true;
+    if (!first.hasCome()) requireSent(topic, writers, {rosTypeOf<RosPointCloud2>().name()});
+    return false;
   });
+  if (!came && first.hasCome()) throw NetworkError("ros:{}: {}", topic, first.why());
   if (!came)
     throw NetworkError(
         "ros:{}: no PointCloud2 has come in {:g} s; is the topic sent on domain {}, and on this network?", topic,
         listening.patience_s, listening.network.domain);
-  if (taken->cloud.empty())
+  TakenRosPoints& taken = first.taken();
+  if (taken.cloud.empty())
     throw NetworkError("ros:{}: a PointCloud2 has come without a point that has a place ({} have none)", topic,
-                       taken->skipped);
+                       taken.skipped);
   if (listening.log)
-    listening.log->say("ros:{}: {} points{}", topic, taken->cloud.size(),
-                       taken->skipped > 0 ? fmt::format("; {} without a place are left out", taken->skipped) : "");
-  if (transforms.isNeeded()) {
-    header.frame_id = frame.data();
-    putInFrame(taken->cloud, awaitPose(transforms, header, topic, listening));
-  }
-  sayScale(taken->cloud.storedAs.comments, kMmPerMetre);
-  return std::move(taken->cloud);
+    listening.log->say("ros:{}: {} points{}", topic, taken.cloud.size(),
+                       taken.skipped > 0 ? fmt::format("; {} without a place are left out", taken.skipped) : "");
+  sayScale(taken.cloud.storedAs.comments, kMmPerMetre);
+  return std::move(taken.cloud);
 }
 
 }  // namespace palpate
