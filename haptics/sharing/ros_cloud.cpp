@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/cloud/length_unit.hpp"
+#include "engine/cloud/up.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_intake.hpp"
 #include "haptics/sharing/ros_tf.hpp"
@@ -152,6 +153,8 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
     listening.log->say("ros:{}: {} points{}", topic, taken.cloud.size(),
                        taken.skipped > 0 ? fmt::format("; {} without a place are left out", taken.skipped) : "");
   sayScale(taken.cloud.storedAs.comments, kMmPerMetre);
+  // REP 103, of all frames but those of a camera.
+  if (!listening.frame.empty()) taken.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
   return std::move(taken.cloud);
 }
 
