@@ -99,7 +99,7 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
 
 void convert(Context& context, const ConvertOptions& options) {
   // Says what it is not, before all else.
-  checkRosFrame(options.network, options.input);
+  checkRosHearing(options.network, options.input);
   if (!isRosModel(options.input) && !isRgbdFolder(options.input)) cloudFormats().toRead(options.input);
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   const double mm_per_unit = options.scale.given();

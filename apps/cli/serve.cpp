@@ -76,7 +76,7 @@ ServedMotion motionOf(Context& context, const SessionConfig& config, const std::
 
 void serve(Context& context, const ServeOptions& options) {
   options.ros.check();
-  checkRosFrame(options.network, options.model.file, options.stream.live);
+  checkRosHearing(options.network, options.model.file, options.stream.live);
   if (options.readOnly && (!options.journalFile.empty() || !options.saveFile.empty()))
     throw UsageError("--read-only: nobody sculpts it; leave --journal and --save out");
   Context::checkWritable(options.saveFile);
@@ -153,7 +153,7 @@ void addServe(Options& app, Context& context, Command& command) {
       .typeName("NAME");
   addRosParentOptions(sub, options->ros);
   addNetworkOptions(sub, options->network);
-  addRosFrameOption(sub, options->network);
+  addRosCameraOptions(sub, options->network);
   addMotionOptions(sub, options->motion);
   addStreamOptions(sub, options->stream);
   sub.add("--backend", options->backend, "that moves a soft body: auto, vulkan or cpu")

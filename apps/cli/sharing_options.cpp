@@ -37,11 +37,21 @@ void addRosFrameOption(Options& command, NetworkOptions& options) {
       .typeName("FRAME");
 }
 
-void checkRosFrame(const NetworkOptions& options, const std::string& model, const std::string& live) {
-  if (options.rosFrame.empty()) return;
+void addRosCameraOptions(Options& command, NetworkOptions& options) {
+  addRosFrameOption(command, options);
+  command
+      .add("--color-topic", options.colorTopic,
+           "pictures of colour (rgb8, bgr8) that are registered with those of depth of ros:TOPIC: of the same size, and the "
+           "same pixels")
+      .typeName("TOPIC");
+}
+
+void checkRosHearing(const NetworkOptions& options, const std::string& model, const std::string& live) {
+  if (options.rosFrame.empty() && options.colorTopic.empty()) return;
   if (!isRosModel(model) && !isRosModel(live))
-    throw UsageError("--ros-frame: is for a topic of ROS (ros:TOPIC) as the model");
-  requireRosFrame(options.rosFrame);
+    throw UsageError("--ros-frame and --color-topic: are for a topic of ROS (ros:TOPIC) as the model");
+  if (!options.rosFrame.empty()) requireRosFrame(options.rosFrame);
+  if (!options.colorTopic.empty()) requireRosName(options.colorTopic);
 }
 
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
@@ -55,7 +65,7 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
                     "to wait for; they are felt, and not sculpted. A model that moves is joined so in any case");
   }
   addNetworkOptions(command, options.network);
-  addRosFrameOption(command, options.network);
+  addRosCameraOptions(command, options.network);
 }
 
 void addRosParentOptions(Options& command, RosNameOptions& options) {
@@ -115,7 +125,7 @@ void addRosOptions(Options& command, RosOptions& options) {
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile, const std::string& live) {
   const NetworkOptions& network = options.network;
   options.ros.check();
-  checkRosFrame(network, modelFile, live);
+  checkRosHearing(network, modelFile, live);
   if (options.name.empty()) {
     const bool hasNetwork = !network.interface.empty() || !network.peers.empty() || network.domain != 0 || !network.security.empty();
     const bool isUsed = isRosModel(modelFile) || isRosModel(live) || !options.ros.name.empty();
@@ -162,13 +172,14 @@ CloudFetcher rosFetcher(const NetworkOptions& network) {
 }
 
 FrameWatcher rosWatcher(const NetworkOptions& network, unsigned threads) {
-  return [config = network.config(), frame = network.rosFrame, threads](const std::string& name, const StreamConfig& stream,
+  return [config = network.config(), frame = network.rosFrame, colorTopic = network.colorTopic, threads](const std::string& name, const StreamConfig& stream,
                                               const std::optional<DepthCamera>& intrinsics, Log& log) {
     const StopBySignal stop;
     return watchRosFrames(rosTopicOf(name),
                           {.listening = {.network = config, .frame = frame, .log = &log, .stop = &StopBySignal::requested()},
                            .camera = intrinsics,
                            .depthScale = stream.depthScale,
+                           .colorTopic = colorTopic,
                            .needsPictures = stream.fuse,
                            .threads = threads});
   };

@@ -19,6 +19,7 @@ struct NetworkOptions {
   std::uint32_t domain = 0;
   std::string security;
   std::string rosFrame;  ///< that what is heard of ROS is put in; empty: it stays in its own
+  std::string colorTopic;  ///< of pictures of colour beside those of depth; empty: none are heard
 
   NetworkConfig config() const {
     return {.interface = interface, .peers = peers, .domain = domain, .security = security};
@@ -28,8 +29,10 @@ struct NetworkOptions {
 void addNetworkOptions(Options& command, NetworkOptions& options);
 /// --ros-frame, of commands that hear topics of ROS.
 void addRosFrameOption(Options& command, NetworkOptions& options);
-/// Throws UsageError where it is given, and `model` and `live` are no topics of ROS.
-void checkRosFrame(const NetworkOptions& options, const std::string& model, const std::string& live = {});
+/// That, and --color-topic, of those that take live cameras.
+void addRosCameraOptions(Options& command, NetworkOptions& options);
+/// Throws UsageError where one of them is given, and `model` and `live` are no topics of ROS.
+void checkRosHearing(const NetworkOptions& options, const std::string& model, const std::string& live = {});
 
 /// Under which name programs of ROS hear something, and where its frame stands.
 struct RosNameOptions {

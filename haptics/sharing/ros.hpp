@@ -118,12 +118,14 @@ struct RosWatching {
   RosListening listening;
   std::optional<DepthCamera> camera;  ///< of pictures; nothing: as the CameraInfo beside them says
   double depthScale = 0;              ///< of pictures, values per metre; 0: as their encoding says
+  std::string colorTopic = {};        ///< of pictures of colour that are registered with those of depth; empty: none are heard
   bool needsPictures = false;         ///< points are of no use
   unsigned threads = 0;               ///< for normals of points that come without; 0: one per core
 };
 /// The messages of a topic, PointCloud2 or Image of depth, as frames that come as they are sent: in metres, in the axes of
 /// their frame_id. Points that come without normals get some that face the zero of those axes, where a sensor stands.
-/// Waits for the first good one. What is none, or of another size or frame than the first one, is a lost frame (next()
+/// A picture of depth has the colours that were taken with it; without any of its time it is lost, too. Waits for the first
+/// good one. What is none, or of another size or frame than the first one, is a lost frame (next()
 /// throws NetworkError); after three seconds without any nothing is there. Throws UsageError, NetworkError.
 std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosWatching& watching);
 

@@ -191,6 +191,51 @@ TEST_CASE("more points than the first message has room for are a lost frame") {
   CHECK(says(read.losses[0], "has 3072 points, and there is room for 768"));
 }
 
+TEST_CASE("pictures of depth have the colours that were taken with them, and without are lost") {
+  const Participant participant = rosParticipant(ownNetwork());
+  const RosPublisher<RosImage> depths(participant, "rt/dyed/image_raw", RosDelivery::bestEffort),
+      colors(participant, "rt/dyed/color", RosDelivery::bestEffort);
+  enum class Sent { both, depthsAlone, larger };
+  std::atomic<Sent> sends = Sent::both;
+  const Sending sender([&](int frame, std::int64_t stamp_ns) {
+    // The same number in both, so that a colour of another frame is found out; colours come a moment behind the depths.
+    const auto number = static_cast<std::uint8_t>(frame % 200);
+    SentPicture picture = pictureOf(kCamera, [&](const DVec3&) { return 1 + 0.001 * number; });
+    picture.stamp_ns = stamp_ns;
+    depths.write(picture.message());
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (sends == Sent::depthsAlone) return;
+    const std::uint32_t width = sends == Sent::larger ? 33 : 32;
+    SentPicture color{.encoding = "bgr8", .width = width, .height = 24, .stamp_ns = stamp_ns};
+    for (std::uint32_t i = 0; i < width * 24; ++i) color.data.insert(color.data.end(), {7, 8, number});
+    colors.write(color.message());
+  });
+  RosWatching dyed = watching();
+  dyed.camera = kCamera;
+  dyed.colorTopic = "/dyed/color";
+  const auto stream = watchRosFrames("dyed/image_raw", dyed);
+  const Read read = readUntil(*stream, [](const Read& r) { return r.frames.size() == 10; });
+  REQUIRE(read.frames.size() == 10);
+  CHECK(read.losses.size() <= 1);  // the first one, whose colours nobody heard yet
+  for (const DepthFrame& frame : read.frames) {
+    REQUIRE(frame.colors.size() == 32 * 24);
+    const auto number = static_cast<int>(std::lround(1000 * (frame.depth_m[5] - 1)));
+    CHECK(int(frame.colors[5][0]) == number);
+    CHECK(int(frame.colors[5][1]) == 8);
+    CHECK(int(frame.colors[767][2]) == 7);
+  }
+  const auto lossOf = [&](Sent what) {
+    sends = what;
+    readUntil(*stream, [](const Read& r) { return r.losses.size() == 1; });  // what was kept of before is used first
+    const Read lost = readUntil(*stream, [](const Read& r) { return r.losses.size() == 1; });
+    return lost.losses.empty() ? std::string() : lost.losses.front();
+  };
+  CHECK(says(lossOf(Sent::depthsAlone), "has no picture of colour of its time beside it, on ros:/dyed/color"));
+  CHECK(says(lossOf(Sent::larger), "an Image of 33 x 24 pixels has come, and the camera has 32 x 24"));
+  sends = Sent::both;
+  CHECK(readUntil(*stream, [](const Read& r) { return r.frames.size() == 3; }).frames.size() == 3);
+}
+
 TEST_CASE("what sensors see is put in the frame that is asked for, over static and moving transforms") {
   const Participant participant = rosParticipant(ownNetwork());
   RosTransformPublisher mast(participant, "map", "mast", true), arm(participant, "mast", "arm", false),
