@@ -99,6 +99,7 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
 
 void convert(Context& context, const ConvertOptions& options) {
   // Says what it is not, before all else.
+  checkRosHearing(options.network, options.input);
   if (!isRosModel(options.input) && !isRgbdFolder(options.input)) cloudFormats().toRead(options.input);
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   const double mm_per_unit = options.scale.given();
@@ -163,6 +164,7 @@ void addConvert(Options& app, Context& context, Command& command) {
   addAllPointsOption(sub, options->allPoints);
   addScaleOptions(sub, options->scale);
   addNetworkOptions(sub, options->network);
+  addRosFrameOption(sub, options->network);
   sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
   sub.addFlag("--force", options->force, "replace OUT where it exists; where it is IN, that is kept as IN.bak");
   sub.footer(

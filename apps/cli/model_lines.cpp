@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double kShortest = 0.02, kLongest = 0.06;  // of the longest side of what is shown
-constexpr std::array<std::uint8_t, 3> kCameraColor{90, 150, 255}, kContainerColor{150, 160, 175};
+constexpr std::array<std::uint8_t, 3> kContainerColor{150, 160, 175};
 constexpr double kCameraOpacity = 0.9;
 
 /// From each camera to the one that is nearest to it; in the middle of all.
@@ -37,10 +37,11 @@ double frustumLength(const Model& model) {
   return std::clamp(0.5 * usualGap(model.cameras), kShortest * side, kLongest * side);
 }
 
-void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, const DVec3& origin, double length) {
+void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, const DVec3& origin, double length,
+                const std::array<std::uint8_t, 3>& color) {
   const DVec3 centre = frustum.centre - origin;
   const auto add = [&](const DVec3& from, const DVec3& to) {
-    lines.push_back({.from = from, .to = to, .color = kCameraColor, .opacity = kCameraOpacity});
+    lines.push_back({.from = from, .to = to, .color = color, .opacity = kCameraOpacity});
   };
   std::array<DVec3, 4> corners;
   for (std::size_t k = 0; k < 4; ++k) corners[k] = centre + length * frustum.corners[k];

@@ -1,6 +1,8 @@
 // What is drawn in thin lines beside the points of a model: the cameras that saw it, the box that holds it.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -15,8 +17,11 @@ namespace palpate {
 /// and so that it can be seen beside the model, and does not hide it.
 double frustumLength(const Model& model);
 
+/// Of the cameras that took pictures of the model.
+inline constexpr std::array<std::uint8_t, 3> kCameraColor{90, 150, 255};
 /// The pyramid of a camera, with a roof over the upper edge of its picture. `origin`: of the cloud.
-void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, const DVec3& origin, double length);
+void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, const DVec3& origin, double length,
+                const std::array<std::uint8_t, 3>& color = kCameraColor);
 
 /// What a picture with such lines is to show: the corners of the model's box, and where its cameras stand, if they are
 /// shown, but for those that are far off. Relative to the model's origin.

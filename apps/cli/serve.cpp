@@ -24,7 +24,8 @@ struct ServeOptions {
   StreamOptions stream;
   std::string backend = "auto";
   NetworkOptions network;
-  std::string name, ros, journalFile, saveFile;
+  RosNameOptions ros;
+  std::string name, journalFile, saveFile;
   bool readOnly = false;
   double duration_s = 0;
 };
@@ -52,7 +53,7 @@ SessionConfig servedConfig(Context& context, const ServeOptions& options) {
   config.stream = streamConfig(options.stream, config.model.file);
   config.matter = matterScene(config.model.file);
   validate(config);
-  if (config.moves() && (!options.journalFile.empty() || !options.saveFile.empty() || !options.ros.empty()))
+  if (config.moves() && (!options.journalFile.empty() || !options.saveFile.empty() || !options.ros.name.empty()))
     throw UsageError("--journal, --save and --ros: are for what stands still; {} moves", config.model.file);
   return config;
 }
@@ -76,7 +77,8 @@ ServedMotion motionOf(Context& context, const SessionConfig& config, const std::
 }
 
 void serve(Context& context, const ServeOptions& options) {
-  if (!options.ros.empty()) requireRosName(options.ros);
+  options.ros.check();
+  checkRosHearing(options.network, options.model.file, options.stream.live);
   if (options.readOnly && (!options.journalFile.empty() || !options.saveFile.empty()))
     throw UsageError("--read-only: nobody sculpts it; leave --journal and --save out");
   Context::checkWritable(options.saveFile);
@@ -101,10 +103,10 @@ void serve(Context& context, const ServeOptions& options) {
                     config.moves() ? ", which move" : "", opennessOf(options.network.config()));
   std::exception_ptr ended;  // otherwise than it was told to: what was done to the points is saved nevertheless
   try {
-    if (options.ros.empty()) {
+    if (options.ros.name.empty()) {
       server.serve(StopBySignal::requested(), options.duration_s);
     } else {
-      RosCloud ros({.network = options.network.config(), .name = options.ros, .mm_per_unit = model.scale.mm_per_unit});
+      RosCloud ros(options.ros.publishing(options.network, model.scale.mm_per_unit));
       serveWith(server, ros, model.cloud, options.duration_s);
     }
   } catch (const NetworkError&) {
@@ -156,9 +158,11 @@ void addServe(Options& app, Context& context, Command& command) {
       .typeName("FILE");
   sub.add("--save", options->saveFile, "the points as they are in the end; an older file is kept").typeName("FILE");
   sub.addFlag("--read-only", options->readOnly, "whoever joins feels it and does not sculpt it");
-  sub.add("--ros", options->ros, "programs of ROS 2 hear the points as NAME/cloud, and again while they are sculpted")
+  sub.add("--ros", options->ros.name, "programs of ROS 2 hear the points as NAME/cloud, and again while they are sculpted")
       .typeName("NAME");
+  addRosParentOptions(sub, options->ros);
   addNetworkOptions(sub, options->network);
+  addRosCameraOptions(sub, options->network);
   addMotionOptions(sub, options->motion);
   addStreamOptions(sub, options->stream);
   sub.add("--backend", options->backend, "that moves a soft body: auto, vulkan or cpu")

@@ -1,5 +1,9 @@
 #include "apps/cli/sharing_options.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cli/parse_list.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/session/session_joiner.hpp"
@@ -25,6 +29,31 @@ void addNetworkOptions(Options& command, NetworkOptions& options) {
       .typeName("FOLDER");
 }
 
+void addRosFrameOption(Options& command, NetworkOptions& options) {
+  command
+      .add("--ros-frame", options.rosFrame,
+           "the frame that what is heard of ROS (ros:TOPIC) is put in, by the transforms on /tf_static and /tf (default: "
+           "that of its messages)")
+      .typeName("FRAME");
+}
+
+void addRosCameraOptions(Options& command, NetworkOptions& options) {
+  addRosFrameOption(command, options);
+  command
+      .add("--color-topic", options.colorTopic,
+           "pictures of colour (rgb8, bgr8) that are registered with those of depth of ros:TOPIC: of the same size, and the "
+           "same pixels")
+      .typeName("TOPIC");
+}
+
+void checkRosHearing(const NetworkOptions& options, const std::string& model, const std::string& live) {
+  if (options.rosFrame.empty() && options.colorTopic.empty()) return;
+  if (!isRosModel(model) && !isRosModel(live))
+    throw UsageError("--ros-frame and --color-topic: are for a topic of ROS (ros:TOPIC) as the model");
+  if (!options.rosFrame.empty()) requireRosFrame(options.rosFrame);
+  if (!options.colorTopic.empty()) requireRosName(options.colorTopic);
+}
+
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
   command
       .add("--join", options.name, "in place of MODEL: a session that another palpate serves (palpate serve), by its name")
@@ -36,22 +65,67 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
                     "to wait for; they are felt, and not sculpted. A model that moves is joined so in any case");
   }
   addNetworkOptions(command, options.network);
+  addRosCameraOptions(command, options.network);
+}
+
+void addRosParentOptions(Options& command, RosNameOptions& options) {
+  command
+      .add("--ros-parent", options.parent,
+           "with --ros: the frame that the frame NAME stands in, which goes out on /tf_static (default: nothing does)")
+      .typeName("FRAME");
+  command
+      .add("--ros-pose", options.pose, "and where in it: metres, and a unit quaternion (default: 0,0,0,0,0,0,1)")
+      .typeName("X,Y,Z[,QX,QY,QZ,QW]");
+}
+
+namespace {
+
+CameraPose poseIn(const std::string& text) {
+  constexpr const char* kWanted = "X,Y,Z in metres, or X,Y,Z,QX,QY,QZ,QW with a unit quaternion";
+  constexpr double kFarthest_m = 1e9, kUnit = 1e-3;
+  std::string all = text;
+  if (std::ranges::count(text, ',') == 2) all += ",0,0,0,1";
+  const auto [x, y, z, qx, qy, qz, qw] = parseList<double, 7>(all, ',', "--ros-pose", kWanted);
+  const DQuat turn(qw, qx, qy, qz);
+  if (!(std::abs(glm::length(turn) - 1) < kUnit) || !(glm::length(DVec3(x, y, z)) <= kFarthest_m))
+    throw UsageError("--ros-pose: '{}' is not {}", text, kWanted);
+  return {.turn = glm::normalize(turn), .centre = DVec3(x, y, z)};
+}
+
+}  // namespace
+
+void RosNameOptions::check() const {
+  if (!name.empty()) requireRosName(name);
+  if (name.empty() && !parent.empty()) throw UsageError("--ros-parent: is for --ros, which names the frame");
+  if (parent.empty() && !pose.empty()) throw UsageError("--ros-pose: is for --ros-parent, which names the frame that it is in");
+  if (!parent.empty()) requireRosParent(parent, name);
+  if (!pose.empty()) poseIn(pose);
+}
+
+RosPublishing RosNameOptions::publishing(const NetworkOptions& network, double mm_per_unit) const {
+  return {.network = network.config(),
+          .name = name,
+          .mm_per_unit = mm_per_unit,
+          .parent = parent,
+          .inParent = pose.empty() ? CameraPose{} : poseIn(pose)};
 }
 
 void addRosOptions(Options& command, RosOptions& options) {
   command
       .add("--ros", options.name,
-           "programs of ROS 2 hear where the hand is (NAME/pose, NAME/proxy) and what it feels (NAME/wrench), on the "
+           "programs of ROS 2 hear where the hand is (NAME/pose, NAME/proxy, the frame NAME/hand) and what it feels (NAME/wrench), on the "
            "network of --interface, --peer, --domain and --security, else on this machine alone")
       .typeName("NAME");
   command.add("--ros-rate", options.rate_Hz, "Hz; ticks in between are left out")
       .check(between(1, bounds::kMostRate_Hz))
       .showDefault();
+  addRosParentOptions(command, options);
 }
 
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile, const std::string& live) {
   const NetworkOptions& network = options.network;
-  if (!options.ros.name.empty()) requireRosName(options.ros.name);
+  options.ros.check();
+  checkRosHearing(network, modelFile, live);
   if (options.name.empty()) {
     const bool hasNetwork = !network.interface.empty() || !network.peers.empty() || network.domain != 0 || !network.security.empty();
     const bool isUsed = isRosModel(modelFile) || isRosModel(live) || !options.ros.name.empty();
@@ -71,6 +145,8 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
 
 namespace {
 
+bool isAskedToEnd() { return StopBySignal::requested(); }
+
 // Whatever is fetched over a network ends when somebody asks the program to.
 SessionJoiner stoppable(SessionJoiner joiner) {
   return [joiner = std::move(joiner)](const std::string& name, const JoinConfig& config, Log& log) {
@@ -82,26 +158,28 @@ SessionJoiner stoppable(SessionJoiner joiner) {
 }  // namespace
 
 SessionJoiner joiningHand(const std::string& hand) {
-  return stoppable(sessionJoiner({.hand = hand, .stop = &StopBySignal::requested()}));
+  return stoppable(sessionJoiner({.hand = hand, .stop = isAskedToEnd}));
 }
 
-SessionJoiner joiningOnlooker() { return stoppable(pointsJoiner({.stop = &StopBySignal::requested()})); }
+SessionJoiner joiningOnlooker() { return stoppable(pointsJoiner({.stop = isAskedToEnd})); }
 
 CloudFetcher rosFetcher(const NetworkOptions& network) {
-  return [config = network.config()](const std::string& name, Log& log) {
+  return [config = network.config(), frame = network.rosFrame](const std::string& name, Log& log) {
     const StopBySignal stop;
-    return hearRosCloud(rosTopicOf(name), {.network = config, .log = &log, .stop = &StopBySignal::requested()});
+    return hearRosCloud(rosTopicOf(name),
+                        {.network = config, .frame = frame, .log = &log, .stop = &StopBySignal::requested()});
   };
 }
 
 FrameWatcher rosWatcher(const NetworkOptions& network, unsigned threads) {
-  return [config = network.config(), threads](const std::string& name, const StreamConfig& stream,
+  return [config = network.config(), frame = network.rosFrame, colorTopic = network.colorTopic, threads](const std::string& name, const StreamConfig& stream,
                                               const std::optional<DepthCamera>& intrinsics, Log& log) {
     const StopBySignal stop;
     return watchRosFrames(rosTopicOf(name),
-                          {.listening = {.network = config, .log = &log, .stop = &StopBySignal::requested()},
+                          {.listening = {.network = config, .frame = frame, .log = &log, .stop = &StopBySignal::requested()},
                            .camera = intrinsics,
                            .depthScale = stream.depthScale,
+                           .colorTopic = colorTopic,
                            .needsPictures = stream.fuse,
                            .threads = threads});
   };

@@ -139,6 +139,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .mm_per_unit = model.scale.mm_per_unit,
                      .toolPoints = backend.points(0).size()};
   report.frames = session.playCounts();
+  if (session.onlookers()) report.cameras = session.onlookers()->others().size();
   if (model.far) {
     report.points = model.extent->points;
     report.far = FarReport{.counts = model.far->counts(), .ticks = session.unknownTicks()};
@@ -212,10 +213,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
     throw UsageError("--save: the points around the hands alone are here; leave it out, or --near");
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())
-    ros.emplace(RosPublishing{.network = options.join.network.config(),
-                              .name = options.join.ros.name,
-                              .mm_per_unit = model.scale.mm_per_unit},
-                options.join.ros.rate_Hz);
+    ros.emplace(options.join.ros.publishing(options.join.network, model.scale.mm_per_unit), options.join.ros.rate_Hz);
   std::vector<HandSource> sources;
   for (const HandConfig& hand : config.hands) sources.push_back(openHand(context, model, config, hand));
   std::vector<OpenHand> hands;

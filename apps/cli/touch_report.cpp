@@ -230,6 +230,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.ros)
     row("for ROS", fmt::format("{} ticks sent, {} left out for want of room", report.ros->ticks, report.ros->lost));
   if (report.shared) row("others", inWords(*report.shared));
+  if (report.cameras.value_or(0) > 0) row("others' cameras", fmt::format("{}", *report.cameras));
   if (report.far) row("near points", inWords(*report.far));
   if (report.matter)
     row(report.matter->matter == Matter::soft ? "points" : "particles", inWords(*report.matter, report.points));
@@ -387,6 +388,7 @@ Json toJson(const TouchReport& report) {
   if (report.frames) json["frames"] = toJson(*report.frames);
   if (report.ros) json["ros"] = {{"ticks", report.ros->ticks}, {"lost", report.ros->lost}};
   if (report.shared) json["shared"] = toJson(*report.shared);
+  if (report.cameras) json["cameras"] = *report.cameras;
   if (report.far) json["near"] = toJson(*report.far);
   if (report.second) json["second_hand"] = toJson(*report.second);
   if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);

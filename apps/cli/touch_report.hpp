@@ -100,6 +100,7 @@ struct TouchReport {
   std::optional<UndoneStrokes> back;  ///< where undo was asked for
   std::optional<RosHand::Counts> ros;  ///< where programs of ROS hear it
   std::optional<SharedCounts> shared;  ///< where others feel and sculpt it, too
+  std::optional<std::size_t> cameras;  ///< of others who look at what was joined, in the end
   std::optional<FarReport> far;        ///< where somebody else has all of the points
   std::optional<LogReport> log;
   std::optional<SecondHandReport> second;   ///< where there was one

@@ -1,5 +1,8 @@
 // Sessions that several programs have, in Python: served, listed, joined.
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <utility>
 
 #include "apps/python/session.hpp"
 
@@ -13,6 +16,23 @@ Network::Network(NetworkTuple given) : given_(std::move(given)) {
   network_.peer_count = peers_.size();
   network_.domain = domain;
   network_.security = security ? security->c_str() : nullptr;
+  network_.stop = &Network::isInterrupted;
+  network_.stop_user = this;
+}
+
+// Python looks at signals on its main thread alone, where this waits in its place.
+std::int32_t Network::isInterrupted(void* self) {
+  const auto& network = *static_cast<const Network*>(self);
+  const py::gil_scoped_acquire acquired;
+  if (!network.raised_ && PyErr_CheckSignals() != 0) network.raised_ = std::make_shared<py::error_already_set>();
+  return network.raised_ ? 1 : 0;
+}
+
+void Network::throwRaised() const {
+  if (!raised_) return;
+  const py::gil_scoped_acquire acquired;
+  const auto raised = std::exchange(raised_, nullptr);
+  throw py::error_already_set(*raised);
 }
 
 pp::Session join(const JoinTuple& how, const pp_session_options& options) {
@@ -24,7 +44,7 @@ pp::Session join(const JoinTuple& how, const pp_session_options& options) {
   join.read_only = readOnly ? 1 : 0;
   join.patience_s = patience_s;
   join.near_hands = near ? 1 : 0;
-  return pp::Session::joined(name, join, options);
+  return on.waiting([&] { return pp::Session::joined(name, join, options); });
 }
 
 namespace {
@@ -54,7 +74,7 @@ class PyServer {
     options.log_user = &heard_;
     py::gil_scoped_release released;
     pp_server server{};
-    pp::check(pp_serve(cloud.cloud().handle(), name.c_str(), &options, &server));
+    on.waiting([&] { pp::check(pp_serve(cloud.cloud().handle(), name.c_str(), &options, &server)); });
     id_ = server.id;
   }
   ~PyServer() {
@@ -135,7 +155,8 @@ py::list survey(const NetworkTuple& network, double seconds) {
   std::vector<pp_seen_session> seen;
   {
     py::gil_scoped_release released;
-    seen = pp::surveyNetwork(*Network(network).get(), seconds);
+    const Network on(network);
+    seen = on.waiting([&] { return pp::surveyNetwork(*on.get(), seconds); });
   }
   py::list all;
   for (const pp_seen_session& one : seen)
@@ -155,6 +176,27 @@ py::list othersOf(PySession& self) {
   return all;
 }
 
+py::list camerasOf(PySession& self) {
+  const std::vector<pp_other_camera> cameras = self.with([](pp::Session& open) { return open.cameras(); });
+  py::list all;
+  for (const pp_other_camera& camera : cameras) {
+    const auto& [x, y, z, w] = camera.place.orientation;
+    all.append(py::make_tuple(textOf(camera.name), camera.number, vector(camera.place.position),
+                              py::make_tuple(x, y, z, w), camera.place.fov_deg, camera.place.aspect, camera.age_s));
+  }
+  return all;
+}
+
+void showCamera(PySession& self, const std::array<double, 3>& position, const std::array<double, 4>& orientation,
+                double fov_deg, double aspect) {
+  pp_camera_place camera{};
+  std::ranges::copy(position, camera.position);
+  std::ranges::copy(orientation, camera.orientation);
+  camera.fov_deg = fov_deg;
+  camera.aspect = aspect;
+  self.with([&](pp::Session& open) { open.showCamera(camera); });
+}
+
 }  // namespace
 
 void bindSessionsSharing(py::class_<PySession>& session) {
@@ -169,6 +211,15 @@ void bindSessionsSharing(py::class_<PySession>& session) {
         return told(self.with([](pp::Session& open) { return open.sharing(); }));
       })
       .def("_others", &othersOf)
+      .def("_cameras", &camerasOf)
+      .def("show_camera", &showCamera, py::arg("position"), py::arg("orientation"), py::arg("fov_deg") = 45.0,
+           py::arg("aspect") = 1.0,
+           "show_camera(position, orientation, fov_deg=45, aspect=1)\n\nOf a session that was joined: from now on the others are\n"
+           "shown that a picture is seen from there, at most 30 times a second. position: x, y, z, model units; orientation: a\n"
+           "unit quaternion, x, y, z, w, of the axes to the right of the picture, down in it and where it looks; fov_deg:\n"
+           "vertical; aspect: width / height. Nobody is told of what render() makes unless this says it.")
+      .def("hide_camera", [](PySession& self) { self.with([](pp::Session& open) { open.hideCamera(); }); },
+           "hide_camera()\n\nThe others are shown no camera of this session any more.")
       .def("_follow", [](PySession& self) { self.with([](pp::Session& open) { open.follow(); }); });
 }
 

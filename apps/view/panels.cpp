@@ -109,8 +109,8 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   ViewSettings& view = settings.view;
   ViewRequests requests;
   places_.clear();
-  if (status.others)
-    link_.add(status.others->counts);
+  if (status.others && status.others->counts)
+    link_.add(*status.others->counts);
   else
     link_.clear();
   if (view.panels) drawPanel(status, settings, requests);
@@ -249,14 +249,23 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
 
 void Panels::drawOthers(const ViewStatus& status) {
   if (!status.others || !header("Others", true)) return;
-  for (const SeenHand& hand : status.others->hands) {
-    const auto color = colorOfHand(hand.number);
-    ImGui::TextColored(ImVec4(color[0] / 255.0F, color[1] / 255.0F, color[2] / 255.0F, 1), "%s", hand.name.c_str());
+  const auto& [given, hands, cameras] = *status.others;
+  const auto line = [](std::uint32_t number, const std::string& name, const std::string& does) {
+    const auto color = colorOfHand(number);
+    ImGui::TextColored(ImVec4(color[0] / 255.0F, color[1] / 255.0F, color[2] / 255.0F, 1), "%s", name.c_str());
     ImGui::SameLine();
-    ImGui::TextDisabled("%s", hand.place.touching ? (hand.place.sculpts ? "sculpts" : "touches") : "");
+    ImGui::TextDisabled("%s", does.c_str());
+  };
+  for (const SeenHand& hand : hands) {
+    std::string does = hand.place.touching ? (hand.place.sculpts ? "sculpts" : "touches") : "";
+    if (std::ranges::count(cameras, hand.number, &SeenCamera::number) > 0) does += does.empty() ? "looks" : ", looks";
+    line(hand.number, hand.name, does);
   }
-  if (status.others->hands.empty()) ImGui::TextDisabled("nobody else is here");
-  const SharedCounts& counts = status.others->counts;
+  for (const SeenCamera& camera : cameras)
+    if (std::ranges::count(hands, camera.number, &SeenHand::number) == 0) line(camera.number, camera.name, "looks");
+  if (hands.empty() && cameras.empty()) ImGui::TextDisabled("nobody else is here");
+  if (!given) return;
+  const SharedCounts& counts = *given;
   if (counts.silent_s > 1) ImGui::Text("not heard for %.0f s", counts.silent_s);
   if (counts.force < 1) ImGui::Text("%.0f %% of the force is left", 100 * counts.force);
   if (counts.link.roundTrip_ms)

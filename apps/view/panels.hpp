@@ -46,10 +46,11 @@ struct ViewStatus {
   std::vector<SimulationParameter> parameters;  ///< of what moves by itself
   bool simulationHeld = false;
   struct Others {
-    SharedCounts counts;
+    std::optional<SharedCounts> counts;  ///< where the model is sculpted
     std::vector<SeenHand> hands;
+    std::vector<SeenCamera> cameras;
   };
-  std::optional<Others> others;  ///< who feels and sculpts the model, too
+  std::optional<Others> others;  ///< who feels, sculpts and sees the model, too
 };
 
 class Panels {

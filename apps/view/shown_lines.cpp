@@ -12,6 +12,7 @@ constexpr double kMeasureWidth_px = 2.5;
 constexpr double kStylus = 0.12;        // how long another hand's stylus is drawn, in longest sides
 constexpr double kBall = 0.012;         // and half of the octahedron at its end
 constexpr double kStylusWidth_px = 3;
+constexpr double kOnlooker = 0.08;      // how long the pyramid of another's camera is, in longest sides
 constexpr std::size_t kLongestWay = 20'000;  // places; past them the oldest are forgotten
 
 void addMeasure(std::vector<SpaceLine>& lines, std::span<const DVec3> places, double longestSide) {
@@ -82,11 +83,15 @@ void ShownLines::addCameras(const WindowSession& session, std::vector<SpaceLine>
 void ShownLines::follow(const WindowSession& session, const ViewSettings& view, const Measure& measure) {
   followCamera(session);
   const std::vector<SeenHand> others = session.shared() ? session.shared()->others() : std::vector<SeenHand>();
+  const std::vector<SeenCamera> onlookers =
+      session.onlookers() ? session.onlookers()->others() : std::vector<SeenCamera>();
   MadeOf madeOf{.cameras = view.cameras,
                 .frame = played_ ? std::optional(played_->number) : std::nullopt,
                 .measure = measure.version(),
-                .others = {}};
+                .others = {},
+                .onlookers = {}};
   for (const SeenHand& hand : others) madeOf.others.push_back(hand.place);
+  for (const SeenCamera& camera : onlookers) madeOf.onlookers.push_back(camera.place);
   if (madeOf_ == madeOf) return;
   madeOf_ = std::move(madeOf);
   auto lines = std::make_shared<std::vector<SpaceLine>>();
@@ -96,6 +101,9 @@ void ShownLines::follow(const WindowSession& session, const ViewSettings& view, 
   addMeasure(*lines, measure.places(), session.longestSide());
   const DVec3 up = directionOf(view.upOf(session.model()));
   for (const SeenHand& hand : others) addHand(*lines, hand, session.model().cloud.origin, up, session.longestSide());
+  for (const SeenCamera& camera : onlookers)
+    addFrustum(*lines, frustumOf(camera.place), session.model().cloud.origin, kOnlooker * session.longestSide(),
+               colorOfHand(camera.number));
   lines_ = std::move(lines);
 }
 

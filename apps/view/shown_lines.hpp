@@ -1,4 +1,5 @@
-// What the window draws over the model in thin lines: the cameras that saw it, what is measured, the hands of others.
+// What the window draws over the model in thin lines: the cameras that saw it, what is measured, the hands and
+// cameras of others.
 #pragma once
 
 #include <memory>
@@ -29,6 +30,7 @@ class ShownLines {
     std::optional<std::uint64_t> frame;  // of a depth camera
     std::uint64_t measure = 0;
     std::vector<HandPlace> others;
+    std::vector<CameraPlace> onlookers;
     bool operator==(const MadeOf&) const = default;
   };
   void followCamera(const WindowSession& session);

@@ -23,7 +23,7 @@ struct ViewCommandOptions {
   ScaleOptions scale;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
               edit = "none", device = "mouse", scheduler = "device", present = "auto";
-  bool rumble = false, realtime = false, allPoints = false;
+  bool hidesCamera = false, rumble = false, realtime = false, allPoints = false;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
 };
 
@@ -75,6 +75,10 @@ void view(Context& context, const ViewCommandOptions& options) {
   if (view.session.config.motion && options.edit != "none")
     throw UsageError("--edit: what moves (--motion) cannot be sculpted yet");
   setJoin(options.join, options.stream.live, view);
+  if (options.hidesCamera && !view.session.config.join)
+    throw UsageError("--hide-camera: is for --join; nobody else sees a model that is not shared");
+  view.session.hidesCamera = options.hidesCamera;
+  view.session.ros = options.join.ros.name;
   if (!view.session.config.join) setStream(options.stream, {options.join.network, context.log()}, view);
   constexpr double kMiB = 1 << 20;
   view.session.undo_bytes = static_cast<std::uint64_t>(options.undoMemory_MiB * kMiB);
@@ -163,6 +167,13 @@ void addView(Options& app, Context& context, Command& command) {
       .showDefault();
   sub.heading("A session of others");
   addJoinOptions(sub, options->join, JoinAs::hand);
+  sub.addFlag("--hide-camera", options->hidesCamera,
+              "the others are not shown from where this window's picture is seen; otherwise they are, as they see the "
+              "hand");
+  sub.add("--ros", options->join.ros.name,
+          "programs of ROS 2 hear from where the picture is seen (NAME/camera), on the network of --interface, --peer, "
+          "--domain and --security, else on this machine alone")
+      .typeName("NAME");
   sub.heading("A model that moves");
   addMotionOptions(sub, options->motion);
   sub.heading("A depth camera");

@@ -14,6 +14,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
       screen_(window, sight, gui_, options.presentation),
       document_({context, window, sight, settings_, messages_}, options.session, options.script.empty()),
       shown_(sight),
+      ownCamera_(options.session),
       pointing_(window, options.session.live, options.script.empty()),
       script_(options.script, options.session.live.clock != nullptr) {
   ViewSettings& view = settings_.view;

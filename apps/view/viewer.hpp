@@ -5,6 +5,7 @@
 #include "apps/view/gui.hpp"
 #include "apps/view/keyboard.hpp"
 #include "apps/view/messages.hpp"
+#include "apps/view/own_camera.hpp"
 #include "apps/view/panels.hpp"
 #include "apps/view/picture_pace.hpp"
 #include "apps/view/pointing_devices.hpp"
@@ -72,6 +73,7 @@ class Viewer {
   Document document_;
   ShownModel shown_;
   Viewpoint viewpoint_;
+  OwnCamera ownCamera_;
   Keyboard keyboard_;
   PointingDevices pointing_;
   Measure measure_;

@@ -22,6 +22,45 @@ std::string_view nameIn(const auto& names, auto value) {
 
 Json jsonOf(const DVec3& v) { return {v.x, v.y, v.z}; }
 
+Json toJson(const SeenCamera& camera) {
+  const DQuat& turn = camera.place.turn;
+  return {{"name", camera.name},
+          {"position", jsonOf(camera.place.position)},
+          {"orientation", {turn.x, turn.y, turn.z, turn.w}},
+          {"fov_deg", glm::degrees(camera.place.fovY_rad)},
+          {"aspect", camera.place.aspect},
+          {"age_s", camera.age_s}};
+}
+
+// Whoever has joined the same session.
+Json othersOf(const WindowSession& session) {
+  Json others = Json::object();
+  if (const SharedFollower* const shared = session.shared()) {
+    const SharedCounts counts = shared->counts();
+    Json hands = Json::array();
+    for (const SeenHand& hand : shared->others())
+      hands.push_back({{"name", hand.name},
+                       {"position", jsonOf(hand.place.position)},
+                       {"touching", hand.place.touching},
+                       {"sculpts", hand.place.sculpts},
+                       {"age_s", hand.age_s}});
+    others = {{"hands", hands},
+              {"sent", counts.sent},
+              {"received", counts.received},
+              {"delivered", counts.delivered},
+              {"same", counts.same},
+              {"silent_s", counts.silent_s},
+              {"age_s", counts.age_s},
+              {"force_share", counts.force},
+              {"round_trip_ms", counts.link.roundTrip_ms ? Json(*counts.link.roundTrip_ms) : Json(nullptr)},
+              {"lost_percent", counts.link.lost_percent ? Json(*counts.link.lost_percent) : Json(nullptr)}};
+  }
+  Json cameras = Json::array();
+  for (const SeenCamera& camera : session.onlookers()->others()) cameras.push_back(toJson(camera));
+  others["cameras"] = cameras;
+  return others;
+}
+
 void addModel(Json& state, const Document& document, const ViewSettings& view) {
   const WindowSession& session = *document.session();
   const TickHistory& history = session.history();
@@ -39,26 +78,7 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   if (const SimulationControl* const simulation = session.simulation())
     for (const SimulationParameter& parameter : simulation->parameters())
       state["parameters"][parameter.name] = parameter.value;
-  if (const SharedFollower* const shared = session.shared()) {
-    const SharedCounts counts = shared->counts();
-    Json hands = Json::array();
-    for (const SeenHand& hand : shared->others())
-      hands.push_back({{"name", hand.name},
-                       {"position", jsonOf(hand.place.position)},
-                       {"touching", hand.place.touching},
-                       {"sculpts", hand.place.sculpts},
-                       {"age_s", hand.age_s}});
-    state["others"] = {{"hands", hands},
-                       {"sent", counts.sent},
-                       {"received", counts.received},
-                       {"delivered", counts.delivered},
-                       {"same", counts.same},
-                       {"silent_s", counts.silent_s},
-                       {"age_s", counts.age_s},
-                       {"force_share", counts.force},
-                       {"round_trip_ms", counts.link.roundTrip_ms ? Json(*counts.link.roundTrip_ms) : Json(nullptr)},
-                       {"lost_percent", counts.link.lost_percent ? Json(*counts.link.lost_percent) : Json(nullptr)}};
-  }
+  if (session.onlookers()) state["others"] = othersOf(session);
   state["strokes"] = session.strokes().strokes;
   state["undoable"] = session.strokes().undoable;
   state["edits"] = session.edits();
@@ -133,7 +153,12 @@ ViewStatus Viewer::status() {
       status.parameters = simulation->parameters();
       status.simulationHeld = simulation->isHeld();
     }
-    if (const SharedFollower* const shared = session->shared()) status.others = {shared->counts(), shared->others()};
+    if (const SharedCameras* const onlookers = session->onlookers())
+      status.others.emplace().cameras = onlookers->others();
+    if (const SharedFollower* const shared = session->shared()) {
+      status.others->counts = shared->counts();
+      status.others->hands = shared->others();
+    }
     status.upright = session->model().upright;
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
     if (view.color == ColorBy::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));

@@ -1,6 +1,9 @@
 #include "haptics/library/joined_part.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "haptics/library/options.hpp"
 #include "haptics/session/bounds.hpp"
@@ -21,6 +24,12 @@ NetworkConfig networkFrom(const pp_network* given) {
   return config;
 }
 
+StopSign stopFrom(const pp_network* given) {
+  const pp_network network = optionsFrom(given, "network");
+  if (!network.stop) return {};
+  return [stop = network.stop, user = network.stop_user] { return stop(user) != 0; };
+}
+
 JoinSubject joinFrom(const pp_join_options& options) {
   if (!(options.patience_s > 0 && options.patience_s <= bounds::kLongest_s))
     throw UsageError("patience_s: {} is not above 0 and at most {}", options.patience_s, bounds::kLongest_s);
@@ -32,11 +41,12 @@ JoinSubject joinFrom(const pp_join_options& options) {
                       .near = options.near_hands != 0},
           .hand = textOf(options.hand),
           .patience_s = options.patience_s,
-          .readOnly = options.read_only != 0};
+          .readOnly = options.read_only != 0,
+          .stop = stopFrom(options.network)};
 }
 
 SessionJoiner JoinedPart::joiner() {
-  return [this, join = sessionJoiner({.hand = how_.hand, .patience_s = how_.patience_s})](
+  return [this, join = sessionJoiner({.hand = how_.hand, .patience_s = how_.patience_s, .stop = std::exchange(how_.stop, {})})](
              const std::string& name, const JoinConfig& config, Log& log) {
     JoinedModel joined = join(name, config, log);
     name_ = name;
@@ -120,6 +130,32 @@ std::vector<pp_other_hand> JoinedPart::others(const Session& session) const {
     hands.push_back(hand);
   }
   return hands;
+}
+
+std::vector<pp_other_camera> JoinedPart::cameras(const Session& session) const {
+  std::vector<pp_other_camera> cameras;
+  for (const SeenCamera& seen : session.onlookers()->others()) {
+    pp_other_camera camera{};
+    putText(seen.name, camera.name);
+    camera.number = seen.number;
+    for (int k = 0; k < 3; ++k) camera.place.position[k] = seen.place.position[k];
+    const DQuat& turn = seen.place.turn;
+    std::ranges::copy(std::array{turn.x, turn.y, turn.z, turn.w}, camera.place.orientation);
+    camera.place.fov_deg = glm::degrees(seen.place.fovY_rad);
+    camera.place.aspect = seen.place.aspect;
+    camera.age_s = seen.age_s;
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+void JoinedPart::showCamera(const Session& session, const pp_camera_place* camera) const {
+  if (!camera) return session.onlookers()->show(std::nullopt);
+  const auto& [x, y, z, w] = camera->orientation;
+  session.onlookers()->show(CameraPlace{.position = DVec3(camera->position[0], camera->position[1], camera->position[2]),
+                                        .turn = DQuat(w, x, y, z),
+                                        .fovY_rad = glm::radians(camera->fov_deg),
+                                        .aspect = camera->aspect});
 }
 
 void JoinedPart::check(const Session& session) const {

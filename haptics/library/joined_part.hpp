@@ -16,12 +16,16 @@ namespace palpate::library {
 /// Which network a program means.
 NetworkConfig networkFrom(const pp_network* network);
 
+/// What ends a call that waits there.
+StopSign stopFrom(const pp_network* network);
+
 /// How a session of others is joined.
 struct JoinSubject {
   JoinConfig network;
   std::string hand;  ///< empty: as the machine
   double patience_s = Joining{}.patience_s;
   bool readOnly = false;
+  StopSign stop;  ///< of the call that joins
 };
 /// Throws UsageError.
 JoinSubject joinFrom(const pp_join_options& options);
@@ -37,6 +41,8 @@ class JoinedPart {
   BrushConfig allowed(const BrushConfig& brush, const Session& session) const;
   pp_sharing state(const Session& session) const;
   std::vector<pp_other_hand> others(const Session& session) const;
+  std::vector<pp_other_camera> cameras(const Session& session) const;
+  void showCamera(const Session& session, const pp_camera_place* camera) const;
   /// Throws NetworkError where this hand's part has ended for good.
   void check(const Session& session) const;
 

@@ -29,7 +29,8 @@ CloudServer::Parts partsOf(const CloudObject& cloud, const Model& model, const s
           .mm_per_unit = model.scale.mm_per_unit,
           .sculptable = options.read_only == 0,
           .journal = textOf(options.journal),
-          .log = &log};
+          .log = &log,
+          .stop = stopFrom(options.network)};
 }
 
 }  // namespace

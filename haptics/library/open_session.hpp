@@ -79,6 +79,9 @@ class OpenSession {
   /// Both throw StateError where it was not joined.
   pp_sharing sharing() const { return joined().state(*session_); }
   std::vector<pp_other_hand> others() const { return joined().others(*session_); }
+  std::vector<pp_other_camera> cameras() const { return joined().cameras(*session_); }
+  /// Null: none. Throws UsageError for what is none.
+  void showCamera(const pp_camera_place* camera) { joined().showCamera(*session_, camera); }
   Image draw(const PictureRequest& request);
   Mesh mesh(const pp_mesh_options& options);
   /// Null before the first one.

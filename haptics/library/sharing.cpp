@@ -63,7 +63,7 @@ pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_s
     if (!(seconds >= 0 && seconds <= kLongest_s))
       throw UsageError("seconds: {} is not between 0 and {}", seconds, kLongest_s);
     std::vector<pp_seen_session> all;
-    std::ranges::transform(surveyNetwork(networkFrom(network), seconds).sessions, std::back_inserter(all), told);
+    std::ranges::transform(surveyNetwork(networkFrom(network), seconds, stopFrom(network)).sessions, std::back_inserter(all), told);
     give(all, sessions, capacity, count, "sessions");
   });
 }
@@ -85,6 +85,14 @@ pp_status pp_session_get_sharing(pp_session session, pp_sharing* sharing) {
 
 pp_status pp_session_others(pp_session session, pp_other_hand* hands, uint64_t capacity, uint64_t* count) {
   return beside(session, [&](OpenSession& open) { give(open.others(), hands, capacity, count, "hands"); });
+}
+
+pp_status pp_session_cameras(pp_session session, pp_other_camera* cameras, uint64_t capacity, uint64_t* count) {
+  return beside(session, [&](OpenSession& open) { give(open.cameras(), cameras, capacity, count, "cameras"); });
+}
+
+pp_status pp_session_show_camera(pp_session session, const pp_camera_place* camera) {
+  return beside(session, [&](OpenSession& open) { open.showCamera(camera); });
 }
 
 pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same) {

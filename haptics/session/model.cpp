@@ -148,6 +148,7 @@ Model farModel(JoinedModel joined, const ModelConfig& config) {
   model.shown = facts.extent.bounds;
   model.extent = facts.extent;
   model.far = std::move(joined.far);
+  model.onlookers = std::move(joined.onlookers);
   return model;
 }
 
@@ -174,6 +175,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
     if (joined.far) return farModel(std::move(joined), config.model);
     Model model = modelOf(std::move(joined.cloud), config.model, loading);
     model.share = std::move(joined.share);
+    model.onlookers = std::move(joined.onlookers);
     return model;
   }
   if (!config.stream) return loadModel(config.model, loading);

@@ -18,6 +18,7 @@
 #include "engine/motion/fused_stream.hpp"
 #include "haptics/far_cloud.hpp"
 #include "haptics/session/session_config.hpp"
+#include "haptics/shared_cameras.hpp"
 #include "haptics/shared_follower.hpp"
 
 namespace palpate {
@@ -56,6 +57,7 @@ struct Model {
   /// it, which nobody feels. Null: all points are here.
   std::shared_ptr<FarCloud> far;
   std::optional<PointExtent> extent;  ///< of all of them
+  std::shared_ptr<SharedCameras> onlookers;  ///< whoever has joined it, too; null: it was not joined
   std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates; empty where nobody says
   /// What discs are measured by, model units; 0: they are not.
   double spacingOfDiscs() const { return discRadius > 0 ? 0 : spacing; }
@@ -75,6 +77,7 @@ struct JoinedModel {
   std::string source;   ///< what its points are, in that machine's words
   std::shared_ptr<FarCloud> far;  ///< null: all points are there
   std::optional<FarFacts> facts;  ///< of all points, where they are not there
+  std::shared_ptr<SharedCameras> onlookers;  ///< null: nobody is told of
 };
 /// Fetches the session that is served under a name.
 using SessionJoiner = std::function<JoinedModel(const std::string& name, const JoinConfig& join, Log& log)>;

@@ -1,6 +1,7 @@
 #include "haptics/session/session_joiner.hpp"
 
 #include "engine/cloud/length_unit.hpp"
+#include "haptics/sharing/camera_presence.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/shared_edits.hpp"
 
@@ -41,7 +42,9 @@ JoinedModel modelOf(JoinedCloud& joined) {
 SessionJoiner sessionJoiner(const Joining& how) {
   return [how](const std::string& name, const JoinConfig& config, Log& log) {
     JoinedCloud joined = join(name, config, how, log, false);
+    auto onlookers = shareCameras(joined.session, how.hand, joined.cloud);
     JoinedModel model = modelOf(joined);
+    model.onlookers = std::move(onlookers);
     if (!joined.sculptable && !model.far)
       log.say("{}: it is served to be felt alone; nothing of it changes, so that it is felt whether or not the link holds", name);
     if (joined.sculptable)

@@ -1,17 +1,17 @@
 // The way from a session that another program serves to a model that is shared with whoever has joined it, too.
 #pragma once
 
-#include <atomic>
 #include <string>
 
 #include "haptics/session/model.hpp"
+#include "haptics/sharing/network.hpp"
 
 namespace palpate {
 
 struct Joining {
   std::string hand;                         ///< what the others see this hand called; empty: as the machine
   double patience_s = 10;                   ///< for the session to be found, and for each next piece of it
-  const std::atomic<bool>* stop = nullptr;  ///< ends it when it becomes true; outlives the joiner
+  StopSign stop = {};                       ///< ends it
 };
 
 /// Joins sessions as one more hand: its strokes are everybody's, where the session is sculpted at all.

@@ -49,7 +49,7 @@ class Fetch {
 
   JoinedCloud run() {
     while (complete_ < blocks_) {
-      if (options_.stop && *options_.stop) throw NetworkError("interrupted after {} of {} points", taken_, points_);
+      if (options_.stop && options_.stop()) throw NetworkError("interrupted after {} of {} points", taken_, points_);
       ask();
       wait_.sleep(kLook_s);
       const std::uint64_t before = taken_;
@@ -146,10 +146,10 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
   const Stopwatch since;
   std::vector<SessionNotice> known;
   do {
-    if (options.stop && *options.stop) throw NetworkError("interrupted while '{}' was looked for", name);
+    if (options.stop && options.stop()) throw NetworkError("interrupted while '{}' was looked for", name);
     known = notices.listenFor(name, kLook_s);
   } while (std::ranges::find(known, name, &SessionNotice::name) == known.end() && since.elapsed_s() < options.patience_s);
-  known = notices.listen(kSecondServer_s);
+  known = notices.listen(kSecondServer_s, options.stop);
   std::vector<SessionNotice> same;
   std::string others;
   for (SessionNotice& notice : known) {
@@ -192,7 +192,7 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
   ask();
   Stopwatch lastCame, lastAsked;
   for (bool isWhole = false; !isWhole;) {
-    if (options.stop && *options.stop) throw NetworkError("interrupted");
+    throwIfStopped(options.stop);
     wait.sleep(kLook_s);
     bool again = lastAsked.elapsed_s() > kAskAgain_s && lastCame.elapsed_s() > kAskAgain_s;
     results.take([&](const Result& result) {
@@ -230,7 +230,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   session->name = notice.name;
   session->host = notice.host;
   session->sculptable = notice.sculptable;
-  const std::optional<FarFacts> facts = hearFacts(*session, options.patience_s);
+  const std::optional<FarFacts> facts = hearFacts(*session, options.patience_s, options.stop);
   if (!facts || facts->extent.points != notice.points)
     throw NetworkError("'{}' of {}: does not say what it is; is it still served?", notice.name, notice.host);
   const bool isNear = options.near || (facts->moves && !options.present);
@@ -244,7 +244,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   return joined;
 }
 
-NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds) {
+NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds, const StopSign& stop) {
   const Participant participant(network);
   const Topics topics(participant);
   SessionNotices notices(participant, topics);
@@ -252,7 +252,7 @@ NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds) {
   const Reader<Ping> echoes(participant, topics.echoes, bestEffortQos());
   ReaderWait wait(participant);
   wait.attach(echoes);
-  const std::vector<SessionNotice> known = notices.listen(seconds);
+  const std::vector<SessionNotice> known = notices.listen(seconds, stop);
   const Id client = freshId();
   NetworkSurvey survey{.sessions = {}, .keyHolders = seesKeyHolders(participant)};
   std::vector<SeenSession>& seen = survey.sessions;
@@ -272,6 +272,7 @@ NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds) {
     return false;
   };
   while (sent < kPings || (isAwaited() && since.elapsed_s() < kPings * kApart_s + kLongestTrip_s)) {
+    throwIfStopped(stop);
     if (sent < kPings && since.elapsed_s() >= sent * kApart_s) {
       for (std::size_t i = 0; i < known.size(); ++i) {
         if (!seen[i].fits) continue;

@@ -129,7 +129,7 @@ struct CloudServer::Link {
   }
 
   void announce() {
-    name.requireFree();
+    name.requireFree(parts.stop);
     Notice notice{};
     set(notice.session, session);
     notice.version = kVersion;

@@ -303,13 +303,14 @@ class FarLink final : public FarCloud {
 
 std::unique_ptr<FarCloud> openFarCloud(const FarParts& parts) { return std::make_unique<FarLink>(parts); }
 
-std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s) {
+std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s, const StopSign& stop) {
   const Topic<Facts> topic = factsOf(session.participant, session.session);
   const Reader<Facts> reader(session.participant, topic, keepingInstances(reliableQos(true), 1));
   ReaderWait wait(session.participant);
   wait.attach(reader);
   std::optional<FarFacts> heard;
   for (const Stopwatch since; !heard && since.elapsed_s() < patience_s;) {
+    throwIfStopped(stop);
     wait.sleep(0.05);
     reader.take([&](const Facts& facts) {
       if (!isSame(facts.session, session.session)) return;

@@ -19,11 +19,12 @@ HandRoom::HandRoom(const PointCloud& cloud)
     : middle_(cloud.origin + boundsOf(cloud).center()),
       farthest_(kFarthest * std::max(1.0, boundsOf(cloud).longestSide())) {}
 
+bool HandRoom::has(const DVec3& place) const { return glm::distance(place, middle_) < farthest_; }
+
 std::optional<HandPlace> HandRoom::placeOf(const Hand& hand) const {
   const DVec3 position(hand.position[0], hand.position[1], hand.position[2]);
   const DVec3 proxy(hand.proxy[0], hand.proxy[1], hand.proxy[2]);
-  if (!(glm::distance(position, middle_) < farthest_) || !(glm::distance(proxy, middle_) < farthest_))
-    return std::nullopt;
+  if (!has(position) || !has(proxy)) return std::nullopt;
   return HandPlace{.position = position, .proxy = proxy, .touching = hand.touching, .sculpts = hand.sculpts};
 }
 

@@ -23,6 +23,8 @@ class HandRoom {
   explicit HandRoom(const PointCloud& cloud);
   /// Nothing where it is beyond, or nowhere.
   std::optional<HandPlace> placeOf(const Hand& hand) const;
+  /// Whether somebody can be there.
+  bool has(const DVec3& place) const;
 
  private:
   DVec3 middle_;

@@ -18,6 +18,7 @@ Topics::Topics(dds_entity_t participant)
       resultCopies(participant, palpate_sharing_Result_desc, fmt::format("palpate/{}/result_copy", kVersion)),
       resumes(participant, palpate_sharing_Resume_desc, fmt::format("palpate/{}/resume", kVersion)),
       hands(participant, palpate_sharing_Hand_desc, fmt::format("palpate/{}/hand", kVersion)),
+      cameras(participant, palpate_sharing_Camera_desc, fmt::format("palpate/{}/camera", kVersion)),
       facts(participant, palpate_sharing_Facts_desc, fmt::format("palpate/{}/facts", kVersion)),
       nears(participant, palpate_sharing_Near_desc, fmt::format("palpate/{}/near", kVersion)),
       bricks(participant, palpate_sharing_Bricks_desc, fmt::format("palpate/{}/bricks", kVersion)),

@@ -24,6 +24,7 @@ using Stroke = palpate_sharing_Stroke;
 using Result = palpate_sharing_Result;
 using ResumeRequest = palpate_sharing_Resume;
 using Hand = palpate_sharing_Hand;
+using Camera = palpate_sharing_Camera;
 using Facts = palpate_sharing_Facts;
 using Near = palpate_sharing_Near;
 using BrickPart = palpate_sharing_BrickPart;
@@ -51,6 +52,7 @@ struct Topics {
   Topic<Result> resultCopies;
   Topic<ResumeRequest> resumes;
   Topic<Hand> hands;
+  Topic<Camera> cameras;
   Topic<Facts> facts;
   Topic<Near> nears;
   Topic<Bricks> bricks;

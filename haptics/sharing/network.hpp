@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,14 @@ class NetworkError : public Error {
  public:
   using Error::Error;
 };
+
+/// Asked by whatever waits for others, on the thread that waits, each twentieth of a second: true ends it with a
+/// NetworkError. Empty: it waits as long as it was told.
+using StopSign = std::function<bool()>;
+/// Throws NetworkError where it is to end.
+inline void throwIfStopped(const StopSign& stop) {
+  if (stop && stop()) throw NetworkError("interrupted");
+}
 
 struct NetworkConfig {
   /// Of the machine, as `ip link` names it, or its address; empty: nobody but this machine.
@@ -52,6 +61,6 @@ struct NetworkSurvey {
 
 /// Listens for `seconds`, and then pings whom it has found, which takes half a second, and up to two more where pings
 /// are lost. Throws NetworkError, UsageError.
-NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds);
+NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds, const StopSign& stop = {});
 
 }  // namespace palpate

@@ -1,3 +1,4 @@
+#include "haptics/sharing/camera_presence.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/shared_edits.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 bool canShare() { return false; }
 std::string opennessOf(const NetworkConfig&) { refuse(); }
-NetworkSurvey surveyNetwork(const NetworkConfig&, double) { refuse(); }
+NetworkSurvey surveyNetwork(const NetworkConfig&, double, const StopSign&) { refuse(); }
 
 struct CloudServer::Link {};
 CloudServer::CloudServer(const PointCloud&, Parts) { refuse(); }
@@ -25,9 +26,15 @@ std::span<const PointState> CloudServer::points() const { refuse(); }
 
 std::unique_ptr<SharedFollower> shareEdits(const SharedParts&) { refuse(); }
 
+std::shared_ptr<SharedCameras> shareCameras(std::shared_ptr<const JoinedSession>, const std::string&, const PointCloud&) {
+  refuse();
+}
+
 JoinedCloud joinCloud(const std::string&, const JoinOptions&) { refuse(); }
 
 void requireRosName(const std::string&) { refuse(); }
+void requireRosFrame(const std::string&) { refuse(); }
+void requireRosParent(const std::string&, const std::string&) { refuse(); }
 
 class RosHand::Link {};
 RosHand::RosHand(const RosPublishing&, double) { refuse(); }
@@ -40,6 +47,11 @@ RosCloud::RosCloud(const RosPublishing&) { refuse(); }
 RosCloud::~RosCloud() = default;
 bool RosCloud::show(std::span<const PointState>, const DVec3&) { refuse(); }
 std::uint64_t RosCloud::shown() const { refuse(); }
+
+class RosCamera::Link {};
+RosCamera::RosCamera(const RosPublishing&) { refuse(); }
+RosCamera::~RosCamera() = default;
+void RosCamera::show(const CameraPlace&, double) { refuse(); }
 
 PointCloud hearRosCloud(const std::string&, const RosListening&) { refuse(); }
 RosContent whatRosSends(const std::string&, const RosListening&) { refuse(); }

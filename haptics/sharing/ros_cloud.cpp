@@ -1,10 +1,14 @@
 #include <chrono>
 #include <future>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/cloud/length_unit.hpp"
+#include "engine/cloud/up.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_intake.hpp"
+#include "haptics/sharing/ros_tf.hpp"
 
 namespace palpate {
 
@@ -16,7 +20,8 @@ class RosCloud::Link {
       : publishing_(publishing),
         frame_(rosName(publishing.name)),
         participant_(rosParticipant(publishing.network)),
-        clouds_(participant_, kRosTopics + frame_ + "/cloud", RosDelivery::latched) {
+        clouds_(participant_, kRosTopics + frame_ + "/cloud", RosDelivery::latched),
+        stands_(publishFrame(participant_, publishing)) {
     for (const RosField& field : fieldsOfRosPoints()) {
       names_.emplace_back(field.name);
       fields_.push_back({.offset = field.offset, .datatype = field.type, .count = field.count});
@@ -61,6 +66,7 @@ class RosCloud::Link {
   std::vector<std::uint8_t> data_;
   Participant participant_;
   RosPublisher<RosPointCloud2> clouds_;
+  std::optional<RosTransformPublisher> stands_;
   std::uint64_t shown_ = 0;
   std::future<bool> writing_;  // ends before all that it uses
 };
@@ -70,33 +76,86 @@ RosCloud::~RosCloud() = default;
 bool RosCloud::show(std::span<const PointState> points, const DVec3& origin) { return link_->show(points, origin); }
 std::uint64_t RosCloud::shown() const { return link_->shown(); }
 
+namespace {
+
+void putInFrame(PointCloud& cloud, const CameraPose& pose) {
+  cloud.origin = pose.toWorld(cloud.origin);
+  for (Vec3& position : cloud.positions) position = Vec3(pose.turn * DVec3(position));
+  for (Vec3& normal : cloud.normals) normal = Vec3(pose.turn * DVec3(normal));
+}
+
+// The first message of which it is known where it stands, which may be said later than what is in it.
+class FirstCloud {
+ public:
+  FirstCloud(dds_entity_t participant, const std::string& name, const RosListening& listening)
+      : listening_(listening), clouds_(participant, name), transforms_(participant, listening.frame) {}
+
+  bool look() {
+    clouds_.take(kRosLook_s, [&](const RosPointCloud2& message) {
+      if (isPlaced_) return;
+      taken_ = takeMessage(message, taken_ ? nullptr : listening_.log);
+      frame_ = message.header.frame_id ? message.header.frame_id : "";
+      stamp_ = message.header.stamp;
+    });
+    if (taken_ && !isPlaced_) place();
+    return isPlaced_;
+  }
+  bool hasCome() const { return taken_.has_value(); }
+  /// Why it is not known where it stands.
+  const std::string& why() const { return why_; }
+  TakenRosPoints& taken() { return *taken_; }
+
+ private:
+  void place() {
+    isPlaced_ = !transforms_.isNeeded();
+    if (isPlaced_) return;
+    try {
+      putInFrame(taken_->cloud, transforms_.poseOf({.stamp = stamp_, .frame_id = frame_.data()}));
+      isPlaced_ = true;
+    } catch (const NetworkError& error) {
+      why_ = error.what();
+    }
+  }
+
+  const RosListening& listening_;
+  RosIntake<RosPointCloud2> clouds_;
+  RosTransformIntake transforms_;
+  std::optional<TakenRosPoints> taken_;
+  std::string frame_, why_;
+  decltype(RosHeader::stamp) stamp_{};
+  bool isPlaced_ = false;
+};
+
+}  // namespace
+
 PointCloud hearRosCloud(const std::string& topic, const RosListening& listening) {
   constexpr double kMmPerMetre = 1000;
   const std::string name = rosName(topic);
   const Participant participant = rosParticipant(listening.network);
-  RosIntake<RosPointCloud2> clouds(participant, name);
+  FirstCloud first(participant, name, listening);
   RosWriters writers(participant, name);
   if (listening.log) listening.log->say("ros:{}: waiting for a PointCloud2", topic);
-  std::optional<TakenRosPoints> taken;
   const bool came = waitFor(listening, topic, [&] {
-    clouds.take(kRosLook_s, [&](const RosPointCloud2& message) {
-      if (!taken) taken = takeMessage(message, listening.log);
-    });
-    if (!taken) requireSent(topic, writers, {rosTypeOf<RosPointCloud2>().name()});
-    return taken.has_value();
+    if (first.look()) return true;
+    if (!first.hasCome()) requireSent(topic, writers, {rosTypeOf<RosPointCloud2>().name()});
+    return false;
   });
+  if (!came && first.hasCome()) throw NetworkError("ros:{}: {}", topic, first.why());
   if (!came)
     throw NetworkError(
         "ros:{}: no PointCloud2 has come in {:g} s; is the topic sent on domain {}, and on this network?", topic,
         listening.patience_s, listening.network.domain);
-  if (taken->cloud.empty())
+  TakenRosPoints& taken = first.taken();
+  if (taken.cloud.empty())
     throw NetworkError("ros:{}: a PointCloud2 has come without a point that has a place ({} have none)", topic,
-                       taken->skipped);
+                       taken.skipped);
   if (listening.log)
-    listening.log->say("ros:{}: {} points{}", topic, taken->cloud.size(),
-                       taken->skipped > 0 ? fmt::format("; {} without a place are left out", taken->skipped) : "");
-  sayScale(taken->cloud.storedAs.comments, kMmPerMetre);
-  return std::move(taken->cloud);
+    listening.log->say("ros:{}: {} points{}", topic, taken.cloud.size(),
+                       taken.skipped > 0 ? fmt::format("; {} without a place are left out", taken.skipped) : "");
+  sayScale(taken.cloud.storedAs.comments, kMmPerMetre);
+  // REP 103, of all frames but those of a camera.
+  if (!listening.frame.empty()) taken.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
+  return std::move(taken.cloud);
 }
 
 }  // namespace palpate

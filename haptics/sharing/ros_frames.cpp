@@ -7,6 +7,7 @@
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/ros_images.hpp"
 #include "haptics/sharing/ros_intake.hpp"
+#include "haptics/sharing/ros_tf.hpp"
 
 namespace palpate {
 
@@ -29,27 +30,90 @@ class OneFrame {
   std::optional<std::string> frame_;
 };
 
+RosPicture pictureOf(const RosImage& image) {
+  return {.height = image.height,
+          .width = image.width,
+          .encoding = image.encoding ? image.encoding : "",
+          .isBigEndian = image.is_bigendian != 0,
+          .step = image.step,
+          .data = {image.data._buffer, image.data._length}};
+}
+
+/// Pictures of colour beside those of depth: the last ones, by their stamps.
+class ColorsBeside {
+ public:
+  ColorsBeside(dds_entity_t participant, const std::string& topic) : topic_(topic), intake_(participant, rosName(topic)) {}
+
+  /// The colours of the pixels of a picture of depth of that time. Waits a moment for those that come behind it. Throws
+  /// NetworkError where there are none, or they are none.
+  void take(std::int64_t stamp_ns, const DepthCamera& camera, std::vector<std::array<std::uint8_t, 3>>& colors) {
+    constexpr double kPatience_s = 0.1;
+    for (const Stopwatch since; true;) {
+      intake_.take(kLook_s, [&](const RosImage& image) { keep(image, camera); });
+      const Kept* const nearest = nearestTo(stamp_ns);
+      const bool isOver = since.elapsed_s() > kPatience_s;
+      if (nearest && (nearest->stamp_ns == stamp_ns || isOver)) {
+        colors = nearest->colors;
+        return;
+      }
+      if (!isOver) continue;
+      throw NetworkError("has no picture of colour of its time beside it, on ros:{}{}", topic_, why_.empty() ? why_ : ": " + why_);
+    }
+  }
+
+ private:
+  static constexpr double kLook_s = 0.005;
+  static constexpr std::int64_t kApart_ns = 50'000'000;  // that two pictures of one time are, at most
+  static constexpr std::size_t kMost = 8;
+  struct Kept {
+    std::int64_t stamp_ns = 0;
+    std::vector<std::array<std::uint8_t, 3>> colors;
+  };
+
+  void keep(const RosImage& image, const DepthCamera& camera) {
+    Kept& kept = kept_[next_ % kMost];
+    try {
+      takeRosColors(pictureOf(image), camera, kept.colors);
+      kept.stamp_ns = stampOf(image.header);
+      ++next_;
+    } catch (const NetworkError& error) {
+      kept.colors.clear();
+      why_ = error.what();
+    }
+  }
+  const Kept* nearestTo(std::int64_t stamp_ns) const {
+    const auto apart = [&](const Kept& kept) { return std::abs(static_cast<double>(kept.stamp_ns) - static_cast<double>(stamp_ns)); };
+    const Kept* nearest = nullptr;
+    for (const Kept& kept : kept_)
+      if (!kept.colors.empty() && apart(kept) <= kApart_ns && (!nearest || apart(kept) < apart(*nearest))) nearest = &kept;
+    return nearest;
+  }
+
+  std::string topic_;
+  RosIntake<RosImage> intake_;
+  std::array<Kept, kMost> kept_;
+  std::size_t next_ = 0;
+  std::string why_;  // the last one was none
+};
+
 /// Depths of the pictures of one camera.
 class FromPictures {
  public:
   using Message = RosImage;
-  FromPictures(const DepthCamera& camera, double depthScale) : camera_(camera), depthScale_(depthScale) {}
+  FromPictures(const DepthCamera& camera, double depthScale, std::unique_ptr<ColorsBeside> colors)
+      : camera_(camera), depthScale_(depthScale), colors_(std::move(colors)) {}
   const DepthCamera& camera() const { return camera_; }
 
   void make(const RosImage& image, DepthFrame& frame) {
     frame.points.reset();
-    takeRosDepths({.height = image.height,
-                   .width = image.width,
-                   .encoding = image.encoding ? image.encoding : "",
-                   .isBigEndian = image.is_bigendian != 0,
-                   .step = image.step,
-                   .data = {image.data._buffer, image.data._length}},
-                  camera_, depthScale_, frame.depth_m);
+    takeRosDepths(pictureOf(image), camera_, depthScale_, frame.depth_m);
+    if (colors_) colors_->take(stampOf(image.header), camera_, frame.colors);
   }
 
  private:
   DepthCamera camera_;
   double depthScale_;
+  std::unique_ptr<ColorsBeside> colors_;
 };
 
 /// Points with normals, no more than there is room for, which the first message says.
@@ -112,11 +176,12 @@ class FromPoints {
 template <class Maker>
 class RosFrames final : public DepthStream {
  public:
-  RosFrames(Participant participant, std::string topic, Maker maker)
+  RosFrames(Participant participant, std::string topic, const std::string& frame, Maker maker)
       : participant_(std::move(participant)),
         topic_(std::move(topic)),
         maker_(std::move(maker)),
-        intake_(participant_, rosName(topic_)) {}
+        intake_(participant_, rosName(topic_)),
+        transforms_(participant_, frame) {}
 
   /// Waits for the first good frame, which next() gives again.
   void begin(const RosListening& listening) {
@@ -159,6 +224,7 @@ class RosFrames final : public DepthStream {
       try {
         where_.require(message.header);
         maker_.make(message, frame);
+        if (transforms_.isNeeded()) frame.pose = transforms_.poseOf(message.header);
         frame.time_s = times_.timeOf(stampOf(message.header), clock_.elapsed_s());
         isThere = true;
       } catch (const NetworkError& error) {
@@ -172,14 +238,12 @@ class RosFrames final : public DepthStream {
     if (frame.points) return !frame.points->places.empty();
     return std::ranges::any_of(frame.depth_m, [](float depth) { return depth > 0; });
   }
-  static std::int64_t stampOf(const RosHeader& header) {
-    return std::int64_t{header.stamp.sec} * 1'000'000'000 + header.stamp.nanosec;
-  }
 
   Participant participant_;
   std::string topic_;
   Maker maker_;
   RosIntake<typename Maker::Message> intake_;
+  RosTransformIntake transforms_;
   OneFrame where_;
   RosFrameTimes times_;
   Stopwatch clock_;
@@ -246,7 +310,7 @@ RosContent discover(dds_entity_t participant, const std::string& topic, const Ro
 template <class Maker>
 std::shared_ptr<DepthStream> begun(Participant participant, const std::string& topic, Maker maker,
                                    const RosListening& listening) {
-  auto frames = std::make_shared<RosFrames<Maker>>(std::move(participant), topic, std::move(maker));
+  auto frames = std::make_shared<RosFrames<Maker>>(std::move(participant), topic, listening.frame, std::move(maker));
   frames->begin(listening);
   return frames;
 }
@@ -260,12 +324,13 @@ RosContent whatRosSends(const std::string& topic, const RosListening& listening)
 
 std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosWatching& watching) {
   rosName(topic);
+  if (!watching.colorTopic.empty()) rosName(watching.colorTopic);
   const RosListening& listening = watching.listening;
   Participant participant = rosParticipant(listening.network);
   if (discover(participant, topic, listening) == RosContent::points) {
-    if (watching.needsPictures || watching.camera || watching.depthScale > 0)
-      throw NetworkError("ros:{}: what is sent there are points, and no pictures of depth, which alone have intrinsics and a "
-                         "depth scale, and become a map",
+    if (watching.needsPictures || watching.camera || watching.depthScale > 0 || !watching.colorTopic.empty())
+      throw NetworkError("ros:{}: what is sent there are points, and no pictures of depth, which alone have intrinsics, a "
+                         "depth scale and pictures of colour, and become a map",
                          topic);
     return begun(std::move(participant), topic, FromPoints(watching.threads), listening);
   }
@@ -273,7 +338,8 @@ std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosW
   if (listening.log)
     listening.log->say("ros:{}: a depth camera of {} x {} pixels, focal lengths {:g} and {:g}", topic, camera.width,
                        camera.height, camera.fx, camera.fy);
-  return begun(std::move(participant), topic, FromPictures(camera, watching.depthScale), listening);
+  auto colors = watching.colorTopic.empty() ? nullptr : std::make_unique<ColorsBeside>(participant, watching.colorTopic);
+  return begun(std::move(participant), topic, FromPictures(camera, watching.depthScale, std::move(colors)), listening);
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_messages.hpp"
+#include "haptics/sharing/ros_tf.hpp"
 
 namespace palpate {
 
@@ -49,6 +50,8 @@ class RosHand::Link {
         poses_(participant_, topic("pose"), RosDelivery::reliable),
         proxies_(participant_, topic("proxy"), RosDelivery::reliable),
         wrenches_(participant_, topic("wrench"), RosDelivery::reliable),
+        frames_(participant_, frame_, frame_ + "/hand", false),
+        stands_(publishFrame(participant_, publishing)),
         ticks_(kWaiting),
         thread_([this](const std::stop_token& stop) { publish(stop); }) {}
 
@@ -71,7 +74,7 @@ class RosHand::Link {
     if (thread_.joinable()) {
       thread_.request_stop();
       thread_.join();
-      for (const dds_entity_t writer : {dds_entity_t(poses_), dds_entity_t(proxies_), dds_entity_t(wrenches_)})
+      for (const dds_entity_t writer : {dds_entity_t(poses_), dds_entity_t(proxies_), dds_entity_t(wrenches_), dds_entity_t(frames_)})
         dds_wait_for_acks(writer, DDS_SECS(1));
     }
     if (failure_) std::rethrow_exception(failure_);
@@ -105,13 +108,15 @@ class RosHand::Link {
   void write(const HandTick& tick) {
     if (!began_ns_) began_ns_ = now_ns() - static_cast<std::int64_t>(tick.time_s * 1e9);
     RosHeader header{};
-    setStamp(header, *began_ns_ + static_cast<std::int64_t>(tick.time_s * 1e9));
+    const std::int64_t time_ns = *began_ns_ + static_cast<std::int64_t>(tick.time_s * 1e9);
+    setStamp(header, time_ns);
     header.frame_id = frame_.data();
     const double metres = publishing_.mm_per_unit * kMetresPerMm;
     RosPoseStamped pose{.header = header, .pose = {}};
     put(pose.pose.position, tick.hip * metres);
     pose.pose.orientation = {tick.turn.x, tick.turn.y, tick.turn.z, tick.turn.w};
     bool isWritten = poses_.write(pose);
+    isWritten = frames_.write(time_ns, tick.hip * metres, tick.turn) && isWritten;
     put(pose.pose.position, tick.proxy * metres);
     isWritten = proxies_.write(pose) && isWritten;
     RosWrenchStamped wrench{.header = header, .wrench = {}};
@@ -130,6 +135,8 @@ class RosHand::Link {
   Participant participant_;
   RosPublisher<RosPoseStamped> poses_, proxies_;
   RosPublisher<RosWrenchStamped> wrenches_;
+  RosTransformPublisher frames_;
+  std::optional<RosTransformPublisher> stands_;
   std::optional<std::int64_t> began_ns_;  // of the session's time
   std::uint64_t published_ = 0;
   std::exception_ptr failure_;

@@ -120,6 +120,21 @@ void takeRosDepths(const RosPicture& picture, const DepthCamera& camera, double 
     swaps ? takeRows<float, true>(picture, metres, depth_m) : takeRows<float, false>(picture, metres, depth_m);
 }
 
+void takeRosColors(const RosPicture& picture, const DepthCamera& camera,
+                   std::vector<std::array<std::uint8_t, 3>>& colors) {
+  const bool isBgr = picture.encoding == "bgr8";
+  if (!isBgr && picture.encoding != "rgb8")
+    refuse("of colour is rgb8 or bgr8, and this one is '{}'", shown(picture.encoding));
+  constexpr std::size_t kBytes = 3;
+  requireWhole(picture, camera, kBytes);
+  colors.resize(std::size_t{picture.width} * picture.height);
+  for (std::size_t row = 0, i = 0; row < picture.height; ++row) {
+    const std::uint8_t* from = picture.data.data() + row * picture.step;
+    for (std::uint32_t column = 0; column < picture.width; ++column, from += kBytes)
+      colors[i++] = {from[isBgr ? 2 : 0], from[1], from[isBgr ? 0 : 2]};
+  }
+}
+
 double RosFrameTimes::timeOf(std::int64_t stamp_ns, double arrived_s) {
   constexpr double kMostLate_s = 0.5;  // between two frames, of what the network does to them
   const double waited_s = std::max(arrived_s - arrived_s_, 1e-6);

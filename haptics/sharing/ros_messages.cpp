@@ -38,6 +38,10 @@ RosType rosTypeOf<RosWrenchStamped>() {
           "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77"};
 }
 template <>
+RosType rosTypeOf<RosTFMessage>() {
+  return {tf2_msgs_msg_dds__TFMessage__desc, "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"};
+}
+template <>
 RosType rosTypeOf<RosPointCloud2>() {
   return {sensor_msgs_msg_dds__PointCloud2__desc,
           "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5"};

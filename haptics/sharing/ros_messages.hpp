@@ -13,6 +13,7 @@ using RosHeader = std_msgs_msg_dds__Header_;
 using RosPoint = geometry_msgs_msg_dds__Point_;
 using RosPoseStamped = geometry_msgs_msg_dds__PoseStamped_;
 using RosWrenchStamped = geometry_msgs_msg_dds__WrenchStamped_;
+using RosTFMessage = tf2_msgs_msg_dds__TFMessage_;
 using RosPointField = sensor_msgs_msg_dds__PointField_;
 using RosPointCloud2 = sensor_msgs_msg_dds__PointCloud2_;
 using RosImage = sensor_msgs_msg_dds__Image_;
@@ -61,5 +62,8 @@ class RosPublisher {
 
 /// Nanoseconds since 1970, as a header has them.
 void setStamp(RosHeader& header, std::int64_t time_ns);
+inline std::int64_t stampOf(const RosHeader& header) {
+  return std::int64_t{header.stamp.sec} * 1'000'000'000 + header.stamp.nanosec;
+}
 
 }  // namespace palpate::sharing

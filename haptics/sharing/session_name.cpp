@@ -15,8 +15,8 @@ constexpr double kYoung_s = 10;  // later it has clients to lose
 SessionName::SessionName(dds_entity_t participant, const Topics& topics, std::string name, Log* log)
     : name_(std::move(name)), log_(log), writer_(participant, topics.notices, reliableQos(true)), others_(participant, topics) {}
 
-void SessionName::requireFree() {
-  for (const SessionNotice& other : others_.listen(kOthers_s))
+void SessionName::requireFree(const StopSign& stop) {
+  for (const SessionNotice& other : others_.listen(kOthers_s, stop))
     if (other.name == name_)
       throw NetworkError("a session named '{}' is served already, by {}; give this one another name", name_, other.host);
 }

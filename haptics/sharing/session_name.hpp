@@ -14,7 +14,7 @@ class SessionName {
   /// `log` may be null; what is given outlives this.
   SessionName(dds_entity_t participant, const Topics& topics, std::string name, Log* log);
   /// Listens for a second. Throws NetworkError where somebody serves a session of that name.
-  void requireFree();
+  void requireFree(const StopSign& stop);
   /// From now on others find it, until this ends. The notice bears the name.
   void announce(const Notice& notice);
   /// Looks from time to time for one of the same name that has begun in the same second, so that neither had heard the other.

@@ -48,10 +48,11 @@ const std::vector<SessionNotice>& SessionNotices::known() {
   return known_;
 }
 
-std::vector<SessionNotice> SessionNotices::listen(double seconds) {
+std::vector<SessionNotice> SessionNotices::listen(double seconds, const StopSign& stop) {
   const Stopwatch since;
   for (double left = seconds; left > 0; left = seconds - since.elapsed_s()) {
-    wait_.sleep(left);
+    throwIfStopped(stop);
+    wait_.sleep(std::min(left, 0.05));
     take();
   }
   return known_;

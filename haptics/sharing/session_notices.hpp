@@ -26,8 +26,8 @@ class SessionNotices {
   SessionNotices(dds_entity_t participant, const Topics& topics);
   /// All that are known now, and have not ended.
   const std::vector<SessionNotice>& known();
-  /// All that are known once `seconds` have passed.
-  std::vector<SessionNotice> listen(double seconds);
+  /// All that are known once `seconds` have passed. Throws NetworkError where it is to end before.
+  std::vector<SessionNotice> listen(double seconds, const StopSign& stop = {});
   /// The same, or sooner: once one of that name is there.
   std::vector<SessionNotice> listenFor(const std::string& name, double seconds);
 

@@ -56,6 +56,7 @@ class CloudServer {
     /// Empty: the cloud stands still. Otherwise it is as the motion begins, and is not sculptable.
     ServedMotion motion = {};
     double motion_Hz = 60;          ///< frames a second, at most
+    StopSign stop = {};             ///< ends the constructor, which listens for a second for another session of the name
   };
   /// `cloud` has normals, and outlives this. Throws UsageError for a name that cannot be, NetworkError where a session of that
   /// name is served already, or nothing can be, FileError of the journal.
@@ -96,7 +97,7 @@ struct JoinOptions {
   std::string hand;        ///< what that one is called where others see it
   double patience_s = 10;  ///< for the session to be found, and for each next piece of it
   Log* log = nullptr;      ///< hears how far it has come; outlives the call
-  const std::atomic<bool>* stop = nullptr;  ///< ends it when it becomes true
+  StopSign stop = {};      ///< ends it
 };
 
 /// The points of the session of that name, as they are served. Takes memory as they come, and no more for what is only

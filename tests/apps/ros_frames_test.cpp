@@ -1,8 +1,11 @@
 // Live cameras of ROS as a user meets them: felt as they are sent, drawn, seen, and made a map.
+#include "haptics/sharing/ros_tf.hpp"
 #include "tests/apps/ros_touching.hpp"
 #include "tests/apps/window_play.hpp"
 
 namespace palpate {
+
+using namespace sharing;
 
 namespace {
 
@@ -46,6 +49,42 @@ TEST_CASE("a plane that a depth camera of ROS sees is felt where it is, in eithe
           fmt::format(" --domain {}", network().domain));
     CHECK(std::filesystem::file_size(picture) > 500);
   }
+}
+
+TEST_CASE("what a camera sees is felt in the frame that is asked for, and a cloud is converted into it") {
+  const ScratchFolder folder;
+  const SendingCamera camera(network(), "placed/depth", infoOf(kCamera), [](int) {
+    return pictureOf(kCamera, [](const DVec3&) { return 0.5; });
+  });
+  const Participant participant = rosParticipant(network());
+  // The camera hangs 2 m up in the map and looks down.
+  RosTransformPublisher base(participant, "map", "base", true), hangs(participant, "base", "camera", true);
+  base.write(0, {1, 0, 0}, DQuat(1, 0, 0, 0));
+  hangs.write(0, {0, 0, 2}, DQuat(0, 1, 0, 0));
+  const RosPublisher<RosPointCloud2> still(participant, "rt/placed/cloud", RosDelivery::latched);
+  pointsOf(kCamera, [](const DVec3&) { return 0.5; }).write(still);
+  const DVec3 hip(1.01, 0.02, 1.497);
+  std::ofstream(folder / "path.csv") << "t_s,x,y,z\n0,1.01,0.02,1.6\n0.3,1.01,0.02,1.497\n1,1.01,0.02,1.497\n";
+  works(fmt::format("touch ros:/placed/depth/image_raw --ros-frame map --realtime --backend cpu --stiffness {} --path {} --trace {} "
+                    "--json {} --domain {}",
+                    kStiffness_N_per_mm, (folder / "path.csv").string(), (folder / "t.csv").string(),
+                    (folder / "r.json").string(), network().domain));
+  const std::vector<Row> rows = between(readTrace(folder / "t.csv"), 0.6, 2);
+  CHECK(rows.size() > 300);
+  CHECK(worst_N(rows, DVec3(0, 0, 1), [](const Row&) { return 3.0; }) < 0.02);
+  CHECK(jsonOf(folder / "r.json")["frames"]["lost"] == 0);
+  works("convert ros:placed/cloud " + (folder / "c.ply").string() + fmt::format(" --ros-frame map --domain {}", network().domain));
+  works("info " + (folder / "c.ply").string() + " --json " + (folder / "i.json").string());
+  const Result info = jsonOf(folder / "i.json");
+  INFO(info.dump());
+  CHECK(info["points"] == 64 * 48);
+  CHECK(info["up"] == "z");
+  CHECK(info["bounds"]["min"][2].get<double>() == doctest::Approx(1.5).epsilon(1e-6));
+  CHECK(info["bounds"]["max"][2].get<double>() == doctest::Approx(1.5).epsilon(1e-6));
+  const Outcome lonely = palpate(fmt::format("convert ros:placed/cloud {} --ros-frame mars --domain {}",
+                                             (folder / "m.ply").string(), network().domain));
+  CHECK(lonely.code == 1);
+  CHECK(lonely.text.find("nothing that is heard on /tf_static and /tf leads to 'mars'") != std::string::npos);
 }
 
 TEST_CASE("pictures of ROS become a map, which is kept, and are seen in the window as they come") {

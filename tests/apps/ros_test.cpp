@@ -36,10 +36,15 @@ TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as i
   dds_qset_history(all.get(), DDS_HISTORY_KEEP_ALL, 0);
   const Reader<RosPoseStamped> pose(participant, poses, all), proxy(participant, proxies, all);
   const Reader<RosWrenchStamped> wrench(participant, wrenches, all);
+  const Topic<RosTFMessage> moving(participant, rosTypeOf<RosTFMessage>().descriptor, "rt/tf"),
+      fixed(participant, rosTypeOf<RosTFMessage>().descriptor, "rt/tf_static");
+  const Reader<RosTFMessage> transforms(participant, moving, all),
+      stands(participant, fixed, rosQos(RosDelivery::latched, rosTypeOf<RosTFMessage>()));
   const auto discovered = [&] { return discoveredWriter(participant, "rt/lab/pose", 0.01).userData; };
 
   RunningProgram hand("touch " + in("m.ply") +
-                          " --mm-per-unit 20 --backend cpu --realtime --duration 2 --ros lab --ros-rate 50" + domain() +
+                          " --mm-per-unit 20 --backend cpu --realtime --duration 2 --ros lab --ros-rate 50 --ros-parent map "
+                          "--ros-pose 1,2,3,0,0,1,0" + domain() +
                           " --trace " + in("t.csv") + " --json " + in("r.json"),
                       folder / "said");
   std::string userData;
@@ -47,6 +52,20 @@ TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as i
   CHECK(userData == "typehash=RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8;");
   hand.waitFor([&] { return hand.ended(); });
   CAPTURE(contentOf(folder / "said"));
+  const auto frameOf = [](const RosTFMessage& message) {
+    REQUIRE(message.transforms._length == 1);
+    const auto& one = message.transforms._buffer[0];
+    const auto& [at, turn] = one.transform;
+    return fmt::format("{} in {} at {:g} {:g} {:g} turned {:g} {:g} {:g} {:g}", one.child_frame_id, one.header.frame_id, at.x,
+                       at.y, at.z, turn.x, turn.y, turn.z, turn.w);
+  };
+  std::size_t hands = 0;
+  transforms.take([&](const RosTFMessage& message) { hands += frameOf(message).starts_with("lab/hand in lab at "); });
+  CHECK(hands > 20);
+  CHECK(hands <= 101);
+  std::string where;
+  CHECK(stands.take([&](const RosTFMessage& message) { where = frameOf(message); }) == 1);
+  CHECK(where == "lab in map at 1 2 3 turned 0 0 1 0");
   CHECK(jsonOf(in("r.json"))["ros"]["ticks"] > 20);
   CHECK(jsonOf(in("r.json"))["ros"]["ticks"] <= 101);
   CHECK(jsonOf(in("r.json"))["ros"]["lost"] == 0);
@@ -120,6 +139,17 @@ TEST_CASE("what ROS cannot name, and options of its network without it, are refu
   refuses("serve a.ply --name a --ros a-b", "is no name there");
   refuses("touch ros:a//b", "is no name there");
   refuses("touch a.ply --ros-rate 0 --ros a", "--ros-rate");
+  refuses("touch a.ply --ros lab --ros-parent lab", "is no parent of its own");
+  refuses("touch a.ply --ros-parent map", "--ros-parent: is for --ros");
+  refuses("touch a.ply --ros lab --ros-pose 1,2,3", "--ros-pose: is for --ros-parent");
+  for (const char* pose : {"1,2", "1,2,3,4", "1,2,x", "1,2,nan", "0,0,0,1,1,0,0", "0,0,0,0,0,0,0", "1e10,0,0"})
+    refuses(std::string("serve a.ply --name a --ros lab --ros-parent map --ros-pose ") + pose, "unit quaternion");
+  refuses("touch a.ply --ros-frame map", "--ros-frame and --color-topic: are for a topic of ROS");
+  refuses("serve a.ply --name a --ros-frame map", "--ros-frame and --color-topic: are for a topic of ROS");
+  refuses("convert a.ply b.ply --ros-frame map", "--ros-frame and --color-topic: are for a topic of ROS");
+  refuses("view a.ply --color-topic rgb", "--ros-frame and --color-topic: are for a topic of ROS");
+  refuses("touch ros:a --color-topic a//b", "is no name there");
+  refuses("touch ros:a --ros-frame /", "is no name of a frame");
   refuses("touch a.ply --domain 3", "for --as and --near for ROS");
   CHECK(palpate("mesh ros:a -o never.ply").text.find("are not heard here") != std::string::npos);
 }

@@ -374,6 +374,83 @@ TEST_CASE("sessions of a network are listed; what cannot be joined or served is 
   PP_CHECK_OK(pp_cloud_close(empty));
 }
 
+TEST_CASE("cameras are shown, seen by others, and hidden again") {
+  if (!isBuilt()) return;
+  const Serving serving("looked at");
+  const pp_session anna = joined("looked at", "anna"), ben = joined("looked at", "ben");
+  pp_camera_place place{{10, 20, 300}, {0, 1, 0, 0}, 50, 1.5};
+  pp_other_camera cameras[4];
+  std::uint64_t count = 7;
+  PP_REQUIRE_OK(pp_session_cameras(ben, cameras, 4, &count));
+  CHECK(count == 0);
+  PP_REQUIRE_OK(pp_session_show_camera(anna, &place));
+  const auto isSeen = [&](std::uint64_t wanted) {
+    for (int i = 0; i < 1000; ++i) {
+      PP_REQUIRE_OK(pp_session_cameras(ben, cameras, 4, &count));
+      if (count == wanted) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+  };
+  REQUIRE(isSeen(1));
+  CHECK(std::string(cameras[0].name) == "anna");
+  CHECK(cameras[0].place.position[2] == 300);
+  CHECK(cameras[0].place.orientation[1] == 1);
+  CHECK(cameras[0].place.fov_deg == doctest::Approx(50));
+  CHECK(cameras[0].place.aspect == 1.5);
+  PP_REQUIRE_OK(pp_session_cameras(anna, nullptr, 0, &count));
+  CHECK(count == 0);
+  place.aspect = 0;
+  CHECK(pp_session_show_camera(anna, &place) == PP_ERROR_ARGUMENT);
+  PP_CHECK_OK(pp_session_show_camera(anna, nullptr));
+  CHECK(isSeen(0));
+  PP_CHECK_OK(pp_session_close(anna));
+  PP_CHECK_OK(pp_session_close(ben));
+}
+
+TEST_CASE("calls that wait for others end when the program says so, and are asked often") {
+  if (!isBuilt()) return;
+  struct Patience {
+    int asked = 0, most = 0;
+    std::thread::id thread;
+    static std::int32_t isOver(void* user) {
+      auto& patience = *static_cast<Patience*>(user);
+      patience.thread = std::this_thread::get_id();
+      return ++patience.asked > patience.most ? 1 : 0;
+    }
+  };
+  const auto refuses = [](auto&& call, int most) {
+    Patience patience{.most = most};
+    pp_network network = ownNetwork();
+    network.stop = &Patience::isOver;
+    network.stop_user = &patience;
+    CHECK(call(network) == PP_ERROR_NETWORK);
+    CHECK(lastErrorSays("interrupted"));
+    CHECK(patience.asked == most + 1);
+    CHECK(patience.thread == std::this_thread::get_id());
+  };
+  for (const int most : {0, 3}) {
+    refuses([](const pp_network& network) {
+      std::uint64_t count = 0;
+      return pp_network_survey(&network, 60, nullptr, 0, &count);
+    }, most);
+    refuses([](const pp_network& network) {
+      pp_join_options join = pp_default_join_options();
+      join.network = &network;
+      join.patience_s = 60;
+      pp_session session{};
+      return pp_session_join("nobody's", &join, nullptr, &session);
+    }, most);
+    refuses([](const pp_network& network) {
+      pp_serve_options serve = pp_default_serve_options();
+      serve.network = &network;
+      const BallCloud ball;
+      pp_server server{};
+      return pp_serve(ball.cloud, "mine", &serve, &server);
+    }, most);
+  }
+}
+
 TEST_CASE("handles that are closed, of another kind or of sessions that were not joined give errors") {
   const OpenBall ball;
   pp_sharing sharing = pp_default_sharing();
@@ -382,6 +459,8 @@ TEST_CASE("handles that are closed, of another kind or of sessions that were not
   CHECK(lastErrorSays("was not joined"));
   CHECK(pp_session_others(ball.session, nullptr, 0, &count) == PP_ERROR_STATE);
   CHECK(pp_session_settle(ball.session, 1, nullptr) == PP_ERROR_STATE);
+  CHECK(pp_session_cameras(ball.session, nullptr, 0, &count) == PP_ERROR_STATE);
+  CHECK(pp_session_show_camera(ball.session, nullptr) == PP_ERROR_STATE);
   pp_server_info info = pp_default_server_info();
   pp_cloud cloud{};
   CHECK(pp_server_get_info({}, &info) == PP_ERROR_HANDLE);

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import signal
 import subprocess
 import sys
 import textwrap
@@ -319,3 +320,95 @@ def test_without_dds_all_of_it_refuses_in_a_sentence(ball):
         with pytest.raises(pp.Error, match="built without DDS") as caught:
             wrong()
         assert caught.value.status == "unsupported"
+
+
+def interrupted(call, after: float = 0.4) -> float:
+    """How long after a SIGINT that comes meanwhile the call ends with what that raises, s."""
+    sent: list[float] = []
+
+    def send() -> None:
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(after, send)
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            call()
+        return time.monotonic() - sent[0]
+    finally:
+        timer.join()
+
+
+@needs_dds
+def test_what_waits_for_the_network_ends_with_ctrl_c_at_once_and_leaves_nothing_behind(ball):
+    name = f"broken off {os.getpid()}"
+    patient = pp.Join("nobody's", NETWORK, patience_s=60)
+
+    def held() -> tuple[int, int]:
+        return len(os.listdir("/proc/self/task")), len(os.listdir("/proc/self/fd"))
+
+    calls = {
+        "join": lambda: pp.Session(patient, gpu="cpu"),
+        "serve": lambda: pp.serve(ball, name, NETWORK),
+        "survey": lambda: pp.sessions(NETWORK, 60),
+    }
+    pp.sessions(NETWORK, 0)  # what a process has of DDS from then on
+    before = held()
+    for what, call in calls.items():
+        fastest = min(interrupted(call) for _ in range(3))
+        assert fastest < 0.2, f"{what}: {fastest:.3f} s"
+        timer = threading.Timer(0.1, lambda: None)  # the last one's thread is gone once another one is
+        timer.start()
+        timer.join()
+        assert until(lambda: held() == before, 5), f"{what}: {held()} in place of {before}"
+    with pp.serve(ball, name, NETWORK), pp.Session(pp.Join(name, NETWORK), gpu="cpu") as s:  # as if nothing had been
+        assert s.points == 20_000
+
+
+@needs_dds
+def test_a_signal_that_raises_something_else_ends_it_with_that_and_one_that_raises_nothing_does_not_end_it():
+    class Alarm(Exception):
+        pass
+
+    def rings(number: int, frame: object) -> None:
+        raise Alarm(number)
+
+    heard: list[int] = []
+    before = signal.signal(signal.SIGALRM, rings)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with pytest.raises(Alarm):
+            pp.sessions(NETWORK, 60)
+        signal.signal(signal.SIGALRM, lambda number, frame: heard.append(number))
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        start = time.monotonic()
+        assert pp.sessions(NETWORK, 0.6) == [] or heard
+        assert heard == [signal.SIGALRM] and time.monotonic() - start > 0.6
+    finally:
+        signal.signal(signal.SIGALRM, before)
+
+
+@needs_dds
+def test_cameras_are_shown_to_who_has_joined_whether_or_not_it_is_sculpted(ball):
+    name = f"looked at {os.getpid()}"
+    with pp.serve(ball, name, NETWORK, mm_per_unit=1, read_only=True) as server:
+        with joined(server, hand="anna") as anna, joined(server, hand="ben", near=True) as ben:
+            assert anna.cameras == [] and ben.cameras == []
+            anna.show_camera((10, 20, 300), (0, 1, 0, 0), fov_deg=50, aspect=1.5)
+            assert until(lambda: len(ben.cameras) == 1)
+            seen = ben.cameras[0]
+            assert seen.name == "anna" and seen.position == (10, 20, 300) and seen.orientation == (0, 1, 0, 0)
+            assert seen.fov_deg == pytest.approx(50) and seen.aspect == 1.5 and 0 <= seen.age_s < 2
+            assert anna.cameras == []
+            for wrong in (lambda: anna.show_camera((10, 20, np.nan), (0, 1, 0, 0)),
+                          lambda: anna.show_camera((10, 20, 30), (0, 2, 0, 0)),
+                          lambda: anna.show_camera((10, 20, 30), (0, 1, 0, 0), fov_deg=180)):
+                with pytest.raises(pp.UsageError, match="camera"):
+                    wrong()
+            anna.hide_camera()
+            assert until(lambda: ben.cameras == [])
+    with pp.Session(ball, gpu="cpu") as own:
+        for ask in (lambda: own.cameras, lambda: own.show_camera((0, 0, 1), (0, 0, 0, 1)), own.hide_camera):
+            with pytest.raises(pp.Error, match="not joined"):
+                ask()

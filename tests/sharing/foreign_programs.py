@@ -28,7 +28,9 @@ DOMAIN = own_domain()
 MM_PER_UNIT = 2
 POINTS = 2000
 POSE, WRENCH, CLOUD = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/WrenchStamped", "sensor_msgs/msg/PointCloud2"
-TOPICS = {"rt/lab/pose": POSE, "rt/lab/proxy": POSE, "rt/lab/wrench": WRENCH, "rt/lab/cloud": CLOUD}
+TF = "tf2_msgs/msg/TFMessage"
+TOPICS = {"rt/lab/pose": POSE, "rt/lab/proxy": POSE, "rt/lab/wrench": WRENCH, "rt/lab/cloud": CLOUD, "rt/tf": TF, "rt/tf_static": TF}
+STANDS = [1, 2, 3, 0, 0, 1, 0]  # where the served cloud's frame does, in the frame map
 CLOUD_FIELDS = [("x", 0), ("y", 4), ("z", 8), ("normal_x", 12), ("normal_y", 16), ("normal_z", 20), ("rgb", 24)]
 PACKAGES = ["@foxglove/cdr@3", "@foxglove/rosmsg@5", "@foxglove/rosmsg2-serialization@3", "@foxglove/rosmsg-msgs-common@3"]
 
@@ -90,7 +92,8 @@ def hand_and_cloud(palpate, folder, hears, listening):
     """A cloud that is served and a hand that touches, while `listening` hears both until it ends."""
     run(palpate, "make", "sphere", "-n", POINTS, "-o", folder / "model.ply")
     common = ["--domain", DOMAIN, "--ros", "lab", "--mm-per-unit", MM_PER_UNIT]
-    serve = [palpate, "serve", folder / "model.ply", "--name", f"clay{DOMAIN}", *common]
+    serve = [palpate, "serve", folder / "model.ply", "--name", f"clay{DOMAIN}", *common,
+             "--ros-parent", "map", "--ros-pose", ",".join(map(str, STANDS))]  # fmt: skip
     with Running(serve, folder / "serve.log") as server:
         wait_for(lambda: "serving" in server.said(), "nothing is served: " + server.said())
         with Running(hears, folder / "heard") as hearing:
@@ -110,14 +113,16 @@ def is_near(heard, expected, off):
     return all(abs(a - b) <= off for a, b in zip(heard, expected))
 
 
-def check_hand(heard, rows):
-    """Each message of a topic is one of the rows of the trace, in their order, in metres and newtons."""
+def check_hand(heard, rows, frames=False):
+    """Each message of a topic is one of the rows of the trace, in their order, in metres and newtons; with `frames` of tf, too."""
     metres = MM_PER_UNIT * 1e-3
     of_row = {
         "pose": lambda row: [metres * number for number in numbers_of(row, "hip")],
         "proxy": lambda row: [metres * number for number in numbers_of(row, "proxy")],
         "wrench": lambda row: numbers_of(row, "force") + [0, 0, 0],
     }
+    if frames:
+        of_row["tf"] = of_row["pose"]
     most_N = 0
     for topic, expected in of_row.items():
         messages = [message for message in heard if message["topic"] == topic]
@@ -128,6 +133,7 @@ def check_hand(heard, rows):
         at = 0
         for message in messages:
             require(message["frame"] == "lab", f"{topic} is in {message['frame']}")
+            require(topic != "tf" or message["child"] == "lab/hand", f"{topic} is of {message.get('child')}")
             numbers = message["numbers"][:3] if topic != "wrench" else message["numbers"]
             while at < len(rows) and not is_near(numbers, expected(rows[at]), 1e-9):
                 at += 1
@@ -288,7 +294,10 @@ def decoded(palpate, folder, listener):
     messages = [json.loads(line) for line in done.stdout.splitlines()]
     require(len(messages) == len(samples), f"{len(messages)} of {len(samples)} samples were decoded")
     heard = [in_one_list(topic.split("/")[-1], message) for (topic, _), message in zip(samples, messages)]
-    check_hand(heard, rows)
+    check_hand(heard, rows, frames=True)
+    stands = [message for message in heard if message["topic"] == "tf_static"]
+    require(len(stands) == 1 and stands[0]["numbers"] == STANDS and stands[0]["frame"] == "map" and stands[0]["child"] == "lab",
+            f"the cloud's frame: {stands}")  # fmt: skip
     clouds = [message for message in messages if "point_step" in message]
     require(len(clouds) == 1 and clouds[0]["height"] == 1 and clouds[0]["is_dense"] is True, f"{len(clouds)} clouds")
     fields = [{"name": name, "offset": offset, "datatype": 7, "count": 1} for name, offset in CLOUD_FIELDS]
@@ -300,11 +309,14 @@ def decoded(palpate, folder, listener):
 
 
 def in_one_list(topic, message):
+    if "transforms" in message:
+        require(len(message["transforms"]) == 1, f"transforms of {topic}: {message}")
+        message = message["transforms"][0]
     stamp = message["header"]["stamp"]
-    parts = message.get("pose") or message.get("wrench") or {}
+    parts = message.get("pose") or message.get("wrench") or message.get("transform") or {}
     numbers = [number for part in parts.values() for number in part.values()]
     return {"topic": topic, "sec": stamp["sec"], "nanosec": stamp.get("nanosec", stamp.get("nsec")),
-            "frame": message["header"]["frame_id"], "numbers": numbers}  # fmt: skip
+            "frame": message["header"]["frame_id"], "child": message.get("child_frame_id"), "numbers": numbers}  # fmt: skip
 
 
 PROGRAMS = {"fastdds": fastdds, "dissected": dissected, "decoded": decoded}

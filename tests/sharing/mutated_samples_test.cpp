@@ -11,6 +11,7 @@
 #include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/ros_intake.hpp"
+#include "haptics/sharing/camera_presence.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
 namespace palpate {
@@ -155,6 +156,8 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   const PointCloud cloud = flatCloud(5000);
   Served served(cloud, "mutated");
   HonestHand hand("mutated");
+  const JoinedCloud seen = joinCloud("mutated", {.network = ownNetwork()}), shown = joinCloud("mutated", {.network = ownNetwork()});
+  const auto onlooker = shareCameras(seen.session, "onlooker", seen.cloud), honest = shareCameras(shown.session, "honest", shown.cloud);
   std::this_thread::sleep_for(std::chrono::milliseconds(400));  // it sculpts
   Mutant mutant(1);
   const Topics& topics = mutant.topics();
@@ -188,6 +191,21 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     put(shown.name, "mutant");
     shown.number = mutant.roll();
   });
+  std::size_t cameras = 0;
+  mutant.write<Camera>(palpate_sharing_Camera_desc, topics.cameras, bestEffortQos(), kTimes, [&](Camera& camera) {
+    id(camera.client);
+    put(camera.name, "mutant");
+    camera.orientation[3] = camera.fov_y = camera.aspect = 1;
+    camera.number = mutant.roll();
+    if (mutant.roll() % 64) return;
+    const std::vector<SeenCamera> others = onlooker->others();
+    cameras += others.size();
+    for (const SeenCamera& other : others) {
+      CHECK(isCamera(other.place));
+      CHECK(glm::length(other.place.position) < 1e12);  // none that nothing could draw
+    }
+  });
+  CHECK(cameras > 0);
   for (const Topic<Ping>* topic : {&topics.pings, &topics.echoes})
     mutant.write<Ping>(palpate_sharing_Ping_desc, *topic, bestEffortQos(), kTimes,
                        [&](Ping& ping) { id(ping.client); });
@@ -212,6 +230,11 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   };
   mutant.write<Result>(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes, answer);
   mutant.write<Result>(palpate_sharing_Result_desc, topics.resultCopies, bestEffortQos(partitionOf(partition)), kTimes, answer);
+  honest->show(CameraPlace{.position = DVec3(1, 2, 3), .fovY_rad = 1});
+  bool isSeen = false;
+  for (const Stopwatch since; !isSeen && since.elapsed_s() < 10; std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+    for (const SeenCamera& other : onlooker->others()) isSeen = isSeen || other.name == "honest";
+  CHECK(isSeen);
   const SharedCounts counts = hand.end();
   CHECK(counts.same);
   CHECK(counts.delivered);

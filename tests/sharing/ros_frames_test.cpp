@@ -3,9 +3,13 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <chrono>
+#include <cmath>
 #include <functional>
+#include <thread>
 
 #include "haptics/sharing/ros.hpp"
+#include "haptics/sharing/ros_tf.hpp"
 #include "tests/sharing/own_network.hpp"
 #include "tests/sharing/ros_camera.hpp"
 #include "tests/sharing/ros_discovery.hpp"
@@ -185,6 +189,163 @@ TEST_CASE("more points than the first message has room for are a lost frame") {
   const Read read = readUntil(*stream, [](const Read& r) { return !r.losses.empty(); });
   REQUIRE(read.losses.size() == 1);
   CHECK(says(read.losses[0], "has 3072 points, and there is room for 768"));
+}
+
+TEST_CASE("pictures of depth have the colours that were taken with them, and without are lost") {
+  const Participant participant = rosParticipant(ownNetwork());
+  const RosPublisher<RosImage> depths(participant, "rt/dyed/image_raw", RosDelivery::bestEffort),
+      colors(participant, "rt/dyed/color", RosDelivery::bestEffort);
+  enum class Sent { both, depthsAlone, larger };
+  std::atomic<Sent> sends = Sent::both;
+  const Sending sender([&](int frame, std::int64_t stamp_ns) {
+    // The same number in both, so that a colour of another frame is found out; colours come a moment behind the depths.
+    const auto number = static_cast<std::uint8_t>(frame % 200);
+    SentPicture picture = pictureOf(kCamera, [&](const DVec3&) { return 1 + 0.001 * number; });
+    picture.stamp_ns = stamp_ns;
+    depths.write(picture.message());
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (sends == Sent::depthsAlone) return;
+    const std::uint32_t width = sends == Sent::larger ? 33 : 32;
+    SentPicture color{.encoding = "bgr8", .width = width, .height = 24, .stamp_ns = stamp_ns};
+    for (std::uint32_t i = 0; i < width * 24; ++i) color.data.insert(color.data.end(), {7, 8, number});
+    colors.write(color.message());
+  });
+  RosWatching dyed = watching();
+  dyed.camera = kCamera;
+  dyed.colorTopic = "/dyed/color";
+  const auto stream = watchRosFrames("dyed/image_raw", dyed);
+  const Read read = readUntil(*stream, [](const Read& r) { return r.frames.size() == 10; });
+  REQUIRE(read.frames.size() == 10);
+  CHECK(read.losses.size() <= 1);  // the first one, whose colours nobody heard yet
+  for (const DepthFrame& frame : read.frames) {
+    REQUIRE(frame.colors.size() == 32 * 24);
+    const auto number = static_cast<int>(std::lround(1000 * (frame.depth_m[5] - 1)));
+    CHECK(int(frame.colors[5][0]) == number);
+    CHECK(int(frame.colors[5][1]) == 8);
+    CHECK(int(frame.colors[767][2]) == 7);
+  }
+  const auto lossOf = [&](Sent what) {
+    sends = what;
+    readUntil(*stream, [](const Read& r) { return r.losses.size() == 1; });  // what was kept of before is used first
+    const Read lost = readUntil(*stream, [](const Read& r) { return r.losses.size() == 1; });
+    return lost.losses.empty() ? std::string() : lost.losses.front();
+  };
+  CHECK(says(lossOf(Sent::depthsAlone), "has no picture of colour of its time beside it, on ros:/dyed/color"));
+  CHECK(says(lossOf(Sent::larger), "an Image of 33 x 24 pixels has come, and the camera has 32 x 24"));
+  sends = Sent::both;
+  CHECK(readUntil(*stream, [](const Read& r) { return r.frames.size() == 3; }).frames.size() == 3);
+}
+
+TEST_CASE("what sensors see is put in the frame that is asked for, over static and moving transforms") {
+  const Participant participant = rosParticipant(ownNetwork());
+  RosTransformPublisher mast(participant, "map", "mast", true), arm(participant, "mast", "arm", false),
+      optical(participant, "arm", "camera", true);
+  const double half = std::sqrt(0.5);
+  // The mast stands at x = 10; the arm goes up a millimetre a frame; the camera on it looks along x of the map.
+  CHECK(mast.write(0, {10, 0, 0}, DQuat(1, 0, 0, 0)));
+  CHECK(optical.write(0, {0, 0, 0}, DQuat(0.5, -0.5, 0.5, -0.5)));
+  const RosPublisher<RosPointCloud2> points(participant, "rt/moved/points", RosDelivery::bestEffort),
+      still(participant, "rt/moved/still", RosDelivery::latched);
+  std::atomic<bool> armMoves = true;
+  const SendingCamera sender(ownNetwork(), "moved/depth", infoOf(kCamera), [](int) { return pictureOf(kCamera, flat); });
+  const Sending moving([&](int frame, std::int64_t stamp_ns) {
+    if (armMoves) arm.write(stamp_ns, {0, 0, 0.001 * frame}, DQuat(half, 0, 0, half));
+    SentPoints sent = pointsOf(kCamera, flat);
+    sent.stamp_ns = stamp_ns;
+    sent.write(points);
+    sent.write(still);
+  });
+  RosWatching inMap = watching();
+  inMap.listening.frame = "/map";
+  for (const char* topic : {"moved/depth/image_raw", "moved/points"}) {
+    CAPTURE(topic);
+    const auto stream = watchRosFrames(topic, inMap);
+    const Read read = readUntil(*stream, [](const Read& r) { return r.frames.size() == 8; });
+    REQUIRE(read.frames.size() == 8);
+    CHECK(read.losses.empty());
+    for (const DepthFrame& frame : read.frames) {
+      REQUIRE(frame.pose.has_value());
+      // The middle of the picture, 2 m ahead: the arm has turned a quarter, so that it lies along y.
+      const DVec3 seen = frame.pose->toWorld(DVec3(0, 0, 2));
+      CHECK(std::abs(seen.x - 10) < 1e-9);
+      CHECK(std::abs(seen.y - 2) < 1e-9);
+    }
+    const double rise = read.frames[7].pose->centre.z - read.frames[0].pose->centre.z;
+    CHECK(rise == doctest::Approx(0.007).epsilon(0.4));
+  }
+  const PointCloud cloud = hearRosCloud("moved/still", inMap.listening);
+  REQUIRE(cloud.size() == 32 * 24);
+  CHECK(cloud.fileCoordinates(0).y == doctest::Approx(2));
+  CHECK(std::abs(cloud.fileCoordinates(0).x - 10) < 2);
+  // Of an arm of which nothing is heard any more it is not known where it is.
+  const auto stream = watchRosFrames("moved/points", inMap);
+  armMoves = false;
+  const Read read = readUntil(*stream, [](const Read& r) { return r.losses.size() == 2; });
+  REQUIRE(read.losses.size() == 2);
+  CHECK(says(read.losses[0], "where the frame 'arm' stood in 'mast' was heard"));
+  CHECK(says(read.losses[0], "too old"));
+}
+
+TEST_CASE("a frame from which nothing leads to the one that is asked for is said, and so is one that comes later put there") {
+  const Participant participant = rosParticipant(ownNetwork());
+  const RosPublisher<RosPointCloud2> points(participant, "rt/unjoined", RosDelivery::reliable),
+      still(participant, "rt/unjoined_still", RosDelivery::latched);
+  const Sending sender([&](int, std::int64_t stamp_ns) {
+    SentPoints sent = pointsOf(kCamera, flat);
+    sent.frame = "lonely";
+    sent.stamp_ns = stamp_ns;
+    sent.write(points);
+    sent.write(still);
+  });
+  RosWatching inMap = watching(0.6);
+  inMap.listening.frame = "map";
+  const std::string words = "is in the frame 'lonely', from which nothing that is heard on /tf_static and /tf leads to 'map'";
+  CHECK(says(refusal([&] { watchRosFrames("unjoined", inMap); }), words));
+  CHECK(says(refusal([&] { hearRosCloud("unjoined_still", inMap.listening); }), words));
+  std::jthread late([&](const std::stop_token& stops) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    RosTransformPublisher stands(participant, "map", "lonely", true);
+    stands.write(0, {0, 0, 7}, DQuat(1, 0, 0, 0));
+    while (!stops.stop_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  });
+  inMap.listening.patience_s = 10;
+  DepthFrame frame;
+  REQUIRE(watchRosFrames("unjoined", inMap)->next(frame));
+  CHECK(frame.pose->centre == DVec3(0, 0, 7));
+}
+
+TEST_CASE("messages of transforms that are long, or of nothing, move nothing and end nothing") {
+  const Participant participant = rosParticipant(ownNetwork());
+  const RosPublisher<RosTFMessage> tf(participant, "rt/tf", RosDelivery::reliable);
+  RosTransformIntake intake(participant, "map");
+  RosTransformPublisher good(participant, "map", "good", true);
+  char parent[] = "map", child[] = "many";
+  std::vector<geometry_msgs_msg_dds__TransformStamped_> many(20'000);
+  for (auto& one : many) {
+    one.header.frame_id = parent;
+    one.child_frame_id = child;
+    one.transform.rotation.w = std::nan("");
+  }
+  const auto count = static_cast<std::uint32_t>(many.size());
+  const RosTFMessage hostile{.transforms = {._maximum = count, ._length = count, ._buffer = many.data(), ._release = false}};
+  const RosTFMessage empty{};
+  for (int i = 0; i < 20; ++i) {
+    CHECK(tf.write(hostile));
+    CHECK(tf.write(empty));
+  }
+  CHECK(good.write(0, {1, 0, 0}, DQuat(1, 0, 0, 0)));
+  RosHeader header{};
+  header.frame_id = child;
+  CHECK(says(refusal([&] { intake.poseOf(header); }), "nothing that is heard"));
+  char name[] = "good";
+  header.frame_id = name;
+  CHECK(comesTrue([&] {
+    try {
+      return intake.poseOf(header).centre.x == 1;
+    } catch (const NetworkError&) {
+      return false;
+    }
+  }));
 }
 
 TEST_CASE("a topic of something else, and one where nobody sends, is said before a message comes") {

@@ -112,6 +112,37 @@ TEST_CASE("a picture that contradicts itself, or the camera, is refused in words
         "an Image of depth is 16UC1 (millimetres) or 32FC1 (metres), and this one is 'rgb8?'");
 }
 
+TEST_CASE("colours of either order of bytes come pixel by pixel, and other pictures are refused in words") {
+  std::vector<std::uint8_t> data;
+  for (std::uint8_t i = 0; i < 9; ++i) data.push_back(i);
+  data.push_back(0xff);  // behind the row
+  for (std::uint8_t i = 9; i < 18; ++i) data.push_back(i);
+  RosPicture picture{.height = 2, .width = 3, .encoding = "rgb8", .step = 10, .data = data};
+  std::vector<std::array<std::uint8_t, 3>> colors;
+  takeRosColors(picture, kCamera, colors);
+  REQUIRE(colors.size() == 6);
+  CHECK(colors[2] == std::array<std::uint8_t, 3>{6, 7, 8});
+  CHECK(colors[3] == std::array<std::uint8_t, 3>{9, 10, 11});
+  picture.encoding = "bgr8";
+  takeRosColors(picture, kCamera, colors);
+  CHECK(colors[0] == std::array<std::uint8_t, 3>{2, 1, 0});
+  CHECK(colors[5] == std::array<std::uint8_t, 3>{17, 16, 15});
+  const auto refused = [&](auto&& spoil) {
+    RosPicture spoilt = picture;
+    spoil(spoilt);
+    return refusal([&] { takeRosColors(spoilt, kCamera, colors); });
+  };
+  const auto says = [](const std::string& text, const std::string& words) {
+    INFO(text);
+    CHECK(text.find(words) != std::string::npos);
+  };
+  says(refused([](RosPicture& p) { p.encoding = "rgba8"; }), "of colour is rgb8 or bgr8, and this one is 'rgba8'");
+  says(refused([](RosPicture& p) { p.width = 2; }), "of 2 x 2 pixels has come, and the camera has 3 x 2");
+  says(refused([](RosPicture& p) { p.step = 8; }), "a row of 3 pixels has 8 bytes");
+  says(refused([](RosPicture& p) { p.data = p.data.first(18); }), "19 bytes are announced, and 18 there");
+  says(refused([](RosPicture& p) { p.step = 0xffffffff; }), "contradicts itself");
+}
+
 TEST_CASE("a camera is K of pictures as they are taken, and P of rectified ones") {
   CHECK(rosCamera(calibration(), false) == kCamera);
   const DepthCamera rectified = rosCamera(calibration(), true);

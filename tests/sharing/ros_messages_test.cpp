@@ -5,11 +5,15 @@
 #include <dds/ddsi/ddsi_serdata.h>
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cmath>
 #include <ctime>
+#include <map>
+#include <thread>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/length_unit.hpp"
+#include "engine/core/clock.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_points.hpp"
 #include "tests/sharing/own_network.hpp"
@@ -107,10 +111,22 @@ TEST_CASE("an Image has the bytes that ROS gives it") {
                                        "06000000 313655433100 00 00 04000000 04000000 09080706"));
 }
 
+TEST_CASE("a TFMessage has the bytes that ROS gives it") {
+  char parent[] = "a", child[] = "bc";
+  geometry_msgs_msg_dds__TransformStamped_ transform{};
+  transform.header = {.stamp = {.sec = 5, .nanosec = 6}, .frame_id = parent};
+  transform.child_frame_id = child;
+  transform.transform = {.translation = {.x = 1, .y = 2, .z = -1}, .rotation = {.x = 0, .y = 0.5, .z = 0, .w = 1}};
+  const RosTFMessage message{.transforms = {._maximum = 1, ._length = 1, ._buffer = &transform, ._release = false}};
+  CHECK(wireOf(message) == withoutSpaces("00010000 01000000 05000000 06000000 02000000 6100 0000 03000000 626300 00 00000000 "
+                                         "000000000000f03f 0000000000000040 000000000000f0bf "
+                                         "0000000000000000 000000000000e03f 0000000000000000 000000000000f03f"));
+}
+
 TEST_CASE("those who write are discovered with ROS's names of types, their hashes and the enclave") {
   const Participant other(ownNetwork());
   const RosHand hand({.network = ownNetwork(), .name = "/lab/hand"}, 100);
-  const RosCloud cloud({.network = ownNetwork(), .name = "lab"});
+  const RosCloud cloud({.network = ownNetwork(), .name = "lab", .parent = "map"});
   const auto writes = [&](const std::string& topic, const std::string& type, const std::string& hash) {
     CAPTURE(topic);
     const DiscoveredWriter found = discoveredWriter(other, topic);
@@ -122,6 +138,9 @@ TEST_CASE("those who write are discovered with ROS's names of types, their hashe
   writes("rt/lab/hand/proxy", "geometry_msgs::msg::dds_::PoseStamped_", pose);
   writes("rt/lab/hand/wrench", "geometry_msgs::msg::dds_::WrenchStamped_",
          "RIHS01_8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77");
+  const std::string tf = "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087";
+  writes("rt/tf", "tf2_msgs::msg::dds_::TFMessage_", tf);
+  writes("rt/tf_static", "tf2_msgs::msg::dds_::TFMessage_", tf);
   writes("rt/lab/cloud", "sensor_msgs::msg::dds_::PointCloud2_",
          "RIHS01_9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5");
   const Entity reader(dds_create_reader(other, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr), "a reader");
@@ -196,6 +215,103 @@ TEST_CASE("a hand is heard where it is, in metres, newtons and newton metres, at
     CHECK(message.wrench.torque.x == 0.5);
   }) == 101);
   CHECK(sensor.take([](const RosPoseStamped&) {}) > 0);
+}
+
+TEST_CASE("where a frame stands is kept for who comes later, and the hand's frame goes with the hand") {
+  const Participant participant = rosParticipant(ownNetwork());
+  const Topic<RosTFMessage> moving(participant, rosTypeOf<RosTFMessage>().descriptor, "rt/tf");
+  Qos all = rosQos(RosDelivery::reliable, rosTypeOf<RosTFMessage>());
+  dds_qset_history(all.get(), DDS_HISTORY_KEEP_ALL, 0);
+  const Reader<RosTFMessage> frames(participant, moving, all);
+  RosHand hand({.network = ownNetwork(),
+                .name = "lab/hand1",
+                .mm_per_unit = 2,
+                .parent = "/map",
+                .inParent = {.turn = DQuat(0, 0, 0, 1), .centre = DVec3(1, 2, 3)}},
+               100);
+  const RosCloud cloud({.network = ownNetwork(), .name = "clay", .parent = "map"});
+  const Participant later = rosParticipant(ownNetwork());
+  const Topic<RosTFMessage> fixed(later, rosTypeOf<RosTFMessage>().descriptor, "rt/tf_static");
+  const Qos kept = rosQos(RosDelivery::latched, rosTypeOf<RosTFMessage>());
+  dds_qset_history(kept.get(), DDS_HISTORY_KEEP_ALL, 0);
+  const Reader<RosTFMessage> stands(later, fixed, kept);
+  std::map<std::string, std::string> seen;
+  CHECK(comesTrue([&] {
+    stands.take([&](const RosTFMessage& message) {
+      REQUIRE(message.transforms._length == 1);
+      const auto& one = message.transforms._buffer[0];
+      const auto& [at, turn] = one.transform;
+      seen[one.child_frame_id] = fmt::format("{} {:g} {:g} {:g} {:g} {:g} {:g} {:g}", one.header.frame_id, at.x, at.y, at.z,
+                                             turn.x, turn.y, turn.z, turn.w);
+      CHECK(std::abs(static_cast<double>(one.header.stamp.sec) - static_cast<double>(std::time(nullptr))) < 60);
+    });
+    return seen.size() == 2;
+  }));
+  CHECK(seen["lab/hand1"] == "map 1 2 3 0 0 1 0");
+  CHECK(seen["clay"] == "map 0 0 0 0 0 0 1");
+  REQUIRE(comesTrue([&] {
+    dds_subscription_matched_status_t matched;
+    return dds_get_subscription_matched_status(frames, &matched) == 0 && matched.current_count == 1;
+  }));
+  for (int tick = 0; tick <= 100; ++tick)
+    hand.ticked({.time_s = tick * 1e-3, .hip = {500.0 * tick, 0, 3}}, {.turn = DQuat(0, 0, 1, 0)});
+  CHECK(hand.finish().ticks == 11);
+  int count = 0;
+  CHECK(frames.take([&](const RosTFMessage& message) {
+    REQUIRE(message.transforms._length == 1);
+    const auto& one = message.transforms._buffer[0];
+    CHECK(std::string(one.header.frame_id) == "lab/hand1");
+    CHECK(std::string(one.child_frame_id) == "lab/hand1/hand");
+    CHECK(one.transform.translation.x == doctest::Approx(10 * count++));
+    CHECK(one.transform.translation.z == doctest::Approx(0.006));
+    CHECK(one.transform.rotation.y == 1);
+  }) == 11);
+}
+
+TEST_CASE("frames that are none, and one that is its own parent, are refused") {
+  for (const char* parent : {"/", "lab", "/lab", "a\nb"})
+    CHECK_THROWS_AS(RosCloud({.network = ownNetwork(), .name = "lab", .parent = parent}), UsageError);
+  CHECK_THROWS_AS(requireRosFrame(""), UsageError);
+  CHECK_THROWS_AS(requireRosFrame(std::string(257, 'a')), UsageError);
+  CHECK_NOTHROW(requireRosFrame("base link-2"));
+}
+
+TEST_CASE("a camera of a picture is heard in optical axes, in metres, where it moves and twice a second") {
+  const Participant participant = rosParticipant(ownNetwork());
+  const RosType type = rosTypeOf<RosPoseStamped>();
+  const Topic<RosPoseStamped> topic(participant, type.descriptor, "rt/lab/camera");
+  Qos all = rosQos(RosDelivery::reliable, type);
+  dds_qset_history(all.get(), DDS_HISTORY_KEEP_ALL, 0);
+  const Reader<RosPoseStamped> poses(participant, topic, all);
+  RosCamera camera({.network = ownNetwork(), .name = "lab"});
+  REQUIRE(comesTrue([&] {
+    dds_subscription_matched_status_t matched;
+    return dds_get_subscription_matched_status(poses, &matched) == 0 && matched.current_count == 1;
+  }));
+  CameraPlace place{.position = DVec3(100, 200, 300), .turn = DQuat(0.5, -0.5, 0.5, -0.5), .fovY_rad = 1};
+  std::size_t heard = 0;
+  const auto hear = [&] {
+    heard += poses.take([&](const RosPoseStamped& pose) {
+      CHECK(std::string(pose.header.frame_id) == "lab");
+      CHECK(pose.pose.position.z == doctest::Approx(0.6));
+      CHECK(pose.pose.orientation.w == 0.5);
+      CHECK(pose.pose.orientation.x == -0.5);
+    });
+    return heard;
+  };
+  for (const Stopwatch since; since.elapsed_s() < 1.2;) {
+    camera.show(place, 2);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  CHECK(comesTrue([&] { return hear() >= 2; }));
+  CHECK(heard <= 3);
+  for (const Stopwatch since; since.elapsed_s() < 1;) {
+    place.position.x += 1;
+    camera.show(place, 2);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  CHECK(comesTrue([&] { return hear() > 8; }));
+  CHECK(heard <= 34);
 }
 
 TEST_CASE("a cloud is heard by who comes later, as it is then") {

@@ -27,6 +27,16 @@ MESSAGES = {
         ("orientation", "geometry_msgs/msg/Quaternion"),
     ],
     "geometry_msgs/msg/PoseStamped": [("header", "std_msgs/msg/Header"), ("pose", "geometry_msgs/msg/Pose")],
+    "geometry_msgs/msg/Transform": [
+        ("translation", "geometry_msgs/msg/Vector3"),
+        ("rotation", "geometry_msgs/msg/Quaternion"),
+    ],
+    "geometry_msgs/msg/TransformStamped": [
+        ("header", "std_msgs/msg/Header"),
+        ("child_frame_id", "string"),
+        ("transform", "geometry_msgs/msg/Transform"),
+    ],
+    "tf2_msgs/msg/TFMessage": [("transforms", "geometry_msgs/msg/TransformStamped[]")],
     "geometry_msgs/msg/Wrench": [("force", "geometry_msgs/msg/Vector3"), ("torque", "geometry_msgs/msg/Vector3")],
     "geometry_msgs/msg/WrenchStamped": [("header", "std_msgs/msg/Header"), ("wrench", "geometry_msgs/msg/Wrench")],
     "sensor_msgs/msg/PointField": [
@@ -77,6 +87,7 @@ MESSAGES = {
     ],
 }
 PUBLISHED = {
+    "tf2_msgs/msg/TFMessage": "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
     "std_msgs/msg/String": "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
     "sensor_msgs/msg/Image": "RIHS01_d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47",
     "sensor_msgs/msg/CameraInfo": "RIHS01_b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275",

@@ -201,7 +201,7 @@ TEST_CASE("what is joined can be broken off") {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     stop = true;
   });
-  CHECK(says([&] { joinCloud("never", {.network = ownNetwork(), .patience_s = 60, .stop = &stop}); }, "interrupted"));
+  CHECK(says([&] { joinCloud("never", {.network = ownNetwork(), .patience_s = 60, .stop = [&] { return stop.load(); }}); }, "interrupted"));
 }
 
 TEST_CASE("a network that one thread leaves another one joins at the same time") {
@@ -212,7 +212,7 @@ TEST_CASE("a network that one thread leaves another one joins at the same time")
     threads.emplace_back([&] {
       for (int turn = 0; turn < 200; ++turn) {
         try {
-          joinCloud("nobody's", {.network = ownNetwork(), .stop = &stop});
+          joinCloud("nobody's", {.network = ownNetwork(), .stop = [&] { return stop.load(); }});
         } catch (const Error& error) {
           ++(std::string(error.what()).find("interrupted") != std::string::npos ? broken : wrong);
         }

@@ -21,7 +21,7 @@ from ._logs import Log, Replay, read_log, replay
 from ._matter import Matter, Parameter, PortEnergy
 from ._palpate import Cloud, Frame, LawInput, Mesh, can_share, formats_read, formats_written, gpus, read, write
 from ._session import Hand, Live, Session
-from ._sharing import Join, Network, OtherHand, SeenSession, Server, Sharing, serve, sessions
+from ._sharing import Join, Network, OtherCamera, OtherHand, SeenSession, Server, Sharing, serve, sessions
 
 __all__ = [
     "Cloud",
@@ -35,6 +35,7 @@ __all__ = [
     "Matter",
     "Mesh",
     "Network",
+    "OtherCamera",
     "OtherHand",
     "Parameter",
     "PortEnergy",

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Callable
 from . import _palpate
 from ._errors import Error
 from ._matter import Parameter, PortEnergy, _by_name
-from ._sharing import Join, OtherHand, Sharing
+from ._sharing import Join, OtherCamera, OtherHand, Sharing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -249,6 +249,11 @@ class Session(_palpate._Session):
     def others(self) -> list[OtherHand]:
         """Of a session that was joined: the other programs' hands that were heard within two seconds, in model units."""
         return [OtherHand(*hand) for hand in self._others()]
+
+    @property
+    def cameras(self) -> list[OtherCamera]:
+        """Of a session that was joined: from where the others' pictures are seen, heard within two seconds, in model units."""
+        return [OtherCamera(*camera) for camera in self._cameras()]
 
     @property
     def parameters(self) -> dict[str, Parameter]:

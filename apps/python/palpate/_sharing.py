@@ -111,6 +111,27 @@ class OtherHand(NamedTuple):
     age_s: float
 
 
+class OtherCamera(NamedTuple):
+    """From where another program's picture is seen in a session that was joined, as it was heard last.
+
+    Attributes:
+        name, number: of its hand, as of OtherHand.
+        position: x y z, model units.
+        orientation: a unit quaternion, x y z w, of the axes to the right of the picture, down in it and where it looks.
+        fov_deg: vertical.
+        aspect: width / height of the picture.
+        age_s: s since it was heard, 2 at most.
+    """
+
+    name: str
+    number: int
+    position: tuple[float, float, float]
+    orientation: tuple[float, float, float, float]
+    fov_deg: float
+    aspect: float
+    age_s: float
+
+
 @dataclass(frozen=True)
 class Sharing:
     """How it goes with the others of a session that was joined.

@@ -382,6 +382,16 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     if (count < hands.size()) hands.resize(count);
     return hands;
   }
+  /// From where the others' pictures are seen.
+  std::vector<pp_other_camera> cameras() const {
+    std::vector<pp_other_camera> cameras(256);
+    std::uint64_t count = 0;
+    check(pp_session_cameras(handle(), cameras.data(), cameras.size(), &count));
+    if (count < cameras.size()) cameras.resize(count);
+    return cameras;
+  }
+  void showCamera(const pp_camera_place& camera) { check(pp_session_show_camera(handle(), &camera)); }
+  void hideCamera() { check(pp_session_show_camera(handle(), nullptr)); }
   /// Whether all that everybody has done is everywhere, once it is or so long has passed (pp_session_settle()).
   bool settle(double seconds = 10) {
     std::uint32_t same = 0;

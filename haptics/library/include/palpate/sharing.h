@@ -9,6 +9,10 @@
 /* 1: this library was built with DDS. */
 PP_API uint32_t pp_can_share(void);
 
+/* Asked again and again by a call that waits for others, on the thread that waits, each twentieth of a second: other than 0
+ * ends the call with PP_ERROR_NETWORK. Calls nothing of palpate. */
+typedef int32_t (*pp_stop_function)(void* user);
+
 typedef struct pp_network {
   uint32_t size;
   uint32_t domain;            /* of DDS, as ROS numbers them: 0 to 230 */
@@ -19,6 +23,9 @@ typedef struct pp_network {
   uint64_t peer_count;
   const char* security;       /* a folder of keys (palpate keys): all is encrypted, for holders of keys of the same authority
                                  alone; null: none */
+  pp_stop_function stop;      /* ends pp_network_survey(), pp_session_join() and pp_serve() while they wait for others; null:
+                                 nothing does. Is called by none of them later. */
+  void* stop_user;
 } pp_network;
 PP_OPTIONS(network)
 
@@ -92,6 +99,29 @@ typedef struct pp_other_hand {
 } pp_other_hand;
 /* Those that were heard within two seconds. Copies the first `capacity` of them; `count` says how many there are. */
 PP_API pp_status pp_session_others(pp_session session, pp_other_hand* hands, uint64_t capacity, uint64_t* count);
+
+/* From where a picture of the points is seen. Model units. */
+typedef struct pp_camera_place {
+  double position[3];
+  double orientation[4]; /* a unit quaternion, x, y, z, w: x to the right of the picture, y down in it, z where it looks */
+  double fov_deg;        /* vertical, above 0 and below 180 */
+  double aspect;         /* width / height of the picture, 0.001 to 1000 */
+} pp_camera_place;
+/* From where another program's picture is seen, as it was heard last. */
+typedef struct pp_other_camera {
+  char name[208];  /* of its hand */
+  uint32_t number; /* that hand's */
+  uint32_t reserved;
+  pp_camera_place place;
+  double age_s; /* since it was heard */
+} pp_other_camera;
+/* Those that were heard within two seconds, of whoever has joined: also of a session that is felt alone, or near its hands.
+ * Copies the first `capacity` of them; `count` says how many there are. */
+PP_API pp_status pp_session_cameras(pp_session session, pp_other_camera* cameras, uint64_t capacity, uint64_t* count);
+/* From now on the others are shown this camera, at most 30 times a second; null: none, as at first. Nobody is told of
+ * pictures that pp_session_render() makes unless this says it. */
+PP_API pp_status pp_session_show_camera(pp_session session, const pp_camera_place* camera);
+
 /* Takes part in what the others do until that, and all that was done here, is everywhere; at most `seconds`. `same`: whether
  * it is, and the points are the server's; may be null. Not while it is live. */
 PP_API pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same);

@@ -1,0 +1,40 @@
+#include "apps/view/own_camera.hpp"
+
+#include <utility>
+
+#include "haptics/sharing/ros.hpp"
+
+namespace palpate {
+
+CameraPlace placeOf(const Camera& camera, const DVec3& origin, double aspect) {
+  const Camera::Axes axes = camera.axes();
+  return {.position = origin + camera.eye,
+          .turn = glm::normalize(glm::quat_cast(glm::dmat3(axes.right, -axes.up, axes.forward))),
+          .fovY_rad = glm::radians(camera.fov_deg),
+          .aspect = aspect};
+}
+
+OwnCamera::OwnCamera(const WindowOptions& options)
+    : isHidden_(options.hidesCamera),
+      ros_(options.ros.empty()
+               ? nullptr
+               : std::make_unique<RosCamera>(RosPublishing{.network = options.network.config(), .name = options.ros})) {}
+
+OwnCamera::~OwnCamera() = default;
+
+void OwnCamera::follow(const WindowSession& session, const Camera& camera, const UVec2& size_px) {
+  const Model& model = session.model();
+  const CameraPlace place = placeOf(camera, model.cloud.origin, double(size_px.x) / double(size_px.y));
+  // Of a view that is no picture, as from farther away than numbers reach, nobody hears.
+  if (!isCamera(place)) return;
+  if (model.onlookers && !isHidden_) model.onlookers->show(place);
+  if (!ros_) return;
+  try {
+    ros_->show(place, model.scale.mm_per_unit);
+  } catch (const NetworkError&) {
+    ros_.reset();
+    throw;
+  }
+}
+
+}  // namespace palpate

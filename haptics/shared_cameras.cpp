@@ -1,0 +1,23 @@
+#include "haptics/shared_cameras.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace palpate {
+
+bool isCamera(const CameraPlace& camera) {
+  constexpr double kUnit = 1e-3, kLeastAspect = 1e-3, kMostAspect = 1e3;
+  const DVec3& at = camera.position;
+  return std::isfinite(at.x) && std::isfinite(at.y) && std::isfinite(at.z) &&
+         std::abs(glm::length(camera.turn) - 1) < kUnit && camera.fovY_rad > 0 && camera.fovY_rad < std::numbers::pi &&
+         camera.aspect >= kLeastAspect && camera.aspect <= kMostAspect;
+}
+
+CameraFrustum frustumOf(const CameraPlace& camera) {
+  const double y = std::tan(camera.fovY_rad / 2), x = camera.aspect * y;
+  return {.centre = camera.position,
+          .corners = {camera.turn * DVec3(-x, -y, 1), camera.turn * DVec3(x, -y, 1), camera.turn * DVec3(x, y, 1),
+                      camera.turn * DVec3(-x, y, 1)}};
+}
+
+}  // namespace palpate

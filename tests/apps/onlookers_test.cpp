@@ -1,0 +1,144 @@
+// From where others look at a model that is shared, as a user sees and is seen.
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <future>
+#include <thread>
+
+#include "engine/core/clock.hpp"
+#include "haptics/sharing/camera_presence.hpp"
+#include "haptics/sharing/ros_messages.hpp"
+#include "haptics/sharing/shared_cloud.hpp"
+#include "tests/apps/running_program.hpp"
+#include "tests/apps/window_play.hpp"
+#include "tests/sharing/ros_discovery.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A domain that no other test is on at the same time.
+NetworkConfig network() { return {.domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80}; }
+std::string domain() { return " --domain " + std::to_string(network().domain); }
+
+bool isThere(const std::filesystem::path& file) {
+  std::error_code none;
+  return std::filesystem::file_size(file, none) > 0 && !none;
+}
+
+/// The window, until its script quits or it is ended.
+class Window {
+ public:
+  Window(const std::string& arguments, const std::string& script, const ScratchFolder& folder, const std::string& name)
+      : said_((folder / (name + ".said")).string()) {
+    std::ofstream(folder / (name + ".txt")) << inFolder(script, folder.path());
+    command_ = fmt::format("XDG_STATE_HOME={0} timeout 300 xvfb-run -a {1} view {2}{3} --backend cpu --realtime --size 640x480 --script "
+                           "{0}.txt > {4} 2>&1",
+                           (folder / name).string(), program(), arguments, domain(), said_);
+    running_ = std::async(std::launch::async, [this] { return std::system(command_.c_str()); });
+  }
+  bool waitFor(const std::function<bool()>& sign) {
+    for (const Stopwatch since; since.elapsed_s() < 120; std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
+      if (sign()) return true;
+      if (running_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) break;
+    }
+    return sign();
+  }
+  int end() { return running_.get(); }
+  std::string said() const { return contentOf(said_); }
+
+ private:
+  std::string said_, command_;
+  std::future<int> running_;
+};
+
+/// Pixels of the middle of the picture, where neither panels nor messages are, that are others.
+std::size_t differing(const Picture& a, const Picture& b) {
+  REQUIRE(a.rgb.size() == b.rgb.size());
+  std::size_t others = 0;
+  for (int y = 40; y < a.height * 3 / 4; ++y)
+    for (int x = a.width / 3; x < a.width - 10; ++x) {
+      const auto before = a.at(x, y), after = b.at(x, y);
+      others += std::abs(before[0] - after[0]) + std::abs(before[1] - after[1]) + std::abs(before[2] - after[2]) > 60;
+    }
+  return others;
+}
+
+}  // namespace
+
+TEST_CASE("a window shows others from where it looks, shows from where they look, and tells ROS; and it can hide that") {
+  if (!hasDisplay()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make sphere -n 8000 --center 1000,0,0 -o " + in("m.ply"));
+  RunningProgram serving("serve " + in("m.ply") + " --mm-per-unit 2 --name seen --read-only" + domain(), folder / "said");
+  REQUIRE(serving.waitFor([&] { return contentOf(folder / "said").find("serving") != std::string::npos; }));
+  const JoinedCloud joined = joinCloud("seen", {.network = network()});
+  const auto cameras = shareCameras(joined.session, "onlooker", joined.cloud);
+  const sharing::Participant participant = sharing::rosParticipant(network());
+  const sharing::RosType type = sharing::rosTypeOf<sharing::RosPoseStamped>();
+  const sharing::Topic<sharing::RosPoseStamped> topic(participant, type.descriptor, "rt/lab/camera");
+  const sharing::Reader<sharing::RosPoseStamped> poses(participant, topic, sharing::rosQos(sharing::RosDelivery::reliable, type));
+  {
+    Window window("--join seen --as Ada --ros lab",
+                  "1 key Tab\n2 screenshot %/a.png\n2 state %/a.json\n9 screenshot %/b.png\n9 state %/b.json\n10 quit\n", folder,
+                  "ada");
+    REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("a.json")) && !cameras->others().empty(); }), window.said());
+    const SeenCamera seen = cameras->others().at(0);
+    const Result camera = jsonOf(in("a.json"))["camera"];
+    CHECK(jsonOf(in("a.json"))["others"]["cameras"].empty());
+    CHECK(seen.name == "Ada");
+    CHECK(seen.place.aspect == doctest::Approx(640.0 / 480));
+    CHECK(seen.place.fovY_rad == doctest::Approx(glm::radians(45.0)));
+    // Its eye is relative to the cloud's origin, and what it looks at lies along its third axis.
+    const auto vector = [](const Result& v) { return DVec3(v[0], v[1], v[2]); };
+    const DVec3 eye = vector(camera["eye"]) + joined.cloud.origin, target = vector(camera["target"]) + joined.cloud.origin;
+    CHECK(glm::distance(seen.place.position, eye) < 1e-6);
+    CHECK(glm::distance(seen.place.turn * DVec3(0, 0, 1), glm::normalize(target - eye)) < 1e-5);
+    CHECK(glm::dot(seen.place.turn * DVec3(0, 1, 0), vector(camera["up"])) < -0.5);  // down
+    int heard = 0;
+    CHECK(comesTrue([&] {
+      poses.take([&](const sharing::RosPoseStamped& pose) {
+        ++heard;
+        CHECK(glm::distance(DVec3(pose.pose.position.x, pose.pose.position.y, pose.pose.position.z), eye * 2e-3) < 1e-6);
+        CHECK(std::abs(pose.pose.orientation.w) == doctest::Approx(std::abs(seen.place.turn.w)).epsilon(1e-4));
+      });
+      return heard > 0;
+    }));
+    // One who looks at the model from beside it, before the window's eyes.
+    const DVec3 middle = joined.cloud.origin + boundsOf(joined.cloud).center();
+    cameras->show(CameraPlace{.position = middle + 0.4 * (eye - middle), .turn = seen.place.turn, .fovY_rad = 1, .aspect = 2});
+    REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("b.json")); }), window.said());
+    const Result others = jsonOf(in("b.json"))["others"];
+    CAPTURE(others.dump());
+    REQUIRE(others["cameras"].size() == 1);
+    CHECK(others["cameras"][0]["name"] == "onlooker");
+    CHECK(others["cameras"][0]["aspect"] == 2);
+    CHECK(others["cameras"][0]["position"][0].get<double>() == doctest::Approx((middle + 0.4 * (eye - middle)).x));
+    CHECK(window.end() == 0);
+    CHECK(differing(Picture(in("a.png")), Picture(in("b.png"))) > 200);
+  }
+  works("touch --join seen --backend cpu --realtime --duration 1" + domain() + " --json " + in("t.json"));
+  CHECK(jsonOf(in("t.json"))["cameras"] == 1);
+  CHECK(comesTrue([&] { return cameras->others().empty(); }));
+  {
+    Window hidden("--join seen --as Bert --hide-camera", "1 state %/h.json\n4 state %/i.json\n4 quit\n", folder, "bert");
+    std::size_t most = 0;
+    REQUIRE_MESSAGE(hidden.waitFor([&] {
+      most = std::max(most, cameras->others().size());
+      return isThere(in("i.json"));
+    }), hidden.said());
+    CHECK(most == 0);
+    CHECK(jsonOf(in("i.json"))["others"]["cameras"].size() == 1);  // it sees nevertheless
+    CHECK(hidden.end() == 0);
+  }
+  CHECK(serving.wait(SIGINT) == 0);
+}
+
+TEST_CASE("a camera is hidden from nobody where nothing is joined") {
+  const Outcome outcome = palpate("view a.ply --hide-camera");
+  CHECK(outcome.code == 2);
+  CHECK(outcome.text.find("--hide-camera: is for --join") != std::string::npos);
+}
+
+}  // namespace palpate

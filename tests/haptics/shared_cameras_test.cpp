@@ -1,0 +1,54 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "haptics/shared_cameras.hpp"
+
+namespace palpate {
+
+namespace {
+
+CameraPlace squareCamera() { return {.position = DVec3(1, 2, 3), .fovY_rad = std::numbers::pi / 2, .aspect = 1.5}; }
+
+}  // namespace
+
+TEST_CASE("a camera's pyramid has its angle, its aspect and its turn") {
+  const CameraFrustum straight = frustumOf(squareCamera());
+  CHECK(straight.centre == DVec3(1, 2, 3));
+  const DVec3 corners[4] = {{-1.5, -1, 1}, {1.5, -1, 1}, {1.5, 1, 1}, {-1.5, 1, 1}};
+  for (std::size_t k = 0; k < 4; ++k) CHECK(glm::distance(straight.corners[k], corners[k]) < 1e-12);
+  // A quarter about y: what was to the right lies behind, and it looks along x.
+  CameraPlace turned = squareCamera();
+  turned.turn = DQuat(std::sqrt(0.5), 0, std::sqrt(0.5), 0);
+  CHECK(glm::distance(frustumOf(turned).corners[1], DVec3(1, -1, -1.5)) < 1e-12);
+}
+
+TEST_CASE("what no picture can have is no camera") {
+  CHECK(isCamera(squareCamera()));
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+  for (const double bad : {kNan, kInf, -kInf}) {
+    CameraPlace camera = squareCamera();
+    camera.position.y = bad;
+    CHECK_FALSE(isCamera(camera));
+    camera = squareCamera();
+    camera.turn.x = bad;
+    CHECK_FALSE(isCamera(camera));
+  }
+  for (const double bad : {kNan, kInf, 0.0, -1.0, std::numbers::pi}) {
+    CameraPlace camera = squareCamera();
+    camera.fovY_rad = bad;
+    CHECK_FALSE(isCamera(camera));
+  }
+  for (const double bad : {kNan, kInf, 0.0, -1.0, 1e4}) {
+    CameraPlace camera = squareCamera();
+    camera.aspect = bad;
+    CHECK_FALSE(isCamera(camera));
+  }
+  CameraPlace camera = squareCamera();
+  camera.turn = DQuat(0.5, 0, 0, 0);
+  CHECK_FALSE(isCamera(camera));
+}
+
+}  // namespace palpate

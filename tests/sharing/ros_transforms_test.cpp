@@ -1,0 +1,162 @@
+// Frames of ROS in one another, without a network.
+#include "haptics/sharing/ros_transforms.hpp"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "haptics/sharing/network.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+const double kHalf = std::sqrt(0.5);
+
+RosTransform transform(std::string_view parent, std::string_view child, const DVec3& translation = DVec3(0),
+                       const DQuat& turn = DQuat(1, 0, 0, 0), std::int64_t stamp_ns = 0) {
+  return {.parent = parent, .child = child, .stamp_ns = stamp_ns, .translation = translation, .turn = turn};
+}
+
+std::string refusal(const RosTransforms& tree, std::string_view frame, std::string_view target, std::int64_t stamp_ns) {
+  try {
+    tree.find(frame, target, stamp_ns);
+  } catch (const NetworkError& error) {
+    return error.what();
+  }
+  return "nothing is refused";
+}
+
+bool says(const std::string& text, const std::string& words) {
+  INFO(text);
+  const bool said = text.find(words) != std::string::npos;
+  CHECK(said);
+  return said;
+}
+
+}  // namespace
+
+TEST_CASE("a chain of static transforms is gone up, down, and over a common ancestor") {
+  RosTransforms tree;
+  // The mast stands 2 m up on the base; the camera on it is turned a quarter about z, and looks along its own optical axes.
+  CHECK(tree.add(transform("/map", "base", {10, 0, 0}), true));
+  CHECK(tree.add(transform("base", "/mast", {0, 0, 2}, DQuat(kHalf, 0, 0, kHalf)), true));
+  CHECK(tree.add(transform("mast", "optical", {1, 0, 0}, DQuat(0.5, -0.5, 0.5, -0.5)), true));
+  CHECK(tree.add(transform("base", "lidar", {0, 1, 0.5}), true));
+  const auto isAt = [&](std::string_view frame, std::string_view target, const DVec3& place, const DVec3& there) {
+    const DVec3 found = tree.find(frame, target, 7 * kSecond).toWorld(place);
+    CAPTURE(fmt::format("{} {} {}", found.x, found.y, found.z));
+    CHECK(glm::distance(found, there) < 1e-12);
+  };
+  // What lies 3 m before the camera lies along x of the mast, which is y of the base.
+  isAt("optical", "mast", {0, 0, 3}, {4, 0, 0});
+  isAt("optical", "base", {0, 0, 3}, {0, 4, 2});
+  isAt("/optical", "map", {0, 0, 3}, {10, 4, 2});
+  isAt("map", "/optical", {10, 4, 2}, {0, 0, 3});
+  isAt("optical", "lidar", {0, 0, 3}, {0, 3, 1.5});
+  isAt("lidar", "optical", {0, 3, 1.5}, {0, 0, 3});
+  isAt("base", "base", {1, 2, 3}, {1, 2, 3});
+  isAt("nobody", "nobody", {1, 2, 3}, {1, 2, 3});
+  // A joint that is said again is where it is said to be.
+  CHECK(tree.add(transform("base", "mast", {0, 0, 3}), true));
+  isAt("optical", "base", {0, 0, 3}, {4, 0, 3});
+}
+
+TEST_CASE("a frame that moves stands where its newest transform has it that is not newer than the time, nor too old") {
+  RosTransforms tree;
+  for (const int tick : {3, 1, 2, 0})  // as they come
+    CHECK(tree.add(transform("map", "arm", {double(tick), 0, 0}, DQuat(1, 0, 0, 0), 5 * kSecond + tick * kSecond / 100), false));
+  CHECK(tree.add(transform("arm", "camera", {0, 1, 0}), true));
+  const auto x = [&](std::int64_t stamp_ns) { return tree.find("camera", "map", stamp_ns).centre.x; };
+  CHECK(x(5 * kSecond) == 0);
+  CHECK(x(5 * kSecond + kSecond / 100 - 1) == 0);
+  CHECK(x(5 * kSecond + kSecond / 100) == 1);
+  CHECK(x(5 * kSecond + kSecond / 40) == 2);
+  CHECK(x(6 * kSecond) == 3);
+  CHECK(tree.find("camera", "map", 6 * kSecond).centre.y == 1);
+  CHECK(says(refusal(tree, "camera", "map", 5 * kSecond - kSecond / 2), "'arm' stood in 'map' is not known of its time: what is heard of that is 0.500 s newer"));
+  CHECK(x(6 * kSecond + kSecond / 100) == 3);
+  CHECK(says(refusal(tree, "camera", "map", 7 * kSecond + kSecond / 10), "2.070 s before its time, and is too old"));
+  // What is not needed does not matter.
+  CHECK(tree.find("camera", "arm", 100 * kSecond).centre.y == 1);
+  CHECK(tree.add(transform("arm", "lamp", {0, 0, 5}), true));
+  CHECK(tree.find("camera", "lamp", 100 * kSecond).centre == DVec3(0, 1, -5));
+  // The last thousand are kept.
+  for (int tick = 0; tick < 5000; ++tick)
+    tree.add(transform("map", "arm", {double(tick), 0, 0}, DQuat(1, 0, 0, 0), 20 * kSecond + tick * kSecond / 1000), false);
+  CHECK(x(24 * kSecond) == 4000);
+  CHECK(x(25 * kSecond) == 4999);
+  CHECK(says(refusal(tree, "camera", "map", 23 * kSecond), "newer"));
+}
+
+TEST_CASE("frames that nobody has joined, and circles, are said") {
+  RosTransforms tree;
+  CHECK(says(refusal(tree, "camera", "map", 0), "is in the frame 'camera', from which nothing that is heard on /tf_static and /tf leads to 'map'"));
+  tree.add(transform("a", "b"), true);
+  tree.add(transform("b", "c"), true);
+  tree.add(transform("c", "a"), true);
+  CHECK(says(refusal(tree, "a", "map", 0), "the frames above 'a' lead in a circle"));
+  CHECK(says(refusal(tree, "map", "a", 0), "nothing that is heard"));
+  CHECK(tree.find("a", "c", 0).centre == DVec3(0));
+  CHECK(says(refusal(tree, "x\033[2J", "map", 0), "'x?[2J'"));
+}
+
+TEST_CASE("transforms that are none are not taken, and no more frames than there is room for") {
+  RosTransforms tree;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+  const std::string longName(300, 'x');
+  for (const double bad : {kNan, kInf, -kInf, 1e10}) {
+    CHECK_FALSE(tree.add(transform("a", "b", {0, bad, 0}), true));
+    CHECK_FALSE(tree.add(transform("a", "b", {}, DQuat(1, 0, bad, 0)), true));
+  }
+  CHECK_FALSE(tree.add(transform("a", "b", {}, DQuat(0, 0, 0, 0)), true));
+  CHECK_FALSE(tree.add(transform("a", "b", {}, DQuat(2, 0, 0, 0)), true));
+  CHECK_FALSE(tree.add(transform("a", "a"), true));
+  CHECK_FALSE(tree.add(transform("/a", "a"), true));
+  CHECK_FALSE(tree.add(transform("", "a"), true));
+  CHECK_FALSE(tree.add(transform("a", ""), true));
+  CHECK_FALSE(tree.add(transform("a", "/"), true));
+  CHECK_FALSE(tree.add(transform(longName, "a"), true));
+  CHECK_FALSE(tree.add(transform("a", longName), true));
+  CHECK(says(refusal(tree, "b", "a", 0), "nothing that is heard"));
+  CHECK(tree.add(transform("a", "b"), true));
+  std::size_t taken = 0;
+  for (int i = 0; i < 10'000; ++i) taken += tree.add(transform("a", fmt::format("f{}", i)), false);
+  CHECK(taken == RosTransforms::kMostFrames - 1);
+  CHECK(tree.add(transform("a", "b", {1, 0, 0}), true));  // one that is known goes on
+  CHECK(tree.find("b", "a", 0).centre.x == 1);
+}
+
+TEST_CASE("random transforms end nothing and put nothing where it is not") {
+  std::mt19937 dice(5);
+  RosTransforms tree;
+  const auto number = [&] {
+    const std::uint32_t kind = dice() % 8;
+    return kind == 0 ? std::nan("") : kind == 1 ? 1e300 : double(dice() % 2000) / 1000 - 1;
+  };
+  std::size_t found = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const std::string parent(1, static_cast<char>('a' + dice() % 12)), child(1, static_cast<char>('a' + dice() % 12));
+    const double x = number(), y = number(), z = number(), w = number();
+    const auto stamp_ns = static_cast<std::int64_t>((std::uint64_t{dice()} << 32) | dice());
+    tree.add(transform(parent, child, {x, y, z}, dice() % 2 == 0 ? DQuat(1, 0, 0, 0) : DQuat(w, x, y, z),
+                       dice() % 2 == 0 ? stamp_ns : 0),
+             dice() % 2 == 0);
+    try {
+      const CameraPose pose = tree.find("a", "b", dice() % 2 == 0 ? stamp_ns : 1);
+      ++found;
+      CHECK(std::abs(glm::length(pose.turn) - 1) < 1e-9);
+      CHECK(std::isfinite(glm::length(pose.centre)));
+    } catch (const NetworkError&) {  // which says why
+    }
+  }
+  CHECK(found > 100);
+}
+
+}  // namespace palpate
