@@ -39,9 +39,8 @@ void say(std::string_view text) {
 }
 
 struct Digits {
-  explicit Digits(long number) : end(std::to_chars(text.data(), text.data() + text.size() - 1, number).ptr) { *end = 0; }
+  explicit Digits(long number) { *std::to_chars(text.data(), text.data() + text.size() - 1, number).ptr = 0; }
   std::array<char, 24> text;
-  char* end;
 };
 
 // False where there is no debugger that could look at this process.
@@ -53,7 +52,8 @@ bool askDebugger() {
   char path[] = "PATH=/usr/local/bin:/usr/bin:/bin";
   char* surroundings[] = {path, nullptr};
   pid_t debugger = 0;
-  if (::posix_spawn(&debugger, "/usr/bin/gdb", nullptr, nullptr, const_cast<char**>(words), surroundings) != 0) return false;
+  if (::posix_spawn(&debugger, "/usr/bin/gdb", nullptr, nullptr, const_cast<char**>(words), surroundings) != 0)
+    return false;
   int status = 0;
   while (::waitpid(debugger, &status, 0) < 0 && errno == EINTR) {
   }
