@@ -29,7 +29,8 @@ void writeProgram(const fs::path& file, const std::string& text) {
 /// `cmake`, `ctest`: what stands for them, in bash; the preset is $preset.
 Run runLegs(const std::string& cmake, const std::string& ctest, bool hasDrivers = true) {
   const ScratchFolder folder;
-  const std::string preset = "preset=$(printf '%s\\n' \"$@\" | grep -m 1 -xE 'dev|asan|tsan')\n";
+  const std::string preset =
+      "preset=$(printf '%s\\n' \"$@\" | sed -E 's,^build/(.*)/tests$,\\1,' | grep -m 1 -xE 'dev|asan|tsan')\n";
   const std::string told =
       "echo \"$(basename \"$0\") $* threads=${LP_NUM_THREADS:-}${LP_NATIVE_VECTOR_WIDTH:+ of $LP_NATIVE_VECTOR_WIDTH bits}\"\n"
       "[ -z \"${VK_DRIVER_FILES:-}\" ] || echo driver=$VK_DRIVER_FILES $PALPATE_GPU\n"
@@ -68,7 +69,8 @@ TEST_CASE("run.sh runs every leg, the GPU's passes also with one driver thread a
   CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L ^host$ threads=\n"));
   CHECK(says(run.text, "ctest --preset tsan -j 2 --no-tests=error -R ^(haptics\\.|core\\.latest_value$) threads=\n"));
   CHECK(says(run.text, "(spatial|contact|edit|mesh|motion_gpu)\\.(gpu|hash_compaction)$|^matter_gpu\\.portable$ threads=1 of 128 bits\n"));
-  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
+  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^(host|waits)$ threads=\n"));
+  CHECK(says(run.text, "ctest --test-dir build/dev/tests -j 4 --no-tests=error --output-on-failure -L ^waits$ threads=\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\ndriver=other/drivers/swiftshader.json SwiftShader\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\nlayer=other/drivers core\n"));
   CHECK(says(run.text, "run.sh: every leg passed"));
@@ -93,7 +95,7 @@ TEST_CASE("a leg of run.sh that fails hides none behind it, and the last lines n
                           "printf '3:%s.one\\n17:%s.two\\n' $preset $preset > "
                           "build/$preset/Testing/Temporary/LastTestsFailed.log\nexit 8\n");
   CHECK(run.code == 1);
-  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
+  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^(host|waits)$ threads=\n"));
   CHECK(says(run.text, "run.sh: failed: without Vulkan, under AddressSanitizer and UBSan: asan.one asan.two\n"));
   CHECK(says(run.text, "run.sh: failed: under ThreadSanitizer: tsan.one tsan.two\n"));
   CHECK(run.text.find("failed: all") == std::string::npos);
@@ -123,12 +125,33 @@ TEST_CASE("run.sh tries again, alone, what is held against the wall clock and no
   CHECK(says(wrong.text, "run.sh: failed: " + leg + ": asan.late asan.wrong\n"));
 }
 
+TEST_CASE("run.sh has what waits for most of its time beside the others, and tries it again, alone, where it fails there") {
+  if (!hasSources()) return;
+  const std::string leg = "waiting, beside the others";
+  // It has not ended when the others have.
+  const Run beside = runLegs("", "case \"$*\" in *test-dir*) until [ -e others ]; do sleep 0.05; done ;; *' -LE '*) touch others ;; esac\n");
+  CHECK(beside.code == 0);
+  CHECK(says(beside.text, "== " + leg + ": passed"));
+  CHECK(beside.text.find("ctest --preset dev -j 2 --no-tests=error -L ^waits$") == std::string::npos);
+  const Run late = runLegs("", "case \"$*\" in *test-dir*) exit 8 ;; esac\n");
+  CHECK(late.code == 0);
+  CHECK(says(late.text, "ctest --preset dev -j 2 --no-tests=error -L ^waits$ threads=\n"));
+  CHECK(says(late.text, "run.sh: passed at the second try, alone: " + leg + "\n"));
+  const Run wrong = runLegs("", "case \"$*\" in *^waits$) exit 8 ;; esac\n");
+  CHECK(wrong.code == 1);
+  CHECK(says(wrong.text, "run.sh: failed: waiting\n"));
+  const Run unbuilt = runLegs("case \"$*\" in *'--preset dev --target'*) exit 1 ;; esac\n", "");
+  CHECK(unbuilt.code == 1);
+  CHECK(unbuilt.text.find("test-dir") == std::string::npos);
+  CHECK(says(unbuilt.text, "run.sh: failed: " + leg + ": not run, not built\n"));
+}
+
 TEST_CASE("run.sh says of tests that were not built that they did not run, and runs the others") {
   if (!hasSources()) return;
   const Run run = runLegs("if [ \"$*\" = '--build --preset tsan --target tests_haptics tests_core' ]; then exit 1; fi\n", "");
   CHECK(run.code == 1);
   CHECK(run.text.find("ctest --preset tsan") == std::string::npos);
-  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
+  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^(host|waits)$ threads=\n"));
   CHECK(says(run.text, "run.sh: failed: build for ThreadSanitizer\n"));
   CHECK(says(run.text, "run.sh: failed: under ThreadSanitizer: not run, not built\n"));
 }

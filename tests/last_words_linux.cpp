@@ -1,0 +1,157 @@
+// The test framework's own handler makes a report, which takes memory: in a process that the C library has ended from
+// within malloc it waits for ever. Nothing here takes memory or a lock. A debugger, where there is one, says where each
+// thread stands; without one the C library says it of the thread that the signal came to.
+#include "tests/last_words.hpp"
+
+#include <doctest/doctest.h>
+#include <execinfo.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <string_view>
+
+namespace palpate {
+
+namespace {
+
+constexpr unsigned kMostForWords_s = 60;  // a debugger that stands still itself
+
+pid_t ours = 0;
+std::atomic<const char*> caseName = nullptr, caseFile = nullptr;
+std::atomic<unsigned> caseLine = 0;
+
+void say(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+    if (written <= 0) return;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+struct Digits {
+  explicit Digits(long number) { *std::to_chars(text.data(), text.data() + text.size() - 1, number).ptr = 0; }
+  std::array<char, 24> text;
+};
+
+// False where there is no debugger that could look at this process.
+bool askDebugger() {
+  Digits self(ours);
+  const char* words[] = {"gdb", "-nx", "-batch", "-iex", "set debuginfod enabled off", "-p", self.text.data(), "-ex",
+                         "thread apply all backtrace 40", nullptr};
+  // What a debugger loads of its own is not to be this program's; its warnings go where its answer goes.
+  char path[] = "PATH=/usr/local/bin:/usr/bin:/bin";
+  char* surroundings[] = {path, nullptr};
+  pid_t debugger = 0;
+  if (::posix_spawn(&debugger, "/usr/bin/gdb", nullptr, nullptr, const_cast<char**>(words), surroundings) != 0)
+    return false;
+  int status = 0;
+  while (::waitpid(debugger, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+void sayWhere() {
+  if (const char* name = caseName) {
+    say(" in the case \"");
+    say(name);
+    say("\" (");
+    say(caseFile.load());
+    say(":");
+    say(Digits(caseLine).text.data());
+    say(")\n");
+  } else {
+    say(" in no case\n");
+  }
+  if (askDebugger()) return;
+  std::array<void*, 60> frames;
+  ::backtrace_symbols_fd(frames.data(), ::backtrace(frames.data(), frames.size()), STDERR_FILENO);
+}
+
+// A program that is waited for would be left behind, with the pipe that ctest reads in its hands.
+void endThoseBegun() {
+  std::array<char, 64> name{"/proc/self/task/"};
+  char* end = std::to_chars(name.data() + std::strlen(name.data()), name.data() + 40, ours).ptr;
+  std::memcpy(end, "/children", sizeof "/children");
+  const int file = ::open(name.data(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return;
+  std::array<char, 1024> numbers;
+  const ssize_t size = ::read(file, numbers.data(), numbers.size());
+  ::close(file);
+  for (const char *at = numbers.data(), *last = at + std::max<ssize_t>(size, 0); at < last; ++at) {
+    pid_t child = 0;
+    at = std::from_chars(at, last, child).ptr;
+    if (child > 0) ::kill(child, SIGTERM);
+  }
+}
+
+// Of these the handler is called once; whatever comes then ends the process, and so does what it does not get over.
+extern "C" void sayThenGo(int signal) {
+  if (::getpid() == ours) {
+    std::signal(SIGALRM, SIG_DFL);
+    ::alarm(kMostForWords_s);
+    say("\nThis test program is ended by ");
+    say(signal == SIGALRM ? "the clock: it took longer than it may" : ::sigdescr_np(signal));
+    sayWhere();
+    endThoseBegun();
+  }
+  std::signal(signal, SIG_DFL);
+  ::raise(signal);
+}
+
+// Reports nothing: it knows where the run stands.
+struct CaseKeeper final : doctest::IReporter {
+  explicit CaseKeeper(const doctest::ContextOptions&) {}
+  void test_case_start(const doctest::TestCaseData& of) override {
+    caseFile = of.m_file.c_str();
+    caseLine = of.m_line;
+    caseName = of.m_name;
+  }
+  void test_case_end(const doctest::CurrentTestCaseStats&) override { caseName = nullptr; }
+
+  void report_query(const doctest::QueryData&) override {}
+  void test_run_start() override {}
+  void test_run_end(const doctest::TestRunStats&) override {}
+  void test_case_reenter(const doctest::TestCaseData&) override {}
+  void test_case_exception(const doctest::TestCaseException&) override {}
+  void subcase_start(const doctest::SubcaseSignature&) override {}
+  void subcase_end() override {}
+  void log_assert(const doctest::AssertData&) override {}
+  void log_message(const doctest::MessageData&) override {}
+  void test_case_skipped(const doctest::TestCaseData&) override {}
+};
+REGISTER_LISTENER("case_keeper", 0, CaseKeeper);
+
+}  // namespace
+
+void sayLastWords() {
+  ours = ::getpid();
+  ::prctl(PR_SET_PTRACER, PR_SET_PTRACER_ANY, 0, 0, 0);  // a debugger that it begins itself may look at it
+  std::array<void*, 2> frames;
+  ::backtrace(frames.data(), frames.size());  // the first call loads a library
+  // A fault of the stack cannot be told of on the same stack.
+  static std::array<char, 1 << 16> stack;
+  const stack_t apart{.ss_sp = stack.data(), .ss_flags = 0, .ss_size = stack.size()};
+  ::sigaltstack(&apart, nullptr);
+  struct sigaction action {};
+  action.sa_handler = sayThenGo;
+  action.sa_flags = SA_ONSTACK;
+  for (const int signal : {SIGILL, SIGFPE, SIGSEGV, SIGBUS, SIGABRT, SIGALRM}) {
+    struct sigaction before {};
+    ::sigaction(signal, nullptr, &before);
+    // A sanitizer says more of it.
+    if (before.sa_handler == SIG_DFL) ::sigaction(signal, &action, nullptr);
+  }
+  if (const char* limit = std::getenv("PALPATE_TESTS_LIMIT_S")) ::alarm(static_cast<unsigned>(std::atoi(limit)));
+}
+
+}  // namespace palpate

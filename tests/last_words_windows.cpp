@@ -1,0 +1,7 @@
+#include "tests/last_words.hpp"
+
+namespace palpate {
+
+void sayLastWords() {}
+
+}  // namespace palpate
