@@ -79,9 +79,7 @@ void BrickAssembly::add(const BrickPart& part, const Bricks& sample, std::size_t
     brick.ids.push_back(id);
     brick.positions.push_back(place);
     brick.normals.push_back(normal);
-    if (colored_)
-      brick.colors.push_back({static_cast<std::uint8_t>(point.color), static_cast<std::uint8_t>(point.color >> 8),
-                              static_cast<std::uint8_t>(point.color >> 16)});
+    brick.colors.push_back(point.color);
     if (!moves) continue;
     const float* const velocity = sample.velocities._buffer + 3 * i;
     brick.velocities.emplace_back(velocity[0], velocity[1], velocity[2]);

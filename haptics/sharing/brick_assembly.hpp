@@ -14,8 +14,8 @@ namespace palpate::sharing {
 /// One thread uses it at a time.
 class BrickAssembly {
  public:
-  /// `room`: points that are known at once, at most. `colored`: they have colours.
-  BrickAssembly(double edge, std::size_t room, bool colored) : grid_(edge), room_(room), colored_(colored) {}
+  /// `room`: points that are known at once, at most.
+  BrickAssembly(double edge, std::size_t room) : grid_(edge), room_(room) {}
 
   /// What is asked for from now on: all anew. What is known stays until it comes again, or has not come with the rest.
   std::uint32_t begin();
@@ -40,7 +40,6 @@ class BrickAssembly {
 
   BrickGrid grid_;
   std::size_t room_;
-  bool colored_;
   std::uint32_t epoch_ = 0;
   std::uint64_t taken_ = 0;
   struct Coming {

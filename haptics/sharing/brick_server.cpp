@@ -242,8 +242,7 @@ void BrickServer::fill(Bricks& sample, Outgoing& going) {
         point.normal[axis] = brick->normals[i][axis];
         if (moves) velocities_.push_back(brick->velocities[i][axis]);
       }
-      if (!brick->colors.empty())
-        for (unsigned k = 0; k < 3; ++k) point.color |= std::uint32_t{brick->colors[i][k]} << (8 * k);
+      if (!brick->colors.empty()) point.color = brick->colors[i];
       ids_.push_back(brick->ids[i]);
       points_.push_back(point);
     }
