@@ -44,6 +44,7 @@ class BrickOverlay {
   void make(std::span<const PointChange> changes);
   /// Appends what was made since the last call: each point once, as it was made last, those first that were made first.
   void takeMade(std::vector<PointState>& states);
+  bool allTaken() const { return made_.empty(); }
   /// Points of which what comes is not shown.
   std::size_t own() const { return own_.size(); }
 

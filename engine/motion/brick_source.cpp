@@ -155,7 +155,7 @@ void BrickSource::takeMade(std::vector<PointState>& states) {
 
 BrickSource::Known BrickSource::known() const {
   const std::scoped_lock hold(lock_);
-  return {.bricks = now_.bricks.size(), .points = points_, .own = overlay_.own()};
+  return {.bricks = now_.bricks.size(), .points = points_, .own = overlay_.own(), .allTaken = overlay_.allTaken()};
 }
 
 bool BrickSource::hasNewer(double time_s, double /*than_s*/) {

@@ -66,6 +66,7 @@ class BrickSource final : public CloudSource {
   explicit BrickSource(const Options& options) : options_(options), grid_(options.edge), overlay_(grid_) {}
   const BrickGrid& grid() const { return grid_; }
   bool moves() const { return options_.moves; }
+  bool isColored() const { return options_.colored; }
 
   /// Where the hands are. Allocates nothing and waits for nobody.
   void ask(const HandReaches& hands) noexcept { asked_.store(hands); }
@@ -99,7 +100,8 @@ class BrickSource final : public CloudSource {
   void giveUp();
   struct Known {
     std::size_t bricks = 0, points = 0;
-    std::size_t own = 0;  ///< points that are as a hand here has made them
+    std::size_t own = 0;    ///< points that are as a hand here has made them
+    bool allTaken = true;   ///< nothing was made since takeMade()
   };
   Known known() const;
 

@@ -1,5 +1,6 @@
 #include "haptics/sharing/brick_assembly.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/core/check.hpp"
@@ -53,7 +54,9 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
   require(at == points, "points are of no brick");
   ++taken_;
   next_.true_s = sample.true_s;
-  if (sample.last) finish(sample.whole);
+  if (!sample.last) return Heard::taken;
+  acked_ = std::max<std::uint64_t>(acked_, sample.acked);
+  finish(sample.whole);
   return Heard::taken;
 }
 

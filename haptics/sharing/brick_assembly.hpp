@@ -30,6 +30,8 @@ class BrickAssembly {
   };
   /// Once takeUpdate() has given what the last one completed. Throws NetworkError for what is no piece of such a cloud.
   Heard hear(const Bricks& sample);
+  /// Pieces of this client's strokes that the sender has taken, up to this one; what has come has what became of them.
+  std::uint64_t acked() const { return acked_; }
   /// A step that is complete, with the sender's time; once.
   std::optional<BrickUpdate> takeUpdate();
 
@@ -41,7 +43,7 @@ class BrickAssembly {
   BrickGrid grid_;
   std::size_t room_;
   std::uint32_t epoch_ = 0;
-  std::uint64_t taken_ = 0;
+  std::uint64_t taken_ = 0, acked_ = 0;
   struct Coming {
     std::uint32_t total = 0;
     std::shared_ptr<Brick> brick;
