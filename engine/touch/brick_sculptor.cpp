@@ -91,6 +91,7 @@ void BrickSculptor::edit() {
       to.id = from.number() | (to.id & PointState::kGone);
       to.parent = from.number();
       work_.changes.push_back({.from = from, .to = to});
+      work_.ever.insert(from.number());
     }
   }
   if (!work_.changes.empty()) work_.version = source_.make(work_.changes);

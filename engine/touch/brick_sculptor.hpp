@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <unordered_set>
 #include <vector>
 
 #include "engine/core/background_task.hpp"
@@ -33,6 +34,8 @@ class BrickSculptor {
   const TouchStatistics& statistics() const { return statistics_; }
   /// Points that edits have changed, each time that one did.
   std::uint64_t states() const { return states_; }
+  /// Points that any edit has changed. After finish().
+  std::size_t points() const { return work_.ever.size(); }
 
  private:
   bool finishedWithin(double budget_us);
@@ -54,6 +57,7 @@ class BrickSculptor {
     std::uint64_t version = 0;  // of the bricks with it
     std::vector<PointState> points;
     std::vector<PointChange> changes;
+    std::unordered_set<std::uint32_t> ever;  // points that were changed
   };
   Work work_;
   std::unique_ptr<BackgroundTask> task_;  // goes first

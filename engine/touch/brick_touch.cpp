@@ -133,6 +133,11 @@ void BrickTouch::finish() {
                 options_.patience_s);
 }
 
+std::size_t BrickTouch::readBack(PointCloud& cloud) const {
+  const std::size_t placed = surface_->readBack(cloud);
+  return source_.moves() ? placed : sculptor_.points();
+}
+
 void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {
   if (brush && !options_.fixed.empty()) throw UsageError("{}", options_.fixed);
   if (brush && brush->kind == BrushKind::paint && !source_.isColored())

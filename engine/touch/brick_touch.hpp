@@ -45,7 +45,8 @@ class BrickTouch final : public TouchBackend {
   void resetHand(std::size_t hand) noexcept override;
   /// Throws Error where virtual time has waited in vain.
   void finish() override;
-  std::size_t readBack(PointCloud& cloud) const override { return surface_->readBack(cloud); }
+  /// The points that are here alone; what it says is how many of all a hand here has changed.
+  std::size_t readBack(PointCloud& cloud) const override;
   bool takeFrame(CloudFrame& frame) override { return surface_->takeFrame(frame); }
   FramePipeline* framesOn(const Device& sight) override { return surface_->framesOn(sight); }
   std::optional<PointsTime> pointsTime() const noexcept override { return surface_->pointsTime(); }
