@@ -31,6 +31,9 @@ struct FarCounts {
   std::uint64_t resumed = 0;   ///< times that what is known was asked for anew
   std::uint64_t servers = 1;   ///< one after another
   std::size_t bricks = 0, known = 0, mostKnown = 0;  ///< bricks and points that are here now; points at most
+  std::uint64_t sent = 0;    ///< states of points that hands here have made
+  std::uint64_t resent = 0;  ///< pieces of their strokes that went more than once
+  bool delivered = true;     ///< all that they have made has been taken
   double silent_s = 0, longestSilent_s = 0;
   std::uint64_t pings = 0, answered = 0;
   std::optional<double> roundTrip_ms;
@@ -45,6 +48,8 @@ class FarCloud {
   /// How old it is, and so how much of a force it bears.
   virtual const InformationAge& known() const = 0;
   virtual FarCounts counts() const = 0;
+  /// Who serves it takes strokes.
+  virtual bool isSculptable() const = 0;
   /// Throws what went wrong for good, if anything has.
   virtual void check() const = 0;
 };

@@ -62,7 +62,8 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
     command.add("--as", options.hand, "what the others see this hand called (default: the machine's name)").typeName("NAME");
     command.addFlag("--near", options.near,
                     "of what is joined only the points around the hands come here, ahead of them: for models that are too large "
-                    "to wait for; they are felt, and not sculpted. A model that moves is joined so in any case");
+                    "to wait for; they are felt and sculpted, but nothing is saved, and strokes are not taken back. A model that moves is "
+                    "joined so in any case, and is felt alone");
   }
   addNetworkOptions(command, options.network);
   addRosCameraOptions(command, options.network);

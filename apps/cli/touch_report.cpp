@@ -183,6 +183,8 @@ std::string inWords(const FarReport& far) {
   std::string words = fmt::format("{} of {} ticks lacked points around a hand and had no force; {} points came in {} steps, {} at most "
                                   "were here at once",
                                   far.ticks.without, far.ticks.ticks, counts.points, counts.updates, counts.mostKnown);
+  if (counts.sent > 0)
+    words += fmt::format("; {} states of points were made here{}", counts.sent, counts.delivered ? ", and are the server's" : ", and not all of them are the server's yet");
   if (counts.roundTrip_ms) words += fmt::format("; round trip {:.1f} ms", *counts.roundTrip_ms);
   words += fmt::format("; longest silence {:.1f} s", counts.longestSilent_s);
   if (counts.servers > 1) words += fmt::format("; served anew {} times", counts.servers - 1);
@@ -201,6 +203,9 @@ Json toJson(const FarReport& far) {
           {"bricks", counts.bricks},
           {"known", counts.known},
           {"most_known", counts.mostKnown},
+          {"sent", counts.sent},
+          {"resent", counts.resent},
+          {"delivered", counts.delivered},
           {"longest_silence_s", counts.longestSilent_s},
           {"pings", counts.pings},
           {"answered", counts.answered},

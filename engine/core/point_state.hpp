@@ -27,6 +27,15 @@ struct PointState {
 /// RGBA8 that points without a colour are shown in, painted over from, and written with where others have one: clay.
 inline constexpr std::array<std::uint8_t, 4> kUnpainted{200, 170, 147, 255};
 
+/// Colours as the GPU and the edit log have them: red in the lowest byte.
+constexpr std::uint32_t packedColor(const std::array<std::uint8_t, 4>& color) {
+  return color[0] | std::uint32_t{color[1]} << 8 | std::uint32_t{color[2]} << 16 | std::uint32_t{color[3]} << 24;
+}
+constexpr std::array<std::uint8_t, 4> unpackedColor(std::uint32_t color) {
+  return {static_cast<std::uint8_t>(color), static_cast<std::uint8_t>(color >> 8),
+          static_cast<std::uint8_t>(color >> 16), static_cast<std::uint8_t>(color >> 24)};
+}
+
 /// From one state of a point to another; both have the same number.
 struct PointChange {
   PointState from, to;

@@ -3,6 +3,7 @@
 
 #include "engine/contact/surface.hpp"
 #include "engine/core/brush.hpp"
+#include "engine/core/point_state.hpp"
 #include "shaders/shared/brush.h"
 
 namespace palpate {
@@ -40,14 +41,5 @@ class PlacedBrush {
   shared::BrushOf<double> brush_;
   shared::BrushBallOf<double> ball_;
 };
-
-/// Colours as the GPU and the edit log have them: red in the lowest byte.
-constexpr std::uint32_t packedColor(const std::array<std::uint8_t, 4>& color) {
-  return color[0] | std::uint32_t{color[1]} << 8 | std::uint32_t{color[2]} << 16 | std::uint32_t{color[3]} << 24;
-}
-constexpr std::array<std::uint8_t, 4> unpackedColor(std::uint32_t color) {
-  return {static_cast<std::uint8_t>(color), static_cast<std::uint8_t>(color >> 8),
-          static_cast<std::uint8_t>(color >> 16), static_cast<std::uint8_t>(color >> 24)};
-}
 
 }  // namespace palpate

@@ -19,10 +19,19 @@ double steadyNow_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-bool BrickSource::covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept {
-  const Made* felt = nullptr;
+const BrickSource::Made* BrickSource::madeFor(double frame_s) const noexcept {
   for (const Made& made : frame_)
-    if (made.time_s.load(std::memory_order_acquire) == frame_s) felt = &made;
+    if (made.time_s.load(std::memory_order_acquire) == frame_s) return &made;
+  return nullptr;
+}
+
+std::uint64_t BrickSource::versionOf(double frame_s) const noexcept {
+  const Made* const made = madeFor(frame_s);
+  return made ? made->version : 0;
+}
+
+bool BrickSource::covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept {
+  const Made* const felt = madeFor(frame_s);
   const BrickBox box = grid_.boxOf(low, high);
   if (!felt || !isFinite(low) || !isFinite(high) || box.count() > kMostBricks) return false;
   bool all = true;
@@ -60,54 +69,93 @@ void BrickSource::giveUp() {
   came_.notify_all();
 }
 
-// What was not known, or comes again as it was, changes nothing under a hand.
-bool BrickSource::isOther(const HandReaches& hands, BrickKey key, const Brick& brick) const {
+bool BrickSource::isReached(const HandReaches& hands, BrickKey key) const {
   const IVec3 at = BrickGrid::brickOf(key);
-  const auto isReached = [&](const HandReach& hand) {
+  return std::any_of(hands.hands.begin(), hands.hands.begin() + hands.count, [&](const HandReach& hand) {
     const BrickBox box = grid_.boxOf(hand.low, hand.high);
     return glm::all(glm::lessThanEqual(box.low, at)) && glm::all(glm::lessThanEqual(at, box.high));
-  };
-  if (std::none_of(hands.hands.begin(), hands.hands.begin() + hands.count, isReached)) return false;
-  const auto known = now_.bricks.find(key);
-  return known != now_.bricks.end() && *known->second != brick;
+  });
 }
 
-bool BrickSource::apply(BrickUpdate update) {
-  const std::scoped_lock hold(lock_);
+// What was not known, or is again as it was, changes nothing under a hand.
+bool BrickSource::compose() {
+  const auto hands = asked_.load();
   bool isChanged = false;
-  if (const auto hands = asked_.load())
-    for (const auto& [key, brick] : update.bricks) isChanged = isChanged || isOther(*hands, key, *brick);
-  const auto remove = [&](BrickKey key) {
-    const auto there = now_.bricks.find(key);
-    if (there == now_.bricks.end()) return;
-    points_ -= there->second->size();
-    now_.bricks.erase(there);
-  };
-  for (const BrickKey key : update.dropped) remove(key);
-  for (auto& [key, brick] : update.bricks) {
-    remove(key);
+  for (const BrickKey key : overlay_.takeTouched()) {
+    std::shared_ptr<const Brick> brick = overlay_.shown(key);
+    const auto known = now_.bricks.find(key);
+    if (known != now_.bricks.end()) {
+      isChanged = isChanged || (brick && hands && *brick != *known->second && isReached(*hands, key));
+      points_ -= known->second->size();
+      now_.bricks.erase(known);
+    }
+    if (!brick) continue;
     if (brick->size() > options_.points - points_)
       throw Error("more than {} points have come for what lies around the hands", options_.points);
     points_ += brick->size();
     now_.bricks.emplace(key, std::move(brick));
   }
+  ++now_.version;
+  return isChanged;
+}
+
+bool BrickSource::apply(BrickUpdate update) {
+  const std::scoped_lock hold(lock_);
+  for (const BrickKey key : update.dropped) overlay_.drop(key);
+  for (auto& [key, brick] : update.bricks) overlay_.come(key, std::move(brick));
+  overlay_.settle(update.settled);
+  const bool isChanged = compose();
   now_.true_s = update.true_s;
   isWhole_ = update.whole;
-  ++now_.version;
   came_.notify_all();
   return isChanged;
 }
 
 void BrickSource::forget() {
   const std::scoped_lock hold(lock_);
-  now_.bricks.clear();
-  points_ = 0;
-  ++now_.version;
+  overlay_.forget();
+  compose();
+}
+
+void BrickSource::pointsIn(const DVec3& low, const DVec3& high, std::vector<PointState>& points) const {
+  const std::scoped_lock hold(lock_);
+  const BrickBox box = grid_.boxOf(low, high);
+  const auto isIn = [&](const Vec3& place) {
+    return glm::all(glm::lessThanEqual(low, DVec3(place))) && glm::all(glm::lessThanEqual(DVec3(place), high));
+  };
+  const auto take = [&](const Brick& brick) {
+    for (std::size_t i = 0; i < brick.size(); ++i)
+      if (isIn(brick.positions[i]))
+        points.push_back({.position = brick.positions[i],
+                          .id = brick.ids[i],
+                          .normal = brick.normals[i],
+                          .color = brick.colors.empty() ? 0 : brick.colors[i],
+                          .parent = brick.ids[i]});
+  };
+  if (box.count() > static_cast<double>(now_.bricks.size())) {
+    for (const auto& [key, brick] : now_.bricks) take(*brick);
+    return;
+  }
+  box.forEach([&](const IVec3& brick) {
+    if (const auto there = now_.bricks.find(BrickGrid::keyOf(brick)); there != now_.bricks.end()) take(*there->second);
+  });
+}
+
+std::uint64_t BrickSource::make(std::span<const PointChange> changes) {
+  const std::scoped_lock hold(lock_);
+  overlay_.make(changes);
+  compose();
+  return now_.version;
+}
+
+void BrickSource::takeMade(std::vector<PointState>& states) {
+  const std::scoped_lock hold(lock_);
+  overlay_.takeMade(states);
 }
 
 BrickSource::Known BrickSource::known() const {
   const std::scoped_lock hold(lock_);
-  return {.bricks = now_.bricks.size(), .points = points_};
+  return {.bricks = now_.bricks.size(), .points = points_, .own = overlay_.own(), .allTaken = overlay_.allTaken()};
 }
 
 bool BrickSource::hasNewer(double time_s, double /*than_s*/) {
@@ -141,7 +189,7 @@ void BrickSource::makeFrame(double time_s, CloudFrame& frame) {
       made.keys.push_back(key);
       if (brick->size() > 0) taken_.push_back(brick);
     }
-    made_ = state.version;
+    made.version = made_ = state.version;
     true_s = state.true_s;
   }
   order_.clear();
@@ -151,7 +199,6 @@ void BrickSource::makeFrame(double time_s, CloudFrame& frame) {
   std::ranges::sort(order_);
   frame.ids.clear();
   frame.colors.clear();
-  const bool colored = !taken_.empty() && !taken_.front()->colors.empty();
   for (std::vector<Vec3>* values : {&frame.positions, &frame.normals, &frame.velocities}) values->clear();
   for (const auto& [id, where] : order_) {
     const Brick& brick = *taken_[where >> 32];
@@ -159,7 +206,10 @@ void BrickSource::makeFrame(double time_s, CloudFrame& frame) {
     frame.positions.push_back(brick.positions[i]);
     frame.normals.push_back(brick.normals[i]);
     if (options_.moves) frame.velocities.push_back(brick.velocities.empty() ? Vec3(0) : brick.velocities[i]);
-    if (colored) frame.colors.push_back(brick.colors.empty() ? std::array<std::uint8_t, 3>{} : brick.colors[i]);
+    if (!options_.colored) continue;
+    const std::uint32_t color = brick.colors.empty() ? 0 : brick.colors[i];
+    const std::array<std::uint8_t, 4> rgba = unpackedColor(color);
+    frame.colors.push_back({rgba[0], rgba[1], rgba[2]});
   }
   frame.time_s = frameTime(time_s, true_s);
   frame.goOn_s = kMostPointsAge_s;

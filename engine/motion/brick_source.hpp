@@ -14,21 +14,10 @@
 
 #include "engine/core/contact_query.hpp"
 #include "engine/core/latest_value.hpp"
-#include "engine/motion/brick_grid.hpp"
+#include "engine/motion/brick_overlay.hpp"
 #include "engine/motion/cloud_source.hpp"
 
 namespace palpate {
-
-/// The points of a brick, by ascending id: their numbers in the whole cloud. Relative to the cloud's origin.
-struct Brick {
-  std::vector<std::uint32_t> ids;
-  std::vector<Vec3> positions, normals;
-  std::vector<Vec3> velocities;                     ///< empty where points stand still
-  std::vector<std::array<std::uint8_t, 3>> colors;  ///< empty where they have none
-
-  std::size_t size() const { return ids.size(); }
-  bool operator==(const Brick&) const = default;
-};
 
 /// What changes at once of what is known.
 struct BrickUpdate {
@@ -36,6 +25,7 @@ struct BrickUpdate {
   bool whole = false;             ///< nothing else is to come of what was asked for
   std::vector<BrickKey> dropped;  ///< not known any more
   std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;  ///< are this now
+  std::vector<std::uint32_t> settled;  ///< points that were made otherwise here: this has what has become of that
 };
 
 /// Ticks, and those at which the surface may be made of points that are not known.
@@ -56,6 +46,7 @@ struct HandReaches {
   double time_s = 0;    ///< of the session
   double steady_s = 0;  ///< when they were there
   std::uint32_t count = 0;
+  bool sculpts = false;  ///< the first one has a brush
   std::array<HandReach, kMostHands> hands{};
 };
 
@@ -70,10 +61,12 @@ class BrickSource final : public CloudSource {
     double edge = 1;         ///< of a brick, model units
     std::size_t points = 1;  ///< that are known at once, at most
     bool moves = false;      ///< their frames are true for the times of their updates, and not for any
+    bool colored = false;    ///< their frames have colours
   };
-  explicit BrickSource(const Options& options) : options_(options), grid_(options.edge) {}
+  explicit BrickSource(const Options& options) : options_(options), grid_(options.edge), overlay_(grid_) {}
   const BrickGrid& grid() const { return grid_; }
   bool moves() const { return options_.moves; }
+  bool isColored() const { return options_.colored; }
 
   /// Where the hands are. Allocates nothing and waits for nobody.
   void ask(const HandReaches& hands) noexcept { asked_.store(hands); }
@@ -93,10 +86,22 @@ class BrickSource final : public CloudSource {
   bool apply(BrickUpdate update);
   /// Nothing is known any more.
   void forget();
+
+  // What a hand here makes of points that stand still: it is so in the frames that are made from then on.
+  /// Appends the points of a box, relative to the cloud's origin, as they are now.
+  void pointsIn(const DVec3& low, const DVec3& high, std::vector<PointState>& points) const;
+  /// Gives the version that frames have with it. Throws Error for more points than there is room for.
+  std::uint64_t make(std::span<const PointChange> changes);
+  /// BrickOverlay::takeMade().
+  void takeMade(std::vector<PointState>& states);
+  /// Of the frame that is true for `frame_s`, of the last ones that were made; 0: it is none of those.
+  std::uint64_t versionOf(double frame_s) const noexcept;
   /// From now on await() waits for nobody, and says no.
   void giveUp();
   struct Known {
     std::size_t bricks = 0, points = 0;
+    std::size_t own = 0;    ///< points that are as a hand here has made them
+    bool allTaken = true;   ///< nothing was made since takeMade()
   };
   Known known() const;
 
@@ -109,6 +114,7 @@ class BrickSource final : public CloudSource {
   // What a frame had, for covers(). Of three the one that is made last is neither felt nor the one before it.
   struct Made {
     std::atomic<double> time_s = -1;
+    std::uint64_t version = 0;
     std::vector<BrickKey> keys;
   };
   using Bricks = std::map<BrickKey, std::shared_ptr<const Brick>>;
@@ -118,7 +124,9 @@ class BrickSource final : public CloudSource {
     std::uint64_t version = 0;
   };
   bool knows(const HandReaches& hands) const;
-  bool isOther(const HandReaches& hands, BrickKey key, const Brick& brick) const;
+  bool isReached(const HandReaches& hands, BrickKey key) const;
+  bool compose();
+  const Made* madeFor(double frame_s) const noexcept;
   const State& stateFor(double time_s) const { return awaitedFor_s_ == time_s ? awaited_ : now_; }
   double frameTime(double time_s, double true_s);
 
@@ -130,6 +138,7 @@ class BrickSource final : public CloudSource {
   std::condition_variable came_;
   State now_{.version = 1};
   std::size_t points_ = 0;
+  BrickOverlay overlay_;
   State awaited_;
   std::optional<double> awaitedFor_s_;
   bool isWhole_ = false, isOver_ = false;

@@ -13,7 +13,9 @@ BrickTouch::BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surfac
       surface_(std::move(surface)),
       options_(options),
       hands_(surface_->hands()),
-      answers_(hands_.size()) {
+      answers_(hands_.size()),
+      sculptor_(source, options.radius / options.widening, options.origin) {
+  if (options.brush) setBrush(options.brush);
   for (std::size_t i = 0; i < hands_.size(); ++i)
     hands_[i].points.assign(surface_->points(i).begin(), surface_->points(i).end());
 }
@@ -45,6 +47,7 @@ void BrickTouch::tell(double time_s, std::span<const Pose> poses) {
   asked_.time_s = time_s;
   asked_.steady_s = steadyNow_s();
   asked_.count = static_cast<std::uint32_t>(poses.size());
+  asked_.sculpts = sculptor_.hasBrush();
   for (std::size_t i = 0; i < poses.size(); ++i)
     asked_.hands[i] = reachOf(i, poses[i].hip, kMayGo * options_.radius + options_.tool);
   source_.ask(asked_);
@@ -73,11 +76,24 @@ std::span<const Contact> BrickTouch::ask(std::span<const Pose> poses, double bud
   inVain_ = inVain_ || (waits && !source_.await(asked_, options_.patience_s));
   const std::span<const Contact> felt = surface_->ask(poses, budget_us);
   const std::uint64_t before = without_.load(std::memory_order_relaxed);
+  const std::optional<DVec3> lastHip = hands_.front().hip;
   for (std::size_t i = 0; i < hands_.size(); ++i) answer(i, poses[i], felt[i], waits && inVain_);
   // A tick at which two hands lack points is one tick.
   without_.store(std::min(without_.load(std::memory_order_relaxed), before + 1), std::memory_order_relaxed);
   ticks_.store(ticks_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  sculpt(poses.front(), lastHip, budget_us > 0);
   return answers_;
+}
+
+// A tool of many points has no brush here: what its hand is answered is not what its HIP alone feels.
+void BrickTouch::sculpt(const Pose& pose, const std::optional<DVec3>& lastHip, bool realtime) noexcept {
+  const auto points = surface_->pointsTime();
+  if (failure_ || !points || !hands_.front().points.empty()) return;
+  try {
+    sculptor_.editIfYielding(answers_.front(), pose, lastHip.value_or(pose.hip), points->true_s, realtime);
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
 }
 
 void BrickTouch::answer(std::size_t hand, const Pose& pose, const Contact& felt, bool late) {
@@ -110,13 +126,31 @@ void BrickTouch::resetHand(std::size_t hand) noexcept {
 
 void BrickTouch::finish() {
   surface_->finish();
+  if (failure_) std::rethrow_exception(failure_);
+  sculptor_.finish();
   if (inVain_)
     throw Error("the points around a hand have not come within {:.0f} s: what serves them is not there, or far away",
                 options_.patience_s);
 }
 
+std::size_t BrickTouch::readBack(PointCloud& cloud) const {
+  const std::size_t placed = surface_->readBack(cloud);
+  return source_.moves() ? placed : sculptor_.points();
+}
+
 void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {
-  if (brush) throw UsageError("what is joined near the hands is felt alone");
+  if (brush && !options_.fixed.empty()) throw UsageError("{}", options_.fixed);
+  if (brush && brush->kind == BrushKind::paint && !source_.isColored())
+    throw UsageError("paint: the points have no colours of their own, and around the hands alone none are added; join all of them");
+  if (brush && !hands_.front().points.empty())
+    throw UsageError("a tool of many points sculpts where all points are here, and not around the hands alone");
+  sculptor_.setBrush(brush);
+}
+
+const TouchShortfalls& BrickTouch::shortfalls() const {
+  shortfalls_ = surface_->shortfalls();
+  shortfalls_.editsTooSlow += sculptor_.statistics().shortfalls.editsTooSlow;
+  return shortfalls_;
 }
 
 }  // namespace palpate

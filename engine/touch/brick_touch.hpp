@@ -1,23 +1,30 @@
-// Hands on a cloud of which only the bricks around them are here: they feel what is known, and nothing where it is not.
+// Hands on a cloud of which only the bricks around them are here: they feel and sculpt what is known, and nothing where it
+// is not.
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "engine/core/touch_backend.hpp"
 #include "engine/motion/brick_source.hpp"
+#include "engine/touch/brick_sculptor.hpp"
 
 namespace palpate {
 
 struct BrickTouchOptions {
   double radius = 0;       ///< of the surface's support, model units
+  double widening = 1;     ///< of that, where points are noisy; edits are narrow
   double tool = 0;         ///< from a hand to the farthest point of its tool
   DVec3 origin{0};         ///< of the cloud
   double patience_s = 10;  ///< of virtual time, which waits for what is not known
+  std::optional<BrushOptions> brush = {};  ///< of the first hand
+  std::string fixed = {};  ///< why the points cannot be sculpted, in words; empty: they can
 };
 
-/// Stands before the back end that feels the points of a BrickSource: it tells the source where the hands are, and lets
+/// Stands before the back end that feels the points of a BrickSource, and sculpts them: it tells the source where the hands are, and lets
 /// an answer pass only where all that it can be made of is known. Elsewhere the hand feels nothing, its tick counts as one
 /// without data, and it begins anew where points are known again. Against the clock nobody waits; in virtual time each
 /// tick waits for its points, so that it is answered as if all of the cloud were here.
@@ -38,7 +45,8 @@ class BrickTouch final : public TouchBackend {
   void resetHand(std::size_t hand) noexcept override;
   /// Throws Error where virtual time has waited in vain.
   void finish() override;
-  std::size_t readBack(PointCloud& cloud) const override { return surface_->readBack(cloud); }
+  /// The points that are here alone; what it says is how many of all a hand here has changed.
+  std::size_t readBack(PointCloud& cloud) const override;
   bool takeFrame(CloudFrame& frame) override { return surface_->takeFrame(frame); }
   FramePipeline* framesOn(const Device& sight) override { return surface_->framesOn(sight); }
   std::optional<PointsTime> pointsTime() const noexcept override { return surface_->pointsTime(); }
@@ -47,7 +55,7 @@ class BrickTouch final : public TouchBackend {
   void keepEdits() override {}
   void takeEdits(EditBatch&) override {}
   EditScope editScope() const override { return surface_->editScope(); }
-  /// Throws UsageError for any but none.
+  /// Throws UsageError where nothing can be sculpted.
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override {
     surface_->setContact(surface, friction, method);
@@ -55,10 +63,11 @@ class BrickTouch final : public TouchBackend {
 
   std::string machine() const override { return surface_->machine(); }
   double buildTime_us() const override { return surface_->buildTime_us(); }
-  const std::vector<double>& editTimes_us() const override { return surface_->editTimes_us(); }
+  const std::vector<double>& editTimes_us() const override { return sculptor_.statistics().editTimes_us; }
   std::span<const double> bridgeTimes_us() const override { return surface_->bridgeTimes_us(); }
-  std::optional<double> firstEditTime_s() const override { return std::nullopt; }
-  const TouchShortfalls& shortfalls() const override { return surface_->shortfalls(); }
+  std::optional<double> firstEditTime_s() const override { return sculptor_.statistics().firstEditTime_s; }
+  EditCosts editCosts() const override { return {.requests_us = {}, .states = sculptor_.states()}; }
+  const TouchShortfalls& shortfalls() const override;
   IndexWork indexWork() const override { return surface_->indexWork(); }
   BackendMemory memory() const override { return surface_->memory(); }
   std::vector<PassRecord> passes() const override { return surface_->passes(); }
@@ -72,6 +81,7 @@ class BrickTouch final : public TouchBackend {
   HandReach reachOf(std::size_t hand, const DVec3& hip, double around) const;
   void tell(double time_s, std::span<const Pose> poses);
   void answer(std::size_t hand, const Pose& pose, const Contact& felt, bool late);
+  void sculpt(const Pose& pose, const std::optional<DVec3>& lastHip, bool realtime) noexcept;
 
   BrickSource& source_;
   std::unique_ptr<TouchBackend> surface_;
@@ -79,7 +89,10 @@ class BrickTouch final : public TouchBackend {
   std::vector<Hand> hands_;
   std::vector<Contact> answers_;
   HandReaches asked_;
+  BrickSculptor sculptor_;
+  mutable TouchShortfalls shortfalls_;  // as asked for last
   bool inVain_ = false;
+  std::exception_ptr failure_;
   std::atomic<std::uint64_t> ticks_ = 0, without_ = 0;
 };
 

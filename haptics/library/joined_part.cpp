@@ -57,8 +57,7 @@ SessionJoiner JoinedPart::joiner() {
 }
 
 BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session) const {
-  if (session.far()) throw UsageError("brush: of '{}' the points near the hands are here, and are felt alone", name_);
-  if (!session.shared()) throw UsageError("brush: '{}' is served to be felt alone", name_);
+  if (!session.shared() && !session.far()) throw UsageError("brush: '{}' is served to be felt alone", name_);
   if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only, to be felt alone", name_);
   BrushConfig allowed = brush;
   allowed.keepsDensity = false;  // it would be another cloud than the others have
@@ -67,9 +66,13 @@ BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session
 
 namespace {
 
-// Of points around the hands alone, which are felt and not sculpted.
+// Of points around the hands alone.
 void tellFar(const FarCloud& far, pp_sharing& state) {
   const FarCounts counts = far.counts();
+  state.sculptable = far.isSculptable();
+  state.delivered = counts.delivered;
+  state.sent = counts.sent;
+  state.resent = counts.resent;
   state.heard = far.known().isTrue() && far.known().share() > 0;
   state.pings = counts.pings;
   state.answered = counts.answered;

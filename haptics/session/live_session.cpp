@@ -24,7 +24,9 @@ DVec3 parkingPlace(const Model& model, const Bounds& bounds) {
 }
 
 // A session of others that nobody sculpts.
-bool isFeltAlone(const SessionConfig& config, const Model& model) { return config.join && !model.share; }
+bool isFeltAlone(const SessionConfig& config, const Model& model) {
+  return config.join && !model.share && !(model.far && model.far->isSculptable());
+}
 
 // Whichever brush comes first, others may follow; to what moves none does.
 SessionConfig withBrush(SessionConfig config, const Model& model) {
@@ -213,6 +215,7 @@ void LiveSession::setParameter(std::string_view name, double value) {
 
 bool LiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
   if (servo_.lost) return false;
+  session_.requireUndo();
   endRecording();
   return between([&] {
     ShapeStrokes* const shape = session_.backend().shapeStrokes();

@@ -26,11 +26,14 @@ SessionConfig checked(SessionConfig config, const BackendKind& kind) {
   return config;
 }
 
+std::string feltAlone(const SessionConfig& config) {
+  return fmt::format("'{}' is served to be felt alone; leave the brush out, or have it served without --read-only",
+                     config.model.file);
+}
+
 // Of a cloud that somebody else has: what is felt is what of it is here.
 std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const Model& model, const SurfaceOptions& surface,
                                              const SessionParts& parts) {
-  if (config.brush)
-    throw Error("'{}': who has the points around his hands alone feels them alone; leave the brush out", config.model.file);
   if (!parts.backend.capabilities().followsMotion)
     throw ConfigError("backend.name", "{} feels only what is all there; take vulkan or cpu", config.backend.name);
   std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
@@ -46,8 +49,20 @@ std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const 
                                   .threads = parts.threads,
                                   .source = &source,
                                   .fusion = std::nullopt});
-  return std::make_unique<BrickTouch>(
-      source, std::move(felt), BrickTouchOptions{.radius = surface.radius, .tool = reach, .origin = model.cloud.origin});
+  std::string fixed;
+  if (source.moves())
+    fixed = fmt::format("'{}' moves, and what moves is felt alone; leave the brush out", config.model.file);
+  else if (!model.far->isSculptable())
+    fixed = feltAlone(config);
+  std::optional<BrushOptions> brush;
+  if (config.brush) brush = brushOptions(*config.brush, model.scale);
+  return std::make_unique<BrickTouch>(source, std::move(felt),
+                                      BrickTouchOptions{.radius = surface.radius,
+                                                        .widening = surface.widening,
+                                                        .tool = reach,
+                                                        .origin = model.cloud.origin,
+                                                        .brush = brush,
+                                                        .fixed = std::move(fixed)});
 }
 
 std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Model& model,
@@ -141,9 +156,7 @@ Session::~Session() { relay_.stop(); }
 
 std::unique_ptr<SharedFollower> Session::takePart() {
   if (!model_->share) {
-    if (config_.join && config_.brush)
-      throw Error("'{}' is served to be felt alone; leave the brush out, or have it served without --read-only",
-                  config_.model.file);
+    if (config_.join && config_.brush && !model_->far) throw Error("{}", feltAlone(config_));
     return nullptr;
   }
   if (backend_->mostOffered() == 0)
@@ -153,7 +166,18 @@ std::unique_ptr<SharedFollower> Session::takePart() {
   return model_->share(model_->cloud, *backend_);
 }
 
+// Around the hands alone: until what they have made has been taken.
+bool Session::settleFar(double patience_s) {
+  const Stopwatch since;
+  while (!model_->far->counts().delivered && since.elapsed_s() < patience_s) {
+    model_->far->check();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return model_->far->counts().delivered;
+}
+
 bool Session::settleShared(double patience_s, Settling until) {
+  if (model_->far) return settleFar(patience_s);
   if (!shared_) return true;
   const Stopwatch since;
   relay_.catchUp();
@@ -348,8 +372,13 @@ void Session::finish() {
   settleShared(sharedPatience_s_);
 }
 
+void Session::requireUndo() const {
+  if (model_->far) throw Error("strokes on the points around the hands alone are not taken back; join all of the points");
+}
+
 UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
   if (ShapeStrokes* const shape = backend_->shapeStrokes()) return undoStrokes(*shape, strokes, redo);
+  requireUndo();
   if (!journal()) throw Error("a session without a journal has no strokes to undo");
   return undoStrokes(
       *backend_, *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);

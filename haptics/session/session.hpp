@@ -105,6 +105,7 @@ class Session {
   /// it is. Between runs; without others at once. `known`: where others go on for more than a second, until this hand's
   /// is taken and theirs so far is in effect here.
   enum class Settling { known, all };
+  /// Around the hands alone: until what they have made has been taken.
   bool settleShared(double patience_s, Settling until = Settling::known);
   /// Nothing where none is kept.
   Journal* journal() { return relay_.journal(); }
@@ -140,6 +141,8 @@ class Session {
   /// After finish(), or between runs: strokes of the points, or of the shape in which a soft body rests. Throws where
   /// the back end fails; the journal is as the points are then.
   UndoneStrokes undo(std::size_t strokes, std::size_t redo);
+  /// Throws where strokes are not taken back.
+  void requireUndo() const;
   /// The points as they are: as the journal knows them, where there is one and nothing moves.
   SculptedCloud sculpted() const;
 
@@ -152,6 +155,7 @@ class Session {
  private:
   void setSprings(std::span<const OpenHand> hands);
   std::unique_ptr<SharedFollower> takePart();
+  bool settleFar(double patience_s);
   void awaitPoints(std::span<const OpenHand> hands, const RunOptions& options) const;
 
   const BackendKind& kind_;

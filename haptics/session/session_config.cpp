@@ -86,8 +86,6 @@ void validate(const JoinConfig& join, const SessionConfig& config) {
   if (config.model.file.empty() || config.model.file.size() > kLongestName)
     throw ConfigError("model.file", "is no name of a session: 1 to {} bytes", kLongestName);
   if (join.domain > bounds::kLastDomain) throw ConfigError("join.domain", "is {}; there are 0 to {}", join.domain, bounds::kLastDomain);
-  if (config.brush && join.near)
-    throw ConfigError("brush.kind", "who has the points around his hands alone feels them alone; leave it out, or join.near (--near)");
   // It would be another cloud than the others have.
   if (config.brush && config.brush->keepsDensity)
     throw ConfigError("brush.keeps_density", "where several sculpt no points come and go; turn it off (--keep-points)");

@@ -1,5 +1,6 @@
 #include "haptics/sharing/brick_assembly.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/core/check.hpp"
@@ -53,7 +54,9 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
   require(at == points, "points are of no brick");
   ++taken_;
   next_.true_s = sample.true_s;
-  if (sample.last) finish(sample.whole);
+  if (!sample.last) return Heard::taken;
+  acked_ = std::max<std::uint64_t>(acked_, sample.acked);
+  finish(sample.whole);
   return Heard::taken;
 }
 
@@ -79,9 +82,7 @@ void BrickAssembly::add(const BrickPart& part, const Bricks& sample, std::size_t
     brick.ids.push_back(id);
     brick.positions.push_back(place);
     brick.normals.push_back(normal);
-    if (colored_)
-      brick.colors.push_back({static_cast<std::uint8_t>(point.color), static_cast<std::uint8_t>(point.color >> 8),
-                              static_cast<std::uint8_t>(point.color >> 16)});
+    brick.colors.push_back(point.color);
     if (!moves) continue;
     const float* const velocity = sample.velocities._buffer + 3 * i;
     brick.velocities.emplace_back(velocity[0], velocity[1], velocity[2]);

@@ -14,8 +14,8 @@ namespace palpate::sharing {
 /// One thread uses it at a time.
 class BrickAssembly {
  public:
-  /// `room`: points that are known at once, at most. `colored`: they have colours.
-  BrickAssembly(double edge, std::size_t room, bool colored) : grid_(edge), room_(room), colored_(colored) {}
+  /// `room`: points that are known at once, at most.
+  BrickAssembly(double edge, std::size_t room) : grid_(edge), room_(room) {}
 
   /// What is asked for from now on: all anew. What is known stays until it comes again, or has not come with the rest.
   std::uint32_t begin();
@@ -30,6 +30,8 @@ class BrickAssembly {
   };
   /// Once takeUpdate() has given what the last one completed. Throws NetworkError for what is no piece of such a cloud.
   Heard hear(const Bricks& sample);
+  /// Pieces of this client's strokes that the sender has taken, up to this one; what has come has what became of them.
+  std::uint64_t acked() const { return acked_; }
   /// A step that is complete, with the sender's time; once.
   std::optional<BrickUpdate> takeUpdate();
 
@@ -40,9 +42,8 @@ class BrickAssembly {
 
   BrickGrid grid_;
   std::size_t room_;
-  bool colored_;
   std::uint32_t epoch_ = 0;
-  std::uint64_t taken_ = 0;
+  std::uint64_t taken_ = 0, acked_ = 0;
   struct Coming {
     std::uint32_t total = 0;
     std::shared_ptr<Brick> brick;

@@ -98,7 +98,7 @@ void BrickServer::take(const Near& near) {
     client.outgoing.reset();
     client.unacked.clear();
     client.wantsMore = true;
-    client.number = 0;
+    client.number = client.acked = 0;
   }
   if (near.epoch < client.epoch || near.number <= client.number) return;  // overtaken
   client.number = near.number;
@@ -185,7 +185,7 @@ double BrickServer::write() {
   constexpr int kInTurn = 64;  // samples
   for (auto& [id, client] : clients_) {
     int written = 0;
-    for (; written < kInTurn && (client.outgoing || begin(client)); ++written)
+    for (; written < kInTurn && (client.outgoing || begin(id, client)); ++written)
       if (!writeSample(client)) {
         next_s = std::min(next_s, kSoon_s);
         break;
@@ -204,15 +204,21 @@ bool BrickServer::mayBegin(const Client& client) const {
          client.unacked.front().since.elapsed_s() < 1.5 * client.fastest_s + kSlack_s;
 }
 
-bool BrickServer::begin(Client& client) {
-  if (client.epoch == 0 || (!client.wantsMore && client.seen == bricks_.version()) || !mayBegin(client)) return false;
+// Who has all bricks that he wants has in them what became of his strokes so far: the points have just been followed.
+bool BrickServer::begin(const Id& id, Client& client) {
+  const std::uint64_t acked = parts_.points.lastOf(id);
+  const bool isNews = client.wantsMore || client.seen != bricks_.version() || acked > client.acked;
+  if (client.epoch == 0 || !isNews || !mayBegin(client)) return false;
   const bool moves = parts_.facts.moves;
   if (moves && !shown_.since) return false;
   Outgoing going{.step = client.ledger.next(client.wanted.balls, client.wanted.bricks, bricks_, moves ? kMoving : kStill),
-                 .true_s = bricks_.true_s()};
+                 .true_s = bricks_.true_s(),
+                 .acked = client.acked};
   client.wantsMore = !going.step.whole;
   client.seen = bricks_.version();
-  if (going.step.isEmpty()) return false;
+  if (going.step.whole) going.acked = acked;
+  if (going.step.isEmpty() && going.acked == client.acked) return false;
+  client.acked = going.acked;
   client.outgoing = std::move(going);
   ++counts_.steps;
   return true;
@@ -242,8 +248,7 @@ void BrickServer::fill(Bricks& sample, Outgoing& going) {
         point.normal[axis] = brick->normals[i][axis];
         if (moves) velocities_.push_back(brick->velocities[i][axis]);
       }
-      if (!brick->colors.empty())
-        for (unsigned k = 0; k < 3; ++k) point.color |= std::uint32_t{brick->colors[i][k]} << (8 * k);
+      if (!brick->colors.empty()) point.color = brick->colors[i];
       ids_.push_back(brick->ids[i]);
       points_.push_back(point);
     }
@@ -272,6 +277,7 @@ bool BrickServer::writeSample(Client& client) {
   sample.sample = client.sample + 1;
   sample.true_s = going.true_s;
   sample.whole = going.step.whole;
+  sample.acked = going.acked;
   fill(sample, going);
   sample.last = going.gone.dropped == going.step.dropped.size() && going.gone.brick == going.step.bricks.size();
   if (!client.writer.write(sample)) {

@@ -54,6 +54,7 @@ class BrickServer {
   struct Outgoing {
     BrickLedger::Step step;
     double true_s = 0;
+    std::uint64_t acked = 0;
     Gone gone;
   };
   struct Sent {
@@ -71,6 +72,7 @@ class BrickServer {
     Writer<Bricks> writer;  // in its partition
     std::uint32_t number = 0, epoch = 0;
     std::uint64_t sample = 0, taken = 0, window = 0;
+    std::uint64_t acked = 0;  // the last piece of its strokes of which it was told
     Wanted wanted;
     std::uint64_t seen = 0;       // version of the bricks for which nothing was left to do
     bool wantsMore = true;        // since then it has asked for something else
@@ -88,7 +90,7 @@ class BrickServer {
   void follow();
   double showWanted();
   bool mayBegin(const Client& client) const;
-  bool begin(Client& client);
+  bool begin(const Id& id, Client& client);
   bool writeSample(Client& client);
   void probe(Client& client);
   void fill(Bricks& sample, Outgoing& going);

@@ -9,8 +9,6 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostUnacked = 4096;  // pieces; what is made meanwhile goes together, each point once
-
 // As the digest has it: zero has two signs.
 bool isSameToTheBit(const PointState& a, const PointState& b) {
   static_assert(sizeof(PointState) == 36);  // no padding
@@ -37,7 +35,7 @@ void EditExchange::made(const PointState& state) {
   set(state);
   waiting_.erase(point);
   if (inFlight_.contains(point)) overtaken_[point] = state;
-  if (queued_.insert_or_assign(point, state).second) queue_.push_back(point);
+  outbox_.add(state);
 }
 
 void EditExchange::received(std::span<const PointState> states) {
@@ -98,18 +96,12 @@ EditExchange::Heard EditExchange::hear(const Results& results) {
   if (results.counter != counter_ + 1) return Heard::gap;
   counter_ = results.counter;
   hasHeard_ = true;
-  while (!unacked_.empty() && unacked_.front().number <= results.acked) {
-    for (const PointState& state : unacked_.front().states)
-      if (const auto own = pending_.find(state.number()); own != pending_.end() && own->second == unacked_.front().number)
-        pending_.erase(own);
-    unacked_.pop_front();
-    if (toSend_ > 0) --toSend_;
-  }
+  outbox_.taken(results.acked);
   for (const PointState& state : results.states) {
     const std::uint32_t point = state.number();
     PALPATE_CHECK_LT(point, shown_.size());
     // What is on its way to the server comes after it.
-    if (queued_.contains(point) || pending_.contains(point)) continue;
+    if (outbox_.holds(point)) continue;
     waiting_[point] = state;
   }
   upTo_ = results.upTo;
@@ -127,27 +119,8 @@ Resume EditExchange::resume() {
   ++epoch_;
   counter_ = 0;
   hasHeard_ = false;
-  resent_ += toSend_;
-  toSend_ = 0;
+  outbox_.sendAgain();
   return {.epoch = epoch_, .upTo = upTo_};
-}
-
-const StrokePiece* EditExchange::nextPiece(std::size_t most) {
-  if (toSend_ < unacked_.size()) return &unacked_[toSend_++];
-  if (queue_.empty() || unacked_.size() >= kMostUnacked) return nullptr;
-  StrokePiece piece{.number = ++lastPiece_, .states = {}};
-  while (!queue_.empty() && piece.states.size() < most) {
-    const std::uint32_t point = queue_.front();
-    queue_.pop_front();
-    const auto state = queued_.find(point);
-    piece.states.push_back(state->second);
-    pending_[point] = piece.number;
-    queued_.erase(state);
-  }
-  sentStates_ += piece.states.size();
-  unacked_.push_back(std::move(piece));
-  toSend_ = unacked_.size();
-  return &unacked_.back();
 }
 
 }  // namespace palpate::sharing

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <span>
 #include <unordered_map>
@@ -12,14 +11,9 @@
 
 #include "engine/core/edit_batch.hpp"
 #include "haptics/sharing/point_digest.hpp"
+#include "haptics/sharing/stroke_outbox.hpp"
 
 namespace palpate::sharing {
-
-/// States that a hand has made, on their way to the server.
-struct StrokePiece {
-  std::uint64_t number = 0;  ///< from 1 on, without gaps
-  std::vector<PointState> states;
-};
 
 /// What the server says to one client.
 struct Results {
@@ -69,27 +63,25 @@ class EditExchange {
   Resume resume();
   /// The same from the beginning on, what this hand has made included.
   Resume resumeAll();
-  /// The next piece to send, of at most `most` states; null where there is none, or so many are on the way that they have
-  /// to arrive first. It stays until it has been taken.
-  const StrokePiece* nextPiece(std::size_t most);
-  /// The one that nextPiece() gave last could not be sent: it is the next one again.
-  void notSent() { --toSend_; }
+  /// StrokeOutbox's, of what this hand has made.
+  const StrokePiece* nextPiece(std::size_t most) { return outbox_.nextPiece(most); }
+  void notSent() { outbox_.notSent(); }
 
   /// All that the server had as it was heard last is in effect here.
   bool isInEffect() const { return hasHeard_ && inFlight_.empty() && waiting_.empty() && upTo_ == head_; }
   /// Nothing is on the way in either direction.
   bool isAtRest() const { return isInEffect() && isDelivered(); }
   /// All that this hand has done is where it belongs.
-  bool isDelivered() const { return queue_.empty() && unacked_.empty(); }
+  bool isDelivered() const { return outbox_.isEmpty(); }
   /// At rest: whether the points here are those of the server.
   bool isSame() const { return digest_.value() == serverDigest_; }
 
   std::span<const PointState> points() const { return shown_; }
   std::uint64_t digest() const { return digest_.value(); }
   std::uint64_t upTo() const { return upTo_; }
-  std::uint64_t sentStates() const { return sentStates_; }          ///< of this hand, each piece once
+  std::uint64_t sentStates() const { return outbox_.sentStates(); }          ///< of this hand, each piece once
   std::uint64_t receivedStates() const { return receivedStates_; }  ///< of others, as they took effect here
-  std::uint64_t resent() const { return resent_; }                  ///< pieces that went more than once
+  std::uint64_t resent() const { return outbox_.resent(); }                  ///< pieces that went more than once
 
  private:
   using ByPoint = std::unordered_map<std::uint32_t, PointState>;
@@ -101,13 +93,7 @@ class EditExchange {
   std::size_t mostOffered_;
   PointDigest digest_;
 
-  // Made here, not sent yet: in this order, each point once with its last state.
-  std::deque<std::uint32_t> queue_;
-  ByPoint queued_;
-  std::deque<StrokePiece> unacked_;
-  std::unordered_map<std::uint32_t, std::uint64_t> pending_;  // by point: the last piece that has it
-  std::uint64_t lastPiece_ = 0;
-  std::size_t toSend_ = 0;  // of unacked_, where pieces go again: from here on
+  StrokeOutbox outbox_;
 
   // Made by others: not offered yet; offered; and of those what this hand has made meanwhile.
   ByPoint waiting_, inFlight_, overtaken_;
@@ -118,7 +104,7 @@ class EditExchange {
   std::uint32_t epoch_ = 0;
   std::uint64_t counter_ = 0, upTo_ = 0, head_ = 0, serverDigest_ = 0;
   bool hasHeard_ = false;  // in this epoch
-  std::uint64_t sentStates_ = 0, receivedStates_ = 0, resent_ = 0;
+  std::uint64_t receivedStates_ = 0;
 };
 
 }  // namespace palpate::sharing

@@ -11,6 +11,7 @@
 #include "haptics/sharing/hand_balls.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/link_probe.hpp"
+#include "haptics/sharing/stroke_outbox.hpp"
 
 namespace palpate {
 
@@ -23,6 +24,8 @@ constexpr double kLook_s = 0.004;        // how often is looked where the hands 
 constexpr double kAsk_s = 0.05;          // between two questions where nothing is new
 constexpr double kNews_s = 0.005;        // and where something is
 constexpr double kSilent_s = 3;          // after which another server of the same points is looked for
+constexpr double kStuck_s = 5;           // after which strokes that were sent and not taken go again,
+constexpr int kMostStuck = 12;           // so many times in a row, though the server is heard
 constexpr double kHand_s = 1.0 / 60;     // between two places of a hand that others see
 constexpr int kMostSpoilt = 100;         // samples that are none, before one step has come whole
 constexpr double kFirstTrip_s = 0.1;     // until one is known
@@ -54,11 +57,12 @@ class FarLink final : public FarCloud {
       : parts_(parts),
         to_(*parts.session),
         server_(to_.session),
-        source_({.edge = parts.facts.edge, .points = kRoom, .moves = parts.facts.moves}),
-        assembly_(parts.facts.edge, kRoom, parts.notice.colored),
+        source_({.edge = parts.facts.edge, .points = kRoom, .moves = parts.facts.moves, .colored = parts.notice.colored}),
+        assembly_(parts.facts.edge, kRoom),
         balls_(parts.facts.edge, kLeastSpeed_mm_s / parts.notice.mm_per_unit),
         nears_(to_.participant, to_.topics.nears, bestEffortQos()),
         handWriter_(to_.participant, to_.topics.hands, bestEffortQos()),
+        strokes_(to_.participant, to_.topics.strokes, reliableQos(false)),
         probe_(to_),
         notices_(to_.participant, to_.topics),
         wait_(std::in_place, to_.participant) {
@@ -73,6 +77,7 @@ class FarLink final : public FarCloud {
 
   BrickSource& source() override { return source_; }
   const InformationAge& known() const override { return known_; }
+  bool isSculptable() const override { return parts_.notice.sculptable && !parts_.facts.moves; }
 
   FarCounts counts() const override {
     const std::scoped_lock hold(lock_);
@@ -80,6 +85,9 @@ class FarLink final : public FarCloud {
     const BrickSource::Known known = source_.known();
     counts.bricks = known.bricks;
     counts.known = known.points;
+    counts.sent = outbox_.sentStates();
+    counts.resent = outbox_.resent();
+    counts.delivered = outbox_.isEmpty() && known.allTaken;
     counts.silent_s = lastHeard_.elapsed_s();
     counts.longestSilent_s = std::max(counts.longestSilent_s, counts.silent_s);
     const LinkCounts link = probe_.counts();
@@ -118,6 +126,7 @@ class FarLink final : public FarCloud {
     hear();
     probe();
     watchServer();
+    send();
     if (const auto hands = source_.asked()) {
       ask(*hands);
       showHand(*hands);
@@ -149,6 +158,11 @@ class FarLink final : public FarCloud {
     isHeardNow();
     if (auto update = assembly_.takeUpdate()) {
       update->true_s = way_.arrived(steadyNow_s(), update->true_s);
+      update->settled = outbox_.taken(assembly_.acked());
+      if (!update->settled.empty()) {
+        progressed_ = {};
+        stuck_ = 0;
+      }
       const bool isChanged = source_.apply(std::move(*update));
       if (isChanged && !parts_.facts.moves) known_.changed();
       spoilt_ = 0;
@@ -158,8 +172,37 @@ class FarLink final : public FarCloud {
     return true;
   }
 
+  // What hands here have made goes to the server, and again where that says nothing of it.
+  void send() {
+    made_.clear();
+    source_.takeMade(made_);
+    for (const PointState& state : made_) outbox_.add(state);
+    if (outbox_.isEmpty() || lastHeard_.elapsed_s() > kSilent_s) progressed_ = {};
+    if (progressed_.elapsed_s() > kStuck_s) {
+      if (++stuck_ > kMostStuck)
+        return fail(fmt::format("'{}' of {} takes nothing of what this hand does; join it again", to_.name, to_.host));
+      outbox_.sendAgain();
+      progressed_ = {};
+    }
+    while (const StrokePiece* piece = outbox_.nextPiece(kStates))
+      if (!write(*piece)) return outbox_.notSent();
+  }
+
+  bool write(const StrokePiece& piece) {
+    Stroke stroke{};
+    set(stroke.session, server_);
+    set(stroke.client, to_.client);
+    stroke.number = piece.number;
+    sent_.clear();
+    for (const PointState& point : piece.states) sent_.push_back(stateOf(point));
+    stroke.states._buffer = sent_.data();
+    stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(sent_.size());
+    return strokes_.write(stroke);
+  }
+
   void restart() {
     assembly_.begin();
+    outbox_.sendAgain();
     ++counts_.resumed;
     isNew_ = true;
   }
@@ -189,6 +232,10 @@ class FarLink final : public FarCloud {
       if (notice.name != to_.name || notice.session == server_ || left_.contains(notice.session)) continue;
       if (notice.checksum != parts_.notice.checksum || notice.version != kVersion)
         return fail(fmt::format("'{}' of {} has other points now; join it again", to_.name, notice.host));
+      if (outbox_.lastPiece() > 0)
+        return fail(fmt::format("'{}' of {} was served anew, without what had been done to it: this hand's part of it has nowhere "
+                                "to go; join it again",
+                                to_.name, notice.host));
       left_.insert(server_);
       server_ = notice.session;
       probe_.follow(server_);
@@ -237,6 +284,7 @@ class FarLink final : public FarCloud {
     }
     hand.orientation[3] = 1;
     hand.touching = first.touching;
+    hand.sculpts = hands.sculpts;
     hand.number = ++handsShown_;
     handWriter_.write(hand);
   }
@@ -278,6 +326,12 @@ class FarLink final : public FarCloud {
   HandBalls balls_;
   Writer<Near> nears_;
   Writer<Hand> handWriter_;
+  Writer<Stroke> strokes_;
+  StrokeOutbox outbox_;
+  std::vector<PointState> made_;
+  std::vector<State> sent_;
+  Stopwatch progressed_;  // strokes were taken last, or there was none to take
+  int stuck_ = 0;
   LinkProbe probe_;
   Reader<Bricks> bricks_;
   SessionNotices notices_;

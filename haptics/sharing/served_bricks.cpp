@@ -67,7 +67,10 @@ void ServedBricks::show(const CloudFrame& frame, const std::unordered_set<BrickK
     brick.positions.push_back(frame.positions[i]);
     brick.normals.push_back(frame.normals[i]);
     if (!frame.velocities.empty()) brick.velocities.push_back(frame.velocities[i]);
-    if (!frame.colors.empty()) brick.colors.push_back(frame.colors[i]);
+    if (!frame.colors.empty()) {
+      const auto& color = frame.colors[i];
+      brick.colors.push_back(packedColor({color[0], color[1], color[2], 255}));
+    }
   }
   std::unordered_map<BrickKey, Kept> next;
   for (auto& [key, brick] : shown) {
@@ -106,8 +109,7 @@ std::shared_ptr<const Brick> ServedBricks::brick(BrickKey key) const {
     brick->ids.push_back(id);
     brick->positions.push_back(point.position);
     brick->normals.push_back(point.normal);
-    brick->colors.push_back({static_cast<std::uint8_t>(point.color), static_cast<std::uint8_t>(point.color >> 8),
-                             static_cast<std::uint8_t>(point.color >> 16)});
+    brick->colors.push_back(point.color);
   }
   return brick;
 }

@@ -263,9 +263,9 @@ TEST_CASE("who has the points around the hand alone feels the file, byte by byte
   CHECK(timed["near"]["ticks_without_points"] < 60);
   // A part of it came: what is near.
   CHECK(timed["near"]["most_known"] < 140000);
-  const Outcome sculpts = palpate("touch --join large --near" + domain() + " --backend cpu --edit push");
-  CHECK(sculpts.code == 2);
-  CHECK(sculpts.text.find("feels them alone") != std::string::npos);
+  const Outcome undoes = palpate(near + " --edit push --keep-points --undo 1");
+  CHECK(undoes.code == 2);
+  CHECK(undoes.text.find("strokes on the points around the hands alone are not taken back") != std::string::npos);
   const Outcome saves = palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --save " + in("x.ply"));
   CHECK(saves.code == 2);
   CHECK(saves.text.find("the points around the hands alone are here") != std::string::npos);
@@ -277,6 +277,36 @@ TEST_CASE("who has the points around the hand alone feels the file, byte by byte
   CHECK(served["near"] == 2);  // the others were refused before they felt anything
   CHECK(served["near_points"] > 1000);
   CHECK(served["frames"] == 0);
+}
+
+TEST_CASE("who has the points around the hand alone sculpts the file, byte by byte, and who joins later has it so") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make bumpy-sphere -n 60000 -o " + in("m.ply"));
+  writeSlide(in("m.ply"), in("slide.csv"));
+  const std::string how = " --backend cpu --keep-points --penetration 3 --path " + in("slide.csv") + " --edit ";
+  const auto placesOf = [&](const std::string& file) {
+    works("convert " + file + " " + file + ".xyz --force");
+    return contentOf(file + ".xyz");
+  };
+  for (const std::string& brush : {std::string("push"), std::string("carve")}) {
+    CAPTURE(brush);
+    works("touch " + in("m.ply") + how + brush + " --trace " + in("own.csv") + " --save " + in("own.ply") + " --force --json " + in("o.json"));
+    Serving serving(in("m.ply") + " --name carved --json " + in("s.json"), folder / "said");
+    works("touch --join carved --near" + domain() + how + brush + " --trace " + in("near.csv") + " --json " + in("n.json"));
+    CHECK(contentOf(in("near.csv")) == contentOf(in("own.csv")));
+    const Result report = jsonOf(in("n.json"));
+    const Result& near = report["near"];
+    CHECK(report["moved_points"] == jsonOf(in("o.json"))["moved_points"]);
+    CHECK(near["sent"] > 100);
+    CHECK(near["delivered"] == true);
+    CHECK(near["ticks_without_points"] == 0);
+    works("touch --join carved" + domain() + " --backend cpu --duration 0.01 --save " + in("later.ply") + " --force");
+    CHECK(placesOf(in("later.ply")) == placesOf(in("own.ply")));
+    CHECK(serving.program.wait(SIGINT) == 0);
+    CHECK(jsonOf(in("s.json"))["states"] == near["sent"]);
+  }
 }
 
 TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives way to far hands, and water is not served") {

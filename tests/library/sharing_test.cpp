@@ -291,13 +291,17 @@ TEST_CASE("of what is joined near, the points around the hand are felt as all of
   for (std::size_t i = 0; i < far.size(); ++i)
     for (int k = 0; k < 3; ++k) CHECK(far[i].force_N[k] == all[i].force_N[k]);
   const pp_sharing sharing = sharingOf(near);
-  CHECK(sharing.sculptable == 0);
+  CHECK(sharing.sculptable == 1);
   CHECK(sharing.heard == 1);
   CHECK(sharing.pings > 0);
+  CHECK(sharing.sent == 0);
   CHECK(std::string(sharing.fault).empty());
   const pp_brush push = pp_default_brush();
-  CHECK(pp_session_set_brush(near, &push) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("near"));
+  PP_CHECK_OK(pp_session_set_brush(near, &push));
+  touch(near, pathOf(path));
+  const pp_sharing sculpted = sharingOf(near);
+  CHECK(sculpted.sent > 10);
+  CHECK(sculpted.delivered == 1);
   PP_CHECK_OK(pp_session_close(near));
   PP_CHECK_OK(pp_session_close(whole));
 }

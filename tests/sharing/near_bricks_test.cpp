@@ -256,7 +256,7 @@ struct OneSample {
 };
 
 BrickAssembly freshAssembly(std::size_t room = 100) {
-  BrickAssembly assembly(1, room, true);
+  BrickAssembly assembly(1, room);
   CHECK(assembly.begin() == 1);
   return assembly;
 }
@@ -284,7 +284,7 @@ TEST_CASE("a step is put together from its samples; one that is missing is found
   REQUIRE(update);
   REQUIRE(update->bricks.size() == 2);
   CHECK(update->bricks[0].second->ids == std::vector<std::uint32_t>{3, 8});
-  CHECK(update->bricks[0].second->colors[0] == std::array<std::uint8_t, 3>{1, 2, 3});
+  CHECK(update->bricks[0].second->colors[0] == 0x030201);
   CHECK(update->bricks[1].second->size() == 0);
   // Anew: what has come stays until it comes again; what has not come with the rest is gone then.
   CHECK(assembly.begin() == 2);

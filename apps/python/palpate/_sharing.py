@@ -52,7 +52,7 @@ class Join:
         read_only: this hand feels what the others do, and takes no brush.
         patience_s: s, for the session to be found, for each next piece of it, and, by path and in cloud(), for what everybody
             has done to be everywhere.
-        near: of its points those around the hands alone come here, ahead of them, and none is sculpted. What moves comes so in
+        near: of its points those around the hands alone come here, ahead of them; they are sculpted, but no stroke is taken back. What moves comes so in
             any case, and is felt live.
     """
 

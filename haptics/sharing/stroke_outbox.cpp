@@ -1,0 +1,55 @@
+#include "haptics/sharing/stroke_outbox.hpp"
+
+#include <utility>
+
+namespace palpate::sharing {
+
+namespace {
+
+constexpr std::size_t kMostUnacked = 4096;  // pieces; what is made meanwhile goes together, each point once
+
+}  // namespace
+
+void StrokeOutbox::add(const PointState& state) {
+  if (queued_.insert_or_assign(state.number(), state).second) queue_.push_back(state.number());
+}
+
+const StrokePiece* StrokeOutbox::nextPiece(std::size_t most) {
+  if (toSend_ < unacked_.size()) return &unacked_[toSend_++];
+  if (queue_.empty() || unacked_.size() >= kMostUnacked) return nullptr;
+  StrokePiece piece{.number = ++lastPiece_, .states = {}};
+  while (!queue_.empty() && piece.states.size() < most) {
+    const std::uint32_t point = queue_.front();
+    queue_.pop_front();
+    const auto state = queued_.find(point);
+    piece.states.push_back(state->second);
+    pending_[point] = piece.number;
+    queued_.erase(state);
+  }
+  sentStates_ += piece.states.size();
+  unacked_.push_back(std::move(piece));
+  toSend_ = unacked_.size();
+  return &unacked_.back();
+}
+
+std::vector<std::uint32_t> StrokeOutbox::taken(std::uint64_t upTo) {
+  std::vector<std::uint32_t> settled;
+  while (!unacked_.empty() && unacked_.front().number <= upTo) {
+    for (const PointState& state : unacked_.front().states) {
+      const auto own = pending_.find(state.number());
+      if (own == pending_.end() || own->second != unacked_.front().number) continue;
+      pending_.erase(own);
+      if (!queued_.contains(state.number())) settled.push_back(state.number());
+    }
+    unacked_.pop_front();
+    if (toSend_ > 0) --toSend_;
+  }
+  return settled;
+}
+
+void StrokeOutbox::sendAgain() {
+  resent_ += toSend_;
+  toSend_ = 0;
+}
+
+}  // namespace palpate::sharing

@@ -1,0 +1,209 @@
+// What a hand has made of points over what comes of them, against a model that keeps every point by itself.
+#include "engine/motion/brick_overlay.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <optional>
+#include <random>
+
+#include "engine/motion/brick_source.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint32_t kPoints = 60;
+constexpr int kSide = 3;  // bricks of edge 1 that there are, along each axis
+
+using Points = std::vector<PointState>;
+
+PointState randomPoint(std::mt19937& random, std::uint32_t id) {
+  std::uniform_real_distribution<float> place(0, kSide);
+  PointState point{.position = Vec3(place(random), place(random), place(random)),
+                   .id = id,
+                   .normal = Vec3(0, 0, 1),
+                   .color = static_cast<std::uint32_t>(random() | 1),
+                   .parent = id};
+  if (random() % 8 == 0) point.id |= PointState::kGone;
+  return point;
+}
+
+std::shared_ptr<const Brick> brickOf(const Points& points, const BrickGrid& grid, BrickKey key) {
+  auto brick = std::make_shared<Brick>();
+  for (const PointState& point : points) {
+    if (point.gone() || grid.keyAt(DVec3(point.position)) != key) continue;
+    brick->ids.push_back(point.number());
+    brick->positions.push_back(point.position);
+    brick->normals.push_back(point.normal);
+    brick->colors.push_back(point.color);
+  }
+  return brick;
+}
+
+/// The same, each point by itself: what came of it last, and what was made of it, until that is settled.
+struct World {
+  explicit World(unsigned seed) : random(seed) {
+    for (std::uint32_t i = 0; i < kPoints; ++i) theirs.push_back(randomPoint(random, i));
+    came.resize(kPoints);
+    own.resize(kPoints);
+    isNew.resize(kPoints);
+    BrickBox{IVec3(0), IVec3(kSide - 1)}.forEach([&](const IVec3& at) { keys.push_back(BrickGrid::keyOf(at)); });
+  }
+  PointState shownOf(std::uint32_t id) const { return own[id] ? *own[id] : theirs[id]; }
+
+  std::mt19937 random;
+  BrickGrid grid{1};
+  BrickOverlay overlay{grid};
+  std::vector<BrickKey> keys;
+  std::set<BrickKey> known;
+  Points theirs;  // as who has the cloud has them; all that is known is up to date behind each step
+  std::vector<std::optional<PointState>> came, own;
+  std::vector<bool> isNew;
+};
+
+// What a step of an honest server has: all known bricks that have changed, and some that come and go.
+void step(World& world) {
+  Points next = world.theirs;
+  for (int i = 0; i < 4; ++i) {
+    const std::uint32_t id = world.random() % kPoints;
+    next[id] = randomPoint(world.random, id);
+  }
+  // Of what was sent it may have some, upon which others may have changed it again.
+  std::vector<std::uint32_t> settled;
+  for (std::uint32_t id = 0; id < kPoints; ++id) {
+    if (!world.own[id] || world.isNew[id] || world.random() % 3 != 0) continue;
+    if (world.random() % 2 == 0) next[id] = *world.own[id];
+    settled.push_back(id);
+  }
+  for (const BrickKey key : world.keys) {
+    const bool isKnown = world.known.contains(key);
+    if (isKnown && world.random() % 10 == 0) {
+      world.overlay.drop(key);
+      world.known.erase(key);
+      continue;
+    }
+    const auto brick = brickOf(next, world.grid, key);
+    if (isKnown ? *brick == *brickOf(world.theirs, world.grid, key) : world.random() % 4 != 0) continue;
+    world.overlay.come(key, brick);
+    world.known.insert(key);
+  }
+  world.theirs = next;
+  world.overlay.settle(settled);
+  for (const std::uint32_t id : settled) world.own[id].reset();
+}
+
+void makeSome(World& world) {
+  std::vector<PointChange> changes;
+  for (std::uint32_t id = 0; id < kPoints; ++id) {
+    const PointState from = world.shownOf(id);
+    // A hand changes what it sees.
+    if (from.gone() || !world.known.contains(world.grid.keyAt(DVec3(from.position))) || world.random() % 6 != 0) continue;
+    const PointState to = randomPoint(world.random, id);
+    changes.push_back({.from = from, .to = to});
+    world.own[id] = to;
+    world.isNew[id] = true;
+  }
+  world.overlay.make(changes);
+}
+
+}  // namespace
+
+TEST_CASE("what was made here is shown over all that comes until what comes has it; bricks that are others are named") {
+  std::size_t shown = 0, own = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    CAPTURE(seed);
+    World world(seed);
+    std::map<BrickKey, Brick> seen;
+    for (int turn = 0; turn < 60; ++turn) {
+      step(world);
+      if (turn % 2 == 0) makeSome(world);
+      if (world.random() % 3 == 0) {
+        Points made;
+        world.overlay.takeMade(made);
+        std::size_t fresh = 0;
+        for (const PointState& state : made) {
+          REQUIRE(world.isNew[state.number()]);
+          CHECK(*world.own[state.number()] == state);
+        }
+        for (std::uint32_t id = 0; id < kPoints; ++id) fresh += world.isNew[id];
+        CHECK(made.size() == fresh);
+        world.isNew.assign(kPoints, false);
+      }
+      Points all;
+      for (std::uint32_t id = 0; id < kPoints; ++id) all.push_back(world.shownOf(id));
+      const std::set<BrickKey> touched = world.overlay.takeTouched();
+      for (const BrickKey key : world.keys) {
+        const auto brick = world.overlay.shown(key);
+        REQUIRE((brick != nullptr) == world.known.contains(key));
+        const Brick now = brick ? *brick : Brick();
+        if (brick) CHECK(now == *brickOf(all, world.grid, key));
+        if (!touched.contains(key)) CHECK(now == seen[key]);
+        seen[key] = now;
+        shown += now.size();
+      }
+      own += world.overlay.own();
+      CHECK(world.overlay.own() ==
+            static_cast<std::size_t>(std::ranges::count_if(world.own, [](const auto& each) { return each.has_value(); })));
+    }
+  }
+  CHECK(shown > 10'000);
+  CHECK(own > 10'000);
+}
+
+TEST_CASE("a source has what was made in its next frame, says in which it is, and changes nothing elsewhere") {
+  BrickSource source({.edge = 1, .points = 100});
+  BrickUpdate update;
+  Points points;
+  for (std::uint32_t i = 0; i < 10; ++i)
+    points.push_back({.position = Vec3(0.1f * static_cast<float>(i) + 0.05f, 0.5f, 0.5f), .id = i, .normal = Vec3(0, 0, 1), .color = 7, .parent = i});
+  const BrickKey first = BrickGrid::keyOf(IVec3(0)), second = BrickGrid::keyOf(IVec3(1, 0, 0));
+  update.bricks = {{first, brickOf(points, source.grid(), first)}, {second, std::make_shared<Brick>()}};
+  source.apply(update);
+  CloudFrame before, after;
+  source.makeFrame(1, before);
+  PointState moved = points[3];
+  moved.position.x = 1.5f;
+  PointState gone = points[5];
+  gone.id |= PointState::kGone;
+  const std::uint64_t version =
+      source.make(std::vector<PointChange>{{.from = points[3], .to = moved}, {.from = points[5], .to = gone}});
+  CHECK(source.versionOf(before.time_s) < version);
+  CHECK(source.hasNewer(2, 1));
+  source.makeFrame(2, after);
+  CHECK(source.versionOf(after.time_s) == version);
+  REQUIRE(before.size() == 10);
+  REQUIRE(after.size() == 9);
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const std::size_t then = i < 5 ? i : i + 1;
+    CHECK(after.positions[i] == (i == 3 ? moved.position : before.positions[then]));
+  }
+  Points there;
+  source.pointsIn(DVec3(1), DVec3(2), there);
+  CHECK(there.empty());
+  source.pointsIn(DVec3(1, 0, 0), DVec3(2, 1, 1), there);
+  REQUIRE(there.size() == 1);
+  CHECK(there[0] == moved);
+  CHECK(source.known().own == 2);
+  // What comes and lacks it changes nothing; what has it is as it comes.
+  source.apply(update);
+  CHECK(source.known().points == 9);
+  Points made;
+  source.takeMade(made);
+  CHECK(made == Points{moved, gone});
+  Points theirs = points;
+  theirs[3] = moved;
+  theirs[3].position.y = 0.25f;  // somebody has changed it since
+  theirs[5] = gone;
+  BrickUpdate last;
+  last.bricks = {{first, brickOf(theirs, source.grid(), first)}, {second, brickOf(theirs, source.grid(), second)}};
+  last.settled = {3, 5};
+  source.apply(last);
+  there.clear();
+  source.pointsIn(DVec3(0), DVec3(2), there);
+  REQUIRE(there.size() == 9);
+  CHECK(there.back() == theirs[3]);
+  CHECK(source.known().own == 0);
+}
+
+}  // namespace palpate

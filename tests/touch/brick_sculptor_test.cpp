@@ -1,0 +1,175 @@
+// Sculpting a cloud of which only the bricks around a hand are here, on the CPU: the same as where all of it is.
+#include "engine/touch/brick_sculptor.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/error.hpp"
+#include "engine/touch/brick_touch.hpp"
+#include "engine/touch/cpu_touch.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+// All bricks of a cloud.
+BrickUpdate bricksOf(const std::vector<PointState>& points, const BrickGrid& grid, const DVec3& low, const DVec3& high) {
+  std::map<BrickKey, std::shared_ptr<Brick>> all;
+  grid.boxOf(low, high).forEach([&](const IVec3& at) { all[BrickGrid::keyOf(at)] = std::make_shared<Brick>(); });
+  for (const PointState& point : points) {
+    const auto brick = all.find(grid.keyAt(DVec3(point.position)));
+    if (point.gone() || brick == all.end()) continue;
+    brick->second->ids.push_back(point.number());
+    brick->second->positions.push_back(point.position);
+    brick->second->normals.push_back(point.normal);
+    brick->second->colors.push_back(point.color);
+  }
+  BrickUpdate update{.whole = true};
+  for (const auto& [key, brick] : all) update.bricks.emplace_back(key, brick);
+  return update;
+}
+
+struct Hand {
+  Hand(const Scene& scene, const std::optional<BrushOptions>& brush, double widening = 1, std::string fixed = {})
+      : source({.edge = 3 * scene.radius, .points = 2 * scene.cloud.size()}) {
+    PointCloud few;  // nobody feels them
+    few.origin = scene.cloud.origin;
+    few.positions = {scene.cloud.positions[0]};
+    few.normals = {scene.cloud.normals[0]};
+    touch = std::make_unique<BrickTouch>(
+        source,
+        std::make_unique<CpuTouch>(
+            few, CpuTouchOptions{.radius = scene.radius,
+                                 .widening = widening,
+                                 .threads = 1,
+                                 .source = &source,
+                                 .extent = PointExtent{.bounds = boundsOf(scene.cloud), .points = scene.cloud.size()}}),
+        BrickTouchOptions{.radius = scene.radius,
+                          .widening = widening,
+                          .origin = scene.cloud.origin,
+                          .patience_s = 0.2,
+                          .brush = brush,
+                          .fixed = std::move(fixed)});
+  }
+  BrickSource source;
+  std::unique_ptr<BrickTouch> touch;
+};
+
+bool isSame(const Contact& a, const Contact& b) {
+  return a.proxy == b.proxy && a.normal == b.normal && a.touching == b.touching && a.valid == b.valid;
+}
+
+}  // namespace
+
+TEST_CASE("in virtual time each brush makes of the points around a hand what it makes of a whole cloud, bit by bit") {
+  const Scene scene = makeScene("bumpy-sphere", 20'000, DVec3(3e5, -1e5, 2e4));
+  const Bounds box = boundsOf(scene.cloud);
+  for (const double widening : {1.0, 1.6})
+    for (const BrushKind kind : {BrushKind::push, BrushKind::carve, BrushKind::inflate, BrushKind::smooth, BrushKind::grab,
+                                 BrushKind::flatten}) {
+      CAPTURE(static_cast<int>(kind));
+      CAPTURE(widening);
+      const BrushOptions brush{.kind = kind, .tau = 0.2, .beta = 0.5, .radius = 6, .keepsDensity = false};
+      CpuTouch whole(scene.cloud, {.radius = scene.radius, .widening = widening, .brush = brush, .threads = 1});
+      Hand hand(scene, brush, widening);
+      hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), box.min - 40.0, box.max + 40.0));
+      std::size_t touching = 0, differing = 0, tick = 0;
+      for (const DVec3& hip : wanderingPath(scene, 300, 2 * scene.radius, 7)) {
+        const Pose pose{.time_s = static_cast<double>(++tick) * 1e-3, .hip = hip};
+        const Contact own = hand.touch->query(pose, 0), truth = whole.query(pose, 0);
+        differing += !isSame(own, truth);
+        touching += truth.touching;
+      }
+      CHECK(touching > 30);
+      CHECK(differing == 0);
+      hand.touch->finish();
+      whole.finish();
+      CHECK(hand.touch->editTimes_us().size() > 20);
+      PointCloud sculpted = scene.cloud;
+      CHECK(whole.readBack(sculpted) > 30);
+      // Every point, as the whole cloud has it.
+      std::vector<PointState> made;
+      hand.source.takeMade(made);
+      std::vector<PointState> states = statesOf(scene.cloud);
+      for (const PointState& state : made) states[state.number()] = state;
+      const PointCloud here = editedCloud(scene.cloud, states);
+      CHECK(here.positions == sculpted.positions);
+      CHECK(here.normals == sculpted.normals);
+    }
+}
+
+TEST_CASE("against the clock an edit waits until the last one is felt, so that a brush goes no deeper than the hand") {
+  const Scene scene = makeScene("sphere", 20'000);
+  const BrushOptions brush{.kind = BrushKind::push, .tau = 0.2, .beta = 1, .radius = 6, .keepsDensity = false};
+  Hand hand(scene, brush);
+  CpuTouch whole(scene.cloud, {.radius = scene.radius, .brush = brush, .threads = 1});
+  hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), DVec3(-70), DVec3(70)));
+  constexpr double kBudget_us = 1e6;
+  double time_s = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const Pose pose{.time_s = time_s += 1e-3, .hip = DVec3(0, 0, std::max(46.0, 51 - 0.005 * i))};
+    hand.touch->query(pose, kBudget_us);
+    hand.touch->prepare();
+    whole.query(pose, 0);
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  hand.touch->finish();
+  whole.finish();
+  const std::size_t edits = hand.touch->editTimes_us().size();
+  CHECK(edits > 20);
+  CHECK(hand.touch->firstEditTime_s().has_value());
+  std::vector<PointState> made;
+  hand.source.takeMade(made);
+  CHECK(made.size() > 50);
+  double deepest = 50;
+  for (const PointState& state : made) {
+    deepest = std::min(deepest, double{glm::length(state.position)});
+    CHECK(glm::distance(DVec3(state.position), DVec3(0, 0, 46)) < 2 * brush.radius + 4);
+  }
+  PointCloud there = scene.cloud;
+  whole.readBack(there);
+  double deepestThere = 50;
+  for (const Vec3& position : there.positions) deepestThere = std::min(deepestThere, double{glm::length(position)});
+  CHECK(deepest == doctest::Approx(deepestThere).scale(0).epsilon(0.005));
+  CHECK(deepest < 46);
+  // Where no frame comes that has it there is no other one, however long the hand presses.
+  for (int i = 0; i < 20; ++i) {
+    hand.touch->query({.time_s = time_s += 1e-3, .hip = DVec3(0, 0, 44.5)}, kBudget_us);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  hand.touch->finish();
+  CHECK(hand.touch->editTimes_us().size() <= edits + 1);
+}
+
+TEST_CASE("a hand that does not sculpt, has no brush, or feels what is not known leaves every point as it is") {
+  const Scene scene = makeScene("sphere", 20'000);
+  const BrushOptions brush{.kind = BrushKind::push, .tau = 0.2, .beta = 1, .radius = 6, .keepsDensity = false};
+  Hand hand(scene, brush);
+  const auto press = [&](bool sculpts) {
+    for (int i = 0; i < 60; ++i)
+      hand.touch->query({.time_s = 1e-3 * i, .hip = DVec3(0, 0, 51 - 0.05 * i), .sculpts = sculpts}, 1e6);
+  };
+  std::vector<PointState> made;
+  press(true);  // nothing is known
+  hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), DVec3(-70), DVec3(70)));
+  press(false);
+  hand.touch->setBrush(std::nullopt);
+  press(true);
+  hand.touch->finish();
+  hand.source.takeMade(made);
+  CHECK(made.empty());
+  hand.touch->setBrush(brush);
+  for (int i = 0; i < 60; ++i)
+    hand.touch->query({.time_s = 1 + 1e-3 * i, .hip = DVec3(0, 0, 51 - 0.05 * i)}, 0);
+  hand.touch->finish();
+  hand.source.takeMade(made);
+  CHECK(made.size() > 30);
+  Hand fixed(scene, std::nullopt, 1, "it is to be felt alone");
+  CHECK_THROWS_WITH_AS(fixed.touch->setBrush(brush), "it is to be felt alone", UsageError);
+}
+
+}  // namespace palpate
