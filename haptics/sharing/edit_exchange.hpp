@@ -63,9 +63,8 @@ class EditExchange {
   Resume resume();
   /// The same from the beginning on, what this hand has made included.
   Resume resumeAll();
-  /// StrokeOutbox's, of what this hand has made.
-  const StrokePiece* nextPiece(std::size_t most) { return outbox_.nextPiece(most); }
-  void notSent() { outbox_.notSent(); }
+  /// What this hand has made, to be sent.
+  StrokeOutbox& outbox() { return outbox_; }
 
   /// All that the server had as it was heard last is in effect here.
   bool isInEffect() const { return hasHeard_ && inFlight_.empty() && waiting_.empty() && upTo_ == head_; }

@@ -11,7 +11,7 @@
 #include "haptics/sharing/hand_balls.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/link_probe.hpp"
-#include "haptics/sharing/stroke_outbox.hpp"
+#include "haptics/sharing/stroke_sender.hpp"
 
 namespace palpate {
 
@@ -62,7 +62,7 @@ class FarLink final : public FarCloud {
         balls_(parts.facts.edge, kLeastSpeed_mm_s / parts.notice.mm_per_unit),
         nears_(to_.participant, to_.topics.nears, bestEffortQos()),
         handWriter_(to_.participant, to_.topics.hands, bestEffortQos()),
-        strokes_(to_.participant, to_.topics.strokes, reliableQos(false)),
+        strokes_(to_),
         probe_(to_),
         notices_(to_.participant, to_.topics),
         wait_(std::in_place, to_.participant) {
@@ -181,28 +181,20 @@ class FarLink final : public FarCloud {
     if (progressed_.elapsed_s() > kStuck_s) {
       if (++stuck_ > kMostStuck)
         return fail(fmt::format("'{}' of {} takes nothing of what this hand does; join it again", to_.name, to_.host));
-      outbox_.sendAgain();
+      sendAgain();
       progressed_ = {};
     }
-    while (const StrokePiece* piece = outbox_.nextPiece(kStates))
-      if (!write(*piece)) return outbox_.notSent();
+    strokes_.send(outbox_, server_);
   }
 
-  bool write(const StrokePiece& piece) {
-    Stroke stroke{};
-    set(stroke.session, server_);
-    set(stroke.client, to_.client);
-    stroke.number = piece.number;
-    sent_.clear();
-    for (const PointState& point : piece.states) sent_.push_back(stateOf(point));
-    stroke.states._buffer = sent_.data();
-    stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(sent_.size());
-    return strokes_.write(stroke);
+  void sendAgain() {
+    outbox_.sendAgain();
+    strokes_.forgetCopies();
   }
 
   void restart() {
     assembly_.begin();
-    outbox_.sendAgain();
+    sendAgain();
     ++counts_.resumed;
     isNew_ = true;
   }
@@ -326,10 +318,9 @@ class FarLink final : public FarCloud {
   HandBalls balls_;
   Writer<Near> nears_;
   Writer<Hand> handWriter_;
-  Writer<Stroke> strokes_;
+  StrokeSender strokes_;
   StrokeOutbox outbox_;
   std::vector<PointState> made_;
-  std::vector<State> sent_;
   Stopwatch progressed_;  // strokes were taken last, or there was none to take
   int stuck_ = 0;
   LinkProbe probe_;

@@ -14,8 +14,8 @@
 #include "haptics/sharing/hand_presence.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/link_probe.hpp"
-#include "haptics/sharing/sample_copies.hpp"
 #include "haptics/sharing/session_notices.hpp"
+#include "haptics/sharing/stroke_sender.hpp"
 
 namespace palpate {
 
@@ -41,8 +41,7 @@ class SharedEdits final : public SharedFollower {
         origin_(parts.cloud.origin),
         log_(parts.log),
         exchange_(statesOf(parts.cloud), parts.backend.mostOffered()),
-        strokes_(session_.participant, session_.topics.strokes, reliableQos(false)),
-        strokeCopies_(session_.participant, session_.topics.strokeCopies, bestEffortQos()),
+        strokes_(session_),
         resumes_(session_.participant, session_.topics.resumes, reliableQos(false)),
         probe_(session_),
         presence_(session_, parts.hand.empty() ? ownHost() : parts.hand, parts.cloud),
@@ -210,31 +209,14 @@ class SharedEdits final : public SharedFollower {
 
   void resume(const Resume& asked) {
     resumes_.write(requestOf(session_, asked));
-    strokeCopies_.forget();
+    strokes_.forgetCopies();
     early_.clear();
     lastCounter_ = 0;
     lastResumed_ = {};
     ++counts_.resumed;
   }
 
-  void send() {
-    while (const StrokePiece* piece = exchange_.nextPiece(kStates)) {
-      Stroke stroke{};
-      set(stroke.session, session_.session);
-      set(stroke.client, session_.client);
-      stroke.number = piece->number;
-      sent_.clear();
-      for (const PointState& point : piece->states) sent_.push_back(stateOf(point));
-      stroke.states._buffer = sent_.data();
-      stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(sent_.size());
-      if (!strokes_.write(stroke)) {
-        exchange_.notSent();
-        break;
-      }
-      strokeCopies_.wrote(stroke);
-    }
-    strokeCopies_.write();
-  }
+  void send() { strokes_.send(exchange_.outbox(), session_.session); }
 
   void offer() {
     const std::span<const PointChange> changes = exchange_.nextOffer();
@@ -302,8 +284,7 @@ class SharedEdits final : public SharedFollower {
 
   mutable std::mutex lock_;  // of all that follows but what says otherwise
   EditExchange exchange_;
-  Writer<Stroke> strokes_;
-  SampleCopies<Stroke> strokeCopies_;
+  StrokeSender strokes_;
   Writer<ResumeRequest> resumes_;
   Reader<Result> results_, resultCopies_;
   EarlyCopies<KeptSample<Result>> early_;
@@ -319,7 +300,6 @@ class SharedEdits final : public SharedFollower {
   int stuck_ = 0;
   bool isOfferNear_ = false;
   std::vector<PointState> states_;
-  std::vector<State> sent_;
   Stopwatch lastHeard_, lastTaken_, lastResumed_, unequal_;
   enum class Felt { whole, fading, gone } felt_ = Felt::whole;
   InformationAge known_;

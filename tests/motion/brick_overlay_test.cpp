@@ -20,11 +20,9 @@ using Points = std::vector<PointState>;
 
 PointState randomPoint(std::mt19937& random, std::uint32_t id) {
   std::uniform_real_distribution<float> place(0, kSide);
-  PointState point{.position = Vec3(place(random), place(random), place(random)),
-                   .id = id,
-                   .normal = Vec3(0, 0, 1),
-                   .color = static_cast<std::uint32_t>(random() | 1),
-                   .parent = id};
+  PointState point{.id = id, .normal = Vec3(0, 0, 1), .parent = id};
+  for (int axis = 0; axis < 3; ++axis) point.position[axis] = place(random);
+  point.color = static_cast<std::uint32_t>(random() | 1);
   if (random() % 8 == 0) point.id |= PointState::kGone;
   return point;
 }

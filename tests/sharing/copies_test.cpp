@@ -299,7 +299,7 @@ std::vector<double> delaysOver(double trip_s, double loss, bool withCopies) {
       maker.follow({.points = {state}, .marks = {{1, EditMark::Kind::stroke}}});
       made_s[next++] = now_s;
     }
-    while (const StrokePiece* piece = maker.nextPiece(36)) {
+    while (const StrokePiece* piece = maker.outbox().nextPiece(36)) {
       strokes.sayReliably(*piece, now_s);
       strokeCopies.add(*piece, 100, now_s);
     }

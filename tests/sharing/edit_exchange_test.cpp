@@ -196,7 +196,7 @@ class World {
       resume(client);
       client.lastHeard = now_;
     }
-    while (const StrokePiece* piece = client.exchange.nextPiece(kAtOnce)) client.strokes.send(*piece, now_, dice_);
+    while (const StrokePiece* piece = client.exchange.outbox().nextPiece(kAtOnce)) client.strokes.send(*piece, now_, dice_);
     const auto offer = client.exchange.nextOffer();
     if (!offer.empty() && client.answering.offer(offer)) client.exchange.offered();
   }

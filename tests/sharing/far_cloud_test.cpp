@@ -475,7 +475,7 @@ class NearSculptor {
     for (const PointState& from : points()) {
       if (random_() % 5 != 0) continue;
       PointState to = from;
-      to.position += Vec3(by(random_), by(random_), by(random_));
+      for (int axis = 0; axis < 3; ++axis) to.position[axis] += by(random_);
       to.color = static_cast<std::uint32_t>(random_());
       if (random_() % 40 == 0) to.id |= PointState::kGone;
       changes.push_back({.from = from, .to = to});

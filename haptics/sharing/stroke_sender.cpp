@@ -1,0 +1,33 @@
+#include "haptics/sharing/stroke_sender.hpp"
+
+namespace palpate::sharing {
+
+StrokeSender::StrokeSender(const JoinedSession& session)
+    : session_(session),
+      strokes_(session.participant, session.topics.strokes, reliableQos(false)),
+      copies_(session.participant, session.topics.strokeCopies, bestEffortQos()) {}
+
+void StrokeSender::send(StrokeOutbox& outbox, const Id& server) {
+  while (const StrokePiece* piece = outbox.nextPiece(kStates)) {
+    if (write(*piece, server)) continue;
+    outbox.notSent();
+    break;
+  }
+  copies_.write();
+}
+
+bool StrokeSender::write(const StrokePiece& piece, const Id& server) {
+  Stroke stroke{};
+  set(stroke.session, server);
+  set(stroke.client, session_.client);
+  stroke.number = piece.number;
+  states_.clear();
+  for (const PointState& point : piece.states) states_.push_back(stateOf(point));
+  stroke.states._buffer = states_.data();
+  stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states_.size());
+  if (!strokes_.write(stroke)) return false;
+  copies_.wrote(stroke);
+  return true;
+}
+
+}  // namespace palpate::sharing
