@@ -128,6 +128,7 @@ bool waitFor(double most_s, SharedHand& a, SharedHand& b, Sign&& sign) {
 struct Felt {
   std::vector<double> after_ms;
   std::uint64_t notFelt = 0;   // within the time that a round trip of two seconds, lost twice, would take
+  std::uint64_t notPressed = 0;  // the one that presses has done nothing: there was nothing to be felt
   std::uint64_t unsteady = 0;  // places that no hand rests on
 };
 
@@ -158,12 +159,13 @@ Felt pressAndRest(SharedHand& presser, SharedHand& rester, std::int64_t trials) 
     constexpr double kPatience_s = 6;
     waitFor(kPatience_s, presser, rester, [&] { return presser.counts().atRest && rester.counts().atRest; });
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 50'000));
+    const std::uint64_t sent = presser.counts().sent;
     rester.device().watch();
     presser.device().goTo(at(-kPress_mm), false);
     if (waitFor(kPatience_s, presser, rester, [&] { return rester.device().changed_s() && has(presser); }))
       felt.after_ms.push_back((*rester.device().changed_s() - *presser.device().arrived_s()) * 1e3);
     else
-      ++felt.notFelt;
+      ++(presser.counts().sent == sent ? felt.notPressed : felt.notFelt);
     presser.device().goTo(presser.farPlace(), true);
   }
   return felt;
@@ -214,6 +216,8 @@ void print(std::FILE* out, const std::string& backend, const ShareRecord& record
              record.aged);
   if (record.felt.unsteady > 0)
     fmt::print(out, "  at {} places the resting hand did not come to rest, and nothing was pressed\n", record.felt.unsteady);
+  if (record.felt.notPressed > 0)
+    fmt::print(out, "  {} times the pressing hand did nothing to the surface, and there was nothing to feel\n", record.felt.notPressed);
   if (record.editsTooSlow > 0)
     fmt::print(out, "  edits were left out or put off in {} ticks, for one took this machine longer than a force can be held: presses may be felt late\n",
                record.editsTooSlow);
@@ -228,6 +232,7 @@ Json toJson(const std::string& backend, const ShareRecord& record) {
           {"beyond_ms", summaryOf(beyondTrip_ms(record))},
           {"goal_ms", kGoal_ms},
           {"not_felt", record.felt.notFelt},
+          {"not_pressed", record.felt.notPressed},
           {"unsteady", record.felt.unsteady},
           {"skipped_edits", record.editsTooSlow},
           {"copied", record.rests.copied},
