@@ -51,6 +51,30 @@ TEST_CASE("a plane that a depth camera of ROS sees is felt where it is, in eithe
   }
 }
 
+TEST_CASE("what a camera sees has the colours of the topic that is named") {
+  const ScratchFolder folder;
+  const SendingCamera camera(network(), "dyed/depth", infoOf(kCamera), [](int) {
+    return pictureOf(kCamera, [](const DVec3&) { return 0.5; });
+  });
+  const Participant participant = rosParticipant(network());
+  const RosPublisher<RosImage> colors(participant, "rt/dyed/color", RosDelivery::bestEffort);
+  const Sending sending([&](int, std::int64_t stamp_ns) {
+    SentPicture color{.encoding = "rgb8", .width = kCamera.width, .height = kCamera.height, .stamp_ns = stamp_ns};
+    for (int i = 0; i < 64 * 48; ++i) color.data.insert(color.data.end(), {230, 20, 10});
+    colors.write(color.message());
+  });
+  const std::string picture = (folder / "p.png").string();
+  const auto redOf = [&](const std::string& options) {
+    works("render ros:dyed/depth/image_raw --color rgb --size 160x120 -o " + picture + options + fmt::format(" --domain {}", network().domain));
+    const Picture drawn(picture);
+    int red = 0;
+    for (std::size_t i = 0; i < drawn.rgb.size(); i += 3) red += drawn.rgb[i] > 60 && drawn.rgb[i] > 3 * drawn.rgb[i + 1];
+    return red;
+  };
+  CHECK(redOf(" --color-topic /dyed/color") > 2000);
+  CHECK(redOf("") == 0);
+}
+
 TEST_CASE("what a camera sees is felt in the frame that is asked for, and a cloud is converted into it") {
   const ScratchFolder folder;
   const SendingCamera camera(network(), "placed/depth", infoOf(kCamera), [](int) {

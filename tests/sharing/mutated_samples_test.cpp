@@ -156,8 +156,8 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   const PointCloud cloud = flatCloud(5000);
   Served served(cloud, "mutated");
   HonestHand hand("mutated");
-  const JoinedCloud seen = joinCloud("mutated", {.network = ownNetwork()}), shown = joinCloud("mutated", {.network = ownNetwork()});
-  const auto onlooker = shareCameras(seen.session, "onlooker", seen.cloud), honest = shareCameras(shown.session, "honest", shown.cloud);
+  const JoinedCloud one = joinCloud("mutated", {.network = ownNetwork()}), another = joinCloud("mutated", {.network = ownNetwork()});
+  const auto onlooker = shareCameras(one.session, "onlooker", one.cloud), honest = shareCameras(another.session, "honest", another.cloud);
   std::this_thread::sleep_for(std::chrono::milliseconds(400));  // it sculpts
   Mutant mutant(1);
   const Topics& topics = mutant.topics();
