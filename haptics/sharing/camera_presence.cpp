@@ -101,9 +101,10 @@ class CameraPresence final : public SharedCameras {
     if (!isSame(said.session, served_) || isSame(said.client, session_->client)) return;
     const std::optional<CameraPlace> place = placeOf(said, room_);
     const Id client = idOf(said.client);
-    if (!place || (!others_.contains(client) && others_.size() >= kMostCameras)) return;
+    const auto known = others_.find(client);
+    const bool isKnown = known != others_.end();
+    if (!place || (isKnown ? known->second.last >= said.number : others_.size() >= kMostCameras)) return;  // or overtaken
     Other& other = others_[client];
-    if (other.last >= said.number) return;  // overtaken
     std::memcpy(&other.seen.number, client.data(), sizeof other.seen.number);
     other.last = said.number;
     other.since = {};

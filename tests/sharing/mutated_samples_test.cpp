@@ -196,6 +196,7 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     camera.orientation[3] = camera.fov_y = camera.aspect = 1;
     camera.number = mutant.roll();
     if (mutant.roll() % 64) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(8));  // in which some are heard
     const std::vector<SeenCamera> others = onlooker->others();
     cameras += others.size();
     for (const SeenCamera& other : others) {
