@@ -100,7 +100,8 @@ class RosCamera {
 struct RosListening {
   NetworkConfig network;
   double patience_s = 20;  ///< for who sends, and for the first message
-  std::string frame = {};  ///< that places are put in, by what is heard on /tf_static and /tf; empty: they stay in the message's
+  /// That places are put in, by what is heard on /tf_static and /tf; empty: they stay in that of the message.
+  std::string frame = {};
   Log* log = nullptr;
   const std::atomic<bool>* stop = nullptr;  ///< ends it when it becomes true
 };
