@@ -20,7 +20,8 @@ struct CameraPlace {
 
   bool operator==(const CameraPlace&) const = default;
 };
-/// Whether it is one that a picture can have: finite, with a unit turn, and an angle and an aspect that are of a picture.
+/// Whether it is one that a picture can have: finite, with a unit turn, and an angle and an aspect that are of a
+/// picture.
 bool isCamera(const CameraPlace& camera);
 CameraFrustum frustumOf(const CameraPlace& camera);
 

@@ -158,7 +158,8 @@ void addServe(Options& app, Context& context, Command& command) {
       .typeName("FILE");
   sub.add("--save", options->saveFile, "the points as they are in the end; an older file is kept").typeName("FILE");
   sub.addFlag("--read-only", options->readOnly, "whoever joins feels it and does not sculpt it");
-  sub.add("--ros", options->ros.name, "programs of ROS 2 hear the points as NAME/cloud, and again while they are sculpted")
+  sub.add("--ros", options->ros.name,
+          "programs of ROS 2 hear the points as NAME/cloud, and again while they are sculpted")
       .typeName("NAME");
   addRosParentOptions(sub, options->ros);
   addNetworkOptions(sub, options->network);

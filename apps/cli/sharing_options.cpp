@@ -32,7 +32,8 @@ void addNetworkOptions(Options& command, NetworkOptions& options) {
 void addRosFrameOption(Options& command, NetworkOptions& options) {
   command
       .add("--ros-frame", options.rosFrame,
-           "the frame that what is heard of ROS (ros:TOPIC) is put in, by the transforms on /tf_static and /tf (default: "
+           "the frame that what is heard of ROS (ros:TOPIC) is put in, by the transforms on /tf_static and /tf "
+           "(default: "
            "that of its messages)")
       .typeName("FRAME");
 }
@@ -41,7 +42,8 @@ void addRosCameraOptions(Options& command, NetworkOptions& options) {
   addRosFrameOption(command, options);
   command
       .add("--color-topic", options.colorTopic,
-           "pictures of colour (rgb8, bgr8) that are registered with those of depth of ros:TOPIC: of the same size, and the "
+           "pictures of colour (rgb8, bgr8) that are registered with those of depth of ros:TOPIC: of the same size, "
+           "and the "
            "same pixels")
       .typeName("TOPIC");
 }
@@ -74,8 +76,7 @@ void addRosParentOptions(Options& command, RosNameOptions& options) {
       .add("--ros-parent", options.parent,
            "with --ros: the frame that the frame NAME stands in, which goes out on /tf_static (default: nothing does)")
       .typeName("FRAME");
-  command
-      .add("--ros-pose", options.pose, "and where in it: metres, and a unit quaternion (default: 0,0,0,0,0,0,1)")
+  command.add("--ros-pose", options.pose, "and where in it: metres, and a unit quaternion (default: 0,0,0,0,0,0,1)")
       .typeName("X,Y,Z[,QX,QY,QZ,QW]");
 }
 
@@ -98,7 +99,8 @@ CameraPose poseIn(const std::string& text) {
 void RosNameOptions::check() const {
   if (!name.empty()) requireRosName(name);
   if (name.empty() && !parent.empty()) throw UsageError("--ros-parent: is for --ros, which names the frame");
-  if (parent.empty() && !pose.empty()) throw UsageError("--ros-pose: is for --ros-parent, which names the frame that it is in");
+  if (parent.empty() && !pose.empty())
+    throw UsageError("--ros-pose: is for --ros-parent, which names the frame that it is in");
   if (!parent.empty()) requireRosParent(parent, name);
   if (!pose.empty()) poseIn(pose);
 }
@@ -114,7 +116,8 @@ RosPublishing RosNameOptions::publishing(const NetworkOptions& network, double m
 void addRosOptions(Options& command, RosOptions& options) {
   command
       .add("--ros", options.name,
-           "programs of ROS 2 hear where the hand is (NAME/pose, NAME/proxy, the frame NAME/hand) and what it feels (NAME/wrench), on the "
+           "programs of ROS 2 hear where the hand is (NAME/pose, NAME/proxy, the frame NAME/hand) and what it feels "
+           "(NAME/wrench), on the "
            "network of --interface, --peer, --domain and --security, else on this machine alone")
       .typeName("NAME");
   command.add("--ros-rate", options.rate_Hz, "Hz; ticks in between are left out")
@@ -173,17 +176,19 @@ CloudFetcher rosFetcher(const NetworkOptions& network) {
 }
 
 FrameWatcher rosWatcher(const NetworkOptions& network, unsigned threads) {
-  return [config = network.config(), frame = network.rosFrame, colorTopic = network.colorTopic, threads](const std::string& name, const StreamConfig& stream,
-                                              const std::optional<DepthCamera>& intrinsics, Log& log) {
-    const StopBySignal stop;
-    return watchRosFrames(rosTopicOf(name),
-                          {.listening = {.network = config, .frame = frame, .log = &log, .stop = &StopBySignal::requested()},
-                           .camera = intrinsics,
-                           .depthScale = stream.depthScale,
-                           .colorTopic = colorTopic,
-                           .needsPictures = stream.fuse,
-                           .threads = threads});
-  };
+  return
+      [config = network.config(), frame = network.rosFrame, colorTopic = network.colorTopic, threads](
+          const std::string& name, const StreamConfig& stream, const std::optional<DepthCamera>& intrinsics, Log& log) {
+        const StopBySignal stop;
+        return watchRosFrames(
+            rosTopicOf(name),
+            {.listening = {.network = config, .frame = frame, .log = &log, .stop = &StopBySignal::requested()},
+             .camera = intrinsics,
+             .depthScale = stream.depthScale,
+             .colorTopic = colorTopic,
+             .needsPictures = stream.fuse,
+             .threads = threads});
+      };
 }
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ struct NetworkOptions {
   std::vector<std::string> peers;
   std::uint32_t domain = 0;
   std::string security;
-  std::string rosFrame;  ///< that what is heard of ROS is put in; empty: it stays in its own
+  std::string rosFrame;    ///< that what is heard of ROS is put in; empty: it stays in its own
   std::string colorTopic;  ///< of pictures of colour beside those of depth; empty: none are heard
 
   NetworkConfig config() const {

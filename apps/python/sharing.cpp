@@ -201,25 +201,33 @@ void showCamera(PySession& self, const std::array<double, 3>& position, const st
 
 void bindSessionsSharing(py::class_<PySession>& session) {
   session
-      .def("settle", [](PySession& self, double seconds) {
-        return self.with([&](pp::Session& open) { return open.settle(seconds); });
-      }, py::arg("seconds") = 10.0,
-           "settle(seconds=10) -> bool\n\nOf a session that was joined: takes part in what the others do until that, and all that\n"
-           "was done here, is everywhere, at most so long (s). True where it is, and the points are the server's, bit by bit.\n"
-           "Not while it is live. Raises Error with the status \"network\" where this hand's part has ended for good.")
-      .def("_sharing", [](PySession& self) {
-        return told(self.with([](pp::Session& open) { return open.sharing(); }));
-      })
+      .def(
+          "settle",
+          [](PySession& self, double seconds) {
+            return self.with([&](pp::Session& open) { return open.settle(seconds); });
+          },
+          py::arg("seconds") = 10.0,
+          "settle(seconds=10) -> bool\n\nOf a session that was joined: takes part in what the others do until that, "
+          "and all that\n"
+          "was done here, is everywhere, at most so long (s). True where it is, and the points are the server's, bit "
+          "by bit.\n"
+          "Not while it is live. Raises Error with the status \"network\" where this hand's part has ended for good.")
+      .def("_sharing",
+           [](PySession& self) { return told(self.with([](pp::Session& open) { return open.sharing(); })); })
       .def("_others", &othersOf)
       .def("_cameras", &camerasOf)
       .def("show_camera", &showCamera, py::arg("position"), py::arg("orientation"), py::arg("fov_deg") = 45.0,
            py::arg("aspect") = 1.0,
-           "show_camera(position, orientation, fov_deg=45, aspect=1)\n\nOf a session that was joined: from now on the others are\n"
-           "shown that a picture is seen from there, at most 30 times a second. position: x, y, z, model units; orientation: a\n"
-           "unit quaternion, x, y, z, w, of the axes to the right of the picture, down in it and where it looks; fov_deg:\n"
+           "show_camera(position, orientation, fov_deg=45, aspect=1)\n\nOf a session that was joined: from now on the "
+           "others are\n"
+           "shown that a picture is seen from there, at most 30 times a second. position: x, y, z, model units; "
+           "orientation: a\n"
+           "unit quaternion, x, y, z, w, of the axes to the right of the picture, down in it and where it looks; "
+           "fov_deg:\n"
            "vertical; aspect: width / height. Nobody is told of what render() makes unless this says it.")
-      .def("hide_camera", [](PySession& self) { self.with([](pp::Session& open) { open.hideCamera(); }); },
-           "hide_camera()\n\nThe others are shown no camera of this session any more.")
+      .def(
+          "hide_camera", [](PySession& self) { self.with([](pp::Session& open) { open.hideCamera(); }); },
+          "hide_camera()\n\nThe others are shown no camera of this session any more.")
       .def("_follow", [](PySession& self) { self.with([](pp::Session& open) { open.follow(); }); });
 }
 

@@ -18,7 +18,8 @@ OwnCamera::OwnCamera(const WindowOptions& options)
     : isHidden_(options.hidesCamera),
       ros_(options.ros.empty()
                ? nullptr
-               : std::make_unique<RosCamera>(RosPublishing{.network = options.network.config(), .name = options.ros})) {}
+               : std::make_unique<RosCamera>(RosPublishing{.network = options.network.config(), .name = options.ros})) {
+}
 
 OwnCamera::~OwnCamera() = default;
 

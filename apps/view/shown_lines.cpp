@@ -12,7 +12,7 @@ constexpr double kMeasureWidth_px = 2.5;
 constexpr double kStylus = 0.12;        // how long another hand's stylus is drawn, in longest sides
 constexpr double kBall = 0.012;         // and half of the octahedron at its end
 constexpr double kStylusWidth_px = 3;
-constexpr double kOnlooker = 0.08;      // how long the pyramid of another's camera is, in longest sides
+constexpr double kOnlooker = 0.08;           // how long the pyramid of another's camera is, in longest sides
 constexpr std::size_t kLongestWay = 20'000;  // places; past them the oldest are forgotten
 
 void addMeasure(std::vector<SpaceLine>& lines, std::span<const DVec3> places, double longestSide) {

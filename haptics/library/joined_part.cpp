@@ -46,7 +46,8 @@ JoinSubject joinFrom(const pp_join_options& options) {
 }
 
 SessionJoiner JoinedPart::joiner() {
-  return [this, join = sessionJoiner({.hand = how_.hand, .patience_s = how_.patience_s, .stop = std::exchange(how_.stop, {})})](
+  return [this, join = sessionJoiner(
+                    {.hand = how_.hand, .patience_s = how_.patience_s, .stop = std::exchange(how_.stop, {})})](
              const std::string& name, const JoinConfig& config, Log& log) {
     JoinedModel joined = join(name, config, log);
     name_ = name;
@@ -155,10 +156,11 @@ std::vector<pp_other_camera> JoinedPart::cameras(const Session& session) const {
 void JoinedPart::showCamera(const Session& session, const pp_camera_place* camera) const {
   if (!camera) return session.onlookers()->show(std::nullopt);
   const auto& [x, y, z, w] = camera->orientation;
-  session.onlookers()->show(CameraPlace{.position = DVec3(camera->position[0], camera->position[1], camera->position[2]),
-                                        .turn = DQuat(w, x, y, z),
-                                        .fovY_rad = glm::radians(camera->fov_deg),
-                                        .aspect = camera->aspect});
+  session.onlookers()->show(
+      CameraPlace{.position = DVec3(camera->position[0], camera->position[1], camera->position[2]),
+                  .turn = DQuat(w, x, y, z),
+                  .fovY_rad = glm::radians(camera->fov_deg),
+                  .aspect = camera->aspect});
 }
 
 void JoinedPart::check(const Session& session) const {

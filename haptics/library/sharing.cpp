@@ -63,7 +63,8 @@ pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_s
     if (!(seconds >= 0 && seconds <= kLongest_s))
       throw UsageError("seconds: {} is not between 0 and {}", seconds, kLongest_s);
     std::vector<pp_seen_session> all;
-    std::ranges::transform(surveyNetwork(networkFrom(network), seconds, stopFrom(network)).sessions, std::back_inserter(all), told);
+    std::ranges::transform(surveyNetwork(networkFrom(network), seconds, stopFrom(network)).sessions,
+                           std::back_inserter(all), told);
     give(all, sessions, capacity, count, "sessions");
   });
 }

@@ -24,7 +24,7 @@ constexpr int kMostSaid = 3;  // frames that are lost before the first good one:
 struct OpenedStream {
   std::shared_ptr<DepthStream> stream;
   std::optional<UpAxis> up = UpAxis::minusY;  ///< in the world of its poses; the camera's without
-  std::optional<UpAxis> worldUp = {};       ///< where its frames say where they were seen from, in place of that
+  std::optional<UpAxis> worldUp = {};         ///< where its frames say where they were seen from, in place of that
   double mm_per_unit = 0;  ///< that the session is to have where nobody says another; 0: as fits a hand
 };
 
@@ -33,7 +33,8 @@ OpenedStream watchRos(const std::string& topic, const StreamConfig& stream, cons
   std::optional<DepthCamera> intrinsics;
   if (!stream.intrinsics.empty()) intrinsics = readCamera(stream.intrinsics).camera;
   constexpr double kMmPerMetre = 1000;
-  OpenedStream opened{.stream = loading.watch(topic, stream, intrinsics, loading.log), .worldUp = UpAxis::z,  // REP 103, of all frames but those of a camera
+  OpenedStream opened{.stream = loading.watch(topic, stream, intrinsics, loading.log),
+                      .worldUp = UpAxis::z,  // REP 103, of all frames but those of a camera
                       .mm_per_unit = kMmPerMetre};
   // Points are in any axes at all; those of a picture are its camera's.
   if (!(opened.stream->camera().fx > 0)) opened.up.reset();
@@ -112,7 +113,8 @@ OpenedStream openFolder(const SessionConfig& config, Log* log) {
 
 FirstFrame readFirstFrame(const SessionConfig& config, const ModelLoading& loading) {
   Log& log = loading.log;
-  const auto [stream, cameraUp, worldUp, mm_per_unit] = config.stream->live ? openLive(config, loading) : openFolder(config, &log);
+  const auto [stream, cameraUp, worldUp, mm_per_unit] =
+      config.stream->live ? openLive(config, loading) : openFolder(config, &log);
   DepthFrame frame;
   FirstFrame first;
   while (first.cloud.empty()) {

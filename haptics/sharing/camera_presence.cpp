@@ -18,17 +18,18 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kLook_s = 1.0 / 60;    // for a camera that has moved
-constexpr double kMoved_s = 1.0 / 30;   // between two places of a camera that moves
-constexpr double kBeat_s = 0.5;         // and of one that stands
-constexpr double kSeen_s = 2;           // after which a camera that says nothing is gone
+constexpr double kLook_s = 1.0 / 60;   // for a camera that has moved
+constexpr double kMoved_s = 1.0 / 30;  // between two places of a camera that moves
+constexpr double kBeat_s = 0.5;        // and of one that stands
+constexpr double kSeen_s = 2;          // after which a camera that says nothing is gone
 constexpr std::size_t kMostCameras = 256;
 
 std::optional<CameraPlace> placeOf(const Camera& said, const HandRoom& room) {
-  const CameraPlace camera{.position = DVec3(said.position[0], said.position[1], said.position[2]),
-                           .turn = DQuat(said.orientation[3], said.orientation[0], said.orientation[1], said.orientation[2]),
-                           .fovY_rad = said.fov_y,
-                           .aspect = said.aspect};
+  const CameraPlace camera{
+      .position = DVec3(said.position[0], said.position[1], said.position[2]),
+      .turn = DQuat(said.orientation[3], said.orientation[0], said.orientation[1], said.orientation[2]),
+      .fovY_rad = said.fov_y,
+      .aspect = said.aspect};
   if (!isCamera(camera) || !room.has(camera.position)) return std::nullopt;
   return camera;
 }
@@ -46,7 +47,8 @@ class CameraPresence final : public SharedCameras {
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   void show(const std::optional<CameraPlace>& camera) override {
-    if (camera && !isCamera(*camera)) throw UsageError("camera: has no place, turn, angle or aspect that a picture can have");
+    if (camera && !isCamera(*camera))
+      throw UsageError("camera: has no place, turn, angle or aspect that a picture can have");
     const std::scoped_lock hold(lock_);
     own_ = camera;
   }
@@ -101,9 +103,11 @@ class CameraPresence final : public SharedCameras {
     if (!isSame(said.session, served_) || isSame(said.client, session_->client)) return;
     const std::optional<CameraPlace> place = placeOf(said, room_);
     const Id client = idOf(said.client);
-    if (!place || (!others_.contains(client) && others_.size() >= kMostCameras)) return;
+    const auto known = others_.find(client);
+    const bool isKnown = known != others_.end();
+    if (!place || (isKnown ? known->second.last >= said.number : others_.size() >= kMostCameras))
+      return;  // or overtaken
     Other& other = others_[client];
-    if (other.last >= said.number) return;  // overtaken
     std::memcpy(&other.seen.number, client.data(), sizeof other.seen.number);
     other.last = said.number;
     other.since = {};

@@ -56,9 +56,11 @@ void HandPresence::hear(const Hand& hand) {
   const std::optional<HandPlace> place = room_.placeOf(hand);
   if (!place) return;
   const Id client = idOf(hand.client);
-  if (!others_.contains(client) && others_.size() >= kMostHands) return;
+  const auto known = others_.find(client);
+  if (known == others_.end() && others_.size() >= kMostHands) return;
+  if (known != others_.end() && known->second.last >= hand.number && known->second.since.elapsed_s() < kHandSeen_s)
+    return;  // overtaken
   Other& other = others_[client];
-  if (other.last >= hand.number && other.since.elapsed_s() < kHandSeen_s) return;  // overtaken
   std::memcpy(&other.seen.number, client.data(), sizeof other.seen.number);
   other.last = hand.number;
   other.since = {};

@@ -26,7 +26,8 @@ std::span<const PointState> CloudServer::points() const { refuse(); }
 
 std::unique_ptr<SharedFollower> shareEdits(const SharedParts&) { refuse(); }
 
-std::shared_ptr<SharedCameras> shareCameras(std::shared_ptr<const JoinedSession>, const std::string&, const PointCloud&) {
+std::shared_ptr<SharedCameras> shareCameras(std::shared_ptr<const JoinedSession>, const std::string&,
+                                            const PointCloud&) {
   refuse();
 }
 

@@ -29,13 +29,14 @@ struct RosPublishing {
   NetworkConfig network;
   std::string name;        ///< of the namespace, and of the frame that all places are in; as ROS has names
   double mm_per_unit = 1;  ///< of coordinates of the file, which go out in metres
-  std::string parent = {};  ///< the frame that this one stands in, which goes out on /tf_static; empty: nobody is told
+  std::string parent = {};   ///< the frame that this one stands in, which goes out on /tf_static; empty: nobody is told
   CameraPose inParent = {};  ///< where it does
 };
 
 /// Publishes NAME/pose and NAME/proxy (PoseStamped: where the hand is, and where the surface holds it) and NAME/wrench
-/// (WrenchStamped: what the hand feels, N and N m, in the axes of the model), and on /tf the frame NAME/hand in NAME, from
-/// a thread of its own, which the servo thread waits for at no time. Stamps are the wall clock's at the first tick, and from there on go with the ticks.
+/// (WrenchStamped: what the hand feels, N and N m, in the axes of the model), and on /tf the frame NAME/hand in NAME,
+/// from a thread of its own, which the servo thread waits for at no time. Stamps are the wall clock's at the first
+/// tick, and from there on go with the ticks.
 class RosHand final : public TickRecorder {
  public:
   struct Counts {
@@ -78,8 +79,8 @@ class RosCloud {
   std::unique_ptr<Link> link_;
 };
 
-/// Publishes NAME/camera (PoseStamped): from where a picture is seen, x to its right, y down in it, z where it looks, as
-/// optical frames of ROS have it. For one thread.
+/// Publishes NAME/camera (PoseStamped): from where a picture is seen, x to its right, y down in it, z where it looks,
+/// as optical frames of ROS have it. For one thread.
 class RosCamera {
  public:
   /// Throws UsageError, NetworkError.
@@ -88,8 +89,8 @@ class RosCamera {
   RosCamera(const RosCamera&) = delete;
   RosCamera& operator=(const RosCamera&) = delete;
 
-  /// Once for each picture: goes out where it has moved, at most 30 times a second, and twice a second otherwise. Throws
-  /// NetworkError.
+  /// Once for each picture: goes out where it has moved, at most 30 times a second, and twice a second otherwise.
+  /// Throws NetworkError.
   void show(const CameraPlace& camera, double mm_per_unit);
 
  private:
@@ -100,7 +101,8 @@ class RosCamera {
 struct RosListening {
   NetworkConfig network;
   double patience_s = 20;  ///< for who sends, and for the first message
-  std::string frame = {};  ///< that places are put in, by what is heard on /tf_static and /tf; empty: they stay in the message's
+  /// That places are put in, by what is heard on /tf_static and /tf; empty: they stay in that of the message.
+  std::string frame = {};
   Log* log = nullptr;
   const std::atomic<bool>* stop = nullptr;  ///< ends it when it becomes true
 };
@@ -118,15 +120,16 @@ struct RosWatching {
   RosListening listening;
   std::optional<DepthCamera> camera;  ///< of pictures; nothing: as the CameraInfo beside them says
   double depthScale = 0;              ///< of pictures, values per metre; 0: as their encoding says
-  std::string colorTopic = {};        ///< of pictures of colour that are registered with those of depth; empty: none are heard
+  std::string colorTopic =
+      {};  ///< of pictures of colour that are registered with those of depth; empty: none are heard
   bool needsPictures = false;         ///< points are of no use
   unsigned threads = 0;               ///< for normals of points that come without; 0: one per core
 };
-/// The messages of a topic, PointCloud2 or Image of depth, as frames that come as they are sent: in metres, in the axes of
-/// their frame_id. Points that come without normals get some that face the zero of those axes, where a sensor stands.
-/// A picture of depth has the colours that were taken with it; without any of its time it is lost, too. Waits for the first
-/// good one. What is none, or of another size or frame than the first one, is a lost frame (next()
-/// throws NetworkError); after three seconds without any nothing is there. Throws UsageError, NetworkError.
+/// The messages of a topic, PointCloud2 or Image of depth, as frames that come as they are sent: in metres, in the axes
+/// of their frame_id. Points that come without normals get some that face the zero of those axes, where a sensor
+/// stands. A picture of depth has the colours that were taken with it; without any of its time it is lost, too. Waits
+/// for the first good one. What is none, or of another size or frame than the first one, is a lost frame (next() throws
+/// NetworkError); after three seconds without any nothing is there. Throws UsageError, NetworkError.
 std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosWatching& watching);
 
 }  // namespace palpate

@@ -154,7 +154,8 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
                        taken.skipped > 0 ? fmt::format("; {} without a place are left out", taken.skipped) : "");
   sayScale(taken.cloud.storedAs.comments, kMmPerMetre);
   // REP 103, of all frames but those of a camera.
-  if (!listening.frame.empty()) taken.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
+  if (!listening.frame.empty())
+    taken.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
   return std::move(taken.cloud);
 }
 

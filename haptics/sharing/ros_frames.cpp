@@ -42,7 +42,8 @@ RosPicture pictureOf(const RosImage& image) {
 /// Pictures of colour beside those of depth: the last ones, by their stamps.
 class ColorsBeside {
  public:
-  ColorsBeside(dds_entity_t participant, const std::string& topic) : topic_(topic), intake_(participant, rosName(topic)) {}
+  ColorsBeside(dds_entity_t participant, const std::string& topic)
+      : topic_(topic), intake_(participant, rosName(topic)) {}
 
   /// The colours of the pixels of a picture of depth of that time. Waits a moment for those that come behind it. Throws
   /// NetworkError where there are none, or they are none.
@@ -57,7 +58,8 @@ class ColorsBeside {
         return;
       }
       if (!isOver) continue;
-      throw NetworkError("has no picture of colour of its time beside it, on ros:{}{}", topic_, why_.empty() ? why_ : ": " + why_);
+      throw NetworkError("has no picture of colour of its time beside it, on ros:{}{}", topic_,
+                         why_.empty() ? why_ : ": " + why_);
     }
   }
 
@@ -82,10 +84,13 @@ class ColorsBeside {
     }
   }
   const Kept* nearestTo(std::int64_t stamp_ns) const {
-    const auto apart = [&](const Kept& kept) { return std::abs(static_cast<double>(kept.stamp_ns) - static_cast<double>(stamp_ns)); };
+    const auto apart = [&](const Kept& kept) {
+      return std::abs(static_cast<double>(kept.stamp_ns) - static_cast<double>(stamp_ns));
+    };
     const Kept* nearest = nullptr;
     for (const Kept& kept : kept_)
-      if (!kept.colors.empty() && apart(kept) <= kApart_ns && (!nearest || apart(kept) < apart(*nearest))) nearest = &kept;
+      if (!kept.colors.empty() && apart(kept) <= kApart_ns && (!nearest || apart(kept) < apart(*nearest)))
+        nearest = &kept;
     return nearest;
   }
 
@@ -329,16 +334,18 @@ std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosW
   Participant participant = rosParticipant(listening.network);
   if (discover(participant, topic, listening) == RosContent::points) {
     if (watching.needsPictures || watching.camera || watching.depthScale > 0 || !watching.colorTopic.empty())
-      throw NetworkError("ros:{}: what is sent there are points, and no pictures of depth, which alone have intrinsics, a "
-                         "depth scale and pictures of colour, and become a map",
-                         topic);
+      throw NetworkError(
+          "ros:{}: what is sent there are points, and no pictures of depth, which alone have intrinsics, a "
+          "depth scale and pictures of colour, and become a map",
+          topic);
     return begun(std::move(participant), topic, FromPoints(watching.threads), listening);
   }
   const DepthCamera camera = watching.camera ? *watching.camera : hearCamera(participant, topic, listening);
   if (listening.log)
     listening.log->say("ros:{}: a depth camera of {} x {} pixels, focal lengths {:g} and {:g}", topic, camera.width,
                        camera.height, camera.fx, camera.fy);
-  auto colors = watching.colorTopic.empty() ? nullptr : std::make_unique<ColorsBeside>(participant, watching.colorTopic);
+  auto colors =
+      watching.colorTopic.empty() ? nullptr : std::make_unique<ColorsBeside>(participant, watching.colorTopic);
   return begun(std::move(participant), topic, FromPictures(camera, watching.depthScale, std::move(colors)), listening);
 }
 

@@ -74,7 +74,8 @@ class RosHand::Link {
     if (thread_.joinable()) {
       thread_.request_stop();
       thread_.join();
-      for (const dds_entity_t writer : {dds_entity_t(poses_), dds_entity_t(proxies_), dds_entity_t(wrenches_), dds_entity_t(frames_)})
+      for (const dds_entity_t writer :
+           {dds_entity_t(poses_), dds_entity_t(proxies_), dds_entity_t(wrenches_), dds_entity_t(frames_)})
         dds_wait_for_acks(writer, DDS_SECS(1));
     }
     if (failure_) std::rethrow_exception(failure_);

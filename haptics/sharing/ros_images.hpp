@@ -47,8 +47,8 @@ DepthCamera rosCamera(const RosCalibration& calibration, bool isRectified);
 void takeRosDepths(const RosPicture& picture, const DepthCamera& camera, double depthScale,
                    std::vector<float>& depth_m);
 
-/// Colours of a picture of rgb8 or bgr8 that is registered with one of depth: of the same pixels. Throws NetworkError as
-/// takeRosDepths().
+/// Colours of a picture of rgb8 or bgr8 that is registered with one of depth: of the same pixels. Throws NetworkError
+/// as takeRosDepths().
 void takeRosColors(const RosPicture& picture, const DepthCamera& camera,
                    std::vector<std::array<std::uint8_t, 3>>& colors);
 

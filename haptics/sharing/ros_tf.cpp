@@ -10,7 +10,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::int32_t kWaiting = 1000;        // messages that nobody has looked at, as many as a robot sends in seconds
+constexpr std::int32_t kWaiting = 1000;  // messages that nobody has looked at, as many as a robot sends in seconds
 constexpr std::uint32_t kMostOfMessage = 4096;  // transforms of one that are looked at
 
 const std::string kMoving = kRosTopics + "tf", kFixed = kRosTopics + "tf_static";
@@ -62,7 +62,8 @@ CameraPose RosTransformIntake::poseOf(const RosHeader& header) {
   return hearing_->transforms.find(textOf(header.frame_id), target_, stampOf(header));
 }
 
-RosTransformPublisher::RosTransformPublisher(dds_entity_t participant, std::string parent, std::string child, bool isStatic)
+RosTransformPublisher::RosTransformPublisher(dds_entity_t participant, std::string parent, std::string child,
+                                             bool isStatic)
     : parent_(std::move(parent)),
       child_(std::move(child)),
       publisher_(participant, isStatic ? kFixed : kMoving, isStatic ? RosDelivery::latched : RosDelivery::reliable) {}
@@ -102,8 +103,10 @@ void requireRosParent(const std::string& parent, const std::string& name) {
 void requireRosFrame(const std::string& frame) {
   using namespace sharing;
   const std::string_view name = rosFrameName(frame);
-  if (name.empty() || name.size() > RosTransforms::kLongestName || std::ranges::any_of(name, [](unsigned char c) { return c < 0x20; }))
-    throw UsageError("ros: '{}' is no name of a frame: 1 to {} bytes", printable(frame.c_str()), RosTransforms::kLongestName);
+  if (name.empty() || name.size() > RosTransforms::kLongestName ||
+      std::ranges::any_of(name, [](unsigned char c) { return c < 0x20; }))
+    throw UsageError("ros: '{}' is no name of a frame: 1 to {} bytes", printable(frame.c_str()),
+                     RosTransforms::kLongestName);
 }
 
 }  // namespace palpate

@@ -18,7 +18,8 @@ class RosTransformIntake {
   RosTransformIntake(dds_entity_t participant, const std::string& target);
   /// Whether there is one, which places are to be put in.
   bool isNeeded() const { return hearing_.has_value(); }
-  /// From the coordinates of a message's frame to the target's, at its time. Throws NetworkError that says what is missing.
+  /// From the coordinates of a message's frame to the target's, at its time. Throws NetworkError that says what is
+  /// missing.
   CameraPose poseOf(const RosHeader& header);
 
  private:
@@ -46,8 +47,8 @@ class RosTransformPublisher {
   RosPublisher<RosTFMessage> publisher_;
 };
 
-/// Where the frame of what is published stands in its parent, kept for who comes later while this lives; nothing where no
-/// parent is named.
+/// Where the frame of what is published stands in its parent, kept for who comes later while this lives; nothing where
+/// no parent is named.
 std::optional<RosTransformPublisher> publishFrame(dds_entity_t participant, const RosPublishing& publishing);
 
 }  // namespace palpate::sharing

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "haptics/sharing/network.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/network.hpp"
 
 namespace palpate::sharing {
 
@@ -49,7 +49,8 @@ bool RosTransforms::add(const RosTransform& transform, bool isStatic) {
   if (link.parent != parent || link.isStatic != isStatic || isStatic) link.poses.clear();
   link.parent = parent;
   link.isStatic = isStatic;
-  link.poses[isStatic ? 0 : transform.stamp_ns] = {.turn = glm::normalize(transform.turn), .centre = transform.translation};
+  link.poses[isStatic ? 0 : transform.stamp_ns] = {.turn = glm::normalize(transform.turn),
+                                                   .centre = transform.translation};
   if (link.poses.size() > kKept) link.poses.erase(link.poses.begin());
   return true;
 }
@@ -59,21 +60,23 @@ const CameraPose& RosTransforms::poseAt(const Links::value_type& of, std::int64_
   if (link.isStatic) return link.poses.begin()->second;
   const auto after = link.poses.upper_bound(stamp_ns);
   if (after == link.poses.begin())
-    throw NetworkError("where the frame '{}' stood in '{}' is not known of its time: what is heard of that is {:.3f} s newer",
-                       printable(child.c_str()), printable(link.parent.c_str()),
-                       1e-9 * (static_cast<double>(after->first) - static_cast<double>(stamp_ns)));
+    throw NetworkError(
+        "where the frame '{}' stood in '{}' is not known of its time: what is heard of that is {:.3f} s newer",
+        printable(child.c_str()), printable(link.parent.c_str()),
+        1e-9 * (static_cast<double>(after->first) - static_cast<double>(stamp_ns)));
   const auto& [at_ns, pose] = *std::prev(after);
   const double age_s = 1e-9 * (static_cast<double>(stamp_ns) - static_cast<double>(at_ns));
   if (age_s > kOldest_s)
-    throw NetworkError("where the frame '{}' stood in '{}' was heard {:.3f} s before its time, and is too old", printable(child.c_str()),
-                       printable(link.parent.c_str()), age_s);
+    throw NetworkError("where the frame '{}' stood in '{}' was heard {:.3f} s before its time, and is too old",
+                       printable(child.c_str()), printable(link.parent.c_str()), age_s);
   return pose;
 }
 
 CameraPose RosTransforms::find(std::string_view from, std::string_view to, std::int64_t stamp_ns) const {
   const std::string_view frame = rosFrameName(from), target = rosFrameName(to);
-  std::string why = fmt::format("is in the frame '{}', from which nothing that is heard on /tf_static and /tf leads to '{}'",
-                                printable(std::string(frame).c_str()), printable(std::string(target).c_str()));
+  std::string why =
+      fmt::format("is in the frame '{}', from which nothing that is heard on /tf_static and /tf leads to '{}'",
+                  printable(std::string(frame).c_str()), printable(std::string(target).c_str()));
   struct Ancestor {
     std::string_view name;
     CameraPose pose;  // from where it began to this one's coordinates
@@ -95,8 +98,8 @@ CameraPose RosTransforms::find(std::string_view from, std::string_view to, std::
     ancestors.push_back(*next);
   }
   if (ancestors.size() > kMostAncestors)
-    throw NetworkError("the frames above '{}' lead in a circle, or are more than {}", printable(std::string(frame).c_str()),
-                       kMostAncestors);
+    throw NetworkError("the frames above '{}' lead in a circle, or are more than {}",
+                       printable(std::string(frame).c_str()), kMostAncestors);
   std::optional<Ancestor> up = Ancestor{target, {}};
   for (std::size_t steps = 0; up && steps <= kMostAncestors; ++steps) {
     const auto common = std::ranges::find(ancestors, up->name, &Ancestor::name);

@@ -22,8 +22,8 @@ struct RosTransform {
 /// As ROS compares names of frames: without a slash before them.
 std::string_view rosFrameName(std::string_view name);
 
-/// The tree of frames. Static transforms hold at all times, others from their stamp on until the next one. What is foreign
-/// is looked at here: names and numbers, and no more is kept than there is room for.
+/// The tree of frames. Static transforms hold at all times, others from their stamp on until the next one. What is
+/// foreign is looked at here: names and numbers, and no more is kept than there is room for.
 class RosTransforms {
  public:
   static constexpr std::size_t kMostFrames = 4096, kLongestName = 256;

@@ -56,7 +56,7 @@ class CloudServer {
     /// Empty: the cloud stands still. Otherwise it is as the motion begins, and is not sculptable.
     ServedMotion motion = {};
     double motion_Hz = 60;          ///< frames a second, at most
-    StopSign stop = {};             ///< ends the constructor, which listens for a second for another session of the name
+    StopSign stop = {};  ///< ends the constructor, which listens for a second for another session of the name
   };
   /// `cloud` has normals, and outlives this. Throws UsageError for a name that cannot be, NetworkError where a session of that
   /// name is served already, or nothing can be, FileError of the journal.

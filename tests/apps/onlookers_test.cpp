@@ -32,9 +32,10 @@ class Window {
   Window(const std::string& arguments, const std::string& script, const ScratchFolder& folder, const std::string& name)
       : said_((folder / (name + ".said")).string()) {
     std::ofstream(folder / (name + ".txt")) << inFolder(script, folder.path());
-    command_ = fmt::format("XDG_STATE_HOME={0} timeout 300 xvfb-run -a {1} view {2}{3} --backend cpu --realtime --size 640x480 --script "
-                           "{0}.txt > {4} 2>&1",
-                           (folder / name).string(), program(), arguments, domain(), said_);
+    command_ = fmt::format(
+        "XDG_STATE_HOME={0} timeout 300 xvfb-run -a {1} view {2}{3} --backend cpu --realtime --size 640x480 --script "
+        "{0}.txt > {4} 2>&1",
+        (folder / name).string(), program(), arguments, domain(), said_);
     running_ = std::async(std::launch::async, [this] { return std::system(command_.c_str()); });
   }
   bool waitFor(const std::function<bool()>& sign) {
@@ -66,23 +67,27 @@ std::size_t differing(const Picture& a, const Picture& b) {
 
 }  // namespace
 
-TEST_CASE("a window shows others from where it looks, shows from where they look, and tells ROS; and it can hide that") {
+TEST_CASE(
+    "a window shows others from where it looks, shows from where they look, and tells ROS; and it can hide that") {
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make sphere -n 8000 --center 1000,0,0 -o " + in("m.ply"));
-  RunningProgram serving("serve " + in("m.ply") + " --mm-per-unit 2 --name seen --read-only" + domain(), folder / "said");
+  RunningProgram serving("serve " + in("m.ply") + " --mm-per-unit 2 --name seen --read-only" + domain(),
+                         folder / "said");
   REQUIRE(serving.waitFor([&] { return contentOf(folder / "said").find("serving") != std::string::npos; }));
   const JoinedCloud joined = joinCloud("seen", {.network = network()});
   const auto cameras = shareCameras(joined.session, "onlooker", joined.cloud);
   const sharing::Participant participant = sharing::rosParticipant(network());
   const sharing::RosType type = sharing::rosTypeOf<sharing::RosPoseStamped>();
   const sharing::Topic<sharing::RosPoseStamped> topic(participant, type.descriptor, "rt/lab/camera");
-  const sharing::Reader<sharing::RosPoseStamped> poses(participant, topic, sharing::rosQos(sharing::RosDelivery::reliable, type));
+  const sharing::Reader<sharing::RosPoseStamped> poses(participant, topic,
+                                                       sharing::rosQos(sharing::RosDelivery::reliable, type));
   {
-    Window window("--join seen --as Ada --ros lab",
-                  "1 key Tab\n2 screenshot %/a.png\n2 state %/a.json\n9 screenshot %/b.png\n9 state %/b.json\n10 quit\n", folder,
-                  "ada");
+    Window window(
+        "--join seen --as Ada --ros lab",
+        "1 key Tab\n2 screenshot %/a.png\n2 state %/a.json\n9 screenshot %/b.png\n9 state %/b.json\n10 quit\n", folder,
+        "ada");
     REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("a.json")) && !cameras->others().empty(); }), window.said());
     const SeenCamera seen = cameras->others().at(0);
     const Result camera = jsonOf(in("a.json"))["camera"];
@@ -92,7 +97,8 @@ TEST_CASE("a window shows others from where it looks, shows from where they look
     CHECK(seen.place.fovY_rad == doctest::Approx(glm::radians(45.0)));
     // Its eye is relative to the cloud's origin, and what it looks at lies along its third axis.
     const auto vector = [](const Result& v) { return DVec3(v[0], v[1], v[2]); };
-    const DVec3 eye = vector(camera["eye"]) + joined.cloud.origin, target = vector(camera["target"]) + joined.cloud.origin;
+    const DVec3 eye = vector(camera["eye"]) + joined.cloud.origin,
+                target = vector(camera["target"]) + joined.cloud.origin;
     CHECK(glm::distance(seen.place.position, eye) < 1e-6);
     CHECK(glm::distance(seen.place.turn * DVec3(0, 0, 1), glm::normalize(target - eye)) < 1e-5);
     CHECK(glm::dot(seen.place.turn * DVec3(0, 1, 0), vector(camera["up"])) < -0.5);  // down
@@ -100,14 +106,16 @@ TEST_CASE("a window shows others from where it looks, shows from where they look
     CHECK(comesTrue([&] {
       poses.take([&](const sharing::RosPoseStamped& pose) {
         ++heard;
-        CHECK(glm::distance(DVec3(pose.pose.position.x, pose.pose.position.y, pose.pose.position.z), eye * 2e-3) < 1e-6);
+        CHECK(glm::distance(DVec3(pose.pose.position.x, pose.pose.position.y, pose.pose.position.z), eye * 2e-3) <
+              1e-6);
         CHECK(std::abs(pose.pose.orientation.w) == doctest::Approx(std::abs(seen.place.turn.w)).epsilon(1e-4));
       });
       return heard > 0;
     }));
     // One who looks at the model from beside it, before the window's eyes.
     const DVec3 middle = joined.cloud.origin + boundsOf(joined.cloud).center();
-    cameras->show(CameraPlace{.position = middle + 0.4 * (eye - middle), .turn = seen.place.turn, .fovY_rad = 1, .aspect = 2});
+    cameras->show(
+        CameraPlace{.position = middle + 0.4 * (eye - middle), .turn = seen.place.turn, .fovY_rad = 1, .aspect = 2});
     REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("b.json")); }), window.said());
     const Result others = jsonOf(in("b.json"))["others"];
     CAPTURE(others.dump());
@@ -122,12 +130,14 @@ TEST_CASE("a window shows others from where it looks, shows from where they look
   CHECK(jsonOf(in("t.json"))["cameras"] == 1);
   CHECK(comesTrue([&] { return cameras->others().empty(); }));
   {
-    Window hidden("--join seen --as Bert --hide-camera", "1 state %/h.json\n4 state %/i.json\n4 quit\n", folder, "bert");
+    Window hidden("--join seen --as Bert --hide-camera", "1 state %/h.json\n4 state %/i.json\n4 quit\n", folder,
+                  "bert");
     std::size_t most = 0;
     REQUIRE_MESSAGE(hidden.waitFor([&] {
       most = std::max(most, cameras->others().size());
       return isThere(in("i.json"));
-    }), hidden.said());
+    }),
+                    hidden.said());
     CHECK(most == 0);
     CHECK(jsonOf(in("i.json"))["others"]["cameras"].size() == 1);  // it sees nevertheless
     CHECK(hidden.end() == 0);

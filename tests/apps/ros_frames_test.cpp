@@ -51,11 +51,35 @@ TEST_CASE("a plane that a depth camera of ROS sees is felt where it is, in eithe
   }
 }
 
+TEST_CASE("what a camera sees has the colours of the topic that is named") {
+  const ScratchFolder folder;
+  const SendingCamera camera(network(), "dyed/depth", infoOf(kCamera),
+                             [](int) { return pictureOf(kCamera, [](const DVec3&) { return 0.5; }); });
+  const Participant participant = rosParticipant(network());
+  const RosPublisher<RosImage> colors(participant, "rt/dyed/color", RosDelivery::bestEffort);
+  const Sending sending([&](int, std::int64_t stamp_ns) {
+    SentPicture color{.encoding = "rgb8", .width = kCamera.width, .height = kCamera.height, .stamp_ns = stamp_ns};
+    for (int i = 0; i < 64 * 48; ++i) color.data.insert(color.data.end(), {230, 20, 10});
+    colors.write(color.message());
+  });
+  const std::string picture = (folder / "p.png").string();
+  const auto redOf = [&](const std::string& options) {
+    works("render ros:dyed/depth/image_raw --color rgb --size 160x120 -o " + picture + options +
+          fmt::format(" --domain {}", network().domain));
+    const Picture drawn(picture);
+    int red = 0;
+    for (std::size_t i = 0; i < drawn.rgb.size(); i += 3)
+      red += drawn.rgb[i] > 60 && drawn.rgb[i] > 3 * drawn.rgb[i + 1];
+    return red;
+  };
+  CHECK(redOf(" --color-topic /dyed/color") > 2000);
+  CHECK(redOf("") == 0);
+}
+
 TEST_CASE("what a camera sees is felt in the frame that is asked for, and a cloud is converted into it") {
   const ScratchFolder folder;
-  const SendingCamera camera(network(), "placed/depth", infoOf(kCamera), [](int) {
-    return pictureOf(kCamera, [](const DVec3&) { return 0.5; });
-  });
+  const SendingCamera camera(network(), "placed/depth", infoOf(kCamera),
+                             [](int) { return pictureOf(kCamera, [](const DVec3&) { return 0.5; }); });
   const Participant participant = rosParticipant(network());
   // The camera hangs 2 m up in the map and looks down.
   RosTransformPublisher base(participant, "map", "base", true), hangs(participant, "base", "camera", true);
@@ -65,15 +89,17 @@ TEST_CASE("what a camera sees is felt in the frame that is asked for, and a clou
   pointsOf(kCamera, [](const DVec3&) { return 0.5; }).write(still);
   const DVec3 hip(1.01, 0.02, 1.497);
   std::ofstream(folder / "path.csv") << "t_s,x,y,z\n0,1.01,0.02,1.6\n0.3,1.01,0.02,1.497\n1,1.01,0.02,1.497\n";
-  works(fmt::format("touch ros:/placed/depth/image_raw --ros-frame map --realtime --backend cpu --stiffness {} --path {} --trace {} "
-                    "--json {} --domain {}",
-                    kStiffness_N_per_mm, (folder / "path.csv").string(), (folder / "t.csv").string(),
-                    (folder / "r.json").string(), network().domain));
+  works(fmt::format(
+      "touch ros:/placed/depth/image_raw --ros-frame map --realtime --backend cpu --stiffness {} --path {} --trace {} "
+      "--json {} --domain {}",
+      kStiffness_N_per_mm, (folder / "path.csv").string(), (folder / "t.csv").string(), (folder / "r.json").string(),
+      network().domain));
   const std::vector<Row> rows = between(readTrace(folder / "t.csv"), 0.6, 2);
   CHECK(rows.size() > 300);
   CHECK(worst_N(rows, DVec3(0, 0, 1), [](const Row&) { return 3.0; }) < 0.02);
   CHECK(jsonOf(folder / "r.json")["frames"]["lost"] == 0);
-  works("convert ros:placed/cloud " + (folder / "c.ply").string() + fmt::format(" --ros-frame map --domain {}", network().domain));
+  works("convert ros:placed/cloud " + (folder / "c.ply").string() +
+        fmt::format(" --ros-frame map --domain {}", network().domain));
   works("info " + (folder / "c.ply").string() + " --json " + (folder / "i.json").string());
   const Result info = jsonOf(folder / "i.json");
   INFO(info.dump());

@@ -42,11 +42,12 @@ TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as i
       stands(participant, fixed, rosQos(RosDelivery::latched, rosTypeOf<RosTFMessage>()));
   const auto discovered = [&] { return discoveredWriter(participant, "rt/lab/pose", 0.01).userData; };
 
-  RunningProgram hand("touch " + in("m.ply") +
-                          " --mm-per-unit 20 --backend cpu --realtime --duration 2 --ros lab --ros-rate 50 --ros-parent map "
-                          "--ros-pose 1,2,3,0,0,1,0" + domain() +
-                          " --trace " + in("t.csv") + " --json " + in("r.json"),
-                      folder / "said");
+  RunningProgram hand(
+      "touch " + in("m.ply") +
+          " --mm-per-unit 20 --backend cpu --realtime --duration 2 --ros lab --ros-rate 50 --ros-parent map "
+          "--ros-pose 1,2,3,0,0,1,0" +
+          domain() + " --trace " + in("t.csv") + " --json " + in("r.json"),
+      folder / "said");
   std::string userData;
   CHECK(hand.waitFor([&] { return !(userData = discovered()).empty(); }));
   CHECK(userData == "typehash=RIHS01_10f3786d7d40fd2b54367835614bff85d4ad3b5dab62bf8bca0cc232d73b4cd8;");
@@ -56,8 +57,8 @@ TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as i
     REQUIRE(message.transforms._length == 1);
     const auto& one = message.transforms._buffer[0];
     const auto& [at, turn] = one.transform;
-    return fmt::format("{} in {} at {:g} {:g} {:g} turned {:g} {:g} {:g} {:g}", one.child_frame_id, one.header.frame_id, at.x,
-                       at.y, at.z, turn.x, turn.y, turn.z, turn.w);
+    return fmt::format("{} in {} at {:g} {:g} {:g} turned {:g} {:g} {:g} {:g}", one.child_frame_id, one.header.frame_id,
+                       at.x, at.y, at.z, turn.x, turn.y, turn.z, turn.w);
   };
   std::size_t hands = 0;
   transforms.take([&](const RosTFMessage& message) { hands += frameOf(message).starts_with("lab/hand in lab at "); });

@@ -434,24 +434,30 @@ TEST_CASE("calls that wait for others end when the program says so, and are aske
     CHECK(patience.thread == std::this_thread::get_id());
   };
   for (const int most : {0, 3}) {
-    refuses([](const pp_network& network) {
-      std::uint64_t count = 0;
-      return pp_network_survey(&network, 60, nullptr, 0, &count);
-    }, most);
-    refuses([](const pp_network& network) {
-      pp_join_options join = pp_default_join_options();
-      join.network = &network;
-      join.patience_s = 60;
-      pp_session session{};
-      return pp_session_join("nobody's", &join, nullptr, &session);
-    }, most);
-    refuses([](const pp_network& network) {
-      pp_serve_options serve = pp_default_serve_options();
-      serve.network = &network;
-      const BallCloud ball;
-      pp_server server{};
-      return pp_serve(ball.cloud, "mine", &serve, &server);
-    }, most);
+    refuses(
+        [](const pp_network& network) {
+          std::uint64_t count = 0;
+          return pp_network_survey(&network, 60, nullptr, 0, &count);
+        },
+        most);
+    refuses(
+        [](const pp_network& network) {
+          pp_join_options join = pp_default_join_options();
+          join.network = &network;
+          join.patience_s = 60;
+          pp_session session{};
+          return pp_session_join("nobody's", &join, nullptr, &session);
+        },
+        most);
+    refuses(
+        [](const pp_network& network) {
+          pp_serve_options serve = pp_default_serve_options();
+          serve.network = &network;
+          const BallCloud ball;
+          pp_server server{};
+          return pp_serve(ball.cloud, "mine", &serve, &server);
+        },
+        most);
   }
 }
 

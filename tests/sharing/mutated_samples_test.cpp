@@ -9,9 +9,9 @@
 #include <random>
 
 #include "engine/motion/brick_source.hpp"
+#include "haptics/sharing/camera_presence.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/ros_intake.hpp"
-#include "haptics/sharing/camera_presence.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
 namespace palpate {
@@ -156,8 +156,10 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   const PointCloud cloud = flatCloud(5000);
   Served served(cloud, "mutated");
   HonestHand hand("mutated");
-  const JoinedCloud seen = joinCloud("mutated", {.network = ownNetwork()}), own = joinCloud("mutated", {.network = ownNetwork()});
-  const auto onlooker = shareCameras(seen.session, "onlooker", seen.cloud), honest = shareCameras(own.session, "honest", own.cloud);
+  const JoinedCloud one = joinCloud("mutated", {.network = ownNetwork()}),
+                    another = joinCloud("mutated", {.network = ownNetwork()});
+  const auto onlooker = shareCameras(one.session, "onlooker", one.cloud),
+             honest = shareCameras(another.session, "honest", another.cloud);
   std::this_thread::sleep_for(std::chrono::milliseconds(400));  // it sculpts
   Mutant mutant(1);
   const Topics& topics = mutant.topics();
@@ -198,6 +200,7 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     camera.orientation[3] = camera.fov_y = camera.aspect = 1;
     camera.number = mutant.roll();
     if (mutant.roll() % 64) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(8));  // in which some are heard
     const std::vector<SeenCamera> others = onlooker->others();
     cameras += others.size();
     for (const SeenCamera& other : others) {
@@ -232,7 +235,8 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   mutant.write<Result>(palpate_sharing_Result_desc, topics.resultCopies, bestEffortQos(partitionOf(partition)), kTimes, answer);
   honest->show(CameraPlace{.position = DVec3(1, 2, 3), .fovY_rad = 1});
   bool isSeen = false;
-  for (const Stopwatch since; !isSeen && since.elapsed_s() < 10; std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+  for (const Stopwatch since; !isSeen && since.elapsed_s() < 10;
+       std::this_thread::sleep_for(std::chrono::milliseconds(10)))
     for (const SeenCamera& other : onlooker->others()) isSeen = isSeen || other.name == "honest";
   CHECK(isSeen);
   const SharedCounts counts = hand.end();

@@ -247,7 +247,8 @@ TEST_CASE("what sensors see is put in the frame that is asked for, over static a
   const RosPublisher<RosPointCloud2> points(participant, "rt/moved/points", RosDelivery::bestEffort),
       still(participant, "rt/moved/still", RosDelivery::latched);
   std::atomic<bool> armMoves = true;
-  const SendingCamera sender(ownNetwork(), "moved/depth", infoOf(kCamera), [](int) { return pictureOf(kCamera, flat); });
+  const SendingCamera sender(ownNetwork(), "moved/depth", infoOf(kCamera),
+                             [](int) { return pictureOf(kCamera, flat); });
   const Sending moving([&](int frame, std::int64_t stamp_ns) {
     if (armMoves) arm.write(stamp_ns, {0, 0, 0.001 * frame}, DQuat(half, 0, 0, half));
     SentPoints sent = pointsOf(kCamera, flat);
@@ -286,7 +287,8 @@ TEST_CASE("what sensors see is put in the frame that is asked for, over static a
   CHECK(says(read.losses[0], "too old"));
 }
 
-TEST_CASE("a frame from which nothing leads to the one that is asked for is said, and so is one that comes later put there") {
+TEST_CASE(
+    "a frame from which nothing leads to the one that is asked for is said, and so is one that comes later put there") {
   const Participant participant = rosParticipant(ownNetwork());
   const RosPublisher<RosPointCloud2> points(participant, "rt/unjoined", RosDelivery::reliable),
       still(participant, "rt/unjoined_still", RosDelivery::latched);
@@ -299,7 +301,8 @@ TEST_CASE("a frame from which nothing leads to the one that is asked for is said
   });
   RosWatching inMap = watching(0.6);
   inMap.listening.frame = "map";
-  const std::string words = "is in the frame 'lonely', from which nothing that is heard on /tf_static and /tf leads to 'map'";
+  const std::string words =
+      "is in the frame 'lonely', from which nothing that is heard on /tf_static and /tf leads to 'map'";
   CHECK(says(refusal([&] { watchRosFrames("unjoined", inMap); }), words));
   CHECK(says(refusal([&] { hearRosCloud("unjoined_still", inMap.listening); }), words));
   std::jthread late([&](const std::stop_token& stops) {
@@ -327,7 +330,8 @@ TEST_CASE("messages of transforms that are long, or of nothing, move nothing and
     one.transform.rotation.w = std::nan("");
   }
   const auto count = static_cast<std::uint32_t>(many.size());
-  const RosTFMessage hostile{.transforms = {._maximum = count, ._length = count, ._buffer = many.data(), ._release = false}};
+  const RosTFMessage hostile{
+      .transforms = {._maximum = count, ._length = count, ._buffer = many.data(), ._release = false}};
   const RosTFMessage empty{};
   for (int i = 0; i < 20; ++i) {
     CHECK(tf.write(hostile));

@@ -40,11 +40,13 @@ void listen(std::uint32_t domain, const std::string& name, double seconds) {
       proxy(participant, name + "/proxy", RosDelivery::reliable);
   const Heard<RosWrenchStamped> wrench(participant, name + "/wrench", RosDelivery::reliable);
   const Heard<RosPointCloud2> cloud(participant, name + "/cloud", RosDelivery::latched);
-  const Heard<RosTFMessage> frames(participant, "tf", RosDelivery::reliable), fixed(participant, "tf_static", RosDelivery::latched);
+  const Heard<RosTFMessage> frames(participant, "tf", RosDelivery::reliable),
+      fixed(participant, "tf_static", RosDelivery::latched);
   std::puts("listening");
   std::fflush(stdout);
   ReaderWait wait(participant);
-  pose.attachTo(wait), proxy.attachTo(wait), wrench.attachTo(wait), cloud.attachTo(wait), frames.attachTo(wait), fixed.attachTo(wait);
+  pose.attachTo(wait), proxy.attachTo(wait), wrench.attachTo(wait), cloud.attachTo(wait), frames.attachTo(wait),
+      fixed.attachTo(wait);
   std::vector<double> poses, others;
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (std::chrono::steady_clock::now() < end) {

@@ -118,9 +118,10 @@ TEST_CASE("a TFMessage has the bytes that ROS gives it") {
   transform.child_frame_id = child;
   transform.transform = {.translation = {.x = 1, .y = 2, .z = -1}, .rotation = {.x = 0, .y = 0.5, .z = 0, .w = 1}};
   const RosTFMessage message{.transforms = {._maximum = 1, ._length = 1, ._buffer = &transform, ._release = false}};
-  CHECK(wireOf(message) == withoutSpaces("00010000 01000000 05000000 06000000 02000000 6100 0000 03000000 626300 00 00000000 "
-                                         "000000000000f03f 0000000000000040 000000000000f0bf "
-                                         "0000000000000000 000000000000e03f 0000000000000000 000000000000f03f"));
+  CHECK(wireOf(message) ==
+        withoutSpaces("00010000 01000000 05000000 06000000 02000000 6100 0000 03000000 626300 00 00000000 "
+                      "000000000000f03f 0000000000000040 000000000000f0bf "
+                      "0000000000000000 000000000000e03f 0000000000000000 000000000000f03f"));
 }
 
 TEST_CASE("those who write are discovered with ROS's names of types, their hashes and the enclave") {
@@ -241,8 +242,8 @@ TEST_CASE("where a frame stands is kept for who comes later, and the hand's fram
       REQUIRE(message.transforms._length == 1);
       const auto& one = message.transforms._buffer[0];
       const auto& [at, turn] = one.transform;
-      seen[one.child_frame_id] = fmt::format("{} {:g} {:g} {:g} {:g} {:g} {:g} {:g}", one.header.frame_id, at.x, at.y, at.z,
-                                             turn.x, turn.y, turn.z, turn.w);
+      seen[one.child_frame_id] = fmt::format("{} {:g} {:g} {:g} {:g} {:g} {:g} {:g}", one.header.frame_id, at.x, at.y,
+                                             at.z, turn.x, turn.y, turn.z, turn.w);
       CHECK(std::abs(static_cast<double>(one.header.stamp.sec) - static_cast<double>(std::time(nullptr))) < 60);
     });
     return seen.size() == 2;

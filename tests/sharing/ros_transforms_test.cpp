@@ -44,7 +44,8 @@ bool says(const std::string& text, const std::string& words) {
 
 TEST_CASE("a chain of static transforms is gone up, down, and over a common ancestor") {
   RosTransforms tree;
-  // The mast stands 2 m up on the base; the camera on it is turned a quarter about z, and looks along its own optical axes.
+  // The mast stands 2 m up on the base; the camera on it is turned a quarter about z, and looks along its own optical
+  // axes.
   CHECK(tree.add(transform("/map", "base", {10, 0, 0}), true));
   CHECK(tree.add(transform("base", "/mast", {0, 0, 2}, DQuat(kHalf, 0, 0, kHalf)), true));
   CHECK(tree.add(transform("mast", "optical", {1, 0, 0}, DQuat(0.5, -0.5, 0.5, -0.5)), true));
@@ -71,7 +72,8 @@ TEST_CASE("a chain of static transforms is gone up, down, and over a common ance
 TEST_CASE("a frame that moves stands where its newest transform has it that is not newer than the time, nor too old") {
   RosTransforms tree;
   for (const int tick : {3, 1, 2, 0})  // as they come
-    CHECK(tree.add(transform("map", "arm", {double(tick), 0, 0}, DQuat(1, 0, 0, 0), 5 * kSecond + tick * kSecond / 100), false));
+    CHECK(tree.add(transform("map", "arm", {double(tick), 0, 0}, DQuat(1, 0, 0, 0), 5 * kSecond + tick * kSecond / 100),
+                   false));
   CHECK(tree.add(transform("arm", "camera", {0, 1, 0}), true));
   const auto x = [&](std::int64_t stamp_ns) { return tree.find("camera", "map", stamp_ns).centre.x; };
   CHECK(x(5 * kSecond) == 0);
@@ -80,7 +82,8 @@ TEST_CASE("a frame that moves stands where its newest transform has it that is n
   CHECK(x(5 * kSecond + kSecond / 40) == 2);
   CHECK(x(6 * kSecond) == 3);
   CHECK(tree.find("camera", "map", 6 * kSecond).centre.y == 1);
-  CHECK(says(refusal(tree, "camera", "map", 5 * kSecond - kSecond / 2), "'arm' stood in 'map' is not known of its time: what is heard of that is 0.500 s newer"));
+  CHECK(says(refusal(tree, "camera", "map", 5 * kSecond - kSecond / 2),
+             "'arm' stood in 'map' is not known of its time: what is heard of that is 0.500 s newer"));
   CHECK(x(6 * kSecond + kSecond / 100) == 3);
   CHECK(says(refusal(tree, "camera", "map", 7 * kSecond + kSecond / 10), "2.070 s before its time, and is too old"));
   // What is not needed does not matter.
@@ -89,7 +92,8 @@ TEST_CASE("a frame that moves stands where its newest transform has it that is n
   CHECK(tree.find("camera", "lamp", 100 * kSecond).centre == DVec3(0, 1, -5));
   // The last thousand are kept.
   for (int tick = 0; tick < 5000; ++tick)
-    tree.add(transform("map", "arm", {double(tick), 0, 0}, DQuat(1, 0, 0, 0), 20 * kSecond + tick * kSecond / 1000), false);
+    tree.add(transform("map", "arm", {double(tick), 0, 0}, DQuat(1, 0, 0, 0), 20 * kSecond + tick * kSecond / 1000),
+             false);
   CHECK(x(24 * kSecond) == 4000);
   CHECK(x(25 * kSecond) == 4999);
   CHECK(says(refusal(tree, "camera", "map", 23 * kSecond), "newer"));
@@ -97,7 +101,8 @@ TEST_CASE("a frame that moves stands where its newest transform has it that is n
 
 TEST_CASE("frames that nobody has joined, and circles, are said") {
   RosTransforms tree;
-  CHECK(says(refusal(tree, "camera", "map", 0), "is in the frame 'camera', from which nothing that is heard on /tf_static and /tf leads to 'map'"));
+  CHECK(says(refusal(tree, "camera", "map", 0),
+             "is in the frame 'camera', from which nothing that is heard on /tf_static and /tf leads to 'map'"));
   tree.add(transform("a", "b"), true);
   tree.add(transform("b", "c"), true);
   tree.add(transform("c", "a"), true);

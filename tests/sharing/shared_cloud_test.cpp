@@ -201,7 +201,9 @@ TEST_CASE("what is joined can be broken off") {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     stop = true;
   });
-  CHECK(says([&] { joinCloud("never", {.network = ownNetwork(), .patience_s = 60, .stop = [&] { return stop.load(); }}); }, "interrupted"));
+  CHECK(says(
+      [&] { joinCloud("never", {.network = ownNetwork(), .patience_s = 60, .stop = [&] { return stop.load(); }}); },
+      "interrupted"));
 }
 
 TEST_CASE("a network that one thread leaves another one joins at the same time") {

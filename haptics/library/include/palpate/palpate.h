@@ -12,10 +12,10 @@
  * Threads: clouds, meshes, frames and logs are never changed, and may be used by any number of threads. Of a session
  * one thread may call pp_touch(), pp_touch_hands() and pp_touch_lift() (its servo thread) while another one looks:
  * pp_session_follow(), pp_session_render(), pp_session_mesh(), pp_session_get_info(), pp_session_frame(), what governs
- * matter (pp_session_hold() and those after it), pp_session_get_sharing(), pp_session_others(), pp_session_cameras(), pp_live_take(),
- * pp_live_get_state(). All other calls want it for
- * themselves, as all calls on a pp_matter do. A pp_server is for any number of threads. Two calls that do not go together: the later one gives PP_ERROR_THREAD
- * and does nothing.
+ * matter (pp_session_hold() and those after it), pp_session_get_sharing(), pp_session_others(), pp_session_cameras(),
+ * pp_session_show_camera(), pp_live_take(), pp_live_get_state(). All other calls want it for themselves, as all calls on a
+ * pp_matter do. A pp_server is for any number of threads. Two calls that do not go together: the later one gives
+ * PP_ERROR_THREAD and does nothing.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. That is
  * compiled into the program and hands the size that it knows to pp_init_…(), which a program in another language calls
