@@ -213,7 +213,7 @@ TEST_CASE("facts of thousands of sessions do not hide those of the one that is j
   };
   for (int i = 0; i < 3000; ++i) say(sharing::freshId(), 1);
   std::optional<FarFacts> heard;
-  std::jthread hears([&] { heard = hearFacts(session, 20); });
+  std::jthread hears([&] { heard = hearFacts(session, 20, {}); });
   std::this_thread::sleep_for(std::chrono::seconds(1));
   for (int i = 0; i < 3000; ++i) say(sharing::freshId(), 1);
   say(session.session, 1234);
