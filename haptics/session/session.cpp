@@ -8,8 +8,13 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/parallel.hpp"
 #include "engine/matter/matter_parameters.hpp"
+#include "engine/matter/matter_pond.hpp"
+#include "engine/matter/matter_rules.hpp"
 #include "engine/motion/brick_source.hpp"
+#include "engine/touch/brick_matter.hpp"
+#include "engine/touch/matter_touch.hpp"
 #include "haptics/session/stream_model.hpp"
 
 namespace palpate {
@@ -26,6 +31,34 @@ SessionConfig checked(SessionConfig config, const BackendKind& kind) {
   return config;
 }
 
+// Of matter that somebody else simulates: what is around the hands is simulated here, on the CPU.
+std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model& model, const SessionParts& parts) {
+  if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
+  const MatterScene& scene = *model.farMatter;
+  const std::size_t hands = std::max<std::size_t>(1, config.hands.size());
+  BrickSource& source = model.far->source();
+  // Some thousand particles, twice a millisecond or more: threads that wait for one another need cores of their own.
+  constexpr unsigned kMostThreads = 4;
+  const unsigned threads = std::clamp(threadCount(parts.threads) / kMostThreads, 1U, kMostThreads);
+  constexpr std::uint64_t kMemory_bytes = std::uint64_t{1} << 32;  // whatever the scene of somebody else would take
+  auto pond = std::make_unique<MatterPond>(scene,
+                                           MatterOptions{.threads = threads,
+                                                         .tools = hands,
+                                                         .memory_bytes = kMemory_bytes,
+                                                         .model = model.standing},
+                                           newsOf(source));
+  auto felt = std::make_unique<MatterTouch>(std::move(pond), MatterTouchOptions{.hands = hands,
+                                                                               .threads = parts.threads,
+                                                                               .realtime = true,
+                                                                               .machine = cpuBackend()->machine(threads),
+                                                                               .varies = true});
+  // As far as weights reach.
+  const double support = kSupport_spacings * scene.spacing_mm;
+  return std::make_unique<BrickTouch>(
+      source, std::move(felt),
+      BrickTouchOptions{.radius = support, .tool = scene.tool.radius_mm, .origin = model.cloud.origin});
+}
+
 // Of a cloud that somebody else has: what is felt is what of it is here.
 std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const Model& model, const SurfaceOptions& surface,
                                              const SessionParts& parts) {
@@ -33,6 +66,7 @@ std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const 
     throw Error("'{}': who has the points around his hands alone feels them alone; leave the brush out", config.model.file);
   if (!parts.backend.capabilities().followsMotion)
     throw ConfigError("backend.name", "{} feels only what is all there; take vulkan or cpu", config.backend.name);
+  if (model.farMatter) return makePond(config, model, parts);
   std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
   double reach = 0;
   for (const ToolPoint& point : tools.front().points) reach = std::max(reach, glm::length(point.place));

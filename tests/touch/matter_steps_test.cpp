@@ -22,7 +22,7 @@ constexpr DVec3 kForce_N(0.3, 1.2, -0.4), kPlace_m(0.02, 0.03, 0.04), kVelocity_
 // What a told simulation has seen, and whether it may go on.
 struct Told {
   std::vector<HandPose> from, to;  // of the first hand, step by step
-  int begun = 0;
+  int begun = 0, placed = 0;
   std::vector<double> gains;  // as they were changed to
   MatterState state = MatterState::running;
   std::atomic<bool> waits = false;
@@ -43,7 +43,7 @@ class ToldSimulation final : public MatterSimulation {
  private:
   void begin() override { ++told_.begun; }
   void takeParameters() override { told_.gains.push_back(scene().gain); }
-  void placeTools(std::span<const HandPose>) override {}
+  void placeToolAt(std::size_t, const HandPose&) override { ++told_.placed; }
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override {
     told_.waits.wait(true);
     if (told_.faulty) throw Error("the GPU is lost");

@@ -1,0 +1,140 @@
+// Water and sand as a server moves them for hands on other machines, and what goes to these; no network is in it.
+#include <doctest/doctest.h>
+
+#include "engine/core/clock.hpp"
+#include "engine/matter/matter_model.hpp"
+#include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/stepped_model.hpp"
+
+namespace palpate {
+
+namespace {
+
+MatterScene pool() {
+  MatterScene scene{.box_mm = {80, 120, 80}, .fill_mm = {80, 70, 80}, .spacing_mm = 10};
+  scene.tool = {.radius_mm = 20, .mass_kg = 0.034};
+  return scene;
+}
+
+class Lines final : public LogListener {
+ public:
+  void said(std::string_view line) override { lines.emplace_back(line); }
+  void progressed(std::string_view, double) override {}
+  std::vector<std::string> lines;
+};
+
+/// A model that is stepped by a clock of its own, which no machine is too slow for.
+class Served {
+ public:
+  explicit Served(const MatterScene& scene) {
+    log_.listen(&lines_);
+    SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
+    config.matter = scene;
+    config.realtime = true;
+    model_ = std::make_shared<const Model>(loadModel(config, {.log = log_, .threads = 1}));
+    stepped_.emplace(config, model_, SteppedModel::Parts{.backend = *cpu_, .threads = 1, .log = &log_});
+  }
+  /// Until it holds of a frame, at most so long by the wall's clock.
+  bool until(double seconds, const std::vector<SeenHand>& hands, const std::function<bool(const CloudFrame&)>& holds) {
+    CloudFrame frame;
+    for (const Stopwatch since; since.elapsed_s() < seconds;) {
+      time_s_ += 1 / stepped_->rate_Hz();
+      if (stepped_->step(time_s_, hands, frame) && holds(frame)) return true;
+    }
+    return false;
+  }
+  const Model& model() const { return *model_; }
+  const std::vector<std::string>& said() const { return lines_.lines; }
+
+ private:
+  Lines lines_;
+  Log log_{true};
+  std::unique_ptr<BackendKind> cpu_ = cpuBackend();
+  std::shared_ptr<const Model> model_;
+  std::optional<SteppedModel> stepped_;
+  double time_s_ = 0;
+};
+
+std::size_t within(const CloudFrame& frame, const DVec3& place, double radius) {
+  std::size_t count = 0;
+  for (const Vec3& position : frame.positions) count += glm::distance(DVec3(position), place) < radius;
+  return count;
+}
+
+SeenHand handAt(std::uint32_t number, const DVec3& place) {
+  SeenHand hand{.number = number};
+  hand.place.position = hand.place.proxy = place;
+  return hand;
+}
+
+}  // namespace
+
+TEST_CASE("each hand that is heard has a ball in the water, from where it is put down on, and none once it is gone") {
+  Served served(pool());
+  const DVec3 a(25, 30, 40), b(55, 30, 40);
+  CHECK(served.until(60, {}, [&](const CloudFrame& frame) {
+    REQUIRE(frame.size() == served.model().cloud.size());
+    REQUIRE(frame.velocities.size() == frame.size());
+    return within(frame, a, 15) > 5;
+  }));
+  CHECK(served.until(120, {handAt(1, a)}, [&](const CloudFrame& frame) { return within(frame, a, 17) == 0; }));
+  CHECK(served.until(120, {handAt(7, b)},
+                     [&](const CloudFrame& frame) { return within(frame, b, 17) == 0 && within(frame, a, 15) > 5; }));
+  // One that leaps is put down elsewhere: what lies between stays where it is.
+  CHECK(served.until(120, {handAt(7, a)},
+                     [&](const CloudFrame& frame) { return within(frame, a, 17) == 0 && within(frame, b, 15) > 5; }));
+  CHECK(served.said().empty());
+}
+
+TEST_CASE("more hands than there are balls for do no harm, and hands that are thrown about do not end what is served") {
+  Served served(pool());
+  std::uint32_t round = 0;
+  for (int times = 0; times < 20; ++times) {
+    std::vector<SeenHand> hands;
+    for (std::uint32_t k = 0; k < 12; ++k) {
+      ++round;
+      hands.push_back(handAt(k, DVec3(round * 37 % 80, round * 53 % 110, round * 71 % 80)));
+    }
+    int frames = 0;
+    CHECK(served.until(60, hands, [&](const CloudFrame& frame) {
+      for (const Vec3& position : frame.positions) REQUIRE(isFinite(position));
+      return ++frames == 3;
+    }));
+  }
+  // It goes on, whether or not it has begun anew.
+  CHECK(served.until(120, {}, [&](const CloudFrame& frame) { return within(frame, DVec3(40, 20, 40), 15) > 5; }));
+}
+
+TEST_CASE("what stands in water is in no frame") {
+  MatterScene scene = pool();
+  scene.model = "builtin:sphere";
+  scene.model_mm = DVec3(50);
+  Served served(scene);
+  REQUIRE(served.model().standing);
+  const std::size_t standing = served.model().standing->points().size();
+  REQUIRE(standing > 1000);
+  CHECK(served.until(60, {}, [&](const CloudFrame& frame) {
+    CHECK(frame.size() == served.model().cloud.size() - standing);
+    CHECK(frame.normals.size() == frame.size());
+    CHECK(frame.velocities.size() == frame.size());
+    return true;
+  }));
+}
+
+TEST_CASE("a scene goes over a network as text, and what is none is refused") {
+  for (const char* name : {"water", "dam", "sand", "drop"}) {
+    MatterScene scene = *matterScene(name);
+    CHECK(parseScene(sceneText(scene)) == scene);
+    CHECK(sceneText(scene).size() < 1500);
+  }
+  CHECK_THROWS_AS(parseScene("{"), Error);
+  CHECK_THROWS_AS(parseScene("{\"matter\": \"fire\"}"), Error);
+  MatterScene scene = *matterScene("water");
+  scene.spacing_mm = -1;
+  CHECK_THROWS_AS(parseScene(sceneText(scene)), Error);
+  scene = *matterScene("water");
+  scene.tool.radius_mm = 0;
+  CHECK_THROWS_AS(parseScene(sceneText(scene)), Error);
+}
+
+}  // namespace palpate
