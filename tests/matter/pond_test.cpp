@@ -79,12 +79,13 @@ TEST_CASE("a ball in water far away floats as one in the same water here, and is
                         "drag at 50 mm/s {:.3f} and {:.3f} N; at most {:.2f} and {:.2f} N; least energy {:.3f} mJ",
                         1e3 * delay_s, held.local.y, held.far.y, expected_N, held.trembles_N, localDrag_N, drag_N,
                         both.mostHere_N(), both.most_N(), 1e3 * both.least_J()));
-    CHECK(std::abs(held.far.y - held.local.y) < 0.2 * expected_N);
+    CHECK(std::abs(held.far.y - held.local.y) < 0.15 * expected_N);
     CHECK(std::hypot(held.far.x, held.far.z) < 0.1 * expected_N);
-    CHECK(held.trembles_N < 0.4 * expected_N);
-    CHECK(both.most_N() < 3 * both.mostHere_N() + 5);
-    CHECK(drag_N > 0.3 * localDrag_N);
-    CHECK(drag_N < 2 * localDrag_N);
+    // At the end of a long way it comes to rest later: the ball there is still under way.
+    CHECK(held.trembles_N < (delay_s < 0.1 ? 0.2 : 1) * expected_N);
+    CHECK(both.most_N() < 1.5 * both.mostHere_N());
+    CHECK(drag_N > 0.6 * localDrag_N);
+    CHECK(drag_N < 1.5 * localDrag_N);
     CHECK(both.least_J() >= -1e-3);
     CHECK(both.far().there().state() == MatterState::running);
     CHECK(both.far().here().counts().restarts == 0);

@@ -1,9 +1,13 @@
 // Water and sand as a server moves them for hands on other machines, and what goes to these; no network is in it.
 #include <doctest/doctest.h>
 
+#include <map>
+
 #include "engine/core/clock.hpp"
 #include "engine/matter/matter_model.hpp"
+#include "engine/motion/brick_source.hpp"
 #include "haptics/session/matter_scenes.hpp"
+#include "haptics/session/session.hpp"
 #include "haptics/session/stepped_model.hpp"
 
 namespace palpate {
@@ -119,6 +123,120 @@ TEST_CASE("what stands in water is in no frame") {
     CHECK(frame.velocities.size() == frame.size());
     return true;
   }));
+}
+
+namespace {
+
+/// Somebody elsewhere has the water, and it rests.
+class RestingFar final : public FarCloud {
+ public:
+  explicit RestingFar(const MatterScene& scene) : source_({.edge = 4 * scene.spacing_mm, .points = 1 << 14, .moves = true}) {
+    std::map<BrickKey, std::shared_ptr<Brick>> bricks;
+    // What is empty is known, too: all of the box, and beyond.
+    source_.grid().boxOf(-DVec3(100), scene.box_mm + 100.0).forEach([&](const IVec3& brick) {
+      bricks[BrickGrid::keyOf(brick)] = std::make_shared<Brick>();
+    });
+    std::uint32_t id = 0;
+    for (const Vec3& place_m : placesAtRest(scene)) {
+      const Vec3 place = 1e3f * place_m;
+      Brick& brick = *bricks[source_.grid().keyAt(DVec3(place))];
+      brick.ids.push_back(id++);
+      brick.positions.push_back(place);
+      brick.normals.emplace_back(0, 1, 0);
+      brick.velocities.emplace_back(0);
+    }
+    BrickUpdate update{.true_s = steadyNow_s(), .whole = true};
+    for (const auto& [key, brick] : bricks) update.bricks.emplace_back(key, brick);
+    source_.apply(std::move(update));
+  }
+  BrickSource& source() override { return source_; }
+  const InformationAge& known() const override { return known_; }
+  FarCounts counts() const override { return {}; }
+  void check() const override {}
+
+ private:
+  BrickSource source_;
+  InformationAge known_;
+};
+
+/// As it is joined.
+Model joinedPool(const std::string& matter, std::uint64_t standing = 0) {
+  SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
+  config.join = JoinConfig{};
+  Log log(true);
+  const MatterScene scene = pool();
+  JoinedModel joined;
+  for (const Vec3& place_m : placesAtRest(scene)) {
+    joined.cloud.positions.push_back(1e3f * place_m);
+    joined.cloud.normals.emplace_back(0, 1, 0);
+  }
+  joined.cloud.storedAs.comments = {"comment mm_per_unit: 1"};
+  joined.far = std::make_shared<RestingFar>(scene);
+  joined.facts = FarFacts{.extent = {.bounds = boundsOf(joined.cloud), .points = joined.cloud.size()},
+                          .spacing = scene.spacing_mm,
+                          .edge = 4 * scene.spacing_mm,
+                          .moves = true,
+                          .matter = matter,
+                          .standing = standing};
+  const ModelLoading loading{.log = log, .threads = 1, .join = [&](const std::string&, const JoinConfig&, Log&) { return joined; }};
+  return loadModel(config, loading);
+}
+
+}  // namespace
+
+TEST_CASE("what is joined as water is felt as water, seen as particles, and not felt where nothing of it is known") {
+  const auto cpu = cpuBackend();
+  SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
+  config.join = JoinConfig{};
+  config.realtime = true;
+  Session session(config, joinedPool(sceneText(pool())), {.backend = *cpu, .threads = 1});
+  CHECK(session.model().discRadius > 0);
+  CHECK(session.model().ballRadius == 20);
+  REQUIRE(session.model().container);
+  const double scale = session.model().scale.mm_per_unit;
+  const DVec3 hip(40, 35, 40), away(40, 35, 5000);
+  const double expected_N = 1000 * 9.81 * 4 * 3.14159265 / 3 * 8e-6;
+  const Stopwatch since;
+  double mean_N = 0;
+  int answers = 0, old = 0;
+  const auto ask = [&](const DVec3& place) {
+    const Pose pose{.time_s = since.elapsed_s(), .hip = place};
+    return session.backend().query(pose, 20'000);
+  };
+  while (since.elapsed_s() < 90 && answers < 400) {
+    const Contact contact = ask(hip);
+    REQUIRE(contact.valid);
+    if (!contact.fresh) ++old;
+    if (!contact.fresh || ++answers <= 200) continue;
+    mean_N += contact.force_N.value_or(DVec3(0)).y / 200;
+  }
+  MESSAGE(fmt::format("held in water that rests, joined at {:g} mm a unit: {:.3f} N of {:.3f} N displaced; {} old answers",
+                      scale, mean_N, expected_N, old));
+  CHECK(answers == 400);
+  CHECK(mean_N > 0.75 * expected_N);
+  CHECK(mean_N < 1.25 * expected_N);
+  CloudFrame frame;
+  CHECK(session.backend().takeFrame(frame));
+  CHECK(frame.size() > 200);
+  CHECK(frame.size() <= session.model().cloud.size());
+  CHECK(frame.colors.size() == frame.size());
+  for (const Vec3& position : frame.positions) REQUIRE(glm::all(glm::lessThanEqual(DVec3(position), pool().box_mm)));
+  const UnknownTicks before = session.unknownTicks();
+  for (int k = 0; k < 20; ++k) {
+    const Contact contact = ask(away);
+    CHECK_FALSE(contact.touching);
+    CHECK(contact.force_N.value_or(DVec3(0)) == DVec3(0));
+  }
+  CHECK(session.unknownTicks().without >= before.without + 20);
+}
+
+TEST_CASE("what is announced as water and is none is refused in words") {
+  CHECK_THROWS_AS(joinedPool("{\"matter\": 3}"), Error);
+  CHECK_THROWS_WITH_AS(joinedPool(sceneText(*matterScene("jelly"))), doctest::Contains("soft body"), Error);
+  MatterScene scene = pool();
+  scene.spacing_mm = 1e-9;
+  CHECK_THROWS_AS(joinedPool(sceneText(scene)), Error);
+  CHECK_THROWS_WITH_AS(joinedPool(sceneText(pool()), 1'000'000), doctest::Contains("has not come"), Error);
 }
 
 TEST_CASE("a scene goes over a network as text, and what is none is refused") {
