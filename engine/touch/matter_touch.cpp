@@ -122,6 +122,7 @@ void MatterTouch::finish() {
 
 std::size_t MatterTouch::readBack(PointCloud& cloud) const {
   const std::vector<Vec3> places = steps_.world().positionsById();
+  if (varies_) return bring(places, cloud);
   PALPATE_CHECK_EQ(cloud.size(), places.size() + still_.positions.size());
   surface_.normalsOf(places, up_, cloud.normals);
   append(cloud.normals, still_.normals);
@@ -133,12 +134,28 @@ std::size_t MatterTouch::readBack(PointCloud& cloud) const {
   return moved;
 }
 
+// Those that are known, whichever there were.
+std::size_t MatterTouch::bring(std::span<const Vec3> places, PointCloud& cloud) const {
+  CloudFrame frame;
+  frame.positions = inUnits(places);
+  surface_.normalsOf(places, up_, frame.normals);
+  append(frame.positions, still_.positions);
+  append(frame.normals, still_.normals);
+  color(frame);
+  cloud.positions = frame.positions;
+  cloud.normals = frame.normals;
+  cloud.colors.clear();
+  for (const auto& [r, g, b] : frame.colors) cloud.colors.push_back({r, g, b, 255});
+  return cloud.size();
+}
+
 bool MatterTouch::takeFrame(CloudFrame& frame) {
   {
     const std::lock_guard lock(paceGuard_);
     if (!thread_) steps_.showPresent();
   }
-  if (!steps_.take(view_)) return false;
+  // Where nothing is known any more what was known last is seen.
+  if (!steps_.take(view_) || view_.positions.empty()) return false;
   frame.time_s = view_.time_s;
   frame.positions = inUnits(view_.positions);
   frame.velocities = inUnits(view_.velocities);

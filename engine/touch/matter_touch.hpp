@@ -64,6 +64,7 @@ class MatterTouch final : public TouchBackend {
  private:
   static constexpr std::uint32_t kMostVarying = 1 << 18;
   void color(CloudFrame& frame) const;
+  std::size_t bring(std::span<const Vec3> places, PointCloud& cloud) const;
   Contact contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept;
 
   Vec3 up_;

@@ -198,21 +198,21 @@ TEST_CASE("what is joined as water is felt as water, seen as particles, and not 
   const double expected_N = 1000 * 9.81 * 4 * 3.14159265 / 3 * 8e-6;
   const Stopwatch since;
   double mean_N = 0;
-  int answers = 0, old = 0;
+  int answers = 0, old = 0, ticks = 0;
   const auto ask = [&](const DVec3& place) {
-    const Pose pose{.time_s = since.elapsed_s(), .hip = place};
+    const Pose pose{.time_s = 1e-3 * ++ticks, .hip = place};  // by a clock that no machine is too slow for
     return session.backend().query(pose, 20'000);
   };
-  while (since.elapsed_s() < 90 && answers < 400) {
+  while (since.elapsed_s() < 90 && answers < 500) {
     const Contact contact = ask(hip);
     REQUIRE(contact.valid);
     if (!contact.fresh) ++old;
-    if (!contact.fresh || ++answers <= 200) continue;
+    if (!contact.fresh || ++answers <= 300) continue;
     mean_N += contact.force_N.value_or(DVec3(0)).y / 200;
   }
   MESSAGE(fmt::format("held in water that rests, joined at {:g} mm a unit: {:.3f} N of {:.3f} N displaced; {} old answers",
                       scale, mean_N, expected_N, old));
-  CHECK(answers == 400);
+  CHECK(answers == 500);
   CHECK(mean_N > 0.75 * expected_N);
   CHECK(mean_N < 1.25 * expected_N);
   CloudFrame frame;
@@ -221,6 +221,9 @@ TEST_CASE("what is joined as water is felt as water, seen as particles, and not 
   CHECK(frame.size() <= session.model().cloud.size());
   CHECK(frame.colors.size() == frame.size());
   for (const Vec3& position : frame.positions) REQUIRE(glm::all(glm::lessThanEqual(DVec3(position), pool().box_mm)));
+  const SculptedCloud present = session.sculpted();
+  CHECK(present.cloud.size() == frame.size());
+  CHECK(present.cloud.colors.size() == frame.size());
   const UnknownTicks before = session.unknownTicks();
   for (int k = 0; k < 20; ++k) {
     const Contact contact = ask(away);
