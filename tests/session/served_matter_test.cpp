@@ -6,6 +6,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/matter/matter_model.hpp"
 #include "engine/motion/brick_source.hpp"
+#include "engine/touch/brick_matter.hpp"
 #include "haptics/session/matter_scenes.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/session/stepped_model.hpp"
@@ -231,6 +232,25 @@ TEST_CASE("what is joined as water is felt as water, seen as particles, and not 
     CHECK(contact.force_N.value_or(DVec3(0)) == DVec3(0));
   }
   CHECK(session.unknownTicks().without >= before.without + 20);
+}
+
+TEST_CASE("particles come out of bricks by their numbers in all of the matter, in metres, and once") {
+  const MatterScene scene = pool();
+  RestingFar far(scene);
+  const MatterNews news = newsOf(far.source());
+  KnownMatter known;
+  CHECK_FALSE(news(known));  // no hand has asked
+  HandReaches hands{.time_s = 1, .steady_s = steadyNow_s(), .count = 1};
+  far.source().ask(hands);
+  REQUIRE(news(known));
+  const std::vector<Vec3> places = placesAtRest(scene);
+  REQUIRE(known.size() == places.size());
+  REQUIRE(known.velocities.size() == places.size());
+  for (std::uint32_t i = 0; i < places.size(); ++i) {
+    REQUIRE(known.ids[i] == i);
+    REQUIRE(glm::distance(known.positions[i], places[i]) < 1e-6f);
+  }
+  CHECK_FALSE(news(known));
 }
 
 TEST_CASE("what is announced as water and is none is refused in words") {

@@ -101,6 +101,37 @@ struct Stale {
 
 }  // namespace
 
+TEST_CASE("the ball of a hand that was put down elsewhere stands there, and has not gone there") {
+  Told told;
+  MatterSteps steps = stepsOf(told);
+  steps.goTo(at(0, {1, 0, 0}));
+  CHECK(told.placed == 1);
+  MatterQuestion next = at(0.003, {50, 8, 0});
+  next.putDown[0] = 1;
+  steps.goTo(next);
+  CHECK(told.placed == 2);
+  REQUIRE(told.to.size() == 4);
+  for (std::size_t k = 1; k < 4; ++k) {
+    CHECK(told.from[k].place_m == DVec3(50, 8, 0));
+    CHECK(told.to[k].place_m == DVec3(50, 8, 0));
+  }
+  next.time_s = 0.005;
+  next.hands[0].place_m.x = 52;
+  steps.goTo(next);  // put down as often as before
+  CHECK(told.placed == 2);
+  CHECK(told.to[4].place_m.x == doctest::Approx(51));
+}
+
+TEST_CASE("an old answer is none to a hand that was put down elsewhere meanwhile") {
+  Stale stale;
+  CHECK(stale.later(0.001, DVec3(0)).force_N.has_value());
+  stale.touch.resetHand(0);
+  const Contact after = stale.later(0.001, DVec3(0));
+  CHECK(after.valid);
+  CHECK_FALSE(after.touching);
+  CHECK_FALSE(after.force_N.has_value());
+}
+
 TEST_CASE("between two questions hands go straight on, step by step, and turn as evenly") {
   Told told;
   MatterSteps steps = stepsOf(told);
