@@ -154,6 +154,37 @@ TEST_CASE("who joins with his ball under water feels it float, and is not carrie
   CHECK(both.least_J() >= -1e-3);
 }
 
+TEST_CASE("water that flows elsewhere carries along a ball that is held still here") {
+  MatterScene scene = smallTank();
+  const float speed_m_s = 0.1f;
+  const int rests = 300, flows = 250;
+  std::vector<Vec3> beginning = placesAtRest(scene);
+  for (const Vec3& place : placesAtRest(scene)) beginning.push_back(place - Vec3(static_cast<float>(scene.box_mm.x * 1e-3), 0, 0));
+  int step = 0;
+  MatterPond pond(scene, {.threads = 1, .tools = 1}, [&](KnownMatter& known) {
+    if (step % 16 != 0) return false;
+    const float gone_m = speed_m_s * 1e-3f * static_cast<float>(std::max(0, step - rests));
+    known = {};
+    for (const Vec3& place : beginning) {
+      known.ids.push_back(static_cast<std::uint32_t>(known.size()));
+      known.positions.push_back(place + Vec3(gone_m, 0, 0));
+      known.velocities.emplace_back(0);
+    }
+    return true;
+  });
+  const HandPose hand{.place_m = {0.06, 0.06, 0.06}};
+  double before_N = 0, along_N = 0;
+  for (; step < rests + flows; ++step) {
+    pond.step({&hand, 1});
+    if (step >= rests - 100 && step < rests) before_N += pond.answers()[0].force_N.x / 100;
+    if (step >= rests + flows - 100) along_N += pond.answers()[0].force_N.x / 100;
+  }
+  MESSAGE("in water that flows by at 100 mm/s: " << along_N << " N, at rest " << before_N << " N");
+  CHECK(std::abs(before_N) < 0.05);
+  CHECK(along_N > 0.1);
+  CHECK(pond.counts().restarts == 0);
+}
+
 TEST_CASE("where far matter begins anew, all that is here begins anew with it; where nothing is heard, it stays as it is") {
   Both both(smallTank(), 0.02);
   both.go(900, {0, -0.1, 0}, 0);
