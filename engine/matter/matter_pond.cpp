@@ -11,6 +11,7 @@ namespace {
 // In so long what is held comes to where it is known to be, and takes the velocity that it needs for that. Velocities that
 // are known are not taken: each particle trembles with some of its own, by more than water can be compressed.
 constexpr float kComes_s = 0.02f, kFollows_s = 0.0005f;
+constexpr std::uint32_t kMostBetweenNews = 50;  // steps
 // A ball that goes no faster is where it is known to be, as soon as that is known: spacings a second.
 constexpr double kRests_spacings_s = 2;
 // Of two sets of particles, one after the other: more of them are elsewhere than any can have gone.
@@ -63,10 +64,19 @@ bool MatterPond::isElsewhere() const {
   return static_cast<double>(gone) > kElsewhere * static_cast<double>(compared);
 }
 
+// Of the way from where particles were held to where they are known to be now: so that they go evenly from news to news.
+float MatterPond::gone() const {
+  return std::min(1.0f, static_cast<float>(sinceNews_) / static_cast<float>(betweenNews_));
+}
+
 void MatterPond::hear() {
+  ++sinceNews_;
   const bool isNew = news_(known_);
   if (isNew) {
     ++counts_.news;
+    for (PondMember& member : members_) member.heldAt = glm::mix(member.heldAt, member.knownPlace, gone());
+    betweenNews_ = std::clamp(sinceNews_, 1U, kMostBetweenNews);
+    sinceNews_ = 0;
     knownAt_s_ = known_.time_s;
     if (isElsewhere()) empty();
   }
@@ -122,13 +132,15 @@ void MatterPond::empty() {
 void MatterPond::beforeSubstep() {
   balls_ = balls();
   const auto step_s = static_cast<float>(plan().substep_s);
+  const float way = gone();
   const std::span<const Vec3> places = std::as_const(*this).matter().positions();
   for (std::size_t slot = 0; slot < places.size(); ++slot) {
     const PondMember& member = members_[matter().ids()[slot]];
     const float held = member.isKnown ? rules_.held(PondMembers::distance(places[slot], balls_)) : 0;
     if (held == 0) continue;
     const Vec3 velocity(std::as_const(*this).matter().velocities()[slot]);
-    const Vec3 wanted = (member.knownPlace - places[slot]) / kComes_s;
+    const Vec3 should = glm::mix(member.heldAt, member.knownPlace, way);
+    const Vec3 wanted = (should - places[slot]) / kComes_s;
     // Implicit, so that no substep is too long for it.
     const float goes = held * step_s / kFollows_s;
     matter().setVelocity(slot, velocity + goes / (1 + goes) * (wanted - velocity));

@@ -43,6 +43,7 @@ class MatterPond final : public MatterWorld {
   void beforeSubstep() override;
 
   void hear();
+  float gone() const;
   bool isElsewhere() const;
   void renew();
   void take();
@@ -59,6 +60,7 @@ class MatterPond final : public MatterWorld {
   std::vector<PondMember> members_;  // by their numbers
   std::vector<DVec3> balls_;
   std::optional<double> knownAt_s_;
+  std::uint32_t sinceNews_ = 0, betweenNews_ = 1;  // steps
   bool isPlaced_ = false;  // a ball has come elsewhere since the members were looked at
   PondCounts counts_;
 };

@@ -149,7 +149,8 @@ bool PondMembers::renew(const KnownMatter& known, std::span<const DVec3> balls, 
                       .place = one.place,
                       .velocity = one.velocity,
                       .isKnown = true,
-                      .knownPlace = one.place});
+                      .knownPlace = one.place,
+                      .heldAt = one.place});
   };
   auto there = near.begin();
   for (std::uint32_t number = 0; number < members.size(); ++number) {
@@ -163,6 +164,7 @@ bool PondMembers::renew(const KnownMatter& known, std::span<const DVec3> balls, 
       come(*there, number);
     } else if (far < kLeaves * space_.reach.end && !(far < space_.reach.held && exchanged[nearestOf(member.place, balls)])) {
       // One that is somewhere else stays where it is: all are alike, and there was room for it.
+      if (!member.isKnown) member.heldAt = member.place;
       member.isKnown = isKnown && !isDisplaced(member, there->place);
       if (member.isKnown) member.knownPlace = there->place;
       kept.push_back(member);

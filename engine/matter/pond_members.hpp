@@ -26,7 +26,7 @@ struct PondMember {
   std::uint32_t was = ~std::uint32_t{0};  ///< its number among those before; kNoParticle: it is new here
   Vec3 place{0}, velocity{0};             ///< m, m/s
   bool isKnown = false;                   ///< it is known where it should be:
-  Vec3 knownPlace{0};
+  Vec3 knownPlace{0}, heldAt{0};          ///< as it is known now; where it was held when that came
 };
 
 /// What PondMembers has to know of the scene.

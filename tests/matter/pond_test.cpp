@@ -155,7 +155,8 @@ TEST_CASE("who joins with his ball under water feels it float, and is not carrie
 }
 
 TEST_CASE("water that flows elsewhere carries along a ball that is held still here") {
-  MatterScene scene = smallTank();
+  MatterScene scene = tank({20, 20, 20}, 11);  // so wide that what is here reaches no wall
+  scene.tool = {.radius_mm = 25, .mass_kg = 0.065};
   const float speed_m_s = 0.1f;
   const int rests = 300, flows = 250;
   std::vector<Vec3> beginning = placesAtRest(scene);
@@ -172,7 +173,7 @@ TEST_CASE("water that flows elsewhere carries along a ball that is held still he
     }
     return true;
   });
-  const HandPose hand{.place_m = {0.06, 0.06, 0.06}};
+  const HandPose hand{.place_m = {0.1, 0.055, 0.1}};
   double before_N = 0, along_N = 0;
   for (; step < rests + flows; ++step) {
     pond.step({&hand, 1});
