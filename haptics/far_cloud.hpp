@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/up.hpp"
@@ -20,6 +21,8 @@ struct FarFacts {
   UpAxis up = UpAxis::y;
   double edge = 0;      ///< of the bricks in which its points come
   bool moves = false;   ///< the points come again and again, against the clock
+  std::string matter;   ///< of points that are particles: their scene, as sceneText() has it; empty: they are of a surface
+  std::uint64_t standing = 0;  ///< of the points, the last ones: they stand in such a scene, and never come again
   bool operator==(const FarFacts&) const = default;
 };
 

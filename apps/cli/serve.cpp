@@ -9,6 +9,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"
+#include "engine/matter/matter_model.hpp"
 #include "haptics/session/matter_scenes.hpp"
 #include "haptics/session/stepped_model.hpp"
 #include "haptics/sharing/ros.hpp"
@@ -58,8 +59,14 @@ SessionConfig servedConfig(Context& context, const ServeOptions& options) {
   return config;
 }
 
-FarFacts factsOf(const Model& model) {
-  return {.spacing = model.spacing, .wideSpacing = model.wideSpacing, .noise = model.noise, .up = model.upright.up};
+FarFacts factsOf(const Model& model, const std::optional<MatterScene>& matter) {
+  FarFacts facts{.spacing = model.spacing, .wideSpacing = model.wideSpacing, .noise = model.noise, .up = model.upright.up};
+  if (!matter || matter->matter == Matter::soft) return facts;
+  MatterScene scene = *matter;
+  scene.model = std::filesystem::path(scene.model).filename().string();  // where it is stored is nobody's business
+  facts.matter = sceneText(scene);
+  if (model.standing) facts.standing = model.standing->points().size();
+  return facts;
 }
 
 ServedMotion motionOf(Context& context, const SessionConfig& config, const std::shared_ptr<const Model>& model,
@@ -96,7 +103,7 @@ void serve(Context& context, const ServeOptions& options) {
                                    .sculptable = !options.readOnly && !config.moves(),
                                    .journal = options.journalFile,
                                    .log = &context.log(),
-                                   .facts = factsOf(model),
+                                   .facts = factsOf(model, config.matter),
                                    .motion = motion,
                                    .motion_Hz = rate_Hz});
   context.log().say("serving '{}': {} points of {}{}; {}", options.name, model.cloud.size(), config.model.file,
@@ -149,7 +156,7 @@ void addServe(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand(
       "serve", "a model for other programs, here or on other machines, which join it by its name (--join)");
   auto options = std::make_shared<ServeOptions>();
-  addModelOptions(sub, options->model, modelsAndStreams() + "; of matter a soft body", false);
+  addModelOptions(sub, options->model, modelsAndStreams(), false);
   sub.add("--name", options->name, "by which it is joined; no other session of the network has it").required();
   sub.add("--journal", options->journalFile,
           "a file that each stroke goes into as it is taken: whoever serves the model again with it goes on where this "
@@ -166,7 +173,7 @@ void addServe(Options& app, Context& context, Command& command) {
   addRosCameraOptions(sub, options->network);
   addMotionOptions(sub, options->motion);
   addStreamOptions(sub, options->stream);
-  sub.add("--backend", options->backend, "that moves a soft body: auto, vulkan or cpu")
+  sub.add("--backend", options->backend, "that moves matter: auto, vulkan or cpu")
       .check(oneOf({"auto", "vulkan", "cpu"}))
       .showDefault();
   sub.add("--duration", options->duration_s, "s (default: until it is asked to end, as by Ctrl+C)")
@@ -176,11 +183,10 @@ void addServe(Options& app, Context& context, Command& command) {
       "do to "
       "them, in one order for all: each feels what the others do, and in the end all have the same points, bit by bit. "
       "Points are moved, painted and taken away; none come to keep the surface whole (--keep-points).\n"
-      "A model that moves (--motion, the frames of a depth camera, a soft body such as jelly) goes on by the clock of "
-      "this "
-      "program, and is felt alone: who joins it has the points around the hands, up to 60 times a second, and his "
-      "hands press a "
-      "soft body as those of one session do. So has who joins with --near what stands still.\n"
+      "A model that moves (--motion, the frames of a depth camera, matter such as jelly, water or sand) goes on by the "
+      "clock of this program, and is felt alone: who joins it has the points around the hands, up to 60 times a second, "
+      "and his hands press a soft body, and stir water and sand, as those of one session do (up to eight). So has who "
+      "joins with --near what stands still.\n"
       "Without --interface nobody but this machine can join; with it, whoever is on that network can, and nothing is "
       "encrypted. With --security all is, and only who has keys of the same authority can join (palpate keys makes them).\n");
   sub.whenNamed([&, options] { command = [&context, options] { serve(context, *options); }; });

@@ -149,7 +149,9 @@ void GpuMatterWorld::begin() {
   swiftSteps_ = kSwiftSteps;
 }
 
-void GpuMatterWorld::placeTools(std::span<const HandPose>) {}  // they begin at no distance from the hands
+void GpuMatterWorld::placeToolAt(std::size_t tool, const HandPose&) {
+  putToHand(device_, queue_, memory_.state, MatterMemory::kTools, tool);
+}
 
 MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
   const std::span<shared::HandStep> hands =

@@ -39,7 +39,7 @@ class GpuMatterWorld final : public MatterSimulation {
  private:
   void begin() override;
   void takeParameters() override;
-  void placeTools(std::span<const HandPose> hands) override;
+  void placeToolAt(std::size_t tool, const HandPose& hand) override;
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
   std::vector<Vec4> pressedPlaces() const override;
 

@@ -265,6 +265,10 @@ void GpuSoftWorld::begin() {
   press_.forget();
 }
 
+void GpuSoftWorld::placeToolAt(std::size_t tool, const HandPose&) {
+  putToHand(device_, queue_, memory_.state, SoftMemory::kTools, tool);
+}
+
 MatterSimulation::StepReport GpuSoftWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
   const std::size_t hands = std::size_t{sizes_.substeps} * sizes_.tools;
   writeHandSteps(from, to, kMatterStep_s / sizes_.substeps, memory_.hands.mapped<shared::HandStep>().first(hands));

@@ -92,7 +92,7 @@ class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
                std::shared_ptr<const SoftModel> model, const SoftLayout& layout, std::unique_ptr<Queue> own);
   void begin() override;
   void takeParameters() override;
-  void placeTools(std::span<const HandPose>) override {}  // they begin at no distance from the hands
+  void placeToolAt(std::size_t tool, const HandPose& hand) override;
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
   std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
 

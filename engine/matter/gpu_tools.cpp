@@ -2,6 +2,9 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "engine/gpu/buffer.hpp"
+#include "engine/gpu/command_list.hpp"
+#include "engine/gpu/device.hpp"
 #include "engine/matter/tool_body.hpp"
 
 namespace palpate {
@@ -35,6 +38,15 @@ shared::ToolSpring springOnGpu(const MatterScene& scene, const MatterPlan& plan)
           .stiffness = static_cast<float>(spring.stiffness),
           .damping = static_cast<float>(spring.damping),
           .step = static_cast<float>(spring.step)};
+}
+
+// A place is kept as its distance from the hand's, so that nothing but zeros stands where the hand is.
+void putToHand(Device& device, Queue& queue, const Buffer& state, std::uint64_t first, std::size_t tool) {
+  CommandList list(device, queue, "place a tool");
+  list.begin();
+  list.fill(state, 0, sizeof(shared::ToolState), first + tool * sizeof(shared::ToolState));
+  list.end();
+  queue.run(list);
 }
 
 ToolReport reportOf(const shared::ToolState& tool, const HandPose& hand) {

@@ -53,7 +53,8 @@ MatterSimulation::MatterSimulation(const MatterScene& scene, const MatterOptions
 }
 
 void MatterSimulation::reset() {
-  hands_.clear();
+  hands_.assign(tools(), {});
+  for (Ball& ball : balls_) ball.waits = true;
   std::ranges::fill(answers_, ToolAnswer{});
   portEnergies_J_.assign(tools(), 0);
   totals_ = {};
@@ -75,11 +76,7 @@ void MatterSimulation::change(const MatterScene& scene) {
 
 void MatterSimulation::step(std::span<const HandPose> hands) {
   PALPATE_CHECK_EQ(hands.size(), tools());
-  if (steps_ == 0) {
-    hands_.assign(hands.begin(), hands.end());
-    beginBalls(hands);
-    placeTools(hands);
-  }
+  placeWaiting(hands);
   growBalls();
   if (state_ == MatterState::running) take(run(hands_, hands));
   if (state_ != MatterState::running) onModel_ = {};
@@ -113,13 +110,24 @@ void MatterSimulation::take(const StepReport& report) {
   }
 }
 
-void MatterSimulation::beginBalls(std::span<const HandPose> hands) {
+void MatterSimulation::placeTool(std::size_t tool) { balls_[tool].waits = true; }
+
+void MatterSimulation::placeWaiting(std::span<const HandPose> hands) {
+  if (std::ranges::none_of(balls_, &Ball::waits)) return;
+  const std::vector<Vec3> places = steps_ == 0 ? beginning_ : positionsById();
+  for (std::size_t k = 0; k < balls_.size(); ++k)
+    if (balls_[k].waits) place(k, hands[k], places);
+}
+
+// `places`: of all particles.
+void MatterSimulation::place(std::size_t tool, const HandPose& hand, std::span<const Vec3> places) {
   const double within_m = scene_.tool.radius_mm * 1e-3 + kBesideBall_spacings * plan_.spacing_m;
-  for (std::size_t k = 0; k < balls_.size(); ++k) {
-    const auto isWithin = [&](const Vec3& place) { return glm::length(DVec3(place) - hands[k].place_m) < within_m; };
-    balls_[k].pushedOut = static_cast<std::size_t>(std::ranges::count_if(beginning_, isWithin));
-    balls_[k].grown_m = balls_[k].pushedOut > 0 ? 0 : wholeBall_m();
-  }
+  const auto isWithin = [&](const Vec3& place) { return glm::length(DVec3(place) - hand.place_m) < within_m; };
+  const auto within = static_cast<std::size_t>(std::ranges::count_if(places, isWithin));
+  balls_[tool] = {.grown_m = within > 0 && !makesRoom() ? 0 : wholeBall_m(), .pushedOut = within, .waits = false};
+  hands_[tool] = hand;
+  portEnergies_J_[tool] = 0;
+  placeToolAt(tool, hand);
 }
 
 void MatterSimulation::growBalls() {

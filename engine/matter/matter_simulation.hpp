@@ -115,6 +115,9 @@ class MatterSimulation {
   /// kMatterStep_s further. `hands`: one for each tool, where they are at the end of the step; the first ones say where
   /// the tools begin.
   void step(std::span<const HandPose> hands = {});
+  /// The ball of a tool stands with the next step where its hand is then, at rest, wherever it was before, and what the
+  /// hand has put in counts from zero. As in the first step it grows from a point where matter is.
+  void placeTool(std::size_t tool);
   /// Hands that press on the surface of a soft body through the next step, and through no other. Those of one hand
   /// stand together. Only where hasSurface() says so.
   virtual void press(std::span<const SurfacePress> presses);
@@ -160,6 +163,8 @@ class MatterSimulation {
   /// What the last step ran on a GPU, with times where the options ask for them.
   virtual std::vector<PassRecord> passes() const { return {}; }
 
+  /// Of matter that somebody else simulates: for when it is known; nothing before it is, or where it is simulated here.
+  virtual std::optional<double> knownAt_s() const { return std::nullopt; }
   /// Looks at all particles.
   virtual MatterObservation observe() const;
   /// Pressure of water about a place, m, of what lies above where there is gravity; linear in the particles within
@@ -210,15 +215,18 @@ class MatterSimulation {
   virtual void begin() = 0;
   /// The scene and the plan have other parameters than before.
   virtual void takeParameters() = 0;
-  /// Balls stand where the hands are.
-  virtual void placeTools(std::span<const HandPose> hands) = 0;
+  /// Whether what is within a ball as it is placed is taken out of its way, so that it has not to grow there.
+  virtual bool makesRoom() const { return false; }
+  /// The ball of a tool stands where the hand is.
+  virtual void placeToolAt(std::size_t tool, const HandPose& hand) = 0;
   /// All substeps of a step, or as many as the state lets it, while hands go from one place to another.
   virtual StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) = 0;
   /// Where particles were predicted in the last substep, m, in any order; the compression in w.
   virtual std::vector<Vec4> pressedPlaces() const = 0;
 
   void take(const StepReport& report);
-  void beginBalls(std::span<const HandPose> hands);
+  void place(std::size_t tool, const HandPose& hand, std::span<const Vec3> places);
+  void placeWaiting(std::span<const HandPose> hands);
   void growBalls();
   double wholeBall_m() const;  // grown so far, all of it counts in full
 
@@ -226,6 +234,7 @@ class MatterSimulation {
   struct Ball {
     double grown_m = 0;
     std::size_t pushedOut = 0;
+    bool waits = true;  // to be placed with the next step
   };
 
   MatterScene scene_;
@@ -234,7 +243,7 @@ class MatterSimulation {
   std::shared_ptr<const MatterModel> model_;
   std::size_t leftOut_ = 0;
   std::vector<Vec3> beginning_;
-  std::vector<HandPose> hands_;  // at the end of the last step; empty before the first
+  std::vector<HandPose> hands_;  // at the end of the last step
   std::vector<Ball> balls_;
   std::vector<ToolAnswer> answers_;
   std::vector<double> portEnergies_J_;

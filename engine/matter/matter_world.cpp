@@ -38,6 +38,16 @@ MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options,
 
 MatterWorld::~MatterWorld() = default;
 
+void MatterWorld::setParticles(std::vector<Vec3> places, std::span<const Vec3> velocities,
+                               std::span<const std::uint32_t> was) {
+  PALPATE_CHECK_EQ(places.size(), velocities.size());
+  PALPATE_CHECK_EQ(places.size(), was.size());
+  law_->renumber(was);
+  sums_.resize(blocksOf(places.size()));
+  particles_ = std::make_unique<MatterParticles>(particlesOf(scene(), plan(), model()), std::move(places));
+  for (std::size_t i = 0; i < velocities.size(); ++i) particles_->setVelocity(i, velocities[i]);  // slots are ids yet
+}
+
 void MatterWorld::begin() {
   law_ = lawOf(scene(), plan());  // which remembers contacts
   particles_ = std::make_unique<MatterParticles>(particlesOf(scene(), plan(), model()), beginning());
@@ -49,9 +59,7 @@ void MatterWorld::takeParameters() {
   for (ToolBody& tool : tools_) tool.setSpring(toolSpring(scene().tool, plan().substep_s));
 }
 
-void MatterWorld::placeTools(std::span<const HandPose> hands) {
-  for (std::size_t k = 0; k < tools_.size(); ++k) tools_[k].placeAt(hands[k]);
-}
+void MatterWorld::placeToolAt(std::size_t tool, const HandPose& hand) { tools_[tool].placeAt(hand); }
 
 MatterSimulation::StepReport MatterWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
   StepReport report{.totals = totals()};
@@ -61,6 +69,7 @@ MatterSimulation::StepReport MatterWorld::run(std::span<const HandPose> from, st
       if (model() != nullptr) tools_[k].stopAt(*model(), std::min(scene().tool.radius_mm * 1e-3, grown_m(k)));
       bodies_[k].moveTo(tools_[k].motion(), grown_m(k));
     }
+    beforeSubstep();
     report.state = substep(report);
   }
   for (ToolBody& tool : tools_) report.tools.push_back(tool.takeReport());
@@ -73,7 +82,7 @@ MatterState MatterWorld::substep(StepReport& report) {
   law_->solve(*particles_, bodies_, sums_, team_);
   report.totals = reactTo(sums_, report);
   report.gravity += gravityOf(1);
-  return report.totals.kinetic_J <= plan().mostKinetic_J(particles()) ? MatterState::running : MatterState::diverged;
+  return report.totals.kinetic_J <= plan().mostKinetic_J(particles_->size()) ? MatterState::running : MatterState::diverged;
 }
 
 MatterTotals MatterWorld::reactTo(const std::vector<BlockSums>& blocks, StepReport& report) {

@@ -11,7 +11,7 @@
 namespace palpate {
 
 /// The same bytes for any number of threads.
-class MatterWorld final : public MatterSimulation {
+class MatterWorld : public MatterSimulation {
  public:
   /// Throws Error as planOf() does.
   explicit MatterWorld(const MatterScene& scene, const MatterOptions& options = {});
@@ -24,11 +24,22 @@ class MatterWorld final : public MatterSimulation {
   std::vector<Vec3> velocitiesById() const override;
   void setVelocities(std::span<const Vec3> byId) override;
 
- private:
+ protected:
   void begin() override;
-  void takeParameters() override;
-  void placeTools(std::span<const HandPose> hands) override;
+  void placeToolAt(std::size_t tool, const HandPose& hand) override;
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
+
+  MatterParticles& matter() { return *particles_; }
+  const MatterParticles& matter() const { return *particles_; }
+  /// Where the ball of a tool is.
+  const BodyMotion& ball(std::size_t tool) const { return tools_[tool].motion(); }
+  /// Other particles from now on, m and m/s. `was`: which of those of before each of them is, by its id; kNoParticle: none.
+  void setParticles(std::vector<Vec3> places, std::span<const Vec3> velocities, std::span<const std::uint32_t> was);
+
+ private:
+  /// Each time before particles move by themselves.
+  virtual void beforeSubstep() {}
+  void takeParameters() override;
   std::vector<Vec4> pressedPlaces() const override;
 
   MatterState substep(StepReport& report);

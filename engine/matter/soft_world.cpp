@@ -63,9 +63,7 @@ void SoftWorld::takeParameters() {
   for (ToolBody& tool : tools_) tool.setSpring(toolSpring(scene().tool, plan().substep_s));
 }
 
-void SoftWorld::placeTools(std::span<const HandPose> hands) {
-  for (std::size_t k = 0; k < tools_.size(); ++k) tools_[k].placeAt(hands[k]);
-}
+void SoftWorld::placeToolAt(std::size_t tool, const HandPose& hand) { tools_[tool].placeAt(hand); }
 
 MatterSimulation::StepReport SoftWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
   StepReport report{.totals = totals()};

@@ -28,6 +28,8 @@ class WaterLaw final : public MatterLaw {
     sideBySide_.cohesion = Lanes(rules_.cohesion);
   }
 
+  void renumber(std::span<const std::uint32_t>) override {}  // it remembers nothing of them
+
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
              WorkerTeam& team) override {
     pairs_.resize(sums.size());

@@ -176,6 +176,12 @@ double BrickSource::frameTime(double time_s, double true_s) {
   return time_s;
 }
 
+std::vector<std::uint32_t> BrickSource::ids() const {
+  std::vector<std::uint32_t> ids;
+  for (const auto& [id, where] : order_) ids.push_back(id);
+  return ids;
+}
+
 void BrickSource::makeFrame(double time_s, CloudFrame& frame) {
   Made& made = frame_[frames_++ % frame_.size()];
   made.time_s.store(std::numeric_limits<double>::quiet_NaN(), std::memory_order_release);

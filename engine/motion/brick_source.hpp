@@ -108,6 +108,8 @@ class BrickSource final : public CloudSource {
   std::size_t size() const override { return options_.points; }
   bool keepsPoints() const override { return false; }
   void makeFrame(double time_s, CloudFrame& frame) override;
+  /// The points of the frame that was made last, by their numbers in the whole cloud. For the thread that makes frames.
+  std::vector<std::uint32_t> ids() const;
   bool hasNewer(double time_s, double than_s) override;
 
  private:

@@ -41,6 +41,7 @@ class BrickTouch final : public TouchBackend {
   std::size_t hands() const noexcept override { return surface_->hands(); }
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
   void prepare() noexcept override { surface_->prepare(); }
+  void setRealtime(bool realtime) override { surface_->setRealtime(realtime); }
   std::span<const PointContact> points(std::size_t hand) const noexcept override { return hands_[hand].points; }
   void resetHand(std::size_t hand) noexcept override;
   /// Throws Error where virtual time has waited in vain.

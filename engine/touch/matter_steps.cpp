@@ -15,6 +15,16 @@ void MatterSteps::restart() {
   forget();
 }
 
+// The ball of a hand that was put down elsewhere has not gone there.
+void MatterSteps::place(const MatterQuestion& question) {
+  for (std::size_t i = 0; i < tools_; ++i) {
+    if (putDown_[i] == question.putDown[i]) continue;
+    putDown_[i] = question.putDown[i];
+    hands_[i] = question.hands[i];
+    world_->placeTool(i);
+  }
+}
+
 MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   const std::span<const HandPose> hands(question.hands.data(), tools_);
   const std::int64_t now = std::llround(question.time_s / kMatterStep_s);
@@ -24,6 +34,7 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   const std::uint32_t steps = stepsTo(now, 1);
   // A hand that moves while everything stands still begins anew where it is then.
   if (hands_.empty() || held) hands_.assign(hands.begin(), hands.end());
+  place(question);
   for (std::uint32_t k = 0; k < steps && !held; ++k) {
     const double share = (k + 1.0) / steps;
     for (std::size_t i = 0; i < tools_; ++i)
@@ -34,7 +45,8 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   }
   if (!held) hands_.assign(hands.begin(), hands.end());
   see(world_->state());
-  MatterAnswer answer{.question = question, .moves = !held, .state = world_->state()};
+  MatterAnswer answer{
+      .question = question, .moves = !held, .state = world_->state(), .known_s = world_->knownAt_s(), .hands = {}};
   std::ranges::copy(world_->answers(), answer.hands.begin());
   if (steps > 0 && !held) unshown_s_ = question.time_s;
   if (steps > 0 && wanted_.load(std::memory_order_relaxed)) show(question.time_s);
@@ -50,7 +62,7 @@ MatterAnswer MatterSteps::answerTo(const MatterQuestion& question) noexcept {
       faulty_.store(true);
     }
   }
-  return {.question = question, .moves = false, .state = MatterState::diverged};
+  return {.question = question, .moves = false, .state = MatterState::diverged, .known_s = {}, .hands = {}};
 }
 
 void MatterSteps::throwFault() const {

@@ -18,6 +18,8 @@ namespace palpate {
 struct MatterQuestion {
   double time_s = 0;
   std::array<HandPose, kMostHands> hands;
+  /// How often each was put down elsewhere: its ball stands where it is, then, however it came there.
+  std::array<std::uint32_t, kMostHands> putDown{};
 };
 
 /// What they get.
@@ -25,6 +27,7 @@ struct MatterAnswer {
   MatterQuestion question;
   bool moves = true;   ///< false: it is held, and nobody feels anything
   MatterState state = MatterState::running;
+  std::optional<double> known_s;  ///< MatterSimulation::knownAt_s()
   std::array<ToolAnswer, kMostHands> hands;
 };
 
@@ -57,12 +60,14 @@ class MatterSteps final : public SteppedControl {
 
  private:
   void restart();
+  void place(const MatterQuestion& question);
   void show(double time_s);
 
   std::unique_ptr<MatterSimulation> world_;
   std::size_t tools_;
   std::vector<HandPose> hands_;       // of the last question
   std::vector<HandPose> between_;
+  std::array<std::uint32_t, kMostHands> putDown_{};  // of the last question
   std::optional<double> unshown_s_;  // time of the last question, where it moved what is not shown yet
   std::atomic<bool> faulty_ = false;
   std::exception_ptr fault_;         // written before the flag

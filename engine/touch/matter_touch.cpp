@@ -48,11 +48,12 @@ void addModel(const MatterModel& model, std::vector<Vec3>& positions, std::vecto
 
 MatterTouch::MatterTouch(std::unique_ptr<MatterSimulation> simulation, const MatterTouchOptions& options)
     : up_(upOf(simulation->scene())),
+      varies_(options.varies),
       machine_(options.machine),
       steps_(std::move(simulation), options.hands, kMostAtOnce),
       answers_(options.hands),
       surface_(boxOf(steps_.world().scene()), steps_.world().plan().spacing_m, options.threads) {
-  if (const MatterModel* const model = steps_.world().model()) addModel(*model, stillPositions_, stillNormals_);
+  if (const MatterModel* const model = steps_.world().model()) addModel(*model, still_.positions, still_.normals);
   PALPATE_CHECK(steps_.world().scene().tool.radius_mm > 0);
   setRealtime(options.realtime);
 }
@@ -67,7 +68,7 @@ void MatterTouch::setRealtime(bool realtime) {
 
 std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
   PALPATE_CHECK_EQ(poses.size(), answers_.size());
-  MatterQuestion question{.time_s = poses.front().time_s};
+  MatterQuestion question{.time_s = poses.front().time_s, .hands = {}, .putDown = putDown_};
   bool finite = true;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     question.hands[i] = {.place_m = poses[i].hip * kMatterUnit_m, .orientation = poses[i].turn};
@@ -75,9 +76,15 @@ std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double bu
   }
   std::optional<MatterAnswer> answer;
   if (finite) answer = thread_ ? thread_->ask(question, budget_us) : steps_.answerTo(question);
+  if (answer) known_s_ = answer->known_s;
   for (std::size_t i = 0; i < poses.size(); ++i)
     answers_[i] = answer ? contactOf(*answer, i, poses[i]) : Contact{.proxy = poses[i].hip, .valid = finite};
   return answers_;
+}
+
+std::optional<PointsTime> MatterTouch::pointsTime() const noexcept {
+  if (!known_s_) return std::nullopt;
+  return PointsTime{.true_s = *known_s_};
 }
 
 Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept {
@@ -88,7 +95,8 @@ Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, con
                   .fresh = age_s <= 0,
                   .valid = answer.state == MatterState::running,
                   .dataTime_s = answer.question.time_s};
-  if (!contact.valid || !answer.moves || left <= 0 || !(glm::length(tool.reaction_N) + glm::length(tool.byModel_N) > kLeastForce_N))
+  const bool isPlaced = answer.question.putDown[hand] == putDown_[hand];  // or it was elsewhere then
+  if (!contact.valid || !answer.moves || !isPlaced || left <= 0 || !(glm::length(tool.reaction_N) + glm::length(tool.byModel_N) > kLeastForce_N))
     return contact;
   // The ball goes on as it did, and its spring is stretched by what the hand has moved meanwhile, less that.
   const DVec3 went_m = age_s * tool.velocity_m_s;
@@ -114,15 +122,31 @@ void MatterTouch::finish() {
 
 std::size_t MatterTouch::readBack(PointCloud& cloud) const {
   const std::vector<Vec3> places = steps_.world().positionsById();
-  PALPATE_CHECK_EQ(cloud.size(), places.size() + stillPositions_.size());
+  if (varies_) return bring(places, cloud);
+  PALPATE_CHECK_EQ(cloud.size(), places.size() + still_.positions.size());
   surface_.normalsOf(places, up_, cloud.normals);
-  append(cloud.normals, stillNormals_);
+  append(cloud.normals, still_.normals);
   std::vector<Vec3> positions = inUnits(places);
-  append(positions, stillPositions_);
+  append(positions, still_.positions);
   std::size_t moved = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) moved += positions[i] != cloud.positions[i] ? 1 : 0;
   cloud.positions = positions;
   return moved;
+}
+
+// Those that are known, whichever there were.
+std::size_t MatterTouch::bring(std::span<const Vec3> places, PointCloud& cloud) const {
+  CloudFrame frame;
+  frame.positions = inUnits(places);
+  surface_.normalsOf(places, up_, frame.normals);
+  append(frame.positions, still_.positions);
+  append(frame.normals, still_.normals);
+  color(frame);
+  cloud.positions = frame.positions;
+  cloud.normals = frame.normals;
+  cloud.colors.clear();
+  for (const auto& [r, g, b] : frame.colors) cloud.colors.push_back({r, g, b, 255});
+  return cloud.size();
 }
 
 bool MatterTouch::takeFrame(CloudFrame& frame) {
@@ -130,17 +154,26 @@ bool MatterTouch::takeFrame(CloudFrame& frame) {
     const std::lock_guard lock(paceGuard_);
     if (!thread_) steps_.showPresent();
   }
-  if (!steps_.take(view_)) return false;
+  // Where nothing is known any more what was known last is seen.
+  if (!steps_.take(view_) || view_.positions.empty()) return false;
   frame.time_s = view_.time_s;
   frame.positions = inUnits(view_.positions);
   frame.velocities = inUnits(view_.velocities);
   surface_.normalsOf(view_.positions, up_, frame.normals);
-  append(frame.positions, stillPositions_);
-  append(frame.normals, stillNormals_);
+  append(frame.positions, still_.positions);
+  append(frame.normals, still_.normals);
   frame.velocities.resize(frame.positions.size(), Vec3(0));
   frame.colors.clear();
   frame.ids.clear();
+  if (varies_) color(frame);
   return true;
+}
+
+void MatterTouch::color(CloudFrame& frame) const {
+  const auto opaque = [](const std::array<std::uint8_t, 4>& color) { return std::array{color[0], color[1], color[2]}; };
+  const bool isSand = steps_.world().scene().matter == Matter::sand;
+  frame.colors.assign(frame.size() - still_.positions.size(), opaque(isSand ? kSandColor : kWaterColor));
+  frame.colors.resize(frame.size(), opaque(kModelColor));
 }
 
 void MatterTouch::setBrush(const std::optional<BrushOptions>& brush) {

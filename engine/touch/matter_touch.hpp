@@ -21,6 +21,8 @@ struct MatterTouchOptions {
   bool realtime =
       false;  ///< at first (setRealtime()): on a thread of its own, and no tick waits for it past its budget
   std::string machine;    ///< that simulates
+  /// Particles come and go, so that each frame says their colours.
+  bool varies = false;
 };
 
 /// A simulation that is felt, and seen as a cloud: a point for each particle, in the order of their ids. In virtual time it
@@ -34,18 +36,21 @@ class MatterTouch final : public TouchBackend {
 
   std::size_t hands() const noexcept override { return answers_.size(); }
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
+  void resetHand(std::size_t hand) noexcept override { ++putDown_[hand]; }
   void setRealtime(bool realtime) override;
   /// Throws Error where the simulation has failed.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
   /// In virtual time for the thread that queries, which finds the particles as the last answer has left them.
   bool takeFrame(CloudFrame& frame) override;
+  /// Of matter that somebody else simulates.
+  std::optional<PointsTime> pointsTime() const noexcept override;
   SimulationControl* simulation() override { return &steps_; }
 
   bool keepsEdits() const override { return true; }
   void keepEdits() override {}
   void takeEdits(EditBatch&) override {}
-  EditScope editScope() const override { return {.edits = false, .paints = false, .newPoints = 0}; }
+  EditScope editScope() const override { return {.edits = false, .paints = false, .newPoints = varies_ ? kMostVarying : 0}; }
   void setBrush(const std::optional<BrushOptions>& brush) override;
 
   std::string machine() const override { return machine_; }
@@ -57,18 +62,26 @@ class MatterTouch final : public TouchBackend {
   double cell() const override { return 0; }
 
  private:
+  static constexpr std::uint32_t kMostVarying = 1 << 18;
+  void color(CloudFrame& frame) const;
+  std::size_t bring(std::span<const Vec3> places, PointCloud& cloud) const;
   Contact contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept;
 
   Vec3 up_;
+  bool varies_;
+  std::optional<double> known_s_;
   std::string machine_;
   double buildTime_us_ = 0;
   MatterSteps steps_;
   std::vector<Contact> answers_;
+  std::array<std::uint32_t, kMostHands> putDown_{};
   std::vector<double> noTimes_;
   TouchShortfalls shortfalls_;
   mutable MatterSurface surface_;  // of the one who shows it
   MatterView view_;
-  std::vector<Vec3> stillPositions_, stillNormals_;  // of a model that stands in the matter, units
+  struct Still {
+    std::vector<Vec3> positions, normals;
+  } still_;  // points of a model that stands in the matter, units
   std::mutex paceGuard_;  // of whether there is a thread, and of what is done in the place of one
   std::optional<MatterThread> thread_;  // against the clock; goes first
 };

@@ -401,13 +401,36 @@ std::string configText(const SessionConfig& config) {
   return json.dump(1);
 }
 
-SessionConfig parseConfig(std::string_view text) {
-  Json json;
+namespace {
+
+Json parsed(std::string_view text) {
   try {
-    json = Json::parse(text);
+    return Json::parse(text);
   } catch (const nlohmann::json::exception& error) {
     throw Error("a configuration that is no JSON: {}", error.what());
   }
+}
+
+}  // namespace
+
+std::string sceneText(const MatterScene& scene) {
+  Json json;
+  describe(Writer(json), scene, static_cast<const MatterScene*>(nullptr));
+  return json.dump();
+}
+
+MatterScene parseScene(std::string_view text) {
+  const Json json = parsed(text);
+  Reader reader(json, "");
+  SessionConfig config{.matter = MatterScene{}};
+  describe(reader, *config.matter, static_cast<const MatterScene*>(nullptr));
+  reader.finish();
+  validate(config);
+  return *config.matter;
+}
+
+SessionConfig parseConfig(std::string_view text) {
+  const Json json = parsed(text);
   int version = 0;
   Reader reader(json, "");
   reader.field("version", version);

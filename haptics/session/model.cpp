@@ -100,6 +100,15 @@ void placeInScene(Model& model, const MatterScene& scene) {
   model.container = model.shown = Bounds{.min = DVec3(0), .max = scene.box_mm};
 }
 
+// Of particles: how far apart they lie says nothing of a surface, which fills a body.
+void drawAsMatter(Model& model, const MatterScene& scene) {
+  constexpr double kDisc_spacings = 0.85;  // two thirds of a spacing would close a lattice at rest
+  model.spacing = model.wideSpacing = scene.spacing_mm;
+  model.noise = 0;
+  model.discRadius = kDisc_spacings * model.spacing;
+  model.ballRadius = scene.tool.radius_mm;
+}
+
 // A scene of water or sand as it begins.
 Model matterModel(const SessionConfig& config, const ModelLoading& loading) {
   Model model;
@@ -108,12 +117,7 @@ Model matterModel(const SessionConfig& config, const ModelLoading& loading) {
   model.cloud = cloudOf(*config.matter, model.standing.get(), loading.threads);
   placeInScene(model, *config.matter);
   measure(model, config.model, loading.threads);
-  // Particles fill a body: how far apart they lie says nothing of a surface.
-  constexpr double kDisc_spacings = 0.85;  // two thirds of a spacing would close a lattice at rest
-  model.spacing = model.wideSpacing = config.matter->spacing_mm;
-  model.noise = 0;
-  model.discRadius = kDisc_spacings * model.spacing;
-  model.ballRadius = config.matter->tool.radius_mm;
+  drawAsMatter(model, *config.matter);
   return model;
 }
 
@@ -136,8 +140,27 @@ Model softModel(const SessionConfig& config, const ModelLoading& loading) {
   return model;
 }
 
+// What somebody else simulates: its scene comes in his words, and what stands in it as points of its surface.
+void takeFarMatter(Model& model, const FarFacts& facts, const ModelLoading& loading) {
+  MatterScene scene = parseScene(facts.matter);
+  if (scene.matter == Matter::soft) throw Error("matter: a soft body is served as a surface, and this is none");
+  if (facts.standing == 0) scene.model.clear();
+  if (facts.standing > model.cloud.size()) throw Error("matter: what stands in it has not come");
+  model.farMatter = scene;
+  model.container = model.shown = Bounds{.min = DVec3(0), .max = scene.box_mm};
+  drawAsMatter(model, scene);
+  if (facts.standing == 0) return;
+  PointCloud standing;
+  const auto takeLast = [&](const auto& from, auto& to) {
+    to.assign(from.end() - static_cast<std::ptrdiff_t>(facts.standing), from.end());
+  };
+  takeLast(model.cloud.positions, standing.positions);
+  takeLast(model.cloud.normals, standing.normals);
+  model.standing = std::make_shared<const MatterModel>(std::move(standing), scene, loading.threads);
+}
+
 // All that follows from points that are not here is said by who has them.
-Model farModel(JoinedModel joined, const ModelConfig& config) {
+Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading& loading) {
   const FarFacts& facts = *joined.facts;
   Model model{.cloud = std::move(joined.cloud)};
   model.scale = scaleOf(model.cloud, config.mm_per_unit);
@@ -149,6 +172,7 @@ Model farModel(JoinedModel joined, const ModelConfig& config) {
   model.extent = facts.extent;
   model.far = std::move(joined.far);
   model.onlookers = std::move(joined.onlookers);
+  if (!facts.matter.empty()) takeFarMatter(model, facts, loading);
   return model;
 }
 
@@ -172,7 +196,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
   if (config.join) {
     if (!loading.join) throw Error("{}: this program joins no session of others", config.model.file);
     JoinedModel joined = loading.join(config.model.file, *config.join, loading.log);
-    if (joined.far) return farModel(std::move(joined), config.model);
+    if (joined.far) return farModel(std::move(joined), config.model, loading);
     Model model = modelOf(std::move(joined.cloud), config.model, loading);
     model.share = std::move(joined.share);
     model.onlookers = std::move(joined.onlookers);

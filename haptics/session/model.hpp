@@ -56,6 +56,7 @@ struct Model {
   /// What brings the points around the hands, where somebody else has all of them: the cloud are then a few from all over
   /// it, which nobody feels. Null: all points are here.
   std::shared_ptr<FarCloud> far;
+  std::optional<MatterScene> farMatter;  ///< of which those points are particles; nothing: they are of a surface
   std::optional<PointExtent> extent;  ///< of all of them
   std::shared_ptr<SharedCameras> onlookers;  ///< whoever has joined it, too; null: it was not joined
   std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates; empty where nobody says

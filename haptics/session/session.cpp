@@ -8,8 +8,13 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/parallel.hpp"
 #include "engine/matter/matter_parameters.hpp"
+#include "engine/matter/matter_pond.hpp"
+#include "engine/matter/matter_rules.hpp"
 #include "engine/motion/brick_source.hpp"
+#include "engine/touch/brick_matter.hpp"
+#include "engine/touch/matter_touch.hpp"
 #include "haptics/session/stream_model.hpp"
 
 namespace palpate {
@@ -31,11 +36,55 @@ std::string feltAlone(const SessionConfig& config) {
                      config.model.file);
 }
 
+// Why nothing of a cloud that somebody else has can be sculpted; empty: it can.
+std::string fixedBecause(const SessionConfig& config, const Model& model) {
+  if (model.far->source().moves())
+    return fmt::format("'{}' moves, and what moves is felt alone; leave the brush out", config.model.file);
+  return model.far->isSculptable() ? std::string() : feltAlone(config);
+}
+
+std::optional<BrushOptions> brushOf(const SessionConfig& config, const Model& model) {
+  if (!config.brush) return std::nullopt;
+  return brushOptions(*config.brush, model.scale);
+}
+
+// Of matter that somebody else simulates: what is around the hands is simulated here, on the CPU.
+std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model& model, const SessionParts& parts) {
+  if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
+  const MatterScene& scene = *model.farMatter;
+  const std::size_t hands = std::max<std::size_t>(1, config.hands.size());
+  BrickSource& source = model.far->source();
+  // Some thousand particles, twice a millisecond or more: threads that wait for one another need cores of their own.
+  constexpr unsigned kMostThreads = 4;
+  const unsigned threads = std::clamp(threadCount(parts.threads) / kMostThreads, 1U, kMostThreads);
+  constexpr std::uint64_t kMemory_bytes = std::uint64_t{1} << 32;  // whatever the scene of somebody else would take
+  auto pond = std::make_unique<MatterPond>(scene,
+                                           MatterOptions{.threads = threads,
+                                                         .tools = hands,
+                                                         .memory_bytes = kMemory_bytes,
+                                                         .model = model.standing},
+                                           newsOf(source));
+  auto felt = std::make_unique<MatterTouch>(std::move(pond), MatterTouchOptions{.hands = hands,
+                                                                               .threads = parts.threads,
+                                                                               .realtime = true,
+                                                                               .machine = cpuBackend()->machine(threads),
+                                                                               .varies = true});
+  // As far as weights reach.
+  const double support = kSupport_spacings * scene.spacing_mm;
+  return std::make_unique<BrickTouch>(source, std::move(felt),
+                                      BrickTouchOptions{.radius = support,
+                                                        .tool = scene.tool.radius_mm,
+                                                        .origin = model.cloud.origin,
+                                                        .brush = brushOf(config, model),
+                                                        .fixed = fixedBecause(config, model)});
+}
+
 // Of a cloud that somebody else has: what is felt is what of it is here.
 std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const Model& model, const SurfaceOptions& surface,
                                              const SessionParts& parts) {
   if (!parts.backend.capabilities().followsMotion)
     throw ConfigError("backend.name", "{} feels only what is all there; take vulkan or cpu", config.backend.name);
+  if (model.farMatter) return makePond(config, model, parts);
   std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
   double reach = 0;
   for (const ToolPoint& point : tools.front().points) reach = std::max(reach, glm::length(point.place));
@@ -49,28 +98,20 @@ std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const 
                                   .threads = parts.threads,
                                   .source = &source,
                                   .fusion = std::nullopt});
-  std::string fixed;
-  if (source.moves())
-    fixed = fmt::format("'{}' moves, and what moves is felt alone; leave the brush out", config.model.file);
-  else if (!model.far->isSculptable())
-    fixed = feltAlone(config);
-  std::optional<BrushOptions> brush;
-  if (config.brush) brush = brushOptions(*config.brush, model.scale);
   return std::make_unique<BrickTouch>(source, std::move(felt),
                                       BrickTouchOptions{.radius = surface.radius,
                                                         .widening = surface.widening,
                                                         .tool = reach,
                                                         .origin = model.cloud.origin,
-                                                        .brush = brush,
-                                                        .fixed = std::move(fixed)});
+                                                        .brush = brushOf(config, model),
+                                                        .fixed = fixedBecause(config, model)});
 }
 
 std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Model& model,
                                           const SurfaceOptions& surface, const SessionParts& parts, CloudSource* source,
                                           const std::optional<FusedStream>& fusion) {
   if (model.far) return makeFarBackend(config, model, surface, parts);
-  std::optional<BrushOptions> brush;
-  if (config.brush) brush = brushOptions(*config.brush, model.scale);
+  std::optional<BrushOptions> brush = brushOf(config, model);
   // What others do is done to points that can be changed, whether or not this hand does.
   if (model.share && !brush) brush = brushOptions({.keepsDensity = false}, model.scale);
   // The tool is the first hand's.

@@ -214,4 +214,8 @@ std::string configText(const SessionConfig& config);
 /// Reads it. Throws Error for another version, an unknown field or name, and as validate().
 SessionConfig parseConfig(std::string_view text);
 
+/// A scene of matter as JSON text in a line, and back. Throws as parseConfig().
+std::string sceneText(const MatterScene& scene);
+MatterScene parseScene(std::string_view text);
+
 }  // namespace palpate

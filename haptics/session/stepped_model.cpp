@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "engine/matter/matter_model.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/session/stream_model.hpp"
 
@@ -13,9 +15,10 @@ namespace {
 constexpr double kBodyRate_Hz = 500;       // hands are where they are so often
 constexpr double kBudget_us = 1000;        // and wait so long for an answer
 constexpr double kBetweenPlaces_s = 0.02;  // in which a hand is where it was said to be
+constexpr double kFastest_mm_s = 2000;     // that a hand goes
 
-// A soft body with as many hands as there can be.
-std::unique_ptr<TouchBackend> softBody(SessionConfig config, const Model& model, const SteppedModel::Parts& parts) {
+// Matter with as many hands as there can be.
+std::unique_ptr<TouchBackend> matterOf(SessionConfig config, const Model& model, const SteppedModel::Parts& parts) {
   config.hands.assign(kMostHands, HandConfig{});
   config.realtime = true;
   validate(config);
@@ -36,7 +39,7 @@ std::unique_ptr<TouchBackend> softBody(SessionConfig config, const Model& model,
 }  // namespace
 
 SteppedModel::SteppedModel(const SessionConfig& config, std::shared_ptr<const Model> model, const Parts& parts)
-    : model_(std::move(model)) {
+    : model_(std::move(model)), log_(parts.log) {
   validate(config);
   if (!config.moves()) throw ConfigError("motion.kind", "nothing moves the model");
   if (!config.matter) {
@@ -45,18 +48,15 @@ SteppedModel::SteppedModel(const SessionConfig& config, std::shared_ptr<const Mo
     source_ = makeSource(config, *model_, stream_, fusion_);
     return;
   }
-  if (config.matter->matter != Matter::soft)
-    throw ConfigError(
-        "matter",
-        "of water and sand a hand feels what they do to a ball that it holds there, and no surface, which is "
-        "all that goes over a network; take a soft body");
-  body_ = softBody(config, *model_, parts);
+  matter_ = matterOf(config, *model_, parts);
+  particles_ = model_->cloud.size() - (model_->standing ? model_->standing->points().size() : 0);
+  fastest_ = model_->scale.toUnits(kFastest_mm_s);
   for (Slot& slot : slots_) slot.hip = nowhere();
 }
 
 SteppedModel::~SteppedModel() = default;
 
-double SteppedModel::rate_Hz() const { return body_ ? kBodyRate_Hz : kFrames_Hz; }
+double SteppedModel::rate_Hz() const { return matter_ ? kBodyRate_Hz : kFrames_Hz; }
 
 DVec3 SteppedModel::nowhere() const {
   constexpr double kFar = 1e3;  // longest sides
@@ -65,11 +65,12 @@ DVec3 SteppedModel::nowhere() const {
 }
 
 bool SteppedModel::step(double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
-  if (body_) {
-    press(time_s, hands);
+  if (matter_) {
+    move(time_s, hands);
     constexpr double kRounding_s = 1e-4;
     if (shown_s_ && time_s < *shown_s_ + 1 / kFrames_Hz - kRounding_s) return false;
-    if (!body_->takeFrame(frame)) return false;
+    if (!matter_->takeFrame(frame)) return false;
+    leaveParticles(frame);
   } else {
     if (shown_s_ && !source_->hasNewer(time_s, frameTime_s_)) return false;
     source_->makeFrame(time_s, frame);
@@ -90,25 +91,45 @@ void SteppedModel::seat(std::span<const SeenHand> hands, double since_s) {
     if (isNew) slot = std::ranges::find_if(slots_, [](const Slot& one) { return !one.number; });
     if (slot == slots_.end()) continue;
     slot->seen = true;
-    const double share = isNew ? 1 : 1 - std::exp(-since_s / kBetweenPlaces_s);
+    // One that comes faster than a hand goes was put down elsewhere.
+    const bool isPutDown = isNew || glm::distance(slot->hip, hand.place.position) > fastest_ * kBetweenPlaces_s;
+    const double share = isPutDown ? 1 : 1 - std::exp(-since_s / kBetweenPlaces_s);
     slot->hip = glm::mix(slot->hip, hand.place.position, share);
-    if (isNew) body_->resetHand(static_cast<std::size_t>(slot - slots_.begin()));
+    if (isPutDown) matter_->resetHand(static_cast<std::size_t>(slot - slots_.begin()));
     slot->number = hand.number;
   }
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     if (slots_[i].seen || !slots_[i].number) continue;
     slots_[i] = {.number = std::nullopt, .hip = nowhere()};
-    body_->resetHand(i);
+    matter_->resetHand(i);
   }
 }
 
-void SteppedModel::press(double time_s, std::span<const SeenHand> hands) {
+void SteppedModel::move(double time_s, std::span<const SeenHand> hands) {
   seat(hands, last_s_ ? time_s - *last_s_ : 0);
   last_s_ = time_s;
   std::array<Pose, kMostHands> poses;
   for (std::size_t i = 0; i < slots_.size(); ++i) poses[i] = {.time_s = time_s, .hip = slots_[i].hip, .sculpts = false};
-  if (const auto answers = body_->ask(poses, kBudget_us); answers.front().lost) body_->finish();
-  body_->prepare();
+  if (const auto answers = matter_->ask(poses, kBudget_us); answers.front().lost) matter_->finish();
+  matter_->prepare();
+  restart();
+}
+
+// No hand ends for the others what it has driven too fast.
+void SteppedModel::restart() {
+  SimulationControl* const control = matter_->simulation();
+  const std::string failure = control ? control->failure() : std::string();
+  const bool wasFailing = std::exchange(isFailing_, !failure.empty());
+  if (failure.empty() || wasFailing) return;  // the next step does it
+  if (log_) log_->say("the simulation {}: it begins anew", failure);
+  control->reset();
+}
+
+// What stands still in them everybody has.
+void SteppedModel::leaveParticles(CloudFrame& frame) const {
+  if (!model_->standing) return;
+  for (std::vector<Vec3>* values : {&frame.positions, &frame.normals, &frame.velocities})
+    if (values->size() > particles_) values->resize(particles_);
 }
 
 }  // namespace palpate

@@ -11,14 +11,15 @@
 
 namespace palpate {
 
-/// Steps what a configuration says that moves: a motion, the frames of a depth camera, or a soft body, which the hands press
-/// as those of one session do. One thread uses it at a time.
+/// Steps what a configuration says that moves: a motion, the frames of a depth camera, or matter, in which the hands are as
+/// those of one session: they press a soft body, and hold balls in water and sand. A simulation that has failed begins anew.
+/// One thread uses it at a time.
 class SteppedModel {
  public:
   struct Parts {
-    const BackendKind& backend;  ///< that moves a soft body
+    const BackendKind& backend;  ///< that moves matter
     unsigned threads = 0;        ///< on the CPU; 0: one per core
-    Log* log = nullptr;          ///< hears of frames that do not go into the map of a depth camera; outlives it
+    Log* log = nullptr;  ///< hears of frames that do not go into a map, and of a simulation that begins anew; outlives it
   };
   /// Throws Error, ConfigError.
   SteppedModel(const SessionConfig& config, std::shared_ptr<const Model> model, const Parts& parts);
@@ -39,7 +40,9 @@ class SteppedModel {
     DVec3 hip{0};
     bool seen = false;
   };
-  void press(double time_s, std::span<const SeenHand> hands);
+  void move(double time_s, std::span<const SeenHand> hands);
+  void restart();
+  void leaveParticles(CloudFrame& frame) const;
   void seat(std::span<const SeenHand> hands, double since_s);
   DVec3 nowhere() const;
 
@@ -47,7 +50,11 @@ class SteppedModel {
   std::shared_ptr<PlayedStream> stream_;
   std::optional<FusedStream> fusion_;
   std::unique_ptr<CloudSource> source_;  // where no hand has a part in it
-  std::unique_ptr<TouchBackend> body_;   // of a soft body
+  std::unique_ptr<TouchBackend> matter_;
+  Log* log_;
+  std::size_t particles_ = 0;  // that move, the first of the points
+  double fastest_ = 0;         // that a hand goes, model units per second
+  bool isFailing_ = false;
   std::array<Slot, kMostHands> slots_;
   std::optional<double> last_s_, shown_s_;
   double frameTime_s_ = 0;

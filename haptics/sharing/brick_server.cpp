@@ -43,6 +43,8 @@ BrickServer::BrickServer(const Parts& parts)
   facts.noise = known.noise;
   facts.up = static_cast<std::uint8_t>(known.up);
   facts.edge = known.edge;
+  put(facts.matter, known.matter);
+  facts.standing = known.standing;
   facts_.write(facts);
 }
 

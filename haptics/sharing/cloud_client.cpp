@@ -234,7 +234,9 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   if (!facts || facts->extent.points != notice.points)
     throw NetworkError("'{}' of {}: does not say what it is; is it still served?", notice.name, notice.host);
   const bool isNear = options.near || (facts->moves && !options.present);
-  JoinedCloud joined = Fetch(session->participant, session->topics, notice, options, isNear ? everyFor(notice.points) : 1).run();
+  // What stands in matter is no sample of it.
+  const std::uint64_t every = isNear && facts->standing == 0 ? everyFor(notice.points) : 1;
+  JoinedCloud joined = Fetch(session->participant, session->topics, notice, options, every).run();
   joined.sculptable = notice.sculptable && !isNear;
   if (isNear) {
     joined.facts = facts;

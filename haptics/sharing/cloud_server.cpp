@@ -45,9 +45,9 @@ FarFacts factsOf(const PointCloud& cloud, const CloudServer::Parts& parts) {
     facts = {.spacing = spacing.mean, .wideSpacing = spacing.wide, .noise = spacing.noise, .up = findUp(cloud).up};
   }
   facts.extent = {.bounds = boundsOf(cloud), .points = cloud.size()};
-  // Some hundred points of a surface; within so many of them everything is.
-  constexpr double kSpacings = 16, kMostAlongSide = 1 << 18;
-  facts.edge = std::max(kSpacings * facts.spacing, facts.extent.bounds.longestSide() / kMostAlongSide);
+  // Some hundred points of a surface, or some dozen particles; within so many of them everything is.
+  constexpr double kSpacings = 16, kSpacingsOfMatter = 4, kMostAlongSide = 1 << 18;
+  facts.edge = std::max((facts.matter.empty() ? kSpacings : kSpacingsOfMatter) * facts.spacing, facts.extent.bounds.longestSide() / kMostAlongSide);
   if (!(facts.edge > 0)) facts.edge = 1;
   facts.moves = static_cast<bool>(parts.motion);
   return facts;
@@ -257,6 +257,8 @@ struct CloudServer::Link {
 
 CloudServer::CloudServer(const PointCloud& cloud, Parts parts) {
   requireName(parts.name);
+  if (parts.facts && parts.facts->matter.size() >= sizeof(Facts::matter))
+    throw UsageError("matter: a scene of {} bytes is too long to be told", parts.facts->matter.size());
   if (parts.motion && parts.sculptable) throw UsageError("sculptable: what moves by itself cannot be sculpted by who joins it");
   PALPATE_CHECK(cloud.hasNormals() || cloud.empty());
   constexpr std::uint64_t kMostPoints = std::uint64_t{0xffffffff} * kBlockPoints;

@@ -367,7 +367,9 @@ std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_
                        .noise = facts.noise,
                        .up = static_cast<UpAxis>(facts.up),
                        .edge = facts.edge,
-                       .moves = facts.moves};
+                       .moves = facts.moves,
+                       .matter = facts.matter,
+                       .standing = facts.standing};
     });
   }
   if (!heard) return heard;
@@ -376,7 +378,7 @@ std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_
   const auto isPlace = [](const DVec3& place) { return glm::length(place) <= kLargest; };
   if (!(heard->edge > 0) || !isLength(heard->edge) || !isLength(heard->spacing) || !isLength(heard->wideSpacing) ||
       !isLength(heard->noise) || !isPlace(heard->extent.bounds.min) || !isPlace(heard->extent.bounds.max) ||
-      heard->up > UpAxis::minusZ || heard->extent.points >= std::uint64_t{1} << 32)
+      heard->up > UpAxis::minusZ || heard->standing > heard->extent.points || heard->extent.points >= std::uint64_t{1} << 32)
     throw NetworkError("'{}' of {} announces what is no cloud", session.name, session.host);
   return heard;
 }

@@ -310,7 +310,7 @@ TEST_CASE("who has the points around the hand alone sculpts the file, byte by by
   }
 }
 
-TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives way to far hands, and water is not served") {
+TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives way to far hands") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -365,12 +365,42 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
     CHECK(soft["peak_force_N"] > 0.02);
     CHECK(serving.program.wait(SIGINT) == 0);
   }
-  const Outcome water = palpate("serve water --name water" + domain());
-  CHECK(water.code == 2);
-  CHECK(water.text.find("no surface") != std::string::npos);
   const Outcome journal = palpate("serve " + in("m.ply") + " --motion turn --journal " + in("x") + " --name a" + domain());
   CHECK(journal.code == 2);
   CHECK(journal.text.find("stands still") != std::string::npos);
+}
+
+TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is in the water there, and it is seen") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(in("pool.json")) << R"({"matter": "water", "box_mm": [90, 160, 90], "fill_mm": [90, 80, 90], "spacing_mm": 10,
+    "tool": {"radius_mm": 20, "mass_kg": 0.034}})";
+  Serving serving(in("pool.json") + " --name pool --backend cpu --threads 1 --json " + in("s.json"), folder / "said");
+  const std::string join = " --join pool" + domain();
+  const std::string touch = "touch" + join + " --backend cpu --realtime --path builtin:press";
+  const Outcome still = palpate("touch" + join + " --backend cpu --duration 0.1");
+  CHECK(still.code == 1);
+  CHECK(still.text.find("join it against the clock") != std::string::npos);
+  works(touch + " --duration 4 --trace " + in("t.csv") + " --json " + in("j.json"));
+  const Result felt = jsonOf(in("j.json"));
+  MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most " << felt["peak_force_N"]
+                << " N; " << felt["near"]["steps"] << " steps came");
+  CHECK(felt["near"]["steps"] > 20);
+  CHECK(felt["near"]["most_known"] > 300);
+  CHECK(felt["contact_ticks"] > 100);
+  CHECK(felt["peak_force_N"] > 0.05);
+  CHECK(felt["peak_force_N"] < 4);
+  const Outcome tool = palpate(touch + " --tool ball --duration 0.1");
+  CHECK(tool.code == 2);
+  CHECK(tool.text.find("a hand holds the scene's ball") != std::string::npos);
+  works("render" + join + " -o " + in("p.png"));
+  CHECK(std::filesystem::file_size(in("p.png")) > 1000);
+  CHECK(serving.program.wait(SIGINT) == 0);
+  const Result served = jsonOf(in("s.json"));
+  CHECK(served["frames"] > 20);
+  CHECK(served["near"] == 1);  // the others were refused before they felt anything
+  CHECK(served["near_points"] > 5000);
 }
 
 TEST_CASE("what joins and cannot be served says so, and so do options that do not go together") {

@@ -22,7 +22,7 @@ constexpr DVec3 kForce_N(0.3, 1.2, -0.4), kPlace_m(0.02, 0.03, 0.04), kVelocity_
 // What a told simulation has seen, and whether it may go on.
 struct Told {
   std::vector<HandPose> from, to;  // of the first hand, step by step
-  int begun = 0;
+  int begun = 0, placed = 0;
   std::vector<double> gains;  // as they were changed to
   MatterState state = MatterState::running;
   std::atomic<bool> waits = false;
@@ -43,7 +43,7 @@ class ToldSimulation final : public MatterSimulation {
  private:
   void begin() override { ++told_.begun; }
   void takeParameters() override { told_.gains.push_back(scene().gain); }
-  void placeTools(std::span<const HandPose>) override {}
+  void placeToolAt(std::size_t, const HandPose&) override { ++told_.placed; }
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override {
     told_.waits.wait(true);
     if (told_.faulty) throw Error("the GPU is lost");
@@ -100,6 +100,37 @@ struct Stale {
 };
 
 }  // namespace
+
+TEST_CASE("the ball of a hand that was put down elsewhere stands there, and has not gone there") {
+  Told told;
+  MatterSteps steps = stepsOf(told);
+  steps.goTo(at(0, {1, 0, 0}));
+  CHECK(told.placed == 1);
+  MatterQuestion next = at(0.003, {50, 8, 0});
+  next.putDown[0] = 1;
+  steps.goTo(next);
+  CHECK(told.placed == 2);
+  REQUIRE(told.to.size() == 4);
+  for (std::size_t k = 1; k < 4; ++k) {
+    CHECK(told.from[k].place_m == DVec3(50, 8, 0));
+    CHECK(told.to[k].place_m == DVec3(50, 8, 0));
+  }
+  next.time_s = 0.005;
+  next.hands[0].place_m.x = 52;
+  steps.goTo(next);  // put down as often as before
+  CHECK(told.placed == 2);
+  CHECK(told.to[4].place_m.x == doctest::Approx(51));
+}
+
+TEST_CASE("an old answer is none to a hand that was put down elsewhere meanwhile") {
+  Stale stale;
+  CHECK(stale.later(0.001, DVec3(0)).force_N.has_value());
+  stale.touch.resetHand(0);
+  const Contact after = stale.later(0.001, DVec3(0));
+  CHECK(after.valid);
+  CHECK_FALSE(after.touching);
+  CHECK_FALSE(after.force_N.has_value());
+}
 
 TEST_CASE("between two questions hands go straight on, step by step, and turn as evenly") {
   Told told;

@@ -1,0 +1,309 @@
+// Matter that is simulated elsewhere, as a hand feels it here: over links whose delay is a number, and without any network.
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "tests/matter/far_matter.hpp"
+
+namespace palpate {
+
+namespace {
+
+MatterScene smallTank(Matter matter = Matter::water) {
+  MatterScene scene = tank({12, 20, 12}, 11);
+  scene.matter = matter;
+  if (matter == Matter::sand) scene.density_kg_m3 = 1600;
+  scene.tool = usualTool(scene);
+  scene.tool.radius_mm = 25;
+  return scene;
+}
+
+double buoyancy_N(const MatterScene& scene) {
+  const double radius_m = scene.tool.radius_mm * 1e-3;
+  return scene.density_kg_m3 * kGravity_m_s2 * 4 * 3.14159265358979 / 3 * radius_m * radius_m * radius_m;
+}
+
+/// The same hand, there and here.
+class Both {
+ public:
+  Both(const MatterScene& scene, double delay_s) : far_(scene, delay_s), local_(scene, {.threads = 1, .tools = 1}) {}
+
+  struct Felt {
+    DVec3 local{0}, far{0};  // means, N
+    double trembles_N = 0;   // of the far one, root of the mean square about its mean
+  };
+  /// So many steps at that velocity, of which the first ones do not count.
+  Felt go(int steps, const DVec3& velocity_m_s, int settling) {
+    Felt felt;
+    double square = 0;
+    for (int k = 0; k < steps; ++k) {
+      hand_.place_m += kMatterStep_s * velocity_m_s;
+      far_.step(hand_);
+      local_.step({&hand_, 1});
+      least_J_ = std::min(least_J_, far_.here().portEnergy_J(0));
+      most_N_ = std::max(most_N_, glm::length(far_.felt().force_N));
+      mostHere_N_ = std::max(mostHere_N_, glm::length(local_.answers()[0].force_N));
+      if (k < settling) continue;
+      felt.local += local_.answers()[0].force_N / double(steps - settling);
+      felt.far += far_.felt().force_N / double(steps - settling);
+      square += glm::dot(far_.felt().force_N, far_.felt().force_N) / double(steps - settling);
+    }
+    felt.trembles_N = std::sqrt(std::max(0.0, square - glm::dot(felt.far, felt.far)));
+    return felt;
+  }
+  FarMatter& far() { return far_; }
+  double least_J() const { return least_J_; }
+  double most_N() const { return most_N_; }
+  double mostHere_N() const { return mostHere_N_; }  // of the same matter here
+  HandPose& hand() { return hand_; }
+
+ private:
+  FarMatter far_;
+  MatterWorld local_;
+  HandPose hand_{.place_m = {0.06, 0.15, 0.06}};
+  double least_J_ = 0, most_N_ = 0, mostHere_N_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a ball in water far away floats as one in the same water here, and is dragged about as much") {
+  const MatterScene scene = smallTank();
+  const double expected_N = buoyancy_N(scene);
+  for (const double delay_s : {0.0, 0.05, 0.5}) {
+    Both both(scene, delay_s);
+    both.go(900, {0, -0.1, 0}, 0);
+    const Both::Felt held = both.go(900, DVec3(0), 500);
+    const Both::Felt right = both.go(400, {0.05, 0, 0}, 150), left = both.go(400, {-0.05, 0, 0}, 150);
+    const double drag_N = (left.far.x - right.far.x) / 2, localDrag_N = (left.local.x - right.local.x) / 2;
+    MESSAGE(fmt::format("{:.0f} ms each way: buoyancy {:.3f} N here, {:.3f} N far ({:.3f} N displaced), trembles by {:.3f} N; "
+                        "drag at 50 mm/s {:.3f} and {:.3f} N; at most {:.2f} and {:.2f} N; least energy {:.3f} mJ",
+                        1e3 * delay_s, held.local.y, held.far.y, expected_N, held.trembles_N, localDrag_N, drag_N,
+                        both.mostHere_N(), both.most_N(), 1e3 * both.least_J()));
+    CHECK(std::abs(held.far.y - held.local.y) < 0.15 * expected_N);
+    CHECK(std::hypot(held.far.x, held.far.z) < 0.1 * expected_N);
+    // At the end of a long way it comes to rest later: the ball there is still under way.
+    CHECK(held.trembles_N < (delay_s < 0.1 ? 0.2 : 1) * expected_N);
+    CHECK(both.most_N() < 1.5 * both.mostHere_N());
+    CHECK(drag_N > 0.6 * localDrag_N);
+    CHECK(drag_N < 1.5 * localDrag_N);
+    CHECK(both.least_J() >= -1e-3);
+    CHECK(both.far().there().state() == MatterState::running);
+    CHECK(both.far().here().counts().restarts == 0);
+  }
+}
+
+TEST_CASE("a ball in sand far away is held by it as here") {
+  const MatterScene scene = smallTank(Matter::sand);
+  for (const double delay_s : {0.0, 0.05, 0.5}) {
+    Both both(scene, delay_s);
+    const Both::Felt into = both.go(700, {0, -0.1, 0}, 500);
+    const Both::Felt held = both.go(600, DVec3(0), 300);
+    const Both::Felt along = both.go(300, {0.05, 0, 0}, 100);
+    MESSAGE(fmt::format("{:.0f} ms each way: into sand at 100 mm/s {:.2f} N here, {:.2f} N far; held {:.2f} and {:.2f} N; "
+                        "along at 50 mm/s {:.2f} and {:.2f} N; at most {:.2f} N; least energy {:.3f} mJ",
+                        1e3 * delay_s, into.local.y, into.far.y, held.local.y, held.far.y, along.local.x, along.far.x,
+                        both.most_N(), 1e3 * both.least_J()));
+    // What is held gives way as little as the way is long, and what is its own finds less room there than all of it.
+    CHECK(into.far.y > (delay_s < 0.1 ? 0.5 : 0.1) * into.local.y);
+    CHECK(into.far.y < 1.5 * into.local.y);
+    CHECK(held.far.y > 0.1 * held.local.y);
+    CHECK(held.far.y < 1.5 * held.local.y);
+    CHECK(along.far.x < 0.3 * along.local.x);
+    CHECK(along.far.x > 2 * along.local.x);
+    CHECK(both.least_J() >= -1e-3);
+    CHECK(both.far().there().state() == MatterState::running);
+  }
+}
+
+TEST_CASE("hands get no more energy out of far matter than they have put in, however they move and however long the way is") {
+  std::mt19937 random(11);
+  std::normal_distribution<double> push;
+  for (const Matter matter : {Matter::water, Matter::sand})
+    for (const double delay_s : {0.05, 0.5}) {
+      FarMatter far(smallTank(matter), delay_s);
+      HandPose hand{.place_m = {0.06, 0.15, 0.06}};
+      DVec3 speed(0);
+      double least_J = 0, most_N = 0;
+      for (int k = 0; k < 900; ++k) {
+        speed = 0.98 * speed - DVec3(0, 8e-3, 0);
+        for (int axis = 0; axis < 3; ++axis) speed[axis] += 0.05 * push(random);
+        hand.place_m = glm::clamp(hand.place_m + kMatterStep_s * speed, DVec3(0.03), DVec3(0.09, 0.15, 0.09));
+        far.step(hand);
+        least_J = std::min(least_J, far.here().portEnergy_J(0));
+        most_N = std::max(most_N, glm::length(far.felt().force_N));
+      }
+      MESSAGE(fmt::format("random hands in {}, {:.0f} ms each way: least energy {:.3f} mJ, at most {:.1f} N",
+                          matter == Matter::water ? "water" : "sand", 1e3 * delay_s, 1e3 * least_J, most_N));
+      CHECK(most_N > 0.5);
+      CHECK(least_J >= -1e-3);
+      CHECK(far.here().state() == MatterState::running);
+    }
+}
+
+TEST_CASE("who joins with his ball under water feels it float, and is not carried up by it") {
+  Both both(smallTank(), 0.05);
+  both.hand().place_m = {0.06, 0.05, 0.06};
+  const Both::Felt held = both.go(900, DVec3(0), 500);
+  CHECK(held.far.y > 0.7 * buoyancy_N(smallTank()));
+  double work_J = 0;
+  for (int k = 0; k < 600; ++k) {
+    both.go(1, {0, 0.1, 0}, 0);
+    work_J += both.far().felt().force_N.y * 0.1 * kMatterStep_s;
+  }
+  CHECK(work_J < 1e-3);
+  CHECK(both.least_J() >= -1e-3);
+}
+
+TEST_CASE("water that flows elsewhere carries along a ball that is held still here") {
+  MatterScene scene = tank({20, 20, 20}, 11);  // so wide that what is here reaches no wall
+  scene.tool = {.radius_mm = 25, .mass_kg = 0.065};
+  const float speed_m_s = 0.1f;
+  const int rests = 300, flows = 250;
+  std::vector<Vec3> beginning = placesAtRest(scene);
+  for (const Vec3& place : placesAtRest(scene)) beginning.push_back(place - Vec3(static_cast<float>(scene.box_mm.x * 1e-3), 0, 0));
+  int step = 0;
+  MatterPond pond(scene, {.threads = 1, .tools = 1}, [&](KnownMatter& known) {
+    if (step % 16 != 0) return false;
+    const float gone_m = speed_m_s * 1e-3f * static_cast<float>(std::max(0, step - rests));
+    known = {};
+    for (const Vec3& place : beginning) {
+      known.ids.push_back(static_cast<std::uint32_t>(known.size()));
+      known.positions.push_back(place + Vec3(gone_m, 0, 0));
+      known.velocities.emplace_back(0);
+    }
+    return true;
+  });
+  const HandPose hand{.place_m = {0.1, 0.055, 0.1}};
+  double before_N = 0, along_N = 0;
+  for (; step < rests + flows; ++step) {
+    pond.step({&hand, 1});
+    if (step >= rests - 100 && step < rests) before_N += pond.answers()[0].force_N.x / 100;
+    if (step >= rests + flows - 100) along_N += pond.answers()[0].force_N.x / 100;
+  }
+  MESSAGE("in water that flows by at 100 mm/s: " << along_N << " N, at rest " << before_N << " N");
+  CHECK(std::abs(before_N) < 0.05);
+  CHECK(along_N > 0.1);
+  CHECK(pond.counts().restarts == 0);
+}
+
+TEST_CASE("where far matter begins anew, all that is here begins anew with it; where nothing is heard, it stays as it is") {
+  Both both(smallTank(), 0.02);
+  both.go(900, {0, -0.1, 0}, 0);
+  both.go(400, DVec3(0), 0);
+  const double before_N = both.most_N();
+  both.far().hold(true);
+  const Both::Felt silent = both.go(1500, DVec3(0), 500);
+  CHECK(silent.far.y > 0.7 * buoyancy_N(smallTank()));
+  CHECK(silent.trembles_N < 0.3 * buoyancy_N(smallTank()));
+  both.far().hold(false);
+  both.far().collapse();
+  both.go(10, DVec3(0), 0);
+  const Both::Felt after = both.go(1500, DVec3(0), 1000);
+  CHECK(both.far().here().counts().restarts >= 1);
+  CHECK(std::isfinite(after.far.y));
+  CHECK(both.most_N() < 3 * before_N + 3);
+  CHECK(both.least_J() >= -1e-3);
+}
+
+TEST_CASE("what is known of far matter may be anything: the force stays a number, bounded, and comes back with the truth") {
+  const MatterScene scene = smallTank();
+  std::mt19937 random(5);
+  const std::vector<Vec3> rest = placesAtRest(scene);
+  std::uniform_real_distribution<float> anywhere(-0.5f, 0.7f);
+  const auto somewhere = [&] {
+    Vec3 place;
+    for (int axis = 0; axis < 3; ++axis) place[axis] = anywhere(random);
+    return place;
+  };
+  int times = 0;
+  bool lies = true;
+  MatterPond pond(scene, {.threads = 1, .tools = 1}, [&](KnownMatter& known) {
+    if (++times % 16 != 1) return false;
+    known = {.positions = rest, .velocities = std::vector<Vec3>(rest.size(), Vec3(0)), .time_s = 1e-3 * times};
+    if (lies)
+      for (std::size_t i = 0; i < rest.size(); ++i) {
+        switch (times / 16 % 4) {
+          case 0:
+            known.positions[i] = somewhere();
+            break;
+          case 1:
+            known.positions[i] = Vec3(0.06f, 0.03f, 0.02f);  // all in one place
+            break;
+          case 2:
+            known.positions[i] += 0.4f * somewhere();
+            break;
+          default:
+            known.velocities[i] = Vec3(1e30f, -1e30f, 3e38f);
+        }
+      }
+    for (std::uint32_t i = 0; i < rest.size(); ++i) known.ids.push_back(i);
+    return true;
+  });
+  const HandPose hand{.place_m = {0.06, 0.05, 0.06}};
+  double most_N = 0;
+  for (int k = 0; k < 800; ++k) {
+    pond.step({&hand, 1});
+    REQUIRE(pond.state() == MatterState::running);
+    REQUIRE(isFinite(pond.answers()[0].force_N));
+    most_N = std::max(most_N, glm::length(pond.answers()[0].force_N));
+    REQUIRE(pond.members() < 2 * rest.size());
+  }
+  MESSAGE("the largest force of lies: " << most_N << " N, " << pond.counts().restarts << " times begun anew");
+  CHECK(pond.counts().restarts > 5);
+  lies = false;
+  DVec3 mean(0);
+  for (int k = 0; k < 600; ++k) {
+    pond.step({&hand, 1});
+    if (k >= 300) mean += pond.answers()[0].force_N / 300.0;
+  }
+  CHECK(mean.y > 0.5 * buoyancy_N(scene));
+  CHECK(mean.y < 1.5 * buoyancy_N(scene));
+}
+
+TEST_CASE("nobody is within a ball, none comes where another one is, and who is his own stays where he is") {
+  const MatterScene scene = smallTank();
+  const MatterPlan plan = planOf(scene);
+  const PondSpace space{.reach = pondReach(scene, plan), .spacing_m = 0.01f, .fastest_m_s = 10, .box_m = scene.box_mm * 1e-3};
+  const PondMembers rules(space);
+  KnownMatter known{.positions = placesAtRest(scene), .velocities = {}};
+  known.velocities.resize(known.positions.size());
+  for (std::uint32_t i = 0; i < known.positions.size(); ++i) known.ids.push_back(i);
+  const std::vector<DVec3> balls{{0.06, 0.06, 0.06}};
+  const std::vector<std::uint8_t> rests{1};
+  std::vector<PondMember> members;
+  REQUIRE(rules.renew(known, balls, rests, members));
+  std::size_t expected = 0;
+  for (const Vec3& place : known.positions) {
+    const double distance = glm::distance(DVec3(place), balls[0]);
+    expected += distance >= space.reach.within && distance < space.reach.end;
+  }
+  CHECK(members.size() == expected);
+  REQUIRE(members.size() > 200);
+  // One beside the ball goes half a spacing along it; another one is known to have come into its old place.
+  const auto own = std::ranges::find_if(members, [&](const PondMember& member) {
+    return PondMembers::distance(member.place, balls) < space.reach.free;
+  });
+  REQUIRE(own != members.end());
+  const std::uint32_t id = own->id;
+  const Vec3 place = own->place + Vec3(0.002f);
+  own->place = place;
+  known.positions[known.size() - 1] = known.positions[id];  // from far above
+  REQUIRE(rules.renew(known, balls, rests, members));
+  CHECK(members.size() == expected);
+  CHECK(std::ranges::find(members, id, &PondMember::id)->place == place);
+  CHECK(std::ranges::is_sorted(members, {}, &PondMember::id));
+  CHECK(rules.held(static_cast<float>(space.reach.free)) == 0);
+  CHECK(rules.held(static_cast<float>(space.reach.held)) == 1);
+  // As many in one place as there are nowhere.
+  for (Vec3& position : known.positions) position = Vec3(0.06f, 0.02f, 0.02f);
+  KnownMatter crowd = known;
+  for (int k = 0; k < 4; ++k)
+    for (const Vec3& position : known.positions) {
+      crowd.ids.push_back(static_cast<std::uint32_t>(crowd.size()));
+      crowd.positions.push_back(position);
+      crowd.velocities.emplace_back(0);
+    }
+  CHECK_FALSE(rules.renew(crowd, balls, rests, members));
+}
+
+}  // namespace palpate
