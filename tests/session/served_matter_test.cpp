@@ -152,6 +152,7 @@ class RestingFar final : public FarCloud {
   }
   BrickSource& source() override { return source_; }
   const InformationAge& known() const override { return known_; }
+  bool isSculptable() const override { return false; }
   FarCounts counts() const override { return {}; }
   void check() const override {}
 
