@@ -16,10 +16,14 @@ def own_domain() -> int:
     for _ in range(600):
         for i in range(COUNT):
             domain = FIRST + (os.getpid() + i) % COUNT
-            try:
-                lock = os.open(f"/tmp/palpate-tests-domain-{domain}", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            file = f"/tmp/palpate-tests-domain-{domain}"
+            try:  # one that another user has made can be locked, and not written
+                lock = os.open(file, os.O_RDONLY | os.O_CLOEXEC)
             except OSError:
-                continue
+                try:
+                    lock = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+                except OSError:
+                    continue
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError:

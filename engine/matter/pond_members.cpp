@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numbers>
 
 #include "engine/matter/cell_grid.hpp"
 #include "engine/matter/matter_law.hpp"
@@ -111,10 +112,11 @@ std::vector<PondMembers::Known> PondMembers::near(const KnownMatter& known, std:
 
 // Whether a ball is where it is known to be, and what is about it here is not what is known to be there.
 bool PondMembers::differs(const std::vector<Known>& near, const std::vector<PondMember>& members,
-                                std::span<const DVec3> balls, std::size_t ball) const {
+                          std::span<const DVec3> balls, std::size_t ball) const {
   std::size_t known = 0, other = 0;
   const auto isAbout = [&](const PondMember& member) {
-    return nearestOf(member.place, balls) == ball && glm::distance(DVec3(member.place), balls[ball]) < space_.reach.held;
+    return nearestOf(member.place, balls) == ball &&
+           glm::distance(DVec3(member.place), balls[ball]) < space_.reach.held;
   };
   auto member = members.begin();
   for (const Known& one : near) {
@@ -137,7 +139,8 @@ bool PondMembers::isDisplaced(const PondMember& member, const Vec3& known) const
 bool PondMembers::renew(const KnownMatter& known, std::span<const DVec3> balls, std::span<const std::uint8_t> rests,
                         std::vector<PondMember>& members) const {
   const std::vector<Known> near = this->near(known, balls);
-  const double room = 4.0 / 3 * 3.14159265 * std::pow(space_.reach.end / space_.spacing_m, 3) * static_cast<double>(balls.size());
+  const double room = 4.0 / 3 * std::numbers::pi * std::pow(space_.reach.end / space_.spacing_m, 3) *
+                      static_cast<double>(balls.size());
   if (static_cast<double>(near.size()) > kMostDense * room) return false;
   std::vector<std::uint8_t> exchanged(balls.size());
   for (std::size_t k = 0; k < balls.size(); ++k) exchanged[k] = rests[k] && differs(near, members, balls, k);
@@ -153,16 +156,15 @@ bool PondMembers::renew(const KnownMatter& known, std::span<const DVec3> balls, 
                       .heldAt = one.place});
   };
   auto there = near.begin();
-  for (std::uint32_t number = 0; number < members.size(); ++number) {
-    PondMember member = members[number];
+  for (PondMember& member : members) {
     for (; there != near.end() && there->id < member.id; ++there) come(*there, kNoParticle);
-    member.was = number;
     const float far = distance(member.place, balls);
     const bool isKnown = there != near.end() && there->id == member.id;
     const bool isToMove = isKnown && exchanged[there->ball];
     if (isToMove) {
-      come(*there, number);
-    } else if (far < kLeaves * space_.reach.end && !(far < space_.reach.held && exchanged[nearestOf(member.place, balls)])) {
+      come(*there, member.was);
+    } else if (far < kLeaves * space_.reach.end &&
+               !(far < space_.reach.held && exchanged[nearestOf(member.place, balls)])) {
       // One that is somewhere else stays where it is: all are alike, and there was room for it.
       if (!member.isKnown) member.heldAt = member.place;
       member.isKnown = isKnown && !isDisplaced(member, there->place);

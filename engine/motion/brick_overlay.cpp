@@ -1,5 +1,6 @@
 #include "engine/motion/brick_overlay.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace palpate {
@@ -37,13 +38,22 @@ void BrickOverlay::make(std::span<const PointChange> changes) {
     const std::uint32_t point = change.to.number();
     const auto [own, isFirst] = own_.try_emplace(point, Own{.state = change.from, .came = keyOf(change.from)});
     if (isFirst)
-      touched_.insert(own->second.came);
+      touched_.insert(own->second.came = cameIn(point, own->second.came));
     else
       leave(own->second.state);
     own->second.state = change.to;
     stand(change.to);
     if (!std::exchange(own->second.isNew, true)) made_.push_back(point);
   }
+}
+
+// Since it was looked at, it may have come in another brick than it stood in then.
+BrickKey BrickOverlay::cameIn(std::uint32_t point, BrickKey where) const {
+  const auto hasIt = [&](const Brick& brick) { return std::ranges::binary_search(brick.ids, point); };
+  if (const auto there = come_.find(where); there != come_.end() && hasIt(*there->second)) return where;
+  for (const auto& [key, brick] : come_)
+    if (hasIt(*brick)) return key;
+  return where;
 }
 
 void BrickOverlay::stand(const PointState& state) {

@@ -60,6 +60,7 @@ class BrickOverlay {
     bool isNew = false;  // it was made since takeMade()
   };
   BrickKey keyOf(const PointState& state) const { return grid_.keyAt(DVec3(state.position)); }
+  BrickKey cameIn(std::uint32_t point, BrickKey where) const;
   void stand(const PointState& state);
   void leave(const PointState& state);
 

@@ -1,6 +1,7 @@
 #include "engine/touch/brick_touch.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <glm/common.hpp>
 
@@ -126,7 +127,7 @@ void BrickTouch::resetHand(std::size_t hand) noexcept {
 
 void BrickTouch::finish() {
   surface_->finish();
-  if (failure_) std::rethrow_exception(failure_);
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   sculptor_.finish();
   if (inVain_)
     throw Error("the points around a hand have not come within {:.0f} s: what serves them is not there, or far away",

@@ -51,6 +51,8 @@ class MatterSteps final : public SteppedControl {
   MatterAnswer answerTo(const MatterQuestion& question) noexcept;
   /// Throws what answerTo() has kept, if anything.
   void throwFault() const;
+  /// It would throw.
+  bool isFaulty() const noexcept { return faulty_.load(); }
   const MatterSimulation& world() const { return *world_; }
 
   /// The newest particles that are shown. False where none are since the last time.

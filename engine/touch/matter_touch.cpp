@@ -79,6 +79,8 @@ std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double bu
   if (answer) known_s_ = answer->known_s;
   for (std::size_t i = 0; i < poses.size(); ++i)
     answers_[i] = answer ? contactOf(*answer, i, poses[i]) : Contact{.proxy = poses[i].hip, .valid = finite};
+  if (steps_.isFaulty())
+    for (std::size_t i = 0; i < poses.size(); ++i) answers_[i] = {.proxy = poses[i].hip, .valid = false, .lost = true};
   return answers_;
 }
 

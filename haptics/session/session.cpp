@@ -209,6 +209,7 @@ std::unique_ptr<SharedFollower> Session::takePart() {
 
 // Around the hands alone: until what they have made has been taken.
 bool Session::settleFar(double patience_s) {
+  backend_->finish();  // the edit that is under way
   const Stopwatch since;
   while (!model_->far->counts().delivered && since.elapsed_s() < patience_s) {
     model_->far->check();

@@ -115,13 +115,15 @@ void SteppedModel::move(double time_s, std::span<const SeenHand> hands) {
   restart();
 }
 
-// No hand ends for the others what it has driven too fast.
+// No hand ends for the others what it has driven too fast. What fails again before it was seen to go on is begun anew again.
 void SteppedModel::restart() {
+  constexpr double kAgain_s = 0.5;
   SimulationControl* const control = matter_->simulation();
   const std::string failure = control ? control->failure() : std::string();
   const bool wasFailing = std::exchange(isFailing_, !failure.empty());
-  if (failure.empty() || wasFailing) return;  // the next step does it
-  if (log_) log_->say("the simulation {}: it begins anew", failure);
+  if (failure.empty() || (wasFailing && sinceRestart_.elapsed_s() < kAgain_s)) return;  // the next step does it
+  sinceRestart_ = {};
+  if (log_ && !wasFailing) log_->say("the simulation {}: it begins anew", failure);
   control->reset();
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "engine/core/clock.hpp"
 #include "haptics/session/backends.hpp"
 #include "haptics/session/moving_model.hpp"
 
@@ -55,6 +56,7 @@ class SteppedModel {
   std::size_t particles_ = 0;  // that move, the first of the points
   double fastest_ = 0;         // that a hand goes, model units per second
   bool isFailing_ = false;
+  Stopwatch sinceRestart_;
   std::array<Slot, kMostHands> slots_;
   std::optional<double> last_s_, shown_s_;
   double frameTime_s_ = 0;

@@ -159,7 +159,8 @@ class FarLink final : public FarCloud {
     if (auto update = assembly_.takeUpdate()) {
       update->true_s = way_.arrived(steadyNow_s(), update->true_s);
       update->settled = outbox_.taken(assembly_.acked());
-      if (!update->settled.empty()) {
+      // As long as bricks come that others wait behind nothing is said of what was taken.
+      if (!update->whole || std::exchange(lastAcked_, assembly_.acked()) != assembly_.acked()) {
         progressed_ = {};
         stuck_ = 0;
       }
@@ -323,6 +324,7 @@ class FarLink final : public FarCloud {
   std::vector<PointState> made_;
   Stopwatch progressed_;  // strokes were taken last, or there was none to take
   int stuck_ = 0;
+  std::uint64_t lastAcked_ = 0;
   LinkProbe probe_;
   Reader<Bricks> bricks_;
   SessionNotices notices_;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <utility>
@@ -53,7 +54,8 @@ class ColorsBeside {
       intake_.take(kLook_s, [&](const RosImage& image) { keep(image, camera); });
       const Kept* const nearest = nearestTo(stamp_ns);
       const bool isOver = since.elapsed_s() > kPatience_s;
-      if (nearest && (nearest->stamp_ns == stamp_ns || isOver)) {
+      // Behind one that is not older none comes that is nearer.
+      if (nearest && (hasNotOlder(stamp_ns) || isOver)) {
         colors = nearest->colors;
         return;
       }
@@ -82,6 +84,9 @@ class ColorsBeside {
       kept.colors.clear();
       why_ = error.what();
     }
+  }
+  bool hasNotOlder(std::int64_t stamp_ns) const {
+    return std::ranges::any_of(kept_, [&](const Kept& kept) { return !kept.colors.empty() && kept.stamp_ns >= stamp_ns; });
   }
   const Kept* nearestTo(std::int64_t stamp_ns) const {
     const auto apart = [&](const Kept& kept) {

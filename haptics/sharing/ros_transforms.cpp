@@ -12,6 +12,9 @@ namespace palpate::sharing {
 namespace {
 
 constexpr std::size_t kMostAncestors = 256;
+constexpr double kBack_ns = 10e9;             // farther than this messages do not overtake one another
+constexpr std::size_t kMostPoses = 200'000;   // of all frames together, about: each has some
+constexpr std::size_t kFewestPoses = 10;
 
 bool isName(std::string_view name) { return !name.empty() && name.size() <= RosTransforms::kLongestName; }
 
@@ -49,9 +52,14 @@ bool RosTransforms::add(const RosTransform& transform, bool isStatic) {
   if (link.parent != parent || link.isStatic != isStatic || isStatic) link.poses.clear();
   link.parent = parent;
   link.isStatic = isStatic;
+  // Time has gone back, as that of a recording that begins again: what was before is no past any more.
+  if (!isStatic && !link.poses.empty() &&
+      static_cast<double>(link.poses.rbegin()->first) - static_cast<double>(transform.stamp_ns) > kBack_ns)
+    link.poses.clear();
   link.poses[isStatic ? 0 : transform.stamp_ns] = {.turn = glm::normalize(transform.turn),
                                                    .centre = transform.translation};
-  if (link.poses.size() > kKept) link.poses.erase(link.poses.begin());
+  const std::size_t kept = std::clamp(kMostPoses / links_.size(), kFewestPoses, kKept);
+  while (link.poses.size() > kept) link.poses.erase(link.poses.begin());
   return true;
 }
 

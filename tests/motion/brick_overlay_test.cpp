@@ -204,4 +204,29 @@ TEST_CASE("a source has what was made in its next frame, says in which it is, an
   CHECK(source.known().own == 0);
 }
 
+TEST_CASE("a point that has come in another brick while an edit was made of it is there once") {
+  const BrickGrid grid(1);
+  const BrickKey first = BrickGrid::keyOf(IVec3(0)), second = BrickGrid::keyOf(IVec3(1, 0, 0)), third = BrickGrid::keyOf(IVec3(2, 0, 0));
+  const auto at = [](float x) {
+    return PointState{.position = Vec3(x, 0.5f, 0.5f), .id = 4, .normal = Vec3(0, 0, 1), .color = 1, .parent = 4};
+  };
+  BrickOverlay overlay(grid);
+  overlay.come(first, brickOf({at(0.5f)}, grid, first));
+  for (const BrickKey key : {second, third}) overlay.come(key, std::make_shared<Brick>());
+  // Somebody moves it, and a hand has looked at it before that.
+  overlay.come(first, std::make_shared<Brick>());
+  overlay.come(second, brickOf({at(1.5f)}, grid, second));
+  overlay.takeTouched();
+  overlay.make(std::vector<PointChange>{{.from = at(0.5f), .to = at(2.5f)}});
+  CHECK(overlay.takeTouched() == std::set<BrickKey>{second, third});
+  CHECK(overlay.shown(first)->size() == 0);
+  CHECK(overlay.shown(second)->size() == 0);
+  CHECK(overlay.shown(third)->size() == 1);
+  std::vector<PointState> made;
+  overlay.takeMade(made);
+  overlay.settle(std::vector<std::uint32_t>{4});
+  CHECK(overlay.takeTouched().contains(second));
+  CHECK(overlay.shown(second)->size() == 1);
+}
+
 }  // namespace palpate

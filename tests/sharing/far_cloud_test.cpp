@@ -553,6 +553,29 @@ TEST_CASE("what several hands near their points make of them is the server's and
   CHECK(wrong == 0);
 }
 
+TEST_CASE("a hand near its points that goes on and on in one place is heard all the while") {
+  const PointCloud cloud = square();
+  ServedSquare served(cloud, "on and on");
+  NearSculptor hand("on and on", 4);
+  REQUIRE(hand.comesTo(DVec3(100, 100, 0)));
+  // Each point is made again before the server has said that it has it.
+  const std::vector<PointState> points = hand.points();
+  std::vector<PointState> now = points;
+  for (const Stopwatch since; since.elapsed_s() < 7; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+    std::vector<PointChange> changes;
+    for (PointState& point : now) {
+      PointState next = point;
+      next.position.z += 1e-4f;
+      changes.push_back({.from = point, .to = next});
+      point = next;
+    }
+    hand.source().make(changes);
+  }
+  CHECK(within(5, [&] { return hand.far().counts().delivered; }));
+  CHECK(hand.far().counts().resent == 0);
+  CHECK_NOTHROW(hand.far().check());
+}
+
 TEST_CASE("what a hand near its points has made while its server was away is taken when it is back with its journal, once") {
   const PointCloud cloud = square();
   const ScratchFolder folder;

@@ -164,4 +164,21 @@ TEST_CASE("random transforms end nothing and put nothing where it is not") {
   CHECK(found > 100);
 }
 
+TEST_CASE("a recording that begins again is heard as it goes then") {
+  RosTransforms tree;
+  const auto play = [&](double from_s, double to_s) {
+    for (double t = from_s; t < to_s; t += 0.01)
+      CHECK(tree.add(transform("map", "arm", {t, 0, 0}, DQuat(1, 0, 0, 0), static_cast<std::int64_t>(1e9 * t)), false));
+  };
+  const auto placeAt = [&](double t) { return tree.find("arm", "map", static_cast<std::int64_t>(1e9 * t)).toWorld(DVec3(0)).x; };
+  play(0, 60);
+  CHECK(placeAt(55) == doctest::Approx(55).epsilon(0.001));
+  play(1, 2);
+  CHECK(placeAt(1.5) == doctest::Approx(1.5).epsilon(0.01));
+  // One that was overtaken by a few seconds is no new beginning.
+  play(2, 20);
+  play(17, 17.005);
+  CHECK(placeAt(19.5) == doctest::Approx(19.5).epsilon(0.001));
+}
+
 }  // namespace palpate

@@ -51,7 +51,7 @@ typedef struct pp_join_options {
   const char* hand;          /* what the others see this hand called; null: as the machine */
   double patience_s; /* for the session to be found, for each next piece of it, and, by path and where the points are
                         taken, for what everybody has done to be everywhere; above 0 */
-  uint32_t near_hands; /* 1: of its points those around the hands alone come here, ahead of them; no stroke is taken back; what
+  uint32_t near_hands; /* 1: of its points those around the hands alone come here, ahead of them; no stroke is taken back, and nothing is recorded; what
                           moves comes so in any case, and is felt live */
 } pp_join_options;
 PP_OPTIONS(join_options)
