@@ -207,7 +207,9 @@ def captured(palpate, folder, listener):
 
 
 def tshark_reads(wire, *arguments):
-    done = subprocess.run(["tshark", "-r", wire, *arguments], capture_output=True, text=True, timeout=60)
+    # RTPS is known by its looks; games have some of these ports by custom, and what goes there is taken for theirs otherwise.
+    command = ["tshark", "-r", wire, "-o", "udp.try_heuristic_first:TRUE", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     require(done.returncode == 0, "tshark: " + done.stderr)
     return done.stdout
 
