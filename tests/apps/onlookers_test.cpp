@@ -11,6 +11,7 @@
 #include "haptics/sharing/shared_cloud.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/window_play.hpp"
+#include "tests/own_domain.hpp"
 #include "tests/sharing/ros_discovery.hpp"
 
 namespace palpate {
@@ -18,7 +19,7 @@ namespace palpate {
 namespace {
 
 // A domain that no other test is on at the same time.
-NetworkConfig network() { return {.domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80}; }
+NetworkConfig network() { return {.domain = ownDomain()}; }
 std::string domain() { return " --domain " + std::to_string(network().domain); }
 
 bool isThere(const std::filesystem::path& file) {
