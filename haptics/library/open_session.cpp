@@ -128,9 +128,22 @@ bool OpenSession::settleShared(double seconds) {
   return isSame;
 }
 
+// What cannot be built leaves the session as it was.
 void OpenSession::build(bool journal, bool editable) {
-  SessionConfig config = session_ ? session_->config() : config_;
-  if (editable) config.brush = BrushConfig{};
+  if (!session_) return make(config_, journal, editable);
+  const SessionConfig before = session_->config();
+  const bool hadJournal = session_->journal() != nullptr, wasEditable = editable_;
+  try {
+    make(before, journal, editable);
+  } catch (...) {
+    make(before, hadJournal, wasEditable);
+    if (before.brush) session_->setBrush(before.brush);
+    throw;
+  }
+}
+
+void OpenSession::make(SessionConfig config, bool journal, bool editable) {
+  if (editable && !config.brush) config.brush = BrushConfig{};
   UndoConfig undo = config.undo;
   undo.undo = 1;  // any number, so that there is room for some
   session_.reset();
@@ -147,7 +160,7 @@ void OpenSession::build(bool journal, bool editable) {
                    .source = frames_.get(),
                    .follower = [this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }});
   if (editable) session_->setBrush(std::nullopt);
-  editable_ = editable || session_->shared();
+  editable_ = editable || session_->shared() || session_->far();  // or it says why not
 }
 
 void OpenSession::endAsking() {
@@ -174,6 +187,7 @@ void OpenSession::record(const std::string& file) {
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
   if (frames_) throw StateError("frames that a program brings do not come again, and are not recorded");
   if (session_->shared()) throw StateError("what others do does not come again, and is not recorded");
+  if (session_->far()) throw StateError("the points around the hands alone are here, and are not recorded");
   if (edits_ > 0 || (shape && shape->counts().version > 0))
     throw StateError(
         "a log begins with the points as they were opened, and these have been edited; save them, and open what "
@@ -271,6 +285,7 @@ void OpenSession::setFeel(const SurfaceConfig& surface, const ForceOptions& forc
 
 std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   settle();
+  session_->requireUndo();
   if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
   if (joined_) session_->settleShared(joined_->patience_s());

@@ -108,6 +108,7 @@ class OpenSession {
   void settle();
   // With a journal where it is to be logged, and for brushes of any kind where it is to be edited.
   void build(bool journal, bool editable);
+  void make(SessionConfig config, bool journal, bool editable);
   void beginRecording(const OpenHand& hand, const RunOptions& run);
   void endRecording();
   std::size_t goBack(std::size_t undo, std::size_t redo);

@@ -270,10 +270,11 @@ std::shared_ptr<PlayedStream> Session::releaseStream(double time_s) {
 void Session::setBrush(const std::optional<BrushConfig>& brush) {
   SessionConfig next = config_;
   next.brush = brush;
-  config_ = checked(std::move(next), kind_);
+  next = checked(std::move(next), kind_);
   std::optional<BrushOptions> options;
   if (brush) options = brushOptions(*brush, model_->scale);
   backend_->setBrush(options);
+  config_ = std::move(next);
 }
 
 void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {

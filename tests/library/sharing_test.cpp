@@ -282,6 +282,7 @@ TEST_CASE("what is served to be felt alone, or joined so, takes no brush") {
 TEST_CASE("of what is joined near, the points around the hand are felt as all of them would be") {
   if (!isBuilt()) return;
   const Serving serving("near");
+  const auto before = serving.points();
   const pp_session near = joined("near", "anna", cpuOptions(), JoinedTo::feelNear);
   const pp_session whole = joined("near", "ben", cpuOptions(), JoinedTo::feel);
   const auto path = pressPath(2);
@@ -297,12 +298,25 @@ TEST_CASE("of what is joined near, the points around the hand are felt as all of
   CHECK(sharing.sent == 0);
   CHECK(std::string(sharing.fault).empty());
   const pp_brush push = pp_default_brush();
-  PP_CHECK_OK(pp_session_set_brush(near, &push));
-  touch(near, pathOf(path));
+  stroke(near, pathOf(path), push);
   const pp_sharing sculpted = sharingOf(near);
   CHECK(sculpted.sent > 10);
   CHECK(sculpted.delivered == 1);
+  std::uint64_t undone = 1;
+  CHECK(pp_session_undo(near, 1, &undone) != PP_OK);
+  CHECK(lastErrorSays("not taken back"));
+  // What is live is delivered as it ends.
+  PP_CHECK_OK(pp_session_set_brush(near, &push));
+  pp_live_options options = pp_default_live_options();
+  options.builtin = "press";
+  PP_REQUIRE_OK(pp_live_start(near, &options));
+  CHECK(comes(30, [&] { return sharingOf(near).sent > sculpted.sent + 20; }));
   PP_CHECK_OK(pp_session_close(near));
+  const std::uint64_t states = serving.info().states;
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  CHECK(serving.info().states == states);
+  CHECK(states > sculpted.sent + 20);
+  CHECK_FALSE(isSame(serving.points(), before));
   PP_CHECK_OK(pp_session_close(whole));
 }
 

@@ -144,8 +144,13 @@ def test_what_is_felt_alone_takes_no_brush(ball):
         with joined(server, near=True) as near, joined(server, read_only=True) as whole:
             assert (near.touch(press_path(1))["force_N"] == whole.touch(press_path(1))["force_N"]).all()
             assert near.sharing.heard
-            with pytest.raises(pp.UsageError, match="near the hands"):
-                near.push(press_path(1))
+            near.push(press_path(2), radius_mm=5)
+            assert near.sharing.sent > 10 and near.sharing.delivered
+            with pytest.raises(pp.Error, match="not taken back"):
+                near.undo()
+            after = checksum(server.cloud())
+        with joined(server) as late:
+            assert late.settle(20) and checksum(late.cloud()) == after != checksum(ball)
 
 
 @needs_dds
