@@ -70,9 +70,9 @@ void step(World& world) {
   // Of what was sent it may have some, upon which others may have changed it again.
   std::vector<std::uint32_t> settled;
   for (std::uint32_t id = 0; id < kPoints; ++id) {
-    if (!world.own[id] || world.isNew[id] || world.random() % 3 != 0) continue;
-    if (world.random() % 2 == 0) next[id] = *world.own[id];
-    settled.push_back(id);
+    if (!world.own[id] || world.random() % 3 != 0) continue;
+    settled.push_back(id);  // of what was made before; what was made since stays
+    if (!world.isNew[id] && world.random() % 2 == 0) next[id] = *world.own[id];
   }
   for (const BrickKey key : world.keys) {
     const bool isKnown = world.known.contains(key);
@@ -88,7 +88,8 @@ void step(World& world) {
   }
   world.theirs = next;
   world.overlay.settle(settled);
-  for (const std::uint32_t id : settled) world.own[id].reset();
+  for (const std::uint32_t id : settled)
+    if (!world.isNew[id]) world.own[id].reset();
 }
 
 void makeSome(World& world) {
