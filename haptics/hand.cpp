@@ -27,7 +27,7 @@ Hand::Hand(HapticDevice& device, ForceLaw law, const HandOptions& options, doubl
       rate_Hz_(rate_Hz),
       limits_(device.limits()),
       passivityMode_(options.passivity.value_or(limits_.handHeld ? PassivityMode::on : PassivityMode::off)),
-      passivity_(passivityMode_, limits_),
+      passivity_(passivityMode_, limits_, springOfDevice_N_per_mm()),
       gate_(limits_, 1 / rate_Hz),
       clutch_(options.map) {
   law_.limitTo(limits_.peakForce_N, limits_.mostStiffness_N_per_mm);
@@ -50,7 +50,7 @@ HandCounts Hand::counts() const {
 
 void Hand::begin() {
   law_.reset();
-  passivity_ = Passivity(passivityMode_, limits_);
+  passivity_ = Passivity(passivityMode_, limits_, springOfDevice_N_per_mm());
   gate_ = ForceGate(limits_, 1 / rate_Hz_);
   clutch_ = Clutch(options_.map);
   lastProxy_.reset();
@@ -123,6 +123,7 @@ DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, dou
     passivity_.lift();
   }
   law_.setChanging(conditions.isChanging);
+  if (conditions.isChanging) passivity_.changed();
   const DVec3 spring_N = points.empty() ? law_.update(contact_, pose, dt_s) : law_.update(contact_, points, pose, dt_s);
   signs.demand_N = law_.demand_N();
   const double mm_per_unit = limits_.handHeld ? 1 / options_.map.scale : law_.scale().mm_per_unit;
@@ -141,6 +142,11 @@ DVec3 Hand::surfaceVelocity(bool isChanging, double dt_s) noexcept {
   const std::optional<DVec3> last = std::exchange(lastProxy_, contact_.touching ? std::optional(contact_.proxy) : std::nullopt);
   if (!isChanging || !contact_.touching || !last || !(dt_s > 0)) return contact_.velocity;
   return contact_.velocity + glm::dot(contact_.proxy - *last, contact_.normal) / dt_s * contact_.normal;
+}
+
+// Where the workspace is larger than the model, the spring is softer on the device by as much.
+double Hand::springOfDevice_N_per_mm() const noexcept {
+  return law_.options().stiffness_N_per_mm * law_.scale().mm_per_unit * options_.map.scale;
 }
 
 bool Hand::hasJumped(const DVec3& position, double dt_s) noexcept {

@@ -73,6 +73,8 @@ class Hand {
                  const TickConditions& conditions) noexcept;
   /// Of the surface, model units per second, by itself or as others change it.
   DVec3 surfaceVelocity(bool isChanging, double dt_s) noexcept;
+  /// Of the spring between hand and surface, by the way of the device.
+  double springOfDevice_N_per_mm() const noexcept;
   /// Whether the device moved faster than a hand can since the last tick.
   bool hasJumped(const DVec3& position, double dt_s) noexcept;
 

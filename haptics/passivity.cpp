@@ -1,11 +1,24 @@
 #include "haptics/passivity.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate {
+namespace {
 
-Passivity::Passivity(PassivityMode mode, const DeviceLimits& limits) noexcept
+/// How fast what was held back comes again: as what others change does (ForceLaw::setChanging()).
+constexpr double kReturn_N_per_s = 60;
+/// Where all is given, nothing is taken in either, since nothing pushes back. So a hand that sinks in, farther than encoders
+/// flicker, gets a little to press against, which may cost a little.
+constexpr double kSinks_mm = 0.1, kBeginning_N = 0.05, kBeginning_mJ = 0.2;
+/// A law of another program's may come without a spring.
+constexpr double kSoftest_N_per_mm = 0.05;
+
+}  // namespace
+
+Passivity::Passivity(PassivityMode mode, const DeviceLimits& limits, double stiffness_N_per_mm) noexcept
     : mode_(mode),
+      stiffness_N_per_mm_(std::max(stiffness_N_per_mm, kSoftest_N_per_mm)),
       mostDamping_N_s_per_mm_(limits.mostDamping_N_s_per_mm),
       delay_(static_cast<std::size_t>(std::clamp(limits.forceDelay_ticks, 0, static_cast<int>(kMostDelay)))) {}
 
@@ -14,16 +27,21 @@ Passivity::Passivity(PassivityMode mode, const DeviceLimits& limits) noexcept
 DVec3 Passivity::damped(const DVec3& wanted_N, const DVec3& position_mm, double dt_s,
                         const DVec3& surface_mm_per_s) noexcept {
   if (mode_ == PassivityMode::off || !isFinite(position_mm)) return wanted_N;
+  isWanted_ = wanted_N != DVec3(0);
   const DVec3 way_mm = known_ ? position_mm - position_mm_ - dt_s * surface_mm_per_s : DVec3(0);
   position_mm_ = position_mm;
   known_ = true;
   energy_mJ_ -= glm::dot(forces_N_[delay_], way_mm);  // the force on the hand, so a push outwards costs
   leastEnergy_mJ_ = std::min(leastEnergy_mJ_, energy_mJ_);
-  const double way2_mm2 = glm::dot(way_mm, way_mm);
-  if (mode_ == PassivityMode::observe || energy_mJ_ >= 0 || !(way2_mm2 > 0) || !(dt_s > 0)) return wanted_N;
-  if (wanted_N == DVec3(0)) return wanted_N;  // free space is free, whatever is owed
+  if (mode_ == PassivityMode::observe || !(dt_s > 0)) return wanted_N;
+  if (!isWanted_) return wanted_N;  // free space is free, whatever is owed
+  return isLending_ ? lent(wanted_N, way_mm, dt_s) : braked(wanted_N, way_mm, dt_s);
+}
 
-  // alpha = -E / (dt v^2) gives the debt back within a tick if the hand keeps its velocity.
+// alpha = -E / (dt v^2) gives the debt back within a tick if the hand keeps its velocity.
+DVec3 Passivity::braked(const DVec3& wanted_N, const DVec3& way_mm, double dt_s) const noexcept {
+  const double way2_mm2 = glm::dot(way_mm, way_mm);
+  if (energy_mJ_ >= 0 || !(way2_mm2 > 0)) return wanted_N;
   double alpha_N_s_per_mm = std::min(-energy_mJ_ * dt_s / way2_mm2, mostDamping_N_s_per_mm_);
   const DVec3 velocity_mm_per_s = way_mm / dt_s;
   const double power_mW = glm::dot(wanted_N, velocity_mm_per_s);
@@ -31,12 +49,34 @@ DVec3 Passivity::damped(const DVec3& wanted_N, const DVec3& position_mm, double 
   return wanted_N - alpha_N_s_per_mm * velocity_mm_per_s;
 }
 
+// A spring of this stiffness that holds the energy E pushes with sqrt(2 k E), and gives just E as it lets go (the energy
+// tank of Franken et al. 2011, emptied by a spring). Within that, what is on its way to the motors has its share already.
+DVec3 Passivity::lent(const DVec3& force_N, const DVec3& way_mm, double dt_s) noexcept {
+  double left_mJ = energy_mJ_ + kLent_mJ;
+  for (std::size_t i = 0; i < delay_; ++i) left_mJ -= std::max(0.0, glm::dot(forces_N_[i], way_mm));
+  const double size_N = glm::length(force_N), inwards_mm = -glm::dot(force_N, way_mm) / size_N;
+  if (inwards_mm != 0) sunk_mm_ = inwards_mm > 0 ? sunk_mm_ + inwards_mm : 0;
+  const bool mayBegin = sunk_mm_ >= kSinks_mm && left_mJ > -kBeginning_mJ;
+  double most_N = std::max(std::sqrt(2 * stiffness_N_per_mm_ * std::max(0.0, left_mJ)), mayBegin ? kBeginning_N : 0);
+  if (held_N_) most_N = std::min(most_N, *held_N_ + kReturn_N_per_s * dt_s);
+  held_N_ = size_N > most_N ? std::optional(most_N) : std::nullopt;
+  return held_N_ ? *held_N_ / size_N * force_N : force_N;
+}
+
 void Passivity::acted(const DVec3& force_N) noexcept {
   std::shift_right(forces_N_.begin(), forces_N_.end(), 1);
   forces_N_[0] = force_N;
   const auto isGone = [](const DVec3& force) { return force == DVec3(0); };
-  if (std::all_of(forces_N_.begin(), forces_N_.begin() + static_cast<std::ptrdiff_t>(delay_) + 1, isGone))
-    energy_mJ_ = 0;
+  // A force that is held back is still there: its contact has not ended.
+  if (isLending_ && isWanted_) return;
+  if (std::all_of(forces_N_.begin(), forces_N_.begin() + static_cast<std::ptrdiff_t>(delay_) + 1, isGone)) end();
+}
+
+void Passivity::end() noexcept {
+  energy_mJ_ = 0;
+  isLending_ = false;
+  sunk_mm_ = 0;
+  held_N_.reset();
 }
 
 void Passivity::lift() noexcept { known_ = false; }

@@ -32,10 +32,11 @@ class RisingPlane final : public OneHandQuery {
   bool isLate_;
 };
 
-ServoResult pressed(double jump, const InformationAge* known, bool isLate = false, const ForceOptions& force = {}) {
+ServoResult pressed(double jump, const InformationAge* known, bool isLate = false, const ForceOptions& force = {},
+                    PassivityMode passivity = PassivityMode::observe) {
   RisingPlane plane(jump, isLate);
   SimulatedTouch hand(Path({{0, {0, 0, 3}}, {0.5, {0, 0, 3}}, {1, {0, 0, -4}}, {4, {0, 0, -4}}}), {});
-  return ServoLoop(hand, plane, ForceLaw(force, {}), {.duration_s = 4.5, .known = known}, {.passivity = PassivityMode::observe}).run();
+  return ServoLoop(hand, plane, ForceLaw(force, {}), {.duration_s = 4.5, .known = known}, {.passivity = passivity}).run();
 }
 
 double steepest_N(const ServoResult& result, double from_s) {
@@ -44,6 +45,14 @@ double steepest_N(const ServoResult& result, double from_s) {
   for (std::size_t i = 1; i < rows.size(); ++i)
     if (rows[i].time_s > from_s) most_N = std::max(most_N, glm::length(rows[i].force_N) - glm::length(rows[i - 1].force_N));
   return most_N;
+}
+
+double fastest_mm_per_s(const ServoResult& result, double from_s) {
+  double most_mm = 0;
+  const auto& rows = result.trace().rows;
+  for (std::size_t i = 20; i < rows.size(); ++i)
+    if (rows[i].time_s > from_s) most_mm = std::max(most_mm, glm::distance(rows[i].hip, rows[i - 20].hip));
+  return most_mm / 0.02;
 }
 
 }  // namespace
@@ -61,6 +70,28 @@ TEST_CASE("what others raise under a hand comes slowly, and is not taken for ene
   // On a surface at rest nothing differs but how fast the first press may rise.
   CHECK(*rest.counts().leastEnergy_mJ > -1);
   CHECK(glm::length(rest.trace().rows.back().force_N) == doctest::Approx(glm::length(pressed(0, &still).trace().rows.back().force_N)));
+}
+
+TEST_CASE("however others raise a surface, the hand gets no more than it has put in, but for half a millijoule") {
+  InformationAge changing;
+  changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));
+  for (const double jump : {0.02, 0.1, 0.3, 0.5, 1.0, 2.0})
+    for (const bool isLate : {false, true}) {
+      CAPTURE(jump);
+      CAPTURE(isLate);
+      const ServoResult freely = pressed(jump, &changing, isLate);
+      const ServoResult limited = pressed(jump, &changing, isLate, {}, PassivityMode::on);
+      CHECK(*limited.counts().leastEnergy_mJ > -Passivity::kLent_mJ);
+      CHECK(steepest_N(limited, 1.5) < 0.065);
+      // It is held nevertheless, and comes to rest but for some steps of the encoders.
+      CHECK(glm::length(limited.trace().rows.back().force_N) > 0.5);
+      CHECK(fastest_mm_per_s(limited, 4.2) < 15);
+      if (isLate) {
+        CHECK(*freely.counts().leastEnergy_mJ < -10);
+      } else {
+        CHECK(limited.trace().rows.back().hip.z == doctest::Approx(freely.trace().rows.back().hip.z).scale(1).epsilon(0.2));
+      }
+    }
 }
 
 TEST_CASE("a surface whose answers are late now and then goes nowhere by that") {

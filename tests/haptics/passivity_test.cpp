@@ -17,7 +17,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 class Spring {
  public:
   explicit Spring(PassivityMode mode, std::size_t lateTicks = 0)
-      : passivity(mode, DeviceLimits{}), depths_mm_(lateTicks, 0.0) {}
+      : passivity(mode, DeviceLimits{}, 1), depths_mm_(lateTicks, 0.0) {}
 
   double wanted_N() const { return std::max(0.0, late_mm_); }
 
@@ -80,7 +80,7 @@ TEST_CASE("the controller takes back what delay makes, and never turns a push in
 }
 
 TEST_CASE("free space is free, even on the tick after a contact that owes energy") {
-  Passivity passivity(PassivityMode::on, {.forceDelay_ticks = 1});
+  Passivity passivity(PassivityMode::on, {.forceDelay_ticks = 1}, 1);
   DVec3 position(0);
   for (int i = 0; i < 10; ++i) {
     passivity.acted(passivity.damped({0, 0, 1}, position, kTick_s));
@@ -96,7 +96,7 @@ TEST_CASE("free space is free, even on the tick after a contact that owes energy
 }
 
 TEST_CASE("the damping stays within what the device renders calmly") {
-  Passivity passivity(PassivityMode::on, {.mostDamping_N_s_per_mm = 0.003});
+  Passivity passivity(PassivityMode::on, {.mostDamping_N_s_per_mm = 0.003}, 1);
   DVec3 position(0);
   double strongest_N_s_per_mm = 0;
   for (int i = 0; i < 100; ++i) {
@@ -111,7 +111,7 @@ TEST_CASE("the damping stays within what the device renders calmly") {
 }
 
 TEST_CASE("a force that comes a tick late is counted when it acts") {
-  Passivity late(PassivityMode::observe, {.forceDelay_ticks = 1});
+  Passivity late(PassivityMode::observe, {.forceDelay_ticks = 1}, 1);
   late.damped(DVec3(0), DVec3(0), kTick_s);
   late.acted({1, 0, 0});
   late.damped({1, 0, 0}, {1, 0, 0}, kTick_s);  // not there yet
@@ -122,7 +122,7 @@ TEST_CASE("a force that comes a tick late is counted when it acts") {
 }
 
 TEST_CASE("jumps, numbers that are none and a mode of off count nothing") {
-  Passivity passivity(PassivityMode::on, {});
+  Passivity passivity(PassivityMode::on, {}, 1);
   const DVec3 force(0, 0, 1);
   passivity.damped(force, {0, 0, 0}, kTick_s);
   passivity.acted(force);
@@ -132,7 +132,7 @@ TEST_CASE("jumps, numbers that are none and a mode of off count nothing") {
   CHECK(passivity.damped(force, {0, 0, 100}, 0) == force);
   CHECK(passivity.leastEnergy_mJ() == 0);
 
-  Passivity off(PassivityMode::off, {});
+  Passivity off(PassivityMode::off, {}, 1);
   for (int i = 0; i < 10; ++i) {
     CHECK(off.damped(force, {0, 0, 1.0 * i}, kTick_s) == force);
     off.acted(force);
@@ -140,8 +140,58 @@ TEST_CASE("jumps, numbers that are none and a mode of off count nothing") {
   CHECK(off.leastEnergy_mJ() == 0);
 }
 
+TEST_CASE("where others change the surface, all that a contact gives beyond what it took is bounded, however long it lasts") {
+  for (const int delay : {0, 1, 3})
+    for (const double step_mm : {0.002, 0.055})
+      for (const bool flickers : {false, true}) {
+        CAPTURE(delay);
+        CAPTURE(step_mm);
+        CAPTURE(flickers);
+        Passivity passivity(PassivityMode::on, {.forceDelay_ticks = delay}, 0.8);
+        DVec3 position(0);
+        double last_N = 0, steepest_N = 0, least_N = 0;
+        for (int i = 0; i < 20'000; ++i) {
+          if (i > 100) passivity.changed();
+          const double want_N = std::min(3.0, 0.06 * i);
+          const DVec3 force_N = passivity.damped({0, 0, want_N}, position, kTick_s);
+          least_N = std::min(least_N, force_N.z);
+          steepest_N = std::max(steepest_N, force_N.z - last_N);
+          last_N = force_N.z;
+          passivity.acted(force_N);
+          // In at first, then out without end, or between two steps of an encoder.
+          const double way_mm = i < 100 ? -0.01 : flickers ? (i % 2 ? step_mm : -step_mm) : i % 7 ? 0 : step_mm;
+          position.z += way_mm;
+        }
+        CHECK(least_N == 0);
+        CHECK(steepest_N < 0.0601);
+        CHECK(passivity.leastEnergy_mJ() > -1.2 * Passivity::kLent_mJ);
+        if (!flickers) CHECK(last_N == 0);
+        // In free space it is forgotten, and the next contact is whole.
+        for (int i = 0; i <= delay; ++i) passivity.acted(passivity.damped(DVec3(0), position, kTick_s));
+        CHECK(passivity.energy_mJ() == 0);
+        CHECK(passivity.damped({0, 0, 3}, position, kTick_s).z == 3);
+      }
+}
+
+TEST_CASE("a hand that sinks in where all is given has something to press against again") {
+  Passivity passivity(PassivityMode::on, {}, 0.8);
+  DVec3 position(0);
+  const auto tick = [&](double way_mm) {
+    position.z += way_mm;
+    const DVec3 force_N = passivity.damped({0, 0, 3}, position, kTick_s);
+    passivity.acted(force_N);
+    return force_N.z;
+  };
+  passivity.changed();
+  for (int i = 0; i < 200; ++i) tick(0.02);
+  CHECK(tick(0.02) == 0);
+  double force_N = 0;
+  for (int i = 0; i < 200; ++i) force_N = tick(-0.02);
+  CHECK(force_N == 3);  // after 4 mm of 0.8 N/mm
+}
+
 TEST_CASE("where the surface moves, what counts is the way of the hand relative to it") {
-  Passivity carried(PassivityMode::observe, DeviceLimits{}), pressed(PassivityMode::observe, DeviceLimits{});
+  Passivity carried(PassivityMode::observe, DeviceLimits{}, 1), pressed(PassivityMode::observe, DeviceLimits{}, 1);
   const DVec3 velocity_mm_per_s(30, 0, 200);
   for (int i = 0; i <= 500; ++i) {
     // One hand is pressed in by 2 mm on a surface that rests, the other on one that takes it along meanwhile.
