@@ -32,4 +32,18 @@ TEST_CASE("edits in time never rest; a slow one rests as long as it took, the ne
   CHECK(pace.mayEdit(7.401));
 }
 
+TEST_CASE("however often edits are slow, the rest is no more than ten times as long as one of them") {
+  EditPace pace(0.02);
+  for (int i = 0; i < 60; ++i) pace.took(i, 0.05);
+  CHECK_FALSE(pace.mayEdit(59.499));
+  CHECK(pace.mayEdit(59.501));
+  pace.took(60, 0.3);
+  CHECK_FALSE(pace.mayEdit(60.999));
+  CHECK(pace.mayEdit(61.001));
+  // Of hitches of different lengths the next rest is of the last one.
+  pace.took(70, 0.021);
+  CHECK_FALSE(pace.mayEdit(70.209));
+  CHECK(pace.mayEdit(70.211));
+}
+
 }  // namespace palpate
