@@ -81,7 +81,8 @@ shared::StoppingWalls MatterParticles::walls() const {
 }
 
 void MatterParticles::settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums) {
-  shared::Settled settled = shared::settle<float>(walls(), Vec3(places_[slot]), Vec3(velocities_[slot]), change);
+  const Vec3 yielded = (1 - velocities_[slot].w) * change;
+  shared::Settled settled = shared::settle<float>(walls(), Vec3(places_[slot]), Vec3(velocities_[slot]), yielded);
   const double mass = config_.mass_kg;
   sums.wallImpulse -= mass * DVec3(settled.stop);
   if (config_.model != nullptr) {

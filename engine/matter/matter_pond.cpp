@@ -8,14 +8,27 @@ namespace palpate {
 
 namespace {
 
-// In so long what is held comes to where it is known to be, and takes the velocity that it needs for that. Velocities that
-// are known are not taken: each particle trembles with some of its own, by more than water can be compressed.
+// In so long water that is held comes to where it is known to be, and takes the velocity that it needs for that. Velocities
+// that are known are not taken: each particle trembles with some of its own, by more than water can be compressed.
 constexpr float kComes_s = 0.02f, kFollows_s = 0.0005f;
 constexpr std::uint32_t kMostBetweenNews = 50;  // steps
 // A ball that goes no faster is where it is known to be, as soon as that is known: spacings a second.
 constexpr double kRests_spacings_s = 2;
 // Of two sets of particles, one after the other: more of them are elsewhere than any can have gone.
 constexpr double kElsewhere_spacings = 3, kElsewhere = 0.5;
+
+Vec4 heldWater(const Vec3& velocity, const Vec3& way, float held, float step_s) {
+  // Implicit, so that no substep is too long for it.
+  const float goes = held * step_s / kFollows_s;
+  return Vec4(velocity + goes / (1 + goes) * (way / kComes_s - velocity), 0);
+}
+
+// Grains carry a load by overlaps of a hundredth of their size, so that what is held by less than all of them bear would
+// give way, and no load would build up before it. They go all the way in a substep, and are not pushed off it: friction
+// counts what they move, and not what is taken back.
+Vec4 heldSand(const Vec3& velocity, const Vec3& way, float held, float step_s) {
+  return Vec4(glm::mix(velocity, way / step_s, held), held);
+}
 
 PondSpace spaceOf(const MatterScene& scene, const MatterPlan& plan) {
   return {.reach = pondReach(scene, plan),
@@ -133,6 +146,7 @@ void MatterPond::beforeSubstep() {
   balls_ = balls();
   const auto step_s = static_cast<float>(plan().substep_s);
   const float way = gone();
+  const auto hold = scene().matter == Matter::sand ? heldSand : heldWater;
   const std::span<const Vec3> places = std::as_const(*this).matter().positions();
   for (std::size_t slot = 0; slot < places.size(); ++slot) {
     const PondMember& member = members_[matter().ids()[slot]];
@@ -140,10 +154,8 @@ void MatterPond::beforeSubstep() {
     if (held == 0) continue;
     const Vec3 velocity(std::as_const(*this).matter().velocities()[slot]);
     const Vec3 should = glm::mix(member.heldAt, member.knownPlace, way);
-    const Vec3 wanted = (should - places[slot]) / kComes_s;
-    // Implicit, so that no substep is too long for it.
-    const float goes = held * step_s / kFollows_s;
-    matter().setVelocity(slot, velocity + goes / (1 + goes) * (wanted - velocity));
+    const Vec4 goes = hold(velocity, should - places[slot], held, step_s);
+    matter().setVelocity(slot, Vec3(goes), goes.w);
   }
 }
 

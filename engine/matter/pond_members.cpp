@@ -15,7 +15,10 @@ namespace palpate {
 namespace {
 
 // Beyond a ball, in spacings. What is held has weights on all sides up to a support before the end.
-constexpr double kFree_spacings = 1.5, kHeld_spacings = 3.5, kEnd_spacings = kHeld_spacings + kSupport_spacings;
+constexpr double kHeld_spacings = 3.5, kEnd_spacings = kHeld_spacings + kSupport_spacings;
+// Grains that are held do not yield at all: they want a little more room before that, or a ball that is ahead of what is
+// known finds them too hard.
+constexpr double kWaterFree_spacings = 1.5, kSandFree_spacings = 1.75;
 // Where matter stands beside a ball: grains touch its points, water is pressed a little nearer.
 constexpr double kWaterBeside_spacings = 0.25, kSandBeside_spacings = 0.5;
 // One that is farther from where it is known to be is not held there.
@@ -66,10 +69,12 @@ class TakenPlaces {
 
 PondReach pondReach(const MatterScene& scene, const MatterPlan& plan) {
   const double radius = scene.tool.radius_mm * 1e-3, spacing = plan.spacing_m;
-  const double beside = scene.matter == Matter::sand ? kSandBeside_spacings : kWaterBeside_spacings;
+  const bool isSand = scene.matter == Matter::sand;
+  const double beside = isSand ? kSandBeside_spacings : kWaterBeside_spacings;
+  const double free = isSand ? kSandFree_spacings : kWaterFree_spacings;
   return {.ball = radius,
           .within = radius + beside * spacing,
-          .free = radius + kFree_spacings * spacing,
+          .free = radius + free * spacing,
           .held = radius + kHeld_spacings * spacing,
           .end = radius + kEnd_spacings * spacing};
 }
