@@ -87,17 +87,17 @@ class Lines final : public LogListener {
  public:
   void said(std::string_view line) override {
     const std::scoped_lock hold(lock_);
-    if (line.find("begun anew") != std::string_view::npos) anew_.emplace_back(line);
+    if (line.find("begun anew") != std::string_view::npos) restarts_.emplace_back(line);
   }
   void progressed(std::string_view, double) override {}
-  std::vector<std::string> anew() const {
+  std::vector<std::string> restarts() const {
     const std::scoped_lock hold(lock_);
-    return anew_;
+    return restarts_;
   }
 
  private:
   mutable std::mutex lock_;
-  std::vector<std::string> anew_;
+  std::vector<std::string> restarts_;
 };
 
 JoinedCloud joinNear(const std::string& name, Log* log = nullptr) {
@@ -247,7 +247,7 @@ TEST_CASE("that what moves has begun anew is told to each who feels it, once eac
   const PointCloud cloud = square();
   std::mutex lock;
   Restarts restarts{.count = 3, .why = "was before"};
-  const auto begunAnew = [&](std::uint32_t count, const std::string& why) {
+  const auto restarted = [&](std::uint32_t count, const std::string& why) {
     const std::scoped_lock hold(lock);
     restarts = {.count = count, .why = why};
   };
@@ -265,19 +265,19 @@ TEST_CASE("that what moves has begun anew is told to each who feels it, once eac
     joined[i] = joinNear("begins anew", &logs[i]);
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  for (std::size_t i = 0; i < 2; ++i) CHECK(lines[i].anew().empty());  // it was so when they came
-  begunAnew(4, "has diverged\033[2J");
+  for (std::size_t i = 0; i < 2; ++i) CHECK(lines[i].restarts().empty());  // it was so when they came
+  restarted(4, "has diverged\033[2J");
   const auto areTold = [&](std::size_t times) {
-    return std::ranges::all_of(lines, [&](const Lines& each) { return each.anew().size() == times; });
+    return std::ranges::all_of(lines, [&](const Lines& each) { return each.restarts().size() == times; });
   };
   REQUIRE(within(5, [&] { return areTold(1); }));
   for (const Lines& each : lines) {
-    CHECK(each.anew()[0].find("'begins anew'") != std::string::npos);
-    CHECK(each.anew()[0].find("it has diverged?[2J") != std::string::npos);
+    CHECK(each.restarts()[0].find("'begins anew'") != std::string::npos);
+    CHECK(each.restarts()[0].find("it has diverged?[2J") != std::string::npos);
   }
-  begunAnew(6, "has burst");
+  restarted(6, "has burst");
   REQUIRE(within(5, [&] { return areTold(2); }));
-  for (const Lines& each : lines) CHECK(each.anew()[1].find("2 times: it has burst") != std::string::npos);
+  for (const Lines& each : lines) CHECK(each.restarts()[1].find("2 times: it has burst") != std::string::npos);
   for (const JoinedCloud& each : joined) CHECK(each.far->counts().restarts == 3);
   Lines late;
   Log lateLog(true);
@@ -287,16 +287,16 @@ TEST_CASE("that what moves has begun anew is told to each who feels it, once eac
     std::this_thread::sleep_for(std::chrono::milliseconds(1000));
     CHECK(latest.far->counts().restarts == 0);
   }
-  CHECK(late.anew().empty());
+  CHECK(late.restarts().empty());
   CHECK(areTold(2));  // not again
   // One that says so a thousand times a second is not passed on as often.
   const Stopwatch since;
   for (std::uint32_t count = 7; since.elapsed_s() < 2; ++count) {
-    begunAnew(count, "is in a hurry");
+    restarted(count, "is in a hurry");
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  CHECK(lines[0].anew().size() > 2);
-  CHECK(lines[0].anew().size() <= 2 + 5);
+  CHECK(lines[0].restarts().size() > 2);
+  CHECK(lines[0].restarts().size() <= 2 + 5);
   joined = {};
   served.end();
 }

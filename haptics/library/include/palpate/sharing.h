@@ -83,7 +83,7 @@ typedef struct pp_sharing {
   double round_trip_ms; /* the median of the last pings; below 0: none was answered yet */
   char name[208], host[64], model[208]; /* of the session, its server, and what its points are in that one's words */
   char fault[256]; /* why this hand's part has ended for good; empty: it goes on */
-  uint64_t restarts; /* times that what moves has begun anew where it is served, as water does that was stirred too fast */
+  uint64_t restarts; /* times that what moves has begun again where it is served, as water does that was stirred too fast */
 } pp_sharing;
 PP_OPTIONS(sharing)
 /* PP_ERROR_STATE for a session that was not joined, as the next ones. */
