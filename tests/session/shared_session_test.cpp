@@ -120,7 +120,7 @@ TEST_CASE("the others are told of all hands of a session that is felt alone, by 
   config.duration_s = 0.1;
   Session session(config, std::move(model), {.backend = *cpu});
   CHECK(session.presence() == told.get());
-  const std::array<PathHand, 2> paths{PathHand(Path({{0, {0, 0, 49}}, {0.1, {0, 0, 49}}})),
+  const std::array<PathHand, 2> paths{PathHand(Path({{0, {0, 0, 52}}, {0.05, {0, 0, 49}}, {0.1, {0, 0, 49}}})),
                                       PathHand(Path({{0, {60, 0, 0}}, {0.1, {60, 0, 0}}}))};
   const std::array<OpenHand, 2> hands{paths[0].hand(), paths[1].hand()};
   session.run(hands, {});
