@@ -26,6 +26,12 @@ struct FarFacts {
   bool operator==(const FarFacts&) const = default;
 };
 
+/// How often what moves has begun anew since it is served, and why it last did, in words.
+struct Restarts {
+  std::uint32_t count = 0;
+  std::string why;
+};
+
 /// How its points came.
 struct FarCounts {
   std::uint64_t updates = 0;   ///< of what is known
@@ -33,6 +39,7 @@ struct FarCounts {
   std::uint64_t samples = 0;   ///< of the network
   std::uint64_t resumed = 0;   ///< times that what is known was asked for anew
   std::uint64_t servers = 1;   ///< one after another
+  std::uint64_t restarts = 0;  ///< times that what moves has begun anew there
   std::size_t bricks = 0, known = 0, mostKnown = 0;  ///< bricks and points that are here now; points at most
   std::uint64_t sent = 0;    ///< states of points that hands here have made
   std::uint64_t resent = 0;  ///< pieces of their strokes that went more than once

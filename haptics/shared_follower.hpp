@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/core/edit_follower.hpp"
-#include "engine/core/vec.hpp"
 #include "haptics/information_age.hpp"
+#include "haptics/shared_presence.hpp"
 
 namespace palpate {
 
@@ -41,32 +41,14 @@ struct SharedCounts {
   std::string fault;            ///< why this hand's part has ended for good; empty: it goes on
 };
 
-/// Where a hand is. Coordinates of the file.
-struct HandPlace {
-  DVec3 position{0};  ///< of what it touches with
-  DVec3 proxy{0};     ///< where the surface holds that; `position` where nothing is touched
-  bool touching = false, sculpts = false;
-  bool operator==(const HandPlace&) const = default;
-};
-
-/// Somebody else's hand, as it was heard last.
-struct SeenHand {
-  std::string name;
-  std::uint32_t number = 0;  ///< the same on all machines, for as long as the hand takes part
-  HandPlace place;
-  double age_s = 0;
-};
-
 /// What one hand does goes to the others as it is taken in (catchUp()), and what they do is offered to what answers it.
 class SharedFollower : public EditFollower {
  public:
   /// How old what is felt is, and whether the others change it where this hand is.
   virtual const InformationAge& known() const = 0;
   virtual SharedCounts counts() const = 0;
-  /// Where this hand is. For the thread that answers: waits for nobody.
-  virtual void moved(const HandPlace& place) noexcept = 0;
-  /// Those that were heard within the last seconds. For any thread.
-  virtual std::vector<SeenHand> others() const = 0;
+  /// Where the hands are that feel what the others change. For the thread that answers them: waits for nobody.
+  virtual void moved(const HandPlaces& hands) noexcept = 0;
   /// What the log was told since the last call, the first few of it: for who shows it elsewhere, too. For any thread.
   virtual std::vector<std::string> takeSaid() = 0;
 };

@@ -69,16 +69,18 @@ FarFacts factsOf(const Model& model, const std::optional<MatterScene>& matter) {
   return facts;
 }
 
-ServedMotion motionOf(Context& context, const SessionConfig& config, const std::shared_ptr<const Model>& model,
-                      double& rate_Hz) {
-  if (!config.moves()) return {};
+// Nothing where the model stands still.
+void addMotion(CloudServer::Parts& parts, Context& context, const SessionConfig& config,
+               const std::shared_ptr<const Model>& model) {
+  if (!config.moves()) return;
   auto stepped =
       std::make_shared<SteppedModel>(config, model,
                                      SteppedModel::Parts{.backend = context.backends().named(config.backend.name),
                                                          .threads = context.threads(),
                                                          .log = &context.log()});
-  rate_Hz = stepped->rate_Hz();
-  return [stepped](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
+  parts.motion_Hz = stepped->rate_Hz();
+  parts.restarts = [stepped] { return stepped->restarts(); };
+  parts.motion = [stepped](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
     return stepped->step(time_s, hands, frame);
   };
 }
@@ -94,18 +96,16 @@ void serve(Context& context, const ServeOptions& options) {
   const auto loaded = std::make_shared<const Model>(loadModel(context, config, EstimateOn::cpu, &options.network));
   const Model& model = *loaded;
   const StopBySignal stop;
-  double rate_Hz = 0;
-  const ServedMotion motion = motionOf(context, config, loaded, rate_Hz);
-  CloudServer server(model.cloud, {.network = options.network.config(),
-                                   .name = options.name,
-                                   .model = std::filesystem::path(config.model.file).filename().string(),
-                                   .mm_per_unit = model.scale.mm_per_unit,
-                                   .sculptable = !options.readOnly && !config.moves(),
-                                   .journal = options.journalFile,
-                                   .log = &context.log(),
-                                   .facts = factsOf(model, config.matter),
-                                   .motion = motion,
-                                   .motion_Hz = rate_Hz});
+  CloudServer::Parts parts{.network = options.network.config(),
+                           .name = options.name,
+                           .model = std::filesystem::path(config.model.file).filename().string(),
+                           .mm_per_unit = model.scale.mm_per_unit,
+                           .sculptable = !options.readOnly && !config.moves(),
+                           .journal = options.journalFile,
+                           .log = &context.log(),
+                           .facts = factsOf(model, config.matter)};
+  addMotion(parts, context, config, loaded);
+  CloudServer server(model.cloud, std::move(parts));
   context.log().say("serving '{}': {} points of {}{}; {}", options.name, model.cloud.size(), config.model.file,
                     config.moves() ? ", which move" : "", opennessOf(options.network.config()));
   std::exception_ptr ended;  // otherwise than it was told to: what was done to the points is saved nevertheless

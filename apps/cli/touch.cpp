@@ -139,7 +139,10 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .mm_per_unit = model.scale.mm_per_unit,
                      .toolPoints = backend.points(0).size()};
   report.frames = session.playCounts();
-  if (session.onlookers()) report.cameras = session.onlookers()->others().size();
+  if (const SharedPresence* const presence = session.presence()) {
+    report.cameras = presence->cameras().size();
+    report.others = presence->hands();
+  }
   if (model.far) {
     report.points = model.extent->points;
     report.far = FarReport{.counts = model.far->counts(), .ticks = session.unknownTicks()};

@@ -4,6 +4,7 @@
 
 #include <glm/common.hpp>
 
+#include "apps/cli/presence_json.hpp"
 #include "apps/cli/tick_times.hpp"
 #include "engine/contact/contact_reference.hpp"
 #include "engine/core/named_values.hpp"
@@ -178,6 +179,12 @@ Json toJson(const SharedCounts& shared) {
           {"same", shared.same}};
 }
 
+std::string inWords(std::span<const SeenHand> hands) {
+  std::string names;
+  for (const SeenHand& hand : hands) names += (names.empty() ? "" : "; ") + hand.name;
+  return names;
+}
+
 std::string inWords(const FarReport& far) {
   const FarCounts& counts = far.counts;
   std::string words = fmt::format("{} of {} ticks lacked points around a hand and had no force; {} points came in {} steps, {} at most "
@@ -187,6 +194,8 @@ std::string inWords(const FarReport& far) {
     words += fmt::format("; {} states of points were made here{}", counts.sent, counts.delivered ? ", and are the server's" : ", and not all of them are the server's yet");
   if (counts.roundTrip_ms) words += fmt::format("; round trip {:.1f} ms", *counts.roundTrip_ms);
   words += fmt::format("; longest silence {:.1f} s", counts.longestSilent_s);
+  if (counts.restarts > 0)
+    words += fmt::format("; it has begun anew there {}", counts.restarts == 1 ? std::string("once") : fmt::format("{} times", counts.restarts));
   if (counts.servers > 1) words += fmt::format("; served anew {} times", counts.servers - 1);
   return words;
 }
@@ -200,6 +209,7 @@ Json toJson(const FarReport& far) {
           {"samples", counts.samples},
           {"resumed", counts.resumed},
           {"servers", counts.servers},
+          {"restarts", counts.restarts},
           {"bricks", counts.bricks},
           {"known", counts.known},
           {"most_known", counts.mostKnown},
@@ -235,6 +245,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.ros)
     row("for ROS", fmt::format("{} ticks sent, {} left out for want of room", report.ros->ticks, report.ros->lost));
   if (report.shared) row("others", inWords(*report.shared));
+  if (!report.others.empty()) row("others' hands", inWords(std::span(report.others)));
   if (report.cameras.value_or(0) > 0) row("others' cameras", fmt::format("{}", *report.cameras));
   if (report.far) row("near points", inWords(*report.far));
   if (report.matter)
@@ -393,7 +404,10 @@ Json toJson(const TouchReport& report) {
   if (report.frames) json["frames"] = toJson(*report.frames);
   if (report.ros) json["ros"] = {{"ticks", report.ros->ticks}, {"lost", report.ros->lost}};
   if (report.shared) json["shared"] = toJson(*report.shared);
-  if (report.cameras) json["cameras"] = *report.cameras;
+  if (report.cameras) {
+    json["cameras"] = *report.cameras;
+    json["others"] = toJson(report.others);
+  }
   if (report.far) json["near"] = toJson(*report.far);
   if (report.second) json["second_hand"] = toJson(*report.second);
   if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);

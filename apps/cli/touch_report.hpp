@@ -101,6 +101,7 @@ struct TouchReport {
   std::optional<RosHand::Counts> ros;  ///< where programs of ROS hear it
   std::optional<SharedCounts> shared;  ///< where others feel and sculpt it, too
   std::optional<std::size_t> cameras;  ///< of others who look at what was joined, in the end
+  std::vector<SeenHand> others;        ///< hands of others that were there in the end
   std::optional<FarReport> far;        ///< where somebody else has all of the points
   std::optional<LogReport> log;
   std::optional<SecondHandReport> second;   ///< where there was one

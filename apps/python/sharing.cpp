@@ -119,6 +119,7 @@ py::dict told(const pp_server_info& info) {
   told["refused"] = info.refused;
   told["mm_per_unit"] = info.mm_per_unit;
   told["openness"] = textOf(info.openness);
+  told["restarts"] = sharing.restarts;
   told["fault"] = textOf(info.fault);
   return told;
 }
@@ -147,6 +148,7 @@ py::dict told(const pp_sharing& sharing) {
   told["delivered"] = sharing.delivered != 0;
   told["at_rest"] = sharing.at_rest != 0;
   told["same"] = sharing.same != 0;
+  told["restarts"] = sharing.restarts;
   told["fault"] = textOf(sharing.fault);
   return told;
 }

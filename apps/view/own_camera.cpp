@@ -28,7 +28,7 @@ void OwnCamera::follow(const WindowSession& session, const Camera& camera, const
   const CameraPlace place = placeOf(camera, model.cloud.origin, double(size_px.x) / double(size_px.y));
   // Of a view that is no picture, as from farther away than numbers reach, nobody hears.
   if (!isCamera(place)) return;
-  if (model.onlookers && !isHidden_) model.onlookers->show(place);
+  if (model.presence && !isHidden_) model.presence->show(place);
   if (!ros_) return;
   try {
     ros_->show(place, model.scale.mm_per_unit);

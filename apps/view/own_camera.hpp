@@ -5,7 +5,7 @@
 
 #include "apps/view/session.hpp"
 #include "engine/render/camera.hpp"
-#include "haptics/shared_cameras.hpp"
+#include "haptics/shared_presence.hpp"
 
 namespace palpate {
 

@@ -82,9 +82,9 @@ void ShownLines::addCameras(const WindowSession& session, std::vector<SpaceLine>
 
 void ShownLines::follow(const WindowSession& session, const ViewSettings& view, const Measure& measure) {
   followCamera(session);
-  const std::vector<SeenHand> others = session.shared() ? session.shared()->others() : std::vector<SeenHand>();
-  const std::vector<SeenCamera> onlookers =
-      session.onlookers() ? session.onlookers()->others() : std::vector<SeenCamera>();
+  const SharedPresence* const presence = session.presence();
+  const std::vector<SeenHand> others = presence ? presence->hands() : std::vector<SeenHand>();
+  const std::vector<SeenCamera> onlookers = presence ? presence->cameras() : std::vector<SeenCamera>();
   MadeOf madeOf{.cameras = view.cameras,
                 .frame = played_ ? std::optional(played_->number) : std::nullopt,
                 .measure = measure.version(),

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "apps/cli/picture.hpp"
+#include "apps/cli/presence_json.hpp"
 #include "apps/view/viewer.hpp"
 #include "engine/core/atomic_file.hpp"
 
@@ -22,30 +23,12 @@ std::string_view nameIn(const auto& names, auto value) {
 
 Json jsonOf(const DVec3& v) { return {v.x, v.y, v.z}; }
 
-Json toJson(const SeenCamera& camera) {
-  const DQuat& turn = camera.place.turn;
-  return {{"name", camera.name},
-          {"position", jsonOf(camera.place.position)},
-          {"orientation", {turn.x, turn.y, turn.z, turn.w}},
-          {"fov_deg", glm::degrees(camera.place.fovY_rad)},
-          {"aspect", camera.place.aspect},
-          {"age_s", camera.age_s}};
-}
-
 // Whoever has joined the same session.
 Json othersOf(const WindowSession& session) {
   Json others = Json::object();
   if (const SharedFollower* const shared = session.shared()) {
     const SharedCounts counts = shared->counts();
-    Json hands = Json::array();
-    for (const SeenHand& hand : shared->others())
-      hands.push_back({{"name", hand.name},
-                       {"position", jsonOf(hand.place.position)},
-                       {"touching", hand.place.touching},
-                       {"sculpts", hand.place.sculpts},
-                       {"age_s", hand.age_s}});
-    others = {{"hands", hands},
-              {"sent", counts.sent},
+    others = {{"sent", counts.sent},
               {"received", counts.received},
               {"delivered", counts.delivered},
               {"same", counts.same},
@@ -55,9 +38,9 @@ Json othersOf(const WindowSession& session) {
               {"round_trip_ms", counts.link.roundTrip_ms ? Json(*counts.link.roundTrip_ms) : Json(nullptr)},
               {"lost_percent", counts.link.lost_percent ? Json(*counts.link.lost_percent) : Json(nullptr)}};
   }
-  Json cameras = Json::array();
-  for (const SeenCamera& camera : session.onlookers()->others()) cameras.push_back(toJson(camera));
-  others["cameras"] = cameras;
+  if (const FarCloud* const far = session.far()) others["restarts"] = far->counts().restarts;
+  others["hands"] = toJson(session.presence()->hands());
+  others["cameras"] = toJson(session.presence()->cameras());
   return others;
 }
 
@@ -78,7 +61,7 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   if (const SimulationControl* const simulation = session.simulation())
     for (const SimulationParameter& parameter : simulation->parameters())
       state["parameters"][parameter.name] = parameter.value;
-  if (session.onlookers()) state["others"] = othersOf(session);
+  if (session.presence()) state["others"] = othersOf(session);
   state["strokes"] = session.strokes().strokes;
   state["undoable"] = session.strokes().undoable;
   state["edits"] = session.edits();
@@ -153,12 +136,9 @@ ViewStatus Viewer::status() {
       status.parameters = simulation->parameters();
       status.simulationHeld = simulation->isHeld();
     }
-    if (const SharedCameras* const onlookers = session->onlookers())
-      status.others.emplace().cameras = onlookers->others();
-    if (const SharedFollower* const shared = session->shared()) {
-      status.others->counts = shared->counts();
-      status.others->hands = shared->others();
-    }
+    if (const SharedPresence* const presence = session->presence())
+      status.others = {.counts = {}, .hands = presence->hands(), .cameras = presence->cameras()};
+    if (const SharedFollower* const shared = session->shared()) status.others->counts = shared->counts();
     status.upright = session->model().upright;
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
     if (view.color == ColorBy::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));

@@ -74,6 +74,7 @@ void tellFar(const FarCloud& far, pp_sharing& state) {
   state.delivered = counts.delivered;
   state.sent = counts.sent;
   state.resent = counts.resent;
+  state.restarts = counts.restarts;
   state.heard = far.known().isTrue() && far.known().share() > 0;
   state.pings = counts.pings;
   state.answered = counts.answered;
@@ -119,8 +120,7 @@ pp_sharing JoinedPart::state(const Session& session) const {
 
 std::vector<pp_other_hand> JoinedPart::others(const Session& session) const {
   std::vector<pp_other_hand> hands;
-  if (!session.shared()) return hands;
-  for (const SeenHand& seen : session.shared()->others()) {
+  for (const SeenHand& seen : session.presence()->hands()) {
     pp_other_hand hand{};
     putText(seen.name, hand.name);
     hand.number = seen.number;
@@ -138,7 +138,7 @@ std::vector<pp_other_hand> JoinedPart::others(const Session& session) const {
 
 std::vector<pp_other_camera> JoinedPart::cameras(const Session& session) const {
   std::vector<pp_other_camera> cameras;
-  for (const SeenCamera& seen : session.onlookers()->others()) {
+  for (const SeenCamera& seen : session.presence()->cameras()) {
     pp_other_camera camera{};
     putText(seen.name, camera.name);
     camera.number = seen.number;
@@ -154,9 +154,9 @@ std::vector<pp_other_camera> JoinedPart::cameras(const Session& session) const {
 }
 
 void JoinedPart::showCamera(const Session& session, const pp_camera_place* camera) const {
-  if (!camera) return session.onlookers()->show(std::nullopt);
+  if (!camera) return session.presence()->show(std::nullopt);
   const auto& [x, y, z, w] = camera->orientation;
-  session.onlookers()->show(
+  session.presence()->show(
       CameraPlace{.position = DVec3(camera->position[0], camera->position[1], camera->position[2]),
                   .turn = DQuat(w, x, y, z),
                   .fovY_rad = glm::radians(camera->fov_deg),

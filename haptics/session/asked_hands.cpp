@@ -38,11 +38,7 @@ std::span<const AskedTick> AskedHands::tick(std::span<const Pose> poses) noexcep
   lastTime_s_ = now_s;
   const std::span<const Contact> answers = session_.backend().ask(poses, budget_us_);
   for (std::size_t i = 0; i < hands_.size(); ++i) feel(i, answers[i], poses[i], dt_s);
-  if (SharedFollower* const shared = session_.shared())
-    shared->moved({.position = poses.front().hip,
-                   .proxy = hands_.front().contact.proxy,
-                   .touching = hands_.front().contact.touching,
-                   .sculpts = session_.config().brush.has_value() && poses.front().sculpts});
+  tellOthers(poses);
   session_.backend().prepare();
   if (!takesEdits_ || failure_) return hands_;
   try {
@@ -51,6 +47,17 @@ std::span<const AskedTick> AskedHands::tick(std::span<const Pose> poses) noexcep
     failure_ = std::current_exception();
   }
   return hands_;
+}
+
+void AskedHands::tellOthers(std::span<const Pose> poses) noexcept {
+  HandPlaces places{.count = static_cast<std::uint32_t>(hands_.size())};
+  for (std::size_t i = 0; i < hands_.size(); ++i)
+    places.hands[i] = {.position = poses[i].hip,
+                       .proxy = hands_[i].contact.proxy,
+                       .touching = hands_[i].contact.touching,
+                       .sculpts = i == 0 && session_.config().brush.has_value() && poses[i].sculpts};
+  if (SharedFollower* const shared = session_.shared()) shared->moved(places);
+  if (SharedPresence* const presence = session_.presence()) presence->moved(places);
 }
 
 void AskedHands::feel(std::size_t hand, const Contact& answer, const Pose& pose, double dt_s) noexcept {

@@ -46,6 +46,7 @@ class AskedHands {
   void check() const;
 
  private:
+  void tellOthers(std::span<const Pose> poses) noexcept;
   void feel(std::size_t hand, const Contact& answer, const Pose& pose, double dt_s) noexcept;
   void holdBack(std::size_t hand, double dt_s) noexcept;
 

@@ -171,7 +171,7 @@ Model farModel(JoinedModel joined, const ModelConfig& config, const ModelLoading
   model.shown = facts.extent.bounds;
   model.extent = facts.extent;
   model.far = std::move(joined.far);
-  model.onlookers = std::move(joined.onlookers);
+  model.presence = std::move(joined.presence);
   if (!facts.matter.empty()) takeFarMatter(model, facts, loading);
   return model;
 }
@@ -199,7 +199,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
     if (joined.far) return farModel(std::move(joined), config.model, loading);
     Model model = modelOf(std::move(joined.cloud), config.model, loading);
     model.share = std::move(joined.share);
-    model.onlookers = std::move(joined.onlookers);
+    model.presence = std::move(joined.presence);
     return model;
   }
   if (!config.stream) return loadModel(config.model, loading);

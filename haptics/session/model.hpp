@@ -18,7 +18,7 @@
 #include "engine/motion/fused_stream.hpp"
 #include "haptics/far_cloud.hpp"
 #include "haptics/session/session_config.hpp"
-#include "haptics/shared_cameras.hpp"
+#include "haptics/shared_presence.hpp"
 #include "haptics/shared_follower.hpp"
 
 namespace palpate {
@@ -58,7 +58,7 @@ struct Model {
   std::shared_ptr<FarCloud> far;
   std::optional<MatterScene> farMatter;  ///< of which those points are particles; nothing: they are of a surface
   std::optional<PointExtent> extent;  ///< of all of them
-  std::shared_ptr<SharedCameras> onlookers;  ///< whoever has joined it, too; null: it was not joined
+  std::shared_ptr<SharedPresence> presence;  ///< of whoever has joined it, too; null: it was not joined
   std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates; empty where nobody says
   /// What discs are measured by, model units; 0: they are not.
   double spacingOfDiscs() const { return discRadius > 0 ? 0 : spacing; }
@@ -78,7 +78,7 @@ struct JoinedModel {
   std::string source;   ///< what its points are, in that machine's words
   std::shared_ptr<FarCloud> far;  ///< null: all points are there
   std::optional<FarFacts> facts;  ///< of all points, where they are not there
-  std::shared_ptr<SharedCameras> onlookers;  ///< null: nobody is told of
+  std::shared_ptr<SharedPresence> presence;  ///< null: nobody is told of
 };
 /// Fetches the session that is served under a name.
 using SessionJoiner = std::function<JoinedModel(const std::string& name, const JoinConfig& join, Log& log)>;

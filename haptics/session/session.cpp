@@ -145,17 +145,30 @@ class Recorders final : public TickRecorder {
   std::array<TickRecorder*, 3> all_;
 };
 
-/// Shows the first hand to the others.
-class ShownHand final : public TickRecorder {
+/// Tells where the hands are: those who show them to others, and who sees to it that others' changes are felt gently.
+class ToldHands final : public TickRecorder {
  public:
-  ShownHand(SharedFollower& shared, bool sculpts) : shared_(shared), sculpts_(sculpts) {}
+  /// Either may be null. `hands`: how many there are. `sculpts`: the first one has a brush.
+  ToldHands(SharedFollower* shared, SharedPresence* presence, std::size_t hands, bool sculpts)
+      : shared_(shared), presence_(presence), sculpts_(sculpts) {
+    places_.count = static_cast<std::uint32_t>(hands);
+  }
+  void tickedToo(std::size_t hand, const TraceRow& row) noexcept override { places_.hands[hand] = placeOf(row); }
   void ticked(const TraceRow& row, const DeviceState&) noexcept override {
-    shared_.moved({.position = row.hip, .proxy = row.proxy, .touching = row.contact, .sculpts = sculpts_});
+    places_.hands[0] = placeOf(row);
+    places_.hands[0].sculpts = sculpts_;
+    if (shared_) shared_->moved(places_);
+    if (presence_) presence_->moved(places_);
   }
 
  private:
-  SharedFollower& shared_;
+  static HandPlace placeOf(const TraceRow& row) {
+    return {.position = row.hip, .proxy = row.proxy, .touching = row.contact};
+  }
+  SharedFollower* shared_;
+  SharedPresence* presence_;
   bool sculpts_;
+  HandPlaces places_;
 };
 
 }  // namespace
@@ -378,9 +391,8 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                         .options = {.map = hand.map, .passivity = hand.passivity}});
   if (!touching.empty()) touching.front().law.setCustom(options.law);
   const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
-  std::optional<ShownHand> shown;
-  if (shared_) shown.emplace(*shared_, config_.brush.has_value());
-  Recorders recorders({recording_.get(), options.recorder, shown ? &*shown : nullptr});
+  ToldHands told(shared_.get(), presence(), touching.size(), config_.brush.has_value());
+  Recorders recorders({recording_.get(), options.recorder, &told});
   if (!options.endless) settleShared(sharedPatience_s_);  // what was done before this hand came
   if (bricks_) awaitPoints(hands, options);
   ServoLoop loop(options.query ? *options.query : *backend_, touching,

@@ -95,8 +95,8 @@ class Session {
   /// Where others feel and sculpt the model, too; null where nobody does.
   SharedFollower* shared() { return shared_.get(); }
   const SharedFollower* shared() const { return shared_.get(); }
-  /// From where others look at the model, and this program does; null where it was not joined.
-  SharedCameras* onlookers() const { return model_->onlookers.get(); }
+  /// Where the hands and cameras of others are, and this program's; null where it was not joined.
+  SharedPresence* presence() const { return model_->presence.get(); }
   /// What brings the points around the hands, where somebody else has all of them, and how many ticks lacked some; null and
   /// none where all are here.
   const FarCloud* far() const { return model_->far.get(); }

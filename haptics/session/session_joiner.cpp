@@ -1,7 +1,7 @@
 #include "haptics/session/session_joiner.hpp"
 
 #include "engine/cloud/length_unit.hpp"
-#include "haptics/sharing/camera_presence.hpp"
+#include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/shared_edits.hpp"
 
@@ -15,7 +15,6 @@ JoinedCloud join(const std::string& name, const JoinConfig& config, const Joinin
   JoinedCloud joined = joinCloud(name, {.network = network,
                                         .present = present,
                                         .near = config.near,
-                                        .hand = how.hand,
                                         .patience_s = how.patience_s,
                                         .log = &log,
                                         .stop = how.stop});
@@ -42,14 +41,14 @@ JoinedModel modelOf(JoinedCloud& joined) {
 SessionJoiner sessionJoiner(const Joining& how) {
   return [how](const std::string& name, const JoinConfig& config, Log& log) {
     JoinedCloud joined = join(name, config, how, log, false);
-    auto onlookers = shareCameras(joined.session, how.hand, joined.cloud);
+    auto presence = sharePresence(joined.session, how.hand, joined.cloud);
     JoinedModel model = modelOf(joined);
-    model.onlookers = std::move(onlookers);
+    model.presence = std::move(presence);
     if (!joined.sculptable && !model.far)
       log.say("{}: it is served to be felt alone; nothing of it changes, so that it is felt whether or not the link holds", name);
     if (joined.sculptable)
-      model.share = [session = joined.session, hand = how.hand, &log](const PointCloud& cloud, TouchBackend& backend) {
-        return shareEdits({.session = session, .cloud = cloud, .backend = backend, .hand = hand, .log = &log});
+      model.share = [session = joined.session, &log](const PointCloud& cloud, TouchBackend& backend) {
+        return shareEdits({.session = session, .cloud = cloud, .backend = backend, .log = &log});
       };
     return model;
   };

@@ -9,7 +9,7 @@
 namespace palpate {
 
 struct Joining {
-  std::string hand;                         ///< what the others see this hand called; empty: as the machine
+  std::string hand;                         ///< what the others see this program's hands called; empty: as the machine
   double patience_s = 10;                   ///< for the session to be found, and for each next piece of it
   StopSign stop = {};                       ///< ends it
 };

@@ -115,6 +115,11 @@ void SteppedModel::move(double time_s, std::span<const SeenHand> hands) {
   restart();
 }
 
+Restarts SteppedModel::restarts() const {
+  const std::scoped_lock hold(lock_);
+  return restarts_;
+}
+
 // No hand ends for the others what it has driven too fast. What fails again before it was seen to go on is begun anew again.
 void SteppedModel::restart() {
   constexpr double kAgain_s = 0.5;
@@ -123,7 +128,11 @@ void SteppedModel::restart() {
   const bool wasFailing = std::exchange(isFailing_, !failure.empty());
   if (failure.empty() || (wasFailing && sinceRestart_.elapsed_s() < kAgain_s)) return;  // the next step does it
   sinceRestart_ = {};
-  if (log_ && !wasFailing) log_->say("the simulation {}: it begins anew", failure);
+  if (!wasFailing) {
+    if (log_) log_->say("the simulation {}: it begins anew", failure);
+    const std::scoped_lock hold(lock_);
+    restarts_ = {.count = restarts_.count + 1, .why = failure};
+  }
   control->reset();
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 
@@ -14,7 +15,7 @@ namespace palpate {
 
 /// Steps what a configuration says that moves: a motion, the frames of a depth camera, or matter, in which the hands are as
 /// those of one session: they press a soft body, and hold balls in water and sand. A simulation that has failed begins anew.
-/// One thread uses it at a time.
+/// One thread uses it at a time, but for restarts().
 class SteppedModel {
  public:
   struct Parts {
@@ -33,6 +34,8 @@ class SteppedModel {
   /// Goes on to that time, s since the beginning; hands that are not among `hands` any more touch nothing. False where the
   /// points are where they were in the last frame, or it is too soon for the next one.
   bool step(double time_s, std::span<const SeenHand> hands, CloudFrame& frame);
+  /// Of a simulation that has failed. For any thread.
+  Restarts restarts() const;
 
  private:
   // A far hand in the simulation.
@@ -57,6 +60,8 @@ class SteppedModel {
   double fastest_ = 0;         // that a hand goes, model units per second
   bool isFailing_ = false;
   Stopwatch sinceRestart_;
+  mutable std::mutex lock_;  // of the next one
+  Restarts restarts_;
   std::array<Slot, kMostHands> slots_;
   std::optional<double> last_s_, shown_s_;
   double frameTime_s_ = 0;

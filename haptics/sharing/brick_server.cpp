@@ -30,22 +30,28 @@ BrickServer::BrickServer(const Parts& parts)
       nears_(parts.participant, parts.topics.nears, keepingLast(bestEffortQos(), kMostWaiting)),
       bricks_(parts.facts.edge) {
   const FarFacts& known = parts.facts;
-  Facts facts{};
-  set(facts.session, parts.session);
-  facts.moves = known.moves;
-  facts.points = known.extent.points;
+  set(said_.session, parts.session);
+  said_.moves = known.moves;
+  said_.points = known.extent.points;
   for (int axis = 0; axis < 3; ++axis) {
-    facts.low[axis] = known.extent.bounds.min[axis];
-    facts.high[axis] = known.extent.bounds.max[axis];
+    said_.low[axis] = known.extent.bounds.min[axis];
+    said_.high[axis] = known.extent.bounds.max[axis];
   }
-  facts.spacing = known.spacing;
-  facts.wide_spacing = known.wideSpacing;
-  facts.noise = known.noise;
-  facts.up = static_cast<std::uint8_t>(known.up);
-  facts.edge = known.edge;
-  put(facts.matter, known.matter);
-  facts.standing = known.standing;
-  facts_.write(facts);
+  said_.spacing = known.spacing;
+  said_.wide_spacing = known.wideSpacing;
+  said_.noise = known.noise;
+  said_.up = static_cast<std::uint8_t>(known.up);
+  said_.edge = known.edge;
+  put(said_.matter, known.matter);
+  said_.standing = known.standing;
+  facts_.write(said_);
+}
+
+void BrickServer::tell(const Restarts& restarts) {
+  if (restarts.count == said_.restarts) return;
+  said_.restarts = restarts.count;
+  put(said_.why, restarts.why);
+  facts_.write(said_);
 }
 
 void BrickServer::take() {

@@ -40,6 +40,8 @@ class BrickServer {
   void take();
   /// Of points that move: where they are.
   void show(std::shared_ptr<const CloudFrame> frame);
+  /// What moves has begun anew so often.
+  void tell(const Restarts& restarts);
   /// What is due, as far as the links take it; so many seconds later there is more to do.
   double write();
   /// Nobody is there for whom something would have to be shown.
@@ -96,6 +98,7 @@ class BrickServer {
   void fill(Bricks& sample, Outgoing& going);
 
   Parts parts_;
+  Facts said_{};
   Writer<Facts> facts_;
   Reader<Near> nears_;
   std::map<Id, Client> clients_;

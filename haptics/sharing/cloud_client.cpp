@@ -240,7 +240,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   joined.sculptable = notice.sculptable && !isNear;
   if (isNear) {
     joined.facts = facts;
-    joined.far = openFarCloud({.session = session, .notice = notice, .facts = *facts, .hand = options.hand, .log = options.log});
+    joined.far = openFarCloud({.session = session, .notice = notice, .facts = *facts, .log = options.log});
   } else if (options.present && notice.sculptable) bringUpToDate(joined.cloud, *session, options);
   joined.session = std::move(session);
   return joined;

@@ -286,6 +286,7 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
     if (link_->strokes) link_->strokes->take();
     next_s = link_->write();
     if (link_->strokes) next_s = std::min(next_s, link_->strokes->write());
+    if (link_->parts.restarts) link_->near->tell(link_->parts.restarts());
     link_->near->take();
     if (link_->moving)
       if (auto frame = link_->moving->newest()) link_->near->show(std::move(frame));

@@ -11,6 +11,7 @@
 #include "haptics/sharing/hand_balls.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/link_probe.hpp"
+#include "haptics/sharing/restart_watch.hpp"
 #include "haptics/sharing/stroke_sender.hpp"
 
 namespace palpate {
@@ -26,7 +27,6 @@ constexpr double kNews_s = 0.005;        // and where something is
 constexpr double kSilent_s = 3;          // after which another server of the same points is looked for
 constexpr double kStuck_s = 5;           // after which strokes that were sent and not taken go again,
 constexpr int kMostStuck = 12;           // so many times in a row, though the server is heard
-constexpr double kHand_s = 1.0 / 60;     // between two places of a hand that others see
 constexpr int kMostSpoilt = 100;         // samples that are none, before one step has come whole
 constexpr double kFirstTrip_s = 0.1;     // until one is known
 constexpr double kLeastSpeed_mm_s = 60;  // of a hand that may set out
@@ -61,10 +61,10 @@ class FarLink final : public FarCloud {
         assembly_(parts.facts.edge, kRoom),
         balls_(parts.facts.edge, kLeastSpeed_mm_s / parts.notice.mm_per_unit),
         nears_(to_.participant, to_.topics.nears, bestEffortQos()),
-        handWriter_(to_.participant, to_.topics.hands, bestEffortQos()),
         strokes_(to_),
         probe_(to_),
         notices_(to_.participant, to_.topics),
+        restarts_(std::in_place, to_.participant, server_),
         wait_(std::in_place, to_.participant) {
     std::uint8_t own[16];
     set(own, to_.client);
@@ -126,11 +126,9 @@ class FarLink final : public FarCloud {
     hear();
     probe();
     watchServer();
+    hearRestarts();
     send();
-    if (const auto hands = source_.asked()) {
-      ask(*hands);
-      showHand(*hands);
-    }
+    if (const auto hands = source_.asked()) ask(*hands);
   }
 
   void hear() {
@@ -232,10 +230,19 @@ class FarLink final : public FarCloud {
       left_.insert(server_);
       server_ = notice.session;
       probe_.follow(server_);
+      restarts_.emplace(to_.participant, server_);
       way_ = {};  // its clock is another one
       ++counts_.servers;
       return restart();
     }
+  }
+
+  void hearRestarts() {
+    const std::optional<Restarts> fresh = restarts_->fresh();
+    if (!fresh) return;
+    counts_.restarts += fresh->count;
+    say(fmt::format("the simulation of '{}' has begun anew at {}{}: it {}", to_.name, to_.host,
+                    fresh->count > 1 ? fmt::format(", {} times", fresh->count) : std::string(), fresh->why));
   }
 
   void ask(const HandReaches& hands) {
@@ -259,27 +266,6 @@ class FarLink final : public FarCloud {
     near.balls._buffer = said.data();
     near.balls._length = near.balls._maximum = static_cast<std::uint32_t>(said.size());
     nears_.write(near);
-  }
-
-  // The first one, for others to see.
-  void showHand(const HandReaches& hands) {
-    if (hands.count == 0 || hands.time_s == lastShown_s_ || shown_.elapsed_s() < kHand_s) return;
-    lastShown_s_ = hands.time_s;
-    shown_ = {};
-    const HandReach& first = hands.hands.front();
-    Hand hand{};
-    set(hand.session, server_);
-    set(hand.client, to_.client);
-    put(hand.name, parts_.hand.empty() ? host_ : parts_.hand);
-    for (int axis = 0; axis < 3; ++axis) {
-      hand.position[axis] = first.hip[axis];
-      hand.proxy[axis] = first.proxy[axis];
-    }
-    hand.orientation[3] = 1;
-    hand.touching = first.touching;
-    hand.sculpts = hands.sculpts;
-    hand.number = ++handsShown_;
-    handWriter_.write(hand);
   }
 
   void fail(const std::string& why) {
@@ -318,7 +304,6 @@ class FarLink final : public FarCloud {
   BrickAssembly assembly_;
   HandBalls balls_;
   Writer<Near> nears_;
-  Writer<Hand> handWriter_;
   StrokeSender strokes_;
   StrokeOutbox outbox_;
   std::vector<PointState> made_;
@@ -328,6 +313,7 @@ class FarLink final : public FarCloud {
   LinkProbe probe_;
   Reader<Bricks> bricks_;
   SessionNotices notices_;
+  std::optional<RestartWatch> restarts_;
   std::optional<ReaderWait> wait_;  // the thread's alone
   FastestWay way_;
   FarCounts counts_;
@@ -338,9 +324,8 @@ class FarLink final : public FarCloud {
   std::vector<Ball> asked_;
   std::uint64_t told_ = 0;
   bool isNew_ = true;
-  std::uint32_t questions_ = 0, handsShown_ = 0;
-  double lastShown_s_ = -1;
-  Stopwatch lastHeard_, lastAsked_, shown_;
+  std::uint32_t questions_ = 0;
+  Stopwatch lastHeard_, lastAsked_;
   InformationAge known_;
   bool wasWhole_ = true;
   std::jthread thread_;  // goes first

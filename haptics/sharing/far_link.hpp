@@ -15,7 +15,6 @@ struct FarParts {
   std::shared_ptr<const JoinedSession> session;
   sharing::SessionNotice notice;
   FarFacts facts;
-  std::string hand;    ///< what it is called where others see it
   Log* log = nullptr;  ///< hears of silence and of its end; outlives it
 };
 std::unique_ptr<FarCloud> openFarCloud(const FarParts& parts);

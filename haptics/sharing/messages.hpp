@@ -32,7 +32,7 @@ using Bricks = palpate_sharing_Bricks;
 using Ping = palpate_sharing_Ping;
 
 /// Of what is said on the network. Who changes a type raises it.
-inline constexpr std::uint32_t kVersion = 3;
+inline constexpr std::uint32_t kVersion = 4;
 /// Points of a block, which fits into one frame of Ethernet: of samples that are cut in pieces DDS mends one in each round
 /// trip, of whole ones all that are lost.
 inline constexpr std::uint32_t kBlockPoints = 45;

@@ -1,22 +1,21 @@
 #include "haptics/sharing/motion_thread.hpp"
 
 #include <chrono>
-#include <cstring>
+
+#include "engine/core/clock.hpp"
 
 namespace palpate::sharing {
 
 namespace {
 
 constexpr double kGone_s = 1;  // after which a hand that says nothing touches nothing
-constexpr std::size_t kMostKnown = 256;
 
 }  // namespace
 
 MotionThread::MotionThread(const Parts& parts)
     : motion_(parts.motion),
       apart_s_(1 / parts.rate_Hz),
-      room_(parts.cloud),
-      reader_(parts.participant, parts.topics.hands, keepingInstances(bestEffortQos(), kMostShownHands)),
+      hands_(parts.participant, parts.topics, parts.cloud, kGone_s),
       session_(parts.session),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
@@ -24,21 +23,6 @@ std::shared_ptr<const CloudFrame> MotionThread::newest() {
   const std::scoped_lock hold(lock_);
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   return std::exchange(newest_, nullptr);
-}
-
-void MotionThread::hearHands() {
-  reader_.take([&](const palpate_sharing_Hand& hand) {
-    if (!isSame(hand.session, session_)) return;
-    const std::optional<HandPlace> place = room_.placeOf(hand);
-    const Id client = idOf(hand.client);
-    if (!place || (!hands_.contains(client) && hands_.size() >= kMostKnown)) return;
-    Hand& known = hands_[client];
-    known.since = {};
-    std::memcpy(&known.seen.number, client.data(), sizeof known.seen.number);
-    known.seen.name = printable(hand.name);
-    known.seen.place = *place;
-  });
-  std::erase_if(hands_, [](const auto& one) { return one.second.since.elapsed_s() > kGone_s; });
 }
 
 void MotionThread::run(const std::stop_token& stop) {
@@ -52,14 +36,9 @@ void MotionThread::run(const std::stop_token& stop) {
       }
       // What could not be made in time is left out.
       next_s = std::max(next_s + apart_s_, now_s);
-      hearHands();
-      std::vector<SeenHand> hands;
-      for (const auto& [client, hand] : hands_) {
-        hands.push_back(hand.seen);
-        hands.back().age_s = hand.since.elapsed_s();
-      }
+      hands_.hear(session_);
       auto frame = std::make_shared<CloudFrame>();
-      if (!motion_(now_s, hands, *frame)) continue;
+      if (!motion_(now_s, hands_.all(), *frame)) continue;
       ++frames_;
       const std::scoped_lock hold(lock_);
       newest_ = std::move(frame);

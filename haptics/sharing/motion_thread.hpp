@@ -3,13 +3,11 @@
 
 #include <atomic>
 #include <exception>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <thread>
 
-#include "engine/core/clock.hpp"
-#include "haptics/sharing/hand_presence.hpp"
+#include "haptics/sharing/heard_hands.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 
@@ -32,19 +30,12 @@ class MotionThread {
   std::uint64_t frames() const { return frames_; }
 
  private:
-  struct Hand {
-    SeenHand seen;
-    Stopwatch since;
-  };
   void run(const std::stop_token& stop);
-  void hearHands();
 
   ServedMotion motion_;
   double apart_s_;
-  HandRoom room_;
-  Reader<palpate_sharing_Hand> reader_;
+  HeardHands hands_;
   Id session_;
-  std::map<Id, Hand> hands_;
   std::mutex lock_;  // of the next two
   std::shared_ptr<const CloudFrame> newest_;
   std::exception_ptr failure_;

@@ -1,4 +1,4 @@
-#include "haptics/sharing/camera_presence.hpp"
+#include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "haptics/sharing/shared_edits.hpp"
@@ -26,8 +26,8 @@ std::span<const PointState> CloudServer::points() const { refuse(); }
 
 std::unique_ptr<SharedFollower> shareEdits(const SharedParts&) { refuse(); }
 
-std::shared_ptr<SharedCameras> shareCameras(std::shared_ptr<const JoinedSession>, const std::string&,
-                                            const PointCloud&) {
+std::shared_ptr<SharedPresence> sharePresence(std::shared_ptr<const JoinedSession>, const std::string&,
+                                              const PointCloud&) {
   refuse();
 }
 

@@ -14,7 +14,7 @@
 #include "engine/core/log.hpp"
 #include "engine/core/point_state.hpp"
 #include "haptics/servo_loop.hpp"
-#include "haptics/shared_cameras.hpp"
+#include "haptics/shared_presence.hpp"
 #include "haptics/sharing/network.hpp"
 
 namespace palpate {

@@ -14,7 +14,7 @@
 #include "engine/core/cloud_frame.hpp"
 #include "engine/core/point_state.hpp"
 #include "haptics/far_cloud.hpp"
-#include "haptics/shared_follower.hpp"
+#include "haptics/shared_presence.hpp"
 #include "haptics/sharing/network.hpp"
 
 namespace palpate {
@@ -56,6 +56,8 @@ class CloudServer {
     /// Empty: the cloud stands still. Otherwise it is as the motion begins, and is not sculptable.
     ServedMotion motion = {};
     double motion_Hz = 60;          ///< frames a second, at most
+    /// How often the motion has begun anew, for any thread: those who feel it are told. Empty: it never does.
+    std::function<Restarts()> restarts = {};
     StopSign stop = {};  ///< ends the constructor, which listens for a second for another session of the name
   };
   /// `cloud` has normals, and outlives this. Throws UsageError for a name that cannot be, NetworkError where a session of that
@@ -94,7 +96,6 @@ struct JoinOptions {
   NetworkConfig network;
   bool present = false;    ///< with what has been done to it so far, to be looked at; it is not shared then
   bool near = false;       ///< the points around the hands alone; so it is in any case where they move, unless `present`
-  std::string hand;        ///< what that one is called where others see it
   double patience_s = 10;  ///< for the session to be found, and for each next piece of it
   Log* log = nullptr;      ///< hears how far it has come; outlives the call
   StopSign stop = {};      ///< ends it

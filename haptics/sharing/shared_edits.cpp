@@ -9,9 +9,9 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/latest_value.hpp"
 #include "haptics/sharing/early_copies.hpp"
 #include "haptics/sharing/edit_exchange.hpp"
-#include "haptics/sharing/hand_presence.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/link_probe.hpp"
 #include "haptics/sharing/session_notices.hpp"
@@ -44,7 +44,6 @@ class SharedEdits final : public SharedFollower {
         strokes_(session_),
         resumes_(session_.participant, session_.topics.resumes, reliableQos(false)),
         probe_(session_),
-        presence_(session_, parts.hand.empty() ? ownHost() : parts.hand, parts.cloud),
         notices_(session_.participant, session_.topics),
         wakeUp_(session_.participant),
         wait_(std::in_place, session_.participant) {
@@ -70,7 +69,7 @@ class SharedEdits final : public SharedFollower {
   }
 
   const InformationAge& known() const override { return known_; }
-  void moved(const HandPlace& place) noexcept override { presence_.moved(place); }
+  void moved(const HandPlaces& hands) noexcept override { hands_.store(hands); }
 
   SharedCounts counts() const override {
     const std::scoped_lock hold(lock_);
@@ -89,11 +88,6 @@ class SharedEdits final : public SharedFollower {
     counts.same = exchange_.isAtRest() && exchange_.isSame();
     counts.fault = fault_;
     return counts;
-  }
-
-  std::vector<SeenHand> others() const override {
-    const std::scoped_lock hold(lock_);
-    return presence_.others();
   }
 
   std::vector<std::string> takeSaid() override {
@@ -134,7 +128,6 @@ class SharedEdits final : public SharedFollower {
     judge();
     probe_.turn();
     if (const auto trip_ms = probe_.counts().roundTrip_ms) known_.setRoundTrip(*trip_ms * 1e-3);
-    presence_.turn();
   }
 
   void hear() {
@@ -226,12 +219,16 @@ class SharedEdits final : public SharedFollower {
     if (!changes.empty() && backend_.offer(changes, exchange_.changesFollowed())) exchange_.offered();
   }
 
-  // Whether the hand may feel that change where it touches.
+  // Whether a hand may feel that change where it touches.
   bool isNear(const PointChange& change) const {
-    const std::optional<HandPlace> place = presence_.place();
-    if (!place) return true;
+    const std::optional<HandPlaces> hands = hands_.load();
+    if (!hands) return true;
     const double reach = kNear * backend_.cell();
-    const auto isWithin = [&](const Vec3& position) { return glm::distance(origin_ + DVec3(position), place->proxy) < reach; };
+    const auto isWithin = [&](const Vec3& position) {
+      return std::any_of(hands->hands.begin(), hands->hands.begin() + hands->count, [&](const HandPlace& hand) {
+        return glm::distance(origin_ + DVec3(position), hand.proxy) < reach;
+      });
+    };
     return isWithin(change.from.position) || isWithin(change.to.position);
   }
 
@@ -281,6 +278,7 @@ class SharedEdits final : public SharedFollower {
   TouchBackend& backend_;
   DVec3 origin_;
   Log* log_;
+  LatestValue<HandPlaces> hands_;
 
   mutable std::mutex lock_;  // of all that follows but what says otherwise
   EditExchange exchange_;
@@ -289,7 +287,6 @@ class SharedEdits final : public SharedFollower {
   Reader<Result> results_, resultCopies_;
   EarlyCopies<KeptSample<Result>> early_;
   LinkProbe probe_;
-  HandPresence presence_;  // says itself what any thread may do
   SessionNotices notices_;
   WakeUp wakeUp_;
   std::optional<ReaderWait> wait_;  // the thread's alone

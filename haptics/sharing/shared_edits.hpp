@@ -18,7 +18,6 @@ struct SharedParts {
   std::shared_ptr<const JoinedSession> session;
   const PointCloud& cloud;   ///< as it was joined
   TouchBackend& backend;     ///< made of it, with a brush that keeps points, which may be taken away again; it keeps edits
-  std::string hand;          ///< what it is called where others see it
   Log* log = nullptr;        ///< hears of silence and of its end
 };
 

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "engine/core/clock.hpp"
-#include "haptics/sharing/camera_presence.hpp"
+#include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/ros_messages.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
 #include "tests/apps/running_program.hpp"
@@ -78,7 +78,7 @@ TEST_CASE(
                          folder / "said");
   REQUIRE(serving.waitFor([&] { return contentOf(folder / "said").find("serving") != std::string::npos; }));
   const JoinedCloud joined = joinCloud("seen", {.network = network()});
-  const auto cameras = shareCameras(joined.session, "onlooker", joined.cloud);
+  const auto cameras = sharePresence(joined.session, "onlooker", joined.cloud);
   const sharing::Participant participant = sharing::rosParticipant(network());
   const sharing::RosType type = sharing::rosTypeOf<sharing::RosPoseStamped>();
   const sharing::Topic<sharing::RosPoseStamped> topic(participant, type.descriptor, "rt/lab/camera");
@@ -89,8 +89,8 @@ TEST_CASE(
         "--join seen --as Ada --ros lab",
         "1 key Tab\n2 screenshot %/a.png\n2 state %/a.json\n9 screenshot %/b.png\n9 state %/b.json\n10 quit\n", folder,
         "ada");
-    REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("a.json")) && !cameras->others().empty(); }), window.said());
-    const SeenCamera seen = cameras->others().at(0);
+    REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("a.json")) && !cameras->cameras().empty(); }), window.said());
+    const SeenCamera seen = cameras->cameras().at(0);
     const Result camera = jsonOf(in("a.json"))["camera"];
     CHECK(jsonOf(in("a.json"))["others"]["cameras"].empty());
     CHECK(seen.name == "Ada");
@@ -129,13 +129,13 @@ TEST_CASE(
   }
   works("touch --join seen --backend cpu --realtime --duration 1" + domain() + " --json " + in("t.json"));
   CHECK(jsonOf(in("t.json"))["cameras"] == 1);
-  CHECK(comesTrue([&] { return cameras->others().empty(); }));
+  CHECK(comesTrue([&] { return cameras->cameras().empty(); }));
   {
     Window hidden("--join seen --as Bert --hide-camera", "1 state %/h.json\n4 state %/i.json\n4 quit\n", folder,
                   "bert");
     std::size_t most = 0;
     REQUIRE_MESSAGE(hidden.waitFor([&] {
-      most = std::max(most, cameras->others().size());
+      most = std::max(most, cameras->cameras().size());
       return isThere(in("i.json"));
     }),
                     hidden.said());

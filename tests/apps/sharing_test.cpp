@@ -4,6 +4,7 @@
 #include <fstream>
 #include <future>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -170,6 +171,54 @@ TEST_CASE("two windows on one model show each other's hands, and what both do to
   CHECK(serving.program.wait(SIGINT) == 0);
   for (const char* name : {"m", "end"}) works("convert " + in(name) + ".ply " + in(name) + ".npy");
   CHECK(contentOf(in("m.npy")) != contentOf(in("end.npy")));
+}
+
+TEST_CASE("a window and a program that are near their hands, and one that has all points, show one another's hands") {
+  if (!isBuilt() || !hasDisplay()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const std::string& name) { return (folder / name).string(); };
+  works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
+  for (const char* readOnly : {"", " --read-only"}) {
+    CAPTURE(readOnly);
+    for (const char* name : {"a.json", "b.json", "b.png", "t.json"}) std::filesystem::remove(in(name));
+    Serving serving(in("m.ply") + " --name felt" + readOnly, folder / "said");
+    // The window has its hand on the model until the other two have seen it.
+    std::ofstream(in("w.txt")) << "2 key T\n2 mouse 600 380\n2.3 button left down\n3 state " << in("a.json") << "\n"
+                               << "3 await " << in("go") << "\n4 screenshot " << in("b.png") << "\n4 state "
+                               << in("b.json") << "\n4 await " << in("t.json") << "\n4 button left up\n5 quit\n";
+    std::filesystem::remove(in("go"));
+    std::future<int> window = std::async(std::launch::async, [&] {
+      return std::system(("XDG_STATE_HOME=" + in("home") + " timeout 200 xvfb-run -a " + program() +
+                          " view --join felt --near --as Ada" + domain() + " --backend cpu --realtime --script " +
+                          in("w.txt") + " > " + in("w.said") + " 2>&1")
+                             .c_str());
+    });
+    REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("a.json")); }), contentOf(in("w.said")));
+    const std::string touch = "touch --join felt" + domain() + " --backend cpu --realtime --path builtin:press --duration ";
+    RunningProgram bert(touch + "60 --near --as Bert --second-device path --second-path builtin:slide --json " + in("t.json"),
+                        folder / "bert.said");
+    RunningProgram carla(touch + "60 --as Carla --json " + in("c.json"), folder / "carla.said");
+    std::this_thread::sleep_for(std::chrono::seconds(8));
+    std::ofstream(in("go")) << "now";
+    REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("b.json")); }), contentOf(in("w.said")));
+    CHECK(WEXITSTATUS(bert.wait(SIGINT)) == 1);  // interrupted: what it has is written
+    CHECK(WEXITSTATUS(carla.wait(SIGINT)) == 1);
+    CHECK_MESSAGE(window.get() == 0, contentOf(in("w.said")));
+    const auto namesIn = [](const Result& hands) {
+      std::multiset<std::string> names;
+      for (const Result& hand : hands) names.insert(hand["name"].get<std::string>());
+      return names;
+    };
+    const Result others = jsonOf(in("b.json"))["others"];
+    CAPTURE(others.dump());
+    CHECK(namesIn(others["hands"]) == std::multiset<std::string>{"Bert", "Bert, hand 2", "Carla"});
+    CHECK(others["restarts"] == 0);
+    const Result t = jsonOf(in("t.json")), c = jsonOf(in("c.json"));
+    CHECK(namesIn(t["others"]) == std::multiset<std::string>{"Ada", "Carla"});
+    CHECK(namesIn(c["others"]).contains("Ada"));
+    CHECK(t["others"][0]["position"].size() == 3);
+    CHECK(serving.program.wait(SIGINT) == 0);
+  }
 }
 
 TEST_CASE("a server that is killed in mid-stroke goes on with its journal, and nothing of a stroke is lost or done twice") {
@@ -368,6 +417,32 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
   const Outcome journal = palpate("serve " + in("m.ply") + " --motion turn --journal " + in("x") + " --name a" + domain());
   CHECK(journal.code == 2);
   CHECK(journal.text.find("stands still") != std::string::npos);
+}
+
+TEST_CASE("water that two hands of one far program beat until it fails begins anew, which that program is told") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  // So fine and without weight that its sound is slower than a hand.
+  std::ofstream(in("fine.json")) << R"({"matter": "water", "box_mm": [16, 16, 16], "fill_mm": [16, 16, 16], "spacing_mm": 2,
+    "gravity_m_s2": [0, 0, 0]})";
+  const auto beat = [&](const char* name, double x) {
+    std::ofstream path(in(name));
+    path << "t_s,x,y,z\n";
+    for (int k = 0; k < 1500; ++k) path << 0.02 * k << "," << x << "," << (k % 2 ? 18 : -2) << ",8\n";
+  };
+  beat("a.csv", 5);
+  beat("b.csv", 11);
+  Serving serving(in("fine.json") + " --name fine --backend cpu --threads 1", folder / "said");
+  RunningProgram hands("touch --join fine" + domain() + " --backend cpu --realtime --path " + in("a.csv") +
+                           " --second-device path --second-path " + in("b.csv") + " --json " + in("j.json"),
+                       folder / "hands.said");
+  CHECK(hands.waitFor([&] { return contentOf(folder / "hands.said").find("'fine' has begun anew") != std::string::npos; }));
+  hands.wait(SIGINT);
+  const std::string said = contentOf(folder / "said");
+  CHECK(said.find(": it begins anew") != std::string::npos);
+  CHECK(jsonOf(in("j.json"))["near"]["restarts"] >= 1);
+  CHECK(serving.program.wait(SIGINT) == 0);
 }
 
 TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is in the water there, and it is seen") {

@@ -291,7 +291,21 @@ TEST_CASE("of what is joined near, the points around the hand are felt as all of
   CHECK(far.back().contact == 1);
   for (std::size_t i = 0; i < far.size(); ++i)
     for (int k = 0; k < 3; ++k) CHECK(far[i].force_N[k] == all[i].force_N[k]);
+  // Each sees the other's hand.
+  const auto sees = [](pp_session who, const std::string& name) {
+    pp_other_hand hands[4];
+    std::uint64_t count = 0;
+    PP_REQUIRE_OK(pp_session_others(who, hands, 4, &count));
+    return count == 1 && hands[0].name == name && hands[0].touching && !hands[0].sculpts &&
+           hands[0].position[2] < hands[0].proxy[2];
+  };
+  CHECK(comes(10, [&] {
+    touch(near, pathOf(path));
+    touch(whole, pathOf(path));
+    return sees(whole, "anna") && sees(near, "ben");
+  }));
   const pp_sharing sharing = sharingOf(near);
+  CHECK(sharing.restarts == 0);
   CHECK(sharing.sculptable == 1);
   CHECK(sharing.heard == 1);
   CHECK(sharing.pings > 0);

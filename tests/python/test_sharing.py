@@ -109,6 +109,20 @@ def test_a_live_hand_is_seen_and_sculpts_without_anybody_taking_its_ticks(served
 
 
 @needs_dds
+def test_hands_of_who_is_near_are_seen_and_see_those_of_others(served):
+    with joined(served, hand="anna", near=True) as near, joined(served, hand="ben") as whole:
+        way = np.column_stack([np.linspace(0, 5, 2000), np.tile([0, 0, RADIUS - 1], (2000, 1))])
+
+        def sees(who: pp.Session, name: str) -> bool:
+            return any(h.name == name and h.touching and h.position[2] < h.proxy[2] for h in who.others)
+
+        with near.live(path=way), whole.live(path=way):
+            assert until(lambda: sees(whole, "anna") and sees(near, "ben"))
+        assert near.sharing.restarts == whole.sharing.restarts == 0
+        assert until(lambda: near.others == [] and whole.others == [])
+
+
+@needs_dds
 def test_pictures_and_meshes_show_what_the_others_have_done(served):
     with joined(served, hand="anna") as s, joined(served, hand="ben") as watcher:
         view = {"size": (96, 96), "eye": (0, 0, 3 * RADIUS), "target": (0, 0, 0), "up": (0, 1, 0)}

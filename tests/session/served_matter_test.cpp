@@ -50,6 +50,7 @@ class Served {
   }
   const Model& model() const { return *model_; }
   const std::vector<std::string>& said() const { return lines_.lines; }
+  Restarts restarts() const { return stepped_->restarts(); }
 
  private:
   Lines lines_;
@@ -108,6 +109,21 @@ TEST_CASE("more hands than there are balls for do no harm, and hands that are th
   }
   // It goes on, whether or not it has begun anew.
   CHECK(served.until(120, {}, [&](const CloudFrame& frame) { return within(frame, DVec3(40, 20, 40), 15) > 5; }));
+}
+
+TEST_CASE("water that fails begins anew, and that is counted and said each time, with why") {
+  // So fine and without weight that its sound is slower than a hand that beats about.
+  MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};
+  scene.tool = usualTool(scene);
+  Served served(scene);
+  CHECK(served.restarts().count == 0);
+  int beats = 0;
+  for (; beats < 2000 && served.said().size() < 2; ++beats)
+    served.until(10, {handAt(1, {8, beats % 2 ? 18 : -2, 8})}, [](const CloudFrame&) { return true; });
+  MESSAGE(fmt::format("after {} frames: {}", beats, fmt::join(served.said(), "; ")));
+  REQUIRE(served.said().size() == 2);
+  CHECK(served.restarts().count == 2);
+  CHECK(served.said()[1] == "the simulation " + served.restarts().why + ": it begins anew");
 }
 
 TEST_CASE("what stands in water is in no frame") {

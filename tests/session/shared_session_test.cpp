@@ -1,6 +1,8 @@
 // A session that others have, too, as a session sees it: what it does when they are silent, and when their part is over.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -20,7 +22,7 @@ class Others final : public SharedFollower {
     std::optional<InformationAge> known{std::in_place};
     SharedCounts counts{.delivered = true, .atRest = true, .same = true};
     bool inEffectEachTime = false;  // that it is asked
-    HandPlace place;
+    HandPlaces places;
     std::size_t moves = 0;
   };
   explicit Others(State& state) : state_(state) {}
@@ -30,15 +32,28 @@ class Others final : public SharedFollower {
     state_.counts.inEffect += state_.inEffectEachTime;
     return state_.counts;
   }
-  void moved(const HandPlace& place) noexcept override {
-    state_.place = place;
+  void moved(const HandPlaces& hands) noexcept override {
+    state_.places = hands;
     ++state_.moves;
   }
-  std::vector<SeenHand> others() const override { return {}; }
   std::vector<std::string> takeSaid() override { return {}; }
 
  private:
   State& state_;
+};
+
+/// Who is told where the hands are.
+class Told final : public SharedPresence {
+ public:
+  void moved(const HandPlaces& hands) noexcept override {
+    places = hands;
+    ++moves;
+  }
+  void show(const std::optional<CameraPlace>&) override {}
+  std::vector<SeenHand> hands() const override { return {}; }
+  std::vector<SeenCamera> cameras() const override { return {}; }
+  HandPlaces places;
+  std::size_t moves = 0;
 };
 
 Model sharedSphere(Others::State& others) {
@@ -77,10 +92,12 @@ TEST_CASE("a pulled hand has no force while the others are silent, and it comes 
   hand.at(52, 10);
   CHECK(hand.at(49, 100) > 0.5);
   CHECK(others.moves == 110);
-  CHECK(others.place.touching);
-  CHECK(others.place.position == DVec3(0, 0, 49));
-  CHECK(glm::length(others.place.proxy) == doctest::Approx(50).epsilon(0.01));
-  CHECK_FALSE(others.place.sculpts);
+  CHECK(others.places.count == 1);
+  const HandPlace& place = others.places.hands[0];
+  CHECK(place.touching);
+  CHECK(place.position == DVec3(0, 0, 49));
+  CHECK(glm::length(place.proxy) == doctest::Approx(50).epsilon(0.01));
+  CHECK_FALSE(place.sculpts);
   others.known.emplace(InformationAge::Clock::now() - std::chrono::minutes(1));
   CHECK(hand.at(49, 1) > 0);  // it goes no faster than a hand bears
   CHECK(hand.at(49, 100) == 0);
@@ -91,6 +108,44 @@ TEST_CASE("a pulled hand has no force while the others are silent, and it comes 
   CHECK(soon_N > 0);
   CHECK(soon_N < 0.2 * later_N);
   CHECK(later_N > 0.5);
+}
+
+TEST_CASE("the others are told of all hands of a session that is felt alone, by path and by pulled ticks") {
+  const auto told = std::make_shared<Told>();
+  const auto cpu = cpuBackend();
+  Model model = sphereModel();
+  model.presence = told;
+  SessionConfig config = joined();
+  config.hands.resize(2);
+  config.duration_s = 0.1;
+  Session session(config, std::move(model), {.backend = *cpu});
+  CHECK(session.presence() == told.get());
+  const std::array<PathHand, 2> paths{PathHand(Path({{0, {0, 0, 52}}, {0.05, {0, 0, 49}}, {0.1, {0, 0, 49}}})),
+                                      PathHand(Path({{0, {60, 0, 0}}, {0.1, {60, 0, 0}}}))};
+  const std::array<OpenHand, 2> hands{paths[0].hand(), paths[1].hand()};
+  session.run(hands, {});
+  CHECK(told->moves == 101);
+  const auto areTold = [&] {
+    REQUIRE(told->places.count == 2);
+    const auto& [first, second] = std::pair(told->places.hands[0], told->places.hands[1]);
+    CHECK(first.touching);
+    CHECK(first.position == DVec3(0, 0, 49));
+    CHECK(glm::length(first.proxy) == doctest::Approx(50).epsilon(0.01));
+    CHECK_FALSE(first.sculpts);
+    CHECK_FALSE(second.touching);
+    CHECK(second.position == DVec3(60, 0, 0));
+    CHECK(second.proxy == second.position);
+  };
+  areTold();
+  told->places = {};
+  AskedHands asked(session, {});
+  for (int i = 0; i < 50; ++i) {
+    const std::array<Pose, 2> poses{Pose{.time_s = 1 + 1e-3 * i, .hip = {0, 0, 52 - 0.1 * std::min(i, 30)}},
+                                    Pose{.time_s = 1 + 1e-3 * i, .hip = {60, 0, 0}}};
+    asked.tick(poses);
+  }
+  CHECK(told->moves == 151);
+  areTold();
 }
 
 TEST_CASE("who is heard feels what a hand alone feels") {

@@ -2,6 +2,8 @@
 // server that dies, or is none of ours.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -35,12 +37,13 @@ PointCloud square(float height = 0) {
 class ServedSquare {
  public:
   explicit ServedSquare(const PointCloud& cloud, const std::string& name, ServedMotion motion = {},
-                        const std::filesystem::path& journal = {})
+                        const std::filesystem::path& journal = {}, std::function<Restarts()> restarts = {})
       : server_(cloud, {.network = ownNetwork(),
                         .name = name,
                         .sculptable = !motion,
                         .journal = journal,
-                        .motion = std::move(motion)}),
+                        .motion = std::move(motion),
+                        .restarts = std::move(restarts)}),
         thread_([this] { server_.serve(stop_); }) {}
   ~ServedSquare() { end(); }
   ServedCounts end() {
@@ -79,8 +82,26 @@ std::size_t around(BrickSource& source, const DVec3& hip, CloudFrame& frame) {
   return found;
 }
 
+/// What was said, and that was said of what has begun anew.
+class Lines final : public LogListener {
+ public:
+  void said(std::string_view line) override {
+    const std::scoped_lock hold(lock_);
+    if (line.find("begun anew") != std::string_view::npos) restarts_.emplace_back(line);
+  }
+  void progressed(std::string_view, double) override {}
+  std::vector<std::string> restarts() const {
+    const std::scoped_lock hold(lock_);
+    return restarts_;
+  }
+
+ private:
+  mutable std::mutex lock_;
+  std::vector<std::string> restarts_;
+};
+
 JoinedCloud joinNear(const std::string& name, Log* log = nullptr) {
-  return joinCloud(name, {.network = ownNetwork(), .near = true, .hand = "a test's", .log = log});
+  return joinCloud(name, {.network = ownNetwork(), .near = true, .log = log});
 }
 
 }  // namespace
@@ -174,7 +195,8 @@ TEST_CASE(
     seen.assign(hands.begin(), hands.end());
     return true;
   });
-  const JoinedCloud joined = joinCloud("moving", {.network = ownNetwork(), .hand = "a test's"});
+  const JoinedCloud joined = joinCloud("moving", {.network = ownNetwork()});
+  const auto presence = sharePresence(joined.session, "a test's", joined.cloud);
   REQUIRE(joined.far);  // without being asked for
   CHECK(joined.facts->moves);
   CHECK_FALSE(joined.sculptable);
@@ -187,6 +209,9 @@ TEST_CASE(
     HandReaches hands = handAt(hip + DVec3(0, 0, last));
     hands.time_s -= begin_s;
     source.ask(hands);
+    HandPlaces shown{.count = 3};
+    for (int i = 0; i < 3; ++i) shown.hands[i].position = shown.hands[i].proxy = hip + DVec3(10 * i, 0, last);
+    presence->moved(shown);
     std::this_thread::sleep_for(std::chrono::milliseconds(4));
     if (!source.hasNewer(0, 0)) continue;
     source.makeFrame(steadyNow_s() - begin_s, frame);
@@ -207,11 +232,73 @@ TEST_CASE(
   CHECK(joined.far->counts().mostKnown <= 1 << 13);
   {
     const std::scoped_lock hold(lock);
-    REQUIRE(seen.size() == 1);
-    CHECK(seen[0].name == "a test's");
-    CHECK(glm::distance(seen[0].place.position, hip) < 5);
+    // All that the client has.
+    REQUIRE(seen.size() == 3);
+    const std::array<const char*, 3> names{"a test's", "a test's, hand 2", "a test's, hand 3"};
+    for (std::size_t i = 0; i < 3; ++i) {
+      CHECK(seen[i].name == names[i]);
+      CHECK(glm::distance(seen[i].place.position, hip + DVec3(10.0 * double(i), 0, 0)) < 5);
+    }
   }
   CHECK(served.end().frames > 60);
+}
+
+TEST_CASE("that what moves has begun anew is told to each who feels it, once each time, and to nobody who comes later") {
+  const PointCloud cloud = square();
+  std::mutex lock;
+  Restarts restarts{.count = 3, .why = "was before"};
+  const auto restarted = [&](std::uint32_t count, const std::string& why) {
+    const std::scoped_lock hold(lock);
+    restarts = {.count = count, .why = why};
+  };
+  ServedSquare served(
+      cloud, "begins anew", [](double, std::span<const SeenHand>, CloudFrame&) { return false; }, {},
+      [&] {
+        const std::scoped_lock hold(lock);
+        return restarts;
+      });
+  std::array<Lines, 2> lines;
+  std::array<Log, 2> logs{Log(true), Log(true)};
+  std::array<JoinedCloud, 2> joined;
+  for (std::size_t i = 0; i < 2; ++i) {
+    logs[i].listen(&lines[i]);
+    joined[i] = joinNear("begins anew", &logs[i]);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  for (std::size_t i = 0; i < 2; ++i) CHECK(lines[i].restarts().empty());  // it was so when they came
+  restarted(4, "has diverged\033[2J");
+  const auto areTold = [&](std::size_t times) {
+    return std::ranges::all_of(lines, [&](const Lines& each) { return each.restarts().size() == times; });
+  };
+  REQUIRE(within(5, [&] { return areTold(1); }));
+  for (const Lines& each : lines) {
+    CHECK(each.restarts()[0].find("'begins anew'") != std::string::npos);
+    CHECK(each.restarts()[0].find("it has diverged?[2J") != std::string::npos);
+  }
+  restarted(6, "has burst");
+  REQUIRE(within(5, [&] { return areTold(2); }));
+  for (const Lines& each : lines) CHECK(each.restarts()[1].find("2 times: it has burst") != std::string::npos);
+  for (const JoinedCloud& each : joined) CHECK(each.far->counts().restarts == 3);
+  Lines late;
+  Log lateLog(true);
+  lateLog.listen(&late);
+  {
+    const JoinedCloud latest = joinNear("begins anew", &lateLog);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+    CHECK(latest.far->counts().restarts == 0);
+  }
+  CHECK(late.restarts().empty());
+  CHECK(areTold(2));  // not again
+  // One that says so a thousand times a second is not passed on as often.
+  const Stopwatch since;
+  for (std::uint32_t count = 7; since.elapsed_s() < 2; ++count) {
+    restarted(count, "is in a hurry");
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  CHECK(lines[0].restarts().size() > 2);
+  CHECK(lines[0].restarts().size() <= 2 + 5);
+  joined = {};
+  served.end();
 }
 
 TEST_CASE("hands that are farther than anything is do not press what moves") {

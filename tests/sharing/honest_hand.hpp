@@ -15,6 +15,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
+#include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/shared_edits.hpp"
 #include "tests/sharing/own_network.hpp"
 
@@ -71,7 +72,8 @@ class HonestHand {
   explicit HonestHand(const std::string& name)
       : joined_(joinCloud(name, {.network = ownNetwork()})),
         follower_(
-            shareEdits({.session = joined_.session, .cloud = joined_.cloud, .backend = backend_, .hand = "honest"})),
+            shareEdits({.session = joined_.session, .cloud = joined_.cloud, .backend = backend_})),
+        presence_(sharePresence(joined_.session, "honest", joined_.cloud)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
   /// Moves no more, and waits until all is where it belongs.
@@ -85,7 +87,7 @@ class HonestHand {
     return follower_->counts();
   }
   SharedCounts counts() const { return follower_->counts(); }
-  std::vector<SeenHand> others() const { return follower_->others(); }
+  std::vector<SeenHand> others() const { return presence_->hands(); }
 
  private:
   void run(const std::stop_token& stop) {
@@ -96,7 +98,10 @@ class HonestHand {
         PointState state = states[dice() % states.size()];
         state.position.z = static_cast<float>(dice() % 1000);
         follower_->catchUp(backend_.edit(sculpts_ ? std::span(&state, 1) : std::span<PointState>()));
-        follower_->moved({.position = DVec3(1), .proxy = DVec3(1), .touching = true, .sculpts = true});
+        HandPlaces own{.count = 1};
+        own.hands[0] = {.position = DVec3(1), .proxy = DVec3(1), .touching = true, .sculpts = true};
+        follower_->moved(own);
+        presence_->moved(own);
         std::this_thread::sleep_for(std::chrono::milliseconds(4));
       }
     } catch (const NetworkError& error) {
@@ -107,6 +112,7 @@ class HonestHand {
   JoinedCloud joined_;
   PlainBackend backend_;
   std::unique_ptr<SharedFollower> follower_;
+  std::shared_ptr<SharedPresence> presence_;
   std::string fault_;
   std::atomic<bool> sculpts_ = true;
   std::jthread thread_;  // goes first

@@ -286,6 +286,7 @@ class HostileSide {
     Hand hand{};
     set(hand.session, idOf(session_));
     set(hand.client, idNumber(++number_));
+    hand.which = static_cast<std::uint8_t>(roll());
     put(hand.name, std::string(64, '\x9b'));
     for (int axis = 0; axis < 3; ++axis) {
       hand.position[axis] = roll() % 4 ? 1e300 : anyFloat();

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "engine/motion/brick_source.hpp"
-#include "haptics/sharing/camera_presence.hpp"
+#include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/ros_intake.hpp"
 #include "tests/sharing/honest_hand.hpp"
@@ -158,8 +158,8 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   HonestHand hand("mutated");
   const JoinedCloud one = joinCloud("mutated", {.network = ownNetwork()}),
                     another = joinCloud("mutated", {.network = ownNetwork()});
-  const auto onlooker = shareCameras(one.session, "onlooker", one.cloud),
-             honest = shareCameras(another.session, "honest", another.cloud);
+  const auto onlooker = sharePresence(one.session, "onlooker", one.cloud),
+             honest = sharePresence(another.session, "honest", another.cloud);
   std::this_thread::sleep_for(std::chrono::milliseconds(400));  // it sculpts
   Mutant mutant(1);
   const Topics& topics = mutant.topics();
@@ -191,6 +191,7 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   mutant.write<sharing::Hand>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes, [&](sharing::Hand& shown) {
     id(shown.client);
     put(shown.name, "mutant");
+    shown.which = static_cast<std::uint8_t>(mutant.roll());
     shown.number = mutant.roll();
   });
   std::size_t cameras = 0;
@@ -201,7 +202,7 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     camera.number = mutant.roll();
     if (mutant.roll() % 64) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(8));  // in which some are heard
-    const std::vector<SeenCamera> others = onlooker->others();
+    const std::vector<SeenCamera> others = onlooker->cameras();
     cameras += others.size();
     for (const SeenCamera& other : others) {
       CHECK(isCamera(other.place));
@@ -237,7 +238,7 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   bool isSeen = false;
   for (const Stopwatch since; !isSeen && since.elapsed_s() < 10;
        std::this_thread::sleep_for(std::chrono::milliseconds(10)))
-    for (const SeenCamera& other : onlooker->others()) isSeen = isSeen || other.name == "honest";
+    for (const SeenCamera& other : onlooker->cameras()) isSeen = isSeen || other.name == "honest";
   CHECK(isSeen);
   const SharedCounts counts = hand.end();
   CHECK(counts.same);

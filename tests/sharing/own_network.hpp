@@ -14,8 +14,12 @@ inline NetworkConfig ownNetwork() { return {.domain = ownDomain()}; }
 
 class Served {
  public:
-  Served(const PointCloud& cloud, const std::string& name)
-      : server_(cloud, {.network = ownNetwork(), .name = name, .model = "a test's cloud", .mm_per_unit = 2.5}),
+  explicit Served(const PointCloud& cloud, const std::string& name, bool sculptable = true)
+      : server_(cloud, {.network = ownNetwork(),
+                        .name = name,
+                        .model = "a test's cloud",
+                        .mm_per_unit = 2.5,
+                        .sculptable = sculptable}),
         thread_([this] { server_.serve(stop_); }) {}
   ~Served() { end(); }
   Served(const Served&) = delete;

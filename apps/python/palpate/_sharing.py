@@ -148,6 +148,7 @@ class Sharing:
         delivered: all that this hand has done has been taken by the server.
         at_rest: and all that others have done is in effect here.
         same: at rest, and the points are the server's, bit by bit.
+        restarts: times that what moves has begun anew where it is served, as water does that was stirred too fast.
         fault: why this hand's part has ended for good; "": it goes on.
     """
 
@@ -168,6 +169,7 @@ class Sharing:
     delivered: bool
     at_rest: bool
     same: bool
+    restarts: int
     fault: str
 
 

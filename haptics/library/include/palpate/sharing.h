@@ -60,7 +60,7 @@ PP_OPTIONS(join_options)
  * all others, whose strokes are felt between two ticks; at rest all have the same points, bit by bit. No points come or go
  * to keep the surface whole, whatever pp_brush.keeps_density says. Undo takes back this hand's strokes, where nobody has
  * changed the points since. While the server is silent for seconds the force fades, tick by tick and live, until it is
- * heard again: contact->valid stays 1. Nobody is told where a hand is between two ticks. No session log is made of one that
+ * heard again: contact->valid stays 1. All hands are shown to the others, for a second after their last tick. No session log is made of one that
  * is sculpted. Options may be null. PP_ERROR_NETWORK where there is no such session, or two of that name, or one of another
  * version, and from any call that touches once this hand's part has ended for good: the points can be taken then. */
 PP_API pp_status pp_session_join(const char* name, const pp_join_options* join, const pp_session_options* options,
@@ -83,6 +83,7 @@ typedef struct pp_sharing {
   double round_trip_ms; /* the median of the last pings; below 0: none was answered yet */
   char name[208], host[64], model[208]; /* of the session, its server, and what its points are in that one's words */
   char fault[256]; /* why this hand's part has ended for good; empty: it goes on */
+  uint64_t restarts; /* times that what moves has begun again where it is served, as water does that was stirred too fast */
 } pp_sharing;
 PP_OPTIONS(sharing)
 /* PP_ERROR_STATE for a session that was not joined, as the next ones. */

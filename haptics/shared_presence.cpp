@@ -1,4 +1,4 @@
-#include "haptics/shared_cameras.hpp"
+#include "haptics/shared_presence.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "haptics/shared_cameras.hpp"
+#include "haptics/shared_presence.hpp"
 
 namespace palpate {
 

@@ -1,0 +1,58 @@
+// Of each of the others what it has said last, for as long as it goes on saying so. Nothing of DDS is seen here.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "engine/core/clock.hpp"
+#include "haptics/sharing/id.hpp"
+
+namespace palpate::sharing {
+
+/// Hands (SeenHand) or cameras (SeenCamera), at most 256. One thread uses it at a time.
+template <class Seen>
+class SeenOthers {
+ public:
+  /// `gone_s`: after which one that says nothing is gone.
+  explicit SeenOthers(double gone_s) : gone_s_(gone_s) {}
+
+  /// `hand`: which one of the client's. `count`: counts what is said of it, so that what was overtaken is known.
+  void hear(const Id& client, std::uint8_t hand, std::uint32_t count, Seen seen) {
+    const std::pair key(client, hand);
+    const auto known = others_.find(key);
+    if (known == others_.end() ? others_.size() >= kMost : known->second.count >= count) return;
+    std::memcpy(&seen.number, client.data(), sizeof seen.number);
+    seen.number += hand;
+    others_[key] = {.seen = std::move(seen), .count = count, .since = {}};
+  }
+  /// Those that are gone.
+  void forget() {
+    std::erase_if(others_, [&](const auto& one) { return one.second.since.elapsed_s() > gone_s_; });
+  }
+  /// With their ages, as of now.
+  std::vector<Seen> all() const {
+    std::vector<Seen> seen;
+    for (const auto& [key, other] : others_) {
+      const double age_s = other.since.elapsed_s();
+      if (age_s > gone_s_) continue;
+      seen.push_back(other.seen);
+      seen.back().age_s = age_s;
+    }
+    return seen;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 256;
+  struct Other {
+    Seen seen;
+    std::uint32_t count = 0;
+    Stopwatch since;
+  };
+  double gone_s_;
+  std::map<std::pair<Id, std::uint8_t>, Other> others_;
+};
+
+}  // namespace palpate::sharing

@@ -1,0 +1,334 @@
+// Who takes part in a session, with hands and with cameras, over a network of this machine.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engine/core/clock.hpp"
+#include "haptics/sharing/joined_session.hpp"
+#include "haptics/sharing/presence.hpp"
+#include "tests/sharing/own_network.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+bool within(double seconds, const std::function<bool()>& holds) {
+  for (const Stopwatch since; since.elapsed_s() < seconds;) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return holds();
+}
+
+PointCloud threePoints() {
+  PointCloud cloud;
+  cloud.origin = DVec3(450'000, -300'000, 1000);
+  cloud.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  cloud.normals.assign(3, Vec3(0, 0, 1));
+  return cloud;
+}
+
+CameraPlace cameraAt(double x) {
+  return {.position = DVec3(450'000 + x, -300'000.25, 1007),
+          .turn = DQuat(0.5, -0.5, 0.5, -0.5),
+          .fovY_rad = 0.75,
+          .aspect = 1.5};
+}
+
+HandPlace handAt(double x) {
+  const DVec3 place(450'000 + x, -300'000, 1000);
+  return {.position = place, .proxy = place + DVec3(0, 0, 0.25), .touching = true};
+}
+
+/// One who has joined and looks.
+struct Looking {
+  Looking(const std::string& session, const std::string& name, bool near = false)
+      : joined(joinCloud(session, {.network = ownNetwork(), .near = near})),
+        presence(sharePresence(joined.session, name, joined.cloud)) {}
+  bool sees(double x, double seconds = 10) const {
+    return within(seconds, [&] {
+      for (const SeenCamera& other : presence->cameras())
+        if (glm::distance(other.place.position, cameraAt(x).position) < 1e-9) return true;
+      return false;
+    });
+  }
+  void movesHands(const std::vector<HandPlace>& hands) const {
+    HandPlaces places{.count = static_cast<std::uint32_t>(hands.size())};
+    std::ranges::copy(hands, places.hands.begin());
+    presence->moved(places);
+  }
+  /// How many hands of that name there are, and where the last of them is.
+  std::size_t handsOf(const std::string& name, double& x) const {
+    std::size_t count = 0;
+    for (const SeenHand& hand : presence->hands())
+      if (hand.name == name) {
+        x = hand.place.position.x - 450'000;
+        ++count;
+      }
+    return count;
+  }
+  bool seesHand(const std::string& name, double x) const {
+    double at = 0;
+    return handsOf(name, at) == 1 && std::abs(at - x) < 1e-6;
+  }
+  JoinedCloud joined;
+  std::shared_ptr<SharedPresence> presence;
+};
+
+}  // namespace
+
+TEST_CASE("cameras are seen where they are, follow, stay seen while they stand, and are gone when they are hidden") {
+  const PointCloud cloud = threePoints();
+  Served served(cloud, "looked at");
+  const Looking ada("looked at", "Ada"), bert("looked at", "Bert", true);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  CHECK(ada.presence->cameras().empty());  // nobody has said anything
+  ada.presence->show(cameraAt(2));
+  REQUIRE(bert.sees(2));
+  const SeenCamera seen = bert.presence->cameras().at(0);
+  CHECK(seen.name == "Ada");
+  CHECK(seen.place.turn == cameraAt(2).turn);
+  CHECK(seen.place.fovY_rad == 0.75);
+  CHECK(seen.place.aspect == 1.5);
+  CHECK(ada.presence->cameras().empty());  // none sees himself
+  ada.presence->show(cameraAt(3));
+  CHECK(bert.sees(3));
+  bert.presence->show(cameraAt(-4));
+  CHECK(ada.sees(-4));
+  CHECK(ada.presence->cameras().at(0).number != seen.number);
+  // Longer than a silent one is kept.
+  std::this_thread::sleep_for(std::chrono::milliseconds(3500));
+  REQUIRE(bert.sees(3, 0));
+  CHECK(bert.presence->cameras().at(0).age_s < 2);
+  // Who comes later sees it, too.
+  const Looking carla("looked at", "");
+  CHECK(carla.sees(3));
+  ada.presence->show(std::nullopt);
+  CHECK(within(5, [&] { return bert.presence->cameras().empty(); }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  CHECK(bert.presence->cameras().empty());
+  CHECK_THROWS_AS(ada.presence->show(CameraPlace{.fovY_rad = 4}), UsageError);
+}
+
+TEST_CASE("a camera that moves a thousand times a second is heard thirty times, and one that stands twice") {
+  const PointCloud cloud = threePoints();
+  Served served(cloud, "shaken");
+  const Looking ada("shaken", "Ada");
+  const Participant participant(ownNetwork());
+  const Topics own(participant);
+  const Reader<Camera> heard(participant, own.cameras, keepingLast(bestEffortQos(), 1000));
+  ada.presence->show(cameraAt(0));
+  std::size_t samples = 0;
+  REQUIRE(within(10, [&] { return (samples += heard.take([](const Camera&) {})) > 0; }));
+  const auto heardIn = [&](double seconds, bool moves) {
+    std::size_t count = 0;
+    double x = 0;
+    for (const Stopwatch since; since.elapsed_s() < seconds;) {
+      if (moves) ada.presence->show(cameraAt(x += 0.01));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      count += heard.take([](const Camera&) {});
+    }
+    return count;
+  };
+  const std::size_t moving = heardIn(2, true);
+  CHECK(moving <= 61);
+  CHECK(moving > 10);
+  heardIn(0.2, false);
+  const std::size_t standing = heardIn(2.1, false);
+  CHECK(standing <= 5);
+  CHECK(standing >= 2);
+}
+
+TEST_CASE(
+    "cameras that are none, of other sessions, or ever new ones, are not seen, or no more of them than there is room "
+    "for") {
+  const PointCloud cloud = threePoints();
+  Served served(cloud, "looked at by strangers");
+  const Looking ada("looked at by strangers", "Ada");
+  const Participant participant(ownNetwork());
+  const Topics topics(participant);
+  const Writer<Camera> writer(participant, topics.cameras, bestEffortQos());
+  std::uint32_t number = 0;
+  const auto good = [&] {
+    Camera camera{};
+    set(camera.session, ada.joined.session->session);
+    camera.client[0] = 1;
+    put(camera.name, "a\033[31mb");
+    for (int axis = 0; axis < 3; ++axis) camera.position[axis] = cameraAt(1).position[axis];
+    camera.orientation[3] = 1;
+    camera.fov_y = 1;
+    camera.aspect = 1;
+    camera.number = ++number;
+    return camera;
+  };
+  const auto isSeen = [&](Camera camera, double seconds) {
+    return within(seconds, [&] {
+      camera.number = ++number;
+      writer.write(camera);
+      return !ada.presence->cameras().empty();
+    });
+  };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kShort_s = 0.3;
+  // The first one that is heard may have any number.
+  Camera first = good();
+  first.number = 0;
+  REQUIRE(within(10, [&] {
+    writer.write(first);
+    return !ada.presence->cameras().empty();
+  }));
+  CHECK(isCamera(ada.presence->cameras().at(0).place));
+  REQUIRE(isSeen(good(), 10));
+  CHECK(ada.presence->cameras().at(0).name == "a?[31mb");
+  REQUIRE(within(5, [&] { return ada.presence->cameras().empty(); }));
+  const auto spoilt = [&](const std::function<void(Camera&)>& spoil) {
+    Camera camera = good();
+    spoil(camera);
+    return isSeen(camera, kShort_s);
+  };
+  CHECK_FALSE(spoilt([&](Camera& camera) { camera.position[1] = kNan; }));
+  CHECK_FALSE(spoilt([](Camera& camera) { camera.position[2] = 1e300; }));
+  CHECK_FALSE(
+      spoilt([](Camera& camera) { camera.position[2] = 1e9; }));  // beyond what a cloud of this size is seen from
+  CHECK_FALSE(spoilt([&](Camera& camera) { camera.orientation[0] = static_cast<float>(kNan); }));
+  CHECK_FALSE(spoilt([](Camera& camera) { camera.orientation[3] = 0; }));
+  CHECK_FALSE(spoilt([](Camera& camera) { camera.fov_y = 0; }));
+  CHECK_FALSE(spoilt([](Camera& camera) { camera.fov_y = 3.2F; }));
+  CHECK_FALSE(spoilt([](Camera& camera) { camera.aspect = -1; }));
+  CHECK_FALSE(spoilt([](Camera& camera) { camera.session[3] ^= 1; }));
+  CHECK_FALSE(spoilt([&](Camera& camera) { set(camera.client, ada.joined.session->client); }));
+  REQUIRE(isSeen(good(), 5));
+  // One after the other, so that none is lost for another one's sake.
+  for (std::uint32_t i = 0; i < 600; ++i) {
+    Camera camera = good();
+    camera.client[1] = static_cast<std::uint8_t>(i);
+    camera.client[2] = static_cast<std::uint8_t>(i >> 8);
+    writer.write(camera);
+    if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  CHECK(within(5, [&] { return ada.presence->cameras().size() == 256; }));
+  CHECK(ada.presence->cameras().size() <= 256);
+}
+
+TEST_CASE("all hands of who is near, of who has all points and of who feels alone are seen by all others") {
+  const PointCloud cloud = threePoints();
+  for (const bool sculptable : {true, false}) {
+    CAPTURE(sculptable);
+    Served served(cloud, "felt", sculptable);
+    const Looking ada("felt", "Ada", true), bert("felt", "Bert"), carla("felt", "Carla", true);
+    const auto allMove = [&] {
+      ada.movesHands({handAt(1), handAt(2)});
+      bert.movesHands({handAt(3)});
+      carla.movesHands({handAt(4), handAt(5), handAt(6)});
+    };
+    const auto areSeen = [&] {
+      allMove();
+      return ada.seesHand("Bert", 3) && ada.seesHand("Carla", 4) && ada.seesHand("Carla, hand 2", 5) &&
+             ada.seesHand("Carla, hand 3", 6) && bert.seesHand("Ada", 1) && bert.seesHand("Ada, hand 2", 2) &&
+             carla.seesHand("Ada, hand 2", 2) && carla.seesHand("Bert", 3);
+    };
+    REQUIRE(within(10, areSeen));
+    CHECK(ada.presence->hands().size() == 4);  // none of its own
+    CHECK(carla.presence->hands().size() == 3);
+    const std::vector<SeenHand> seen = ada.presence->hands();
+    std::set<std::uint32_t> numbers;
+    for (const SeenHand& hand : seen) {
+      numbers.insert(hand.number);
+      CHECK(hand.place.touching);
+      CHECK(hand.place.proxy == hand.place.position + DVec3(0, 0, 0.25));
+      CHECK(hand.age_s < 2);
+    }
+    CHECK(numbers.size() == 4);
+    // Those of which nothing more is said are gone, for each of the others.
+    CHECK(within(5, [&] {
+      ada.movesHands({handAt(1), handAt(2)});
+      return ada.presence->hands().empty() && bert.presence->hands().size() == 2 &&
+             carla.presence->hands().size() == 2;
+    }));
+    // A hand less is one less.
+    CHECK(within(5, [&] {
+      ada.movesHands({handAt(7)});
+      return bert.presence->hands().size() == 1 && bert.seesHand("Ada", 7);
+    }));
+    served.end();
+  }
+}
+
+TEST_CASE(
+    "hands that are nowhere, far away, more than a client has, or ever new ones are not seen, or no more of them than "
+    "there is room for") {
+  const PointCloud cloud = threePoints();
+  Served served(cloud, "felt by strangers");
+  const Looking ada("felt by strangers", "Ada", true), bert("felt by strangers", "Bert");
+  const Participant participant(ownNetwork());
+  const Topics topics(participant);
+  std::optional<Writer<Hand>> writer(std::in_place, participant, topics.hands, bestEffortQos());
+  std::uint32_t number = 0;
+  const auto good = [&] {
+    Hand hand{};
+    set(hand.session, ada.joined.session->session);
+    hand.client[0] = 1;
+    put(hand.name, "a\033[31mb");
+    for (int axis = 0; axis < 3; ++axis) hand.position[axis] = hand.proxy[axis] = handAt(1).position[axis];
+    hand.number = ++number;
+    return hand;
+  };
+  const auto isSeen = [&](const std::function<void(Hand&)>& spoil, double seconds) {
+    return within(seconds, [&] {
+      Hand hand = good();
+      spoil(hand);
+      writer->write(hand);
+      return !ada.presence->hands().empty() || !bert.presence->hands().empty();
+    });
+  };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kShort_s = 0.3;
+  REQUIRE(isSeen([](Hand&) {}, 10));
+  REQUIRE(within(5, [&] { return ada.presence->hands().size() == 1 && bert.presence->hands().size() == 1; }));
+  CHECK(ada.presence->hands().at(0).name == "a?[31mb");
+  REQUIRE(within(5, [&] { return ada.presence->hands().empty() && bert.presence->hands().empty(); }));
+  CHECK_FALSE(isSeen([&](Hand& hand) { hand.position[1] = kNan; }, kShort_s));
+  CHECK_FALSE(isSeen([&](Hand& hand) { hand.proxy[2] = kNan; }, kShort_s));
+  CHECK_FALSE(isSeen([](Hand& hand) { hand.position[0] = 1e300; }, kShort_s));
+  CHECK_FALSE(isSeen([](Hand& hand) { hand.proxy[0] = 1e12; }, kShort_s));
+  CHECK_FALSE(isSeen([](Hand& hand) { hand.which = kMostHands; }, kShort_s));
+  CHECK_FALSE(isSeen([](Hand& hand) { hand.session[3] ^= 1; }, kShort_s));
+  // One that says the same for ever is there once, and gone when it ends.
+  std::size_t most = 0;
+  within(3, [&] {
+    Hand hand = good();
+    hand.number = 0xffffffff;
+    writer->write(hand);
+    most = std::max(most, ada.presence->hands().size());
+    return false;
+  });
+  CHECK(most == 1);
+  CHECK(within(5, [&] { return ada.presence->hands().empty(); }));
+  // One after the other, so that none is lost for another one's sake.
+  for (std::uint32_t i = 0; i < 4800; ++i) {
+    Hand hand = good();
+    hand.client[1] = static_cast<std::uint8_t>(i / 8);
+    hand.client[2] = static_cast<std::uint8_t>(i / 8 >> 8);
+    hand.which = i % 8;
+    writer->write(hand);
+    if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    most = std::max(most, ada.presence->hands().size());
+  }
+  CHECK(most == 256);
+  // Whoever is honest is seen again once that one is gone.
+  writer.reset();
+  CHECK(within(10, [&] {
+    bert.movesHands({handAt(3)});
+    return ada.seesHand("Bert", 3);
+  }));
+}
+
+}  // namespace palpate
