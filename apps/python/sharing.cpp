@@ -119,7 +119,6 @@ py::dict told(const pp_server_info& info) {
   told["refused"] = info.refused;
   told["mm_per_unit"] = info.mm_per_unit;
   told["openness"] = textOf(info.openness);
-  told["restarts"] = sharing.restarts;
   told["fault"] = textOf(info.fault);
   return told;
 }
