@@ -111,7 +111,8 @@ def test_a_live_hand_is_seen_and_sculpts_without_anybody_taking_its_ticks(served
 @needs_dds
 def test_hands_of_who_is_near_are_seen_and_see_those_of_others(served):
     with joined(served, hand="anna", near=True) as near, joined(served, hand="ben") as whole:
-        way = np.column_stack([np.linspace(0, 5, 2000), np.tile([0, 0, RADIUS - 1], (2000, 1))])
+        # From outside, and there it stays: who begins inside touches nothing.
+        way = np.array([[0, 0, 0, RADIUS + 3], [1, 0, 0, RADIUS + 3], [2, 0, 0, RADIUS - 1], [20, 0, 0, RADIUS - 1]])
 
         def sees(who: pp.Session, name: str) -> bool:
             return any(h.name == name and h.touching and h.position[2] < h.proxy[2] for h in who.others)

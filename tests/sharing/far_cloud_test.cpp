@@ -636,7 +636,7 @@ TEST_CASE("what several hands near their points make of them is the server's and
     const DVec3 off = glm::abs(DVec3(point.position) - DVec3(100, 100, 0));
     if (here == there.end() && !point.gone()) wrong += glm::max(glm::max(off.x, off.y), off.z) < kRoom / 2;
   }
-  CHECK(changed > 200);
+  CHECK(changed > 100);
   CHECK(wrong == 0);
 }
 
