@@ -107,7 +107,7 @@ TEST_CASE(
   CHECK(placesIn(heard, cloud) == 0);
   CHECK(heard.find("clay") == std::string::npos);
   CHECK(heard.find("m.ply") == std::string::npos);
-  CHECK(heard.find("palpate/3/block") == std::string::npos);
+  CHECK(heard.find("/block") == std::string::npos);
   // The same without keys: whoever listens has all of it.
   WireCapture clear(domainNumber());
   Serving open(in("m.ply") + " --name clay", folder / "open.said");
@@ -115,7 +115,7 @@ TEST_CASE(
   CHECK(open.program.wait(SIGINT) == 0);
   const std::string& all = clear.end();
   CHECK(placesIn(all, cloud) > 150);
-  CHECK(all.find("palpate/3/block") != std::string::npos);
+  CHECK(all.find("/block") != std::string::npos);
 }
 
 TEST_CASE("keys that cannot be used are refused before anything is sent, and so is what is no name") {
