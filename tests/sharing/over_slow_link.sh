@@ -96,8 +96,11 @@ import csv, json, sys
 folder, trip, loss = sys.argv[1:]
 rows = lambda name: {row[0]: row[1:17] for row in csv.reader(open(f"{folder}/{name}"))}
 own, clock = rows("own_slide.csv"), rows("clock.csv")
-other = sum(own[t] != row for t, row in clock.items())
 near, virtual = (json.load(open(f"{folder}/{name}.json")) for name in ("clock", "near"))
+# Who has missed a tick goes on from another place, to which the proxy comes back but for its last digits.
+allowed = 1e-4 if near["missed_ticks"] + near["near"]["ticks_without_points"] else 0
+is_same = lambda a, b: a == b or all(x == y or abs(float(x) - float(y)) <= allowed for x, y in zip(a, b))
+other = sum(not is_same(own[t], row) for t, row in clock.items())
 print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around the hand alone: the same trace; against the clock "
       f"{near['near']['ticks_without_points']} of {near['near']['ticks']} ticks lacked some, {other} differ; "
       f"{near['near']['points']} points came, {near['near']['most_known']} of {near['points']} were there at once; longest silence "
