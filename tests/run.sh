@@ -55,45 +55,52 @@ tests() {  # NAME PRESET [OPTIONS...]: where they were built, and with the names
   fi
 }
 
-wait_beside() {  # PRESET: begins what waits for most of its time (label waits), which costs the legs beside it little
-  case " $built " in *" $1 "*) ;; *) return 0 ;; esac
+wait_beside() {  # NAME PRESET OPTIONS...: begins what waits for most of its time (label waits), which costs those beside it little
+  beside=("$@")
+  beside_job=
+  case " $built " in *" $2 "*) ;; *) return 0 ;; esac
   beside_words=$(mktemp)
   # In a folder of its own: two runs of ctest in one would write each over what the other one says.
-  ctest --test-dir "build/$1/tests" -j 4 --no-tests=error --output-on-failure -L '^waits$' > "$beside_words" 2>&1 &
-  beside=$!
-  trap 'kill "$beside" 2> /dev/null || true' EXIT
+  rm -f "build/$2/tests/Testing/Temporary/LastTestsFailed.log"
+  ctest --test-dir "build/$2/tests" -j 2 --no-tests=error --output-on-failure "${@:3}" > "$beside_words" 2>&1 &
+  beside_job=$!
+  trap 'kill "$beside_job" 2> /dev/null || true' EXIT
 }
 
-waited() {  # PRESET: what came of it; whatever it is, it waited for a clock, so what failed has a second try, alone
-  local name='waiting, beside the others'
-  if [ -n "$beside" ] && leg "$name" waited_well; then
-    rm -f "$beside_words"
-  elif [ -n "$beside" ]; then
-    unset 'failed[-1]'
-    local failures=${#failed[@]}
-    tests 'waiting' "$1" -L '^waits$'
-    [ ${#failed[@]} -ne "$failures" ] || alone+=("$name")
-  else
+waited() {  # what came of it; whatever it is, it waited for a clock, so what failed has a second try, by itself
+  local name="waiting, beside what is tried ${beside[0]}" preset=${beside[1]} again=("${beside[@]:2}") names
+  if [ -z "$beside_job" ]; then
     failed+=("$name: not run, not built")
+  elif leg "$name" waited_well; then
+    rm -f "$beside_words"
+  else
+    unset 'failed[-1]'
+    names=$(sed 's/^[0-9]*://' "build/$preset/tests/Testing/Temporary/LastTestsFailed.log" 2> /dev/null) || true
+    [ -z "$names" ] || again=(-R "^($(paste -sd '|' <<< "${names//./\\.}"))\$")
+    local failures=${#failed[@]}
+    tests "waiting, ${beside[0]}" "$preset" "${again[@]}"
+    [ ${#failed[@]} -ne "$failures" ] || alone+=("$name${names:+: $(paste -sd ' ' <<< "$names")}")
   fi
 }
 
 waited_well() {
   local code=0
-  wait "$beside" || code=$?
+  wait "$beside_job" || code=$?
   trap - EXIT
   cat "$beside_words"
   return $code
 }
 
 built=
-beside=
 leg 'build' build dev --target palpate gpu_tests && built+=' dev'
-wait_beside dev
+wait_beside 'with a GPU' dev -LE '^host$' -L '^waits$'
 tests 'with a GPU' dev -LE '^(host|waits)$'
-waited dev
+waited
 leg 'build without Vulkan, for AddressSanitizer and UBSan' build asan --target host_tests && built+=' asan'
-tests 'without Vulkan, under AddressSanitizer and UBSan' asan -L '^host$'
+sanitized='without Vulkan, under AddressSanitizer and UBSan'
+wait_beside "$sanitized" asan -L '^waits$'
+tests "$sanitized" asan -L '^host$' -LE '^waits$'
+waited
 leg 'build for ThreadSanitizer' build tsan --target tests_haptics tests_core && built+=' tsan'
 tests 'under ThreadSanitizer' tsan -R '^(haptics\.|core\.latest_value$)'
 if [ "$PALPATE_GPU" = llvmpipe ]; then

@@ -32,7 +32,8 @@ Run runLegs(const std::string& cmake, const std::string& ctest, bool hasDrivers 
   const std::string preset =
       "preset=$(printf '%s\\n' \"$@\" | sed -E 's,^build/(.*)/tests$,\\1,' | grep -m 1 -xE 'dev|asan|tsan')\n";
   const std::string told =
-      "echo \"$(basename \"$0\") $* threads=${LP_NUM_THREADS:-}${LP_NATIVE_VECTOR_WIDTH:+ of $LP_NATIVE_VECTOR_WIDTH bits}\"\n"
+      "echo \"$(basename \"$0\") $* threads=${LP_NUM_THREADS:-}${LP_NATIVE_VECTOR_WIDTH:+ of $LP_NATIVE_VECTOR_WIDTH "
+      "bits}\"\n"
       "[ -z \"${VK_DRIVER_FILES:-}\" ] || echo driver=$VK_DRIVER_FILES $PALPATE_GPU\n"
       "[ -z \"${VK_LAYER_PATH:-}\" ] || echo layer=$VK_LAYER_PATH $PALPATE_TESTS_VALIDATE\n";
   writeProgram(folder / "bin/cmake", preset + told + cmake);
@@ -66,11 +67,17 @@ TEST_CASE("run.sh runs every leg, the GPU's passes also with one driver thread a
   if (!hasSources()) return;
   const Run run = runLegs("", "");
   CHECK(run.code == 0);
-  CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L ^host$ threads=\n"));
+  CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L ^host$ -LE ^waits$ threads=\n"));
+  CHECK(says(run.text,
+             "ctest --test-dir build/asan/tests -j 2 --no-tests=error --output-on-failure -L ^waits$ threads=\n"));
   CHECK(says(run.text, "ctest --preset tsan -j 2 --no-tests=error -R ^(haptics\\.|core\\.latest_value$) threads=\n"));
-  CHECK(says(run.text, "(spatial|contact|edit|mesh|motion_gpu)\\.(gpu|hash_compaction)$|^matter_gpu\\.portable$ threads=1 of 128 bits\n"));
+  CHECK(says(run.text,
+             "(spatial|contact|edit|mesh|motion_gpu)\\.(gpu|hash_compaction)$|^matter_gpu\\.portable$ threads=1 of 128 "
+             "bits\n"));
   CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^(host|waits)$ threads=\n"));
-  CHECK(says(run.text, "ctest --test-dir build/dev/tests -j 4 --no-tests=error --output-on-failure -L ^waits$ threads=\n"));
+  CHECK(says(
+      run.text,
+      "ctest --test-dir build/dev/tests -j 2 --no-tests=error --output-on-failure -LE ^host$ -L ^waits$ threads=\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\ndriver=other/drivers/swiftshader.json SwiftShader\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\nlayer=other/drivers core\n"));
   CHECK(says(run.text, "run.sh: every leg passed"));
@@ -117,7 +124,7 @@ TEST_CASE("run.sh tries again, alone, what is held against the wall clock and no
   const std::string leg = "without Vulkan, under AddressSanitizer and UBSan";
   const Run late = runLegs("", failing("3:asan.late\\n12:asan.later\\n"));
   CHECK(late.code == 0);
-  CHECK(says(late.text, "ctest --preset asan -L ^host$ -R ^(asan\\.late|asan\\.later)$ threads=\n"));
+  CHECK(says(late.text, "ctest --preset asan -L ^host$ -LE ^waits$ -R ^(asan\\.late|asan\\.later)$ threads=\n"));
   CHECK(says(late.text, "run.sh: passed at the second try, alone: " + leg + ": asan.late asan.later\n"));
   const Run wrong = runLegs("", failing("3:asan.late\\n5:asan.wrong\\n"));
   CHECK(wrong.code == 1);
@@ -125,30 +132,50 @@ TEST_CASE("run.sh tries again, alone, what is held against the wall clock and no
   CHECK(says(wrong.text, "run.sh: failed: " + leg + ": asan.late asan.wrong\n"));
 }
 
-TEST_CASE("run.sh has what waits for most of its time beside the others, and tries it again, alone, where it fails there") {
+TEST_CASE(
+    "run.sh has what waits for most of its time beside the others, and tries it again, alone, where it fails there") {
   if (!hasSources()) return;
-  const std::string leg = "waiting, beside the others";
+  const std::string leg = "waiting, beside what is tried with a GPU";
+  const std::string sanitized = "without Vulkan, under AddressSanitizer and UBSan";
   // It has not ended when the others have.
-  const Run beside = runLegs("", "case \"$*\" in *test-dir*) until [ -e others ]; do sleep 0.05; done ;; *' -LE '*) touch others ;; esac\n");
+  const Run beside = runLegs("",
+                             "case \"$*\" in *test-dir*) until [ -e $preset.others ]; do sleep 0.05; done ;; *' -LE "
+                             "'*) touch $preset.others ;; esac\n");
   CHECK(beside.code == 0);
   CHECK(says(beside.text, "== " + leg + ": passed"));
-  CHECK(beside.text.find("ctest --preset dev -j 2 --no-tests=error -L ^waits$") == std::string::npos);
-  const Run late = runLegs("", "case \"$*\" in *test-dir*) exit 8 ;; esac\n");
+  CHECK(says(beside.text, "== waiting, beside what is tried " + sanitized + ": passed"));
+  CHECK(beside.text.find("ctest --preset dev -j 2 --no-tests=error -LE ^host$ -L ^waits$") == std::string::npos);
+  CHECK(beside.text.find("ctest --preset asan -j 2 --no-tests=error -L ^waits$") == std::string::npos);
+  // One that ends without saying what has failed.
+  const Run late = runLegs("", "case \"$*\" in *build/dev*) exit 8 ;; esac\n");
   CHECK(late.code == 0);
-  CHECK(says(late.text, "ctest --preset dev -j 2 --no-tests=error -L ^waits$ threads=\n"));
+  CHECK(says(late.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ -L ^waits$ threads=\n"));
   CHECK(says(late.text, "run.sh: passed at the second try, alone: " + leg + "\n"));
-  const Run wrong = runLegs("", "case \"$*\" in *^waits$) exit 8 ;; esac\n");
+  // What has failed is tried again, and what has not is not.
+  const std::string named =
+      "case \"$*\" in *build/asan*) mkdir -p build/asan/tests/Testing/Temporary\n"
+      "printf '3:asan.late\\n12:asan.later\\n' > build/asan/tests/Testing/Temporary/LastTestsFailed.log; exit 8 ;; "
+      "esac\n";
+  const std::string again = "ctest --preset asan -j 2 --no-tests=error -R ^(asan\\.late|asan\\.later)$ threads=\n";
+  const Run some = runLegs("", named);
+  CHECK(some.code == 0);
+  CHECK(says(some.text, again));
+  CHECK(says(some.text, "run.sh: passed at the second try, alone: waiting, beside what is tried " + sanitized +
+                            ": asan.late asan.later\n"));
+  const Run wrong = runLegs("", named + "case \"$*\" in *'-R ^(asan'*) exit 8 ;; esac\n");
   CHECK(wrong.code == 1);
-  CHECK(says(wrong.text, "run.sh: failed: waiting\n"));
+  CHECK(says(wrong.text, again));
+  CHECK(says(wrong.text, "run.sh: failed: waiting, " + sanitized + "\n"));
   const Run unbuilt = runLegs("case \"$*\" in *'--preset dev --target'*) exit 1 ;; esac\n", "");
   CHECK(unbuilt.code == 1);
-  CHECK(unbuilt.text.find("test-dir") == std::string::npos);
+  CHECK(unbuilt.text.find("test-dir build/dev") == std::string::npos);
   CHECK(says(unbuilt.text, "run.sh: failed: " + leg + ": not run, not built\n"));
 }
 
 TEST_CASE("run.sh says of tests that were not built that they did not run, and runs the others") {
   if (!hasSources()) return;
-  const Run run = runLegs("if [ \"$*\" = '--build --preset tsan --target tests_haptics tests_core' ]; then exit 1; fi\n", "");
+  const Run run =
+      runLegs("if [ \"$*\" = '--build --preset tsan --target tests_haptics tests_core' ]; then exit 1; fi\n", "");
   CHECK(run.code == 1);
   CHECK(run.text.find("ctest --preset tsan") == std::string::npos);
   CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^(host|waits)$ threads=\n"));
