@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/up.hpp"
@@ -62,6 +63,8 @@ class FarCloud {
   virtual bool isSculptable() const = 0;
   /// Throws what went wrong for good, if anything has.
   virtual void check() const = 0;
+  /// What the log was told since the last call, the first few of it: for who shows it elsewhere, too. For any thread.
+  virtual std::vector<std::string> takeSaid() = 0;
 };
 
 }  // namespace palpate

@@ -10,7 +10,7 @@ namespace {
 constexpr double kReturn_N_per_s = 60;
 /// Where all is given, nothing is taken in either, since nothing pushes back. So a hand that sinks in, farther than encoders
 /// flicker, gets a little to press against, which may cost a little.
-constexpr double kSinks_mm = 0.1, kBeginning_N = 0.05, kBeginning_mJ = 0.2;
+constexpr double kSinks_mm = 0.1, kBeginning_N = 0.05;
 /// A law of another program's may come without a spring.
 constexpr double kSoftest_N_per_mm = 0.05;
 

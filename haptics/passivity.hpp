@@ -1,7 +1,8 @@
-// Whether the rendered surface gives more energy than it was given, a damper that takes the surplus back, and a limit to it
-// where others change the surface.
+// Whether the rendered surface gives more energy than it was given, a damper that takes the surplus back, and a limit
+// to it where others change the surface.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string_view>
@@ -27,22 +28,27 @@ inline constexpr std::array<std::pair<std::string_view, PassivityMode>, 3> kPass
 /// made by sampling or delay. Where the surface moves, the way that counts is the hand's relative to it: what its own
 /// motion does to the hand has a limit of its own (ForceOptions::maxSurfacePower_W).
 ///
-/// Where others have changed the surface under a hand, its spring may be stretched farther than anybody on this side has
-/// pressed it, more than a damper takes back: until that contact ends the hand gets no more than kLent_mJ that it has not
-/// put in: its force is at most that of a spring which holds what is left.
+/// Where others have changed the surface under a hand, its spring may be stretched farther than anybody on this side
+/// has pressed it, more than a damper takes back: until that contact ends the hand gets no more than kLent_mJ that it
+/// has not put in, and kBeginning_mJ to sink in again from nothing: its force is at most that of a spring which holds
+/// what is left.
 class Passivity {
  public:
-  static constexpr double kLent_mJ = 0.5;
+  static constexpr double kLent_mJ = 0.5, kBeginning_mJ = 0.2;
 
-  /// `stiffness_N_per_mm`: of the spring between hand and surface; what is left of a force that gives too much falls by it.
+  /// `stiffness_N_per_mm`: of the spring between hand and surface; what is left of a force that gives too much falls by
+  /// it.
   Passivity(PassivityMode mode, const DeviceLimits& limits, double stiffness_N_per_mm) noexcept;
 
-  /// Others are changing the surface.
-  void changed() noexcept { isLending_ = true; }
+  /// Others are changing the surface. What this contact owes from before is not held against what comes now.
+  void changed() noexcept {
+    if (!isLending_) energy_mJ_ = std::max(energy_mJ_, 0.0);
+    isLending_ = true;
+  }
 
   /// Counts what happened since the last tick, in which the hand came to `position_mm` and the surface moved with
-  /// `surface_mm_per_s` (millimetres of the device), and returns the wanted force with the controller's damping: it brakes
-  /// the motion, but never turns a push into a pull.
+  /// `surface_mm_per_s` (millimetres of the device), and returns the wanted force with the controller's damping: it
+  /// brakes the motion, but never turns a push into a pull.
   DVec3 damped(const DVec3& wanted_N, const DVec3& position_mm, double dt_s,
                const DVec3& surface_mm_per_s = DVec3(0)) noexcept;
 
@@ -71,10 +77,10 @@ class Passivity {
   DVec3 position_mm_{0};
   bool known_ = false;  ///< position_mm_ is that of the last tick
   double energy_mJ_ = 0, leastEnergy_mJ_ = 0;
-  bool isWanted_ = false;   ///< there was a force to be passed at this tick
-  bool isLending_ = false;  ///< others have changed the surface of this contact
+  bool isWanted_ = false;         ///< there was a force to be passed at this tick
+  bool isLending_ = false;        ///< others have changed the surface of this contact
   std::optional<double> held_N_;  ///< what of a force that would have given too much was passed at the last tick
-  double sunk_mm_ = 0;      ///< how far the hand has come in since it was going out
+  double sunk_mm_ = 0;            ///< how far the hand has come in since it was going out
 };
 
 }  // namespace palpate

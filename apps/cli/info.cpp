@@ -181,7 +181,7 @@ void infoOfMatter(Context& context, const std::string& name, const MatterScene& 
 void addInfo(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("info", "what a model holds and what it will need on the GPU; nothing is uploaded");
   auto file = std::make_shared<std::string>();
-  sub.add("model", *file, modelsAndStreams()).required().typeName("MODEL");
+  sub.add("model", *file, modelsAndStreams(RosModels::none)).required().typeName("MODEL");
   auto look = std::make_shared<LookOptions>();
   addLookOptions(sub, *look);
   auto allPoints = std::make_shared<bool>(false);

@@ -11,7 +11,7 @@ void addMotionOptions(Options& command, MotionOptions& options) {
   command
       .add("--motion", options.kind,
            "none; oscillate, to and fro along --motion-axis; drift, along it at a constant speed; turn, about it "
-           "through the middle. What moves is not sculpted, and has no friction (vulkan and cpu)")
+           "through the middle. What moves is not sculpted (vulkan and cpu)")
       .check(oneOf(std::move(kinds)))
       .showDefault();
   command.add("--motion-axis", options.axis, "X,Y,Z in the model's axes, of any length").showDefault();

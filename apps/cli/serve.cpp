@@ -156,7 +156,7 @@ void addServe(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand(
       "serve", "a model for other programs, here or on other machines, which join it by its name (--join)");
   auto options = std::make_shared<ServeOptions>();
-  addModelOptions(sub, options->model, modelsAndStreams(), false);
+  addModelOptions(sub, options->model, modelsAndStreams(RosModels::clouds), false);
   sub.add("--name", options->name, "by which it is joined; no other session of the network has it").required();
   sub.add("--journal", options->journalFile,
           "a file that each stroke goes into as it is taken: whoever serves the model again with it goes on where this "
@@ -186,7 +186,7 @@ void addServe(Options& app, Context& context, Command& command) {
       "A model that moves (--motion, the frames of a depth camera, matter such as jelly, water or sand) goes on by the "
       "clock of this program, and is felt alone: who joins it has the points around the hands, up to 60 times a second, "
       "and his hands press a soft body, and stir water and sand, as those of one session do (up to eight). So has who "
-      "joins with --near what stands still.\n"
+      "joins with --near what stands still. --journal, --save and --ros are for what stands still.\n"
       "Without --interface nobody but this machine can join; with it, whoever is on that network can, and nothing is "
       "encrypted. With --security all is, and only who has keys of the same authority can join (palpate keys makes them).\n");
   sub.whenNamed([&, options] { command = [&context, options] { serve(context, *options); }; });

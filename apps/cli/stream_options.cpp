@@ -1,10 +1,10 @@
 #include "apps/cli/stream_options.hpp"
 
-#include "haptics/session/matter_scenes.hpp"
+#include "apps/cli/stop_by_signal.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
-#include "apps/cli/stop_by_signal.hpp"
 #include "haptics/session/bounds.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "haptics/sharing/ros.hpp"
 
 namespace palpate {
@@ -26,7 +26,8 @@ void addStreamOptions(Options& command, StreamOptions& options) {
   command
       .add(
           "--live", options.live,
-          "in place of MODEL: a V4L2 device that speaks Z16, as /dev/video2, with --intrinsics; ros:TOPIC, each message of "
+          "in place of MODEL: a V4L2 device that speaks Z16, as /dev/video2, with --intrinsics; ros:TOPIC, each "
+          "message of "
           "a topic of ROS 2 (PointCloud2, or Image of depth with its camera_info); or -, raw frames on "
           "standard input: one line of JSON (width height fx fy cx cy depth_scale, format z16 or z16+rgb8, pose), then "
           "frames, each a line 'frame TIME_S [16 numbers, camera to world]' and its bytes")
@@ -36,34 +37,37 @@ void addStreamOptions(Options& command, StreamOptions& options) {
       .showDefault();
   command.addFlag("--loop", options.loop, "a recording begins again after its last frame");
   command
-      .add("--fuse", options.fuse,
-           "on: the frames of a depth camera become one map, which is felt and seen while it grows, on the GPU with the "
-           "back end vulkan; off: the newest frame is the cloud")
+      .add(
+          "--fuse", options.fuse,
+          "on: the frames of a depth camera become one map, which is felt and seen while it grows, on the GPU with the "
+          "back end vulkan; off: the newest frame is the cloud")
       .check(oneOf({"on", "off"}))
       .showDefault();
   addDepthOptions(command, options);
 }
 
-std::string modelsAndStreams() {
-  return fmt::format(
-      "{} file, a recorded depth camera ({}), a scene of matter (a .json file, or one of {}), or a "
-      "topic of ROS 2 (ros:TOPIC: the first PointCloud2, or a camera's live pictures of depth)",
-      cloudFormats().namesRead(), rgbdFoldersRead(), builtInScenes());
+std::string modelsAndStreams(RosModels ros) {
+  const char* topic =
+      ros == RosModels::none ? ""
+      : ros == RosModels::clouds
+          ? ", or a topic of ROS 2 (ros:TOPIC: the first PointCloud2)"
+          : ", or a topic of ROS 2 (ros:TOPIC: the first PointCloud2, or a camera's live pictures of depth)";
+  return fmt::format("{} file, a recorded depth camera ({}), a scene of matter (a .json file, or one of {}){}",
+                     cloudFormats().namesRead(), rgbdFoldersRead(), builtInScenes(), topic);
 }
 
 namespace {
 
 bool isRosCamera(const std::string& modelFile, const RosQuestion& ros) {
   const StopBySignal stop;
-  return whatRosSends(rosTopicOf(modelFile), {.network = ros.network.config(),
-                                              .log = &ros.log,
-                                              .stop = &StopBySignal::requested()}) == RosContent::pictures;
+  return whatRosSends(rosTopicOf(modelFile),
+                      {.network = ros.network.config(), .log = &ros.log, .stop = &StopBySignal::requested()}) ==
+         RosContent::pictures;
 }
 
 }  // namespace
 
-std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile,
-                                         const RosQuestion* ros) {
+std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile, const RosQuestion* ros) {
   StreamConfig stream{.speed = options.speed,
                       .loop = options.loop,
                       .fuse = options.fuse == "on",

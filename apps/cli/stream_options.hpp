@@ -22,8 +22,10 @@ void addDepthOptions(Options& command, StreamOptions& options);
 /// Those, and --live, --speed, --loop and --fuse.
 void addStreamOptions(Options& command, StreamOptions& options);
 
+/// What a command takes from a topic of ROS in place of a file.
+enum class RosModels { none, clouds, cloudsAndPictures };
 /// Of the model, as the help calls it.
-std::string modelsAndStreams();
+std::string modelsAndStreams(RosModels ros = RosModels::cloudsAndPictures);
 
 /// Where it is asked what is sent on a topic of ROS, and who hears of it.
 struct RosQuestion {

@@ -126,6 +126,8 @@ void Document::follow() {
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
   if (SharedFollower* const shared = session_->shared())
     for (const std::string& said : shared->takeSaid()) messages_.add(said);
+  if (FarCloud* const far = session_->far())
+    for (const std::string& said : far->takeSaid()) messages_.add(said);
   sayWhatFramesLack();
   sayWhatSimulationLacks();
   messages_.tryTo([&] { sculptHeld(); });

@@ -124,7 +124,7 @@ void addView(Options& app, Context& context, Command& command) {
   sub.add("--script", options->script,
           "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, wheel N, "
           "push X Y Z RX RY RZ [BUTTONS], click NAME (in the panels), drop FILE, text WORDS, resize W H, "
-          "minimise, restore, screenshot FILE.png, state FILE.json, save FILE.ply, record [FILE], replay FILE, "
+          "set NAME VALUE (of matter), minimise, restore, screenshot FILE.png|.jpg, state FILE.json, save FILE.ply, record [FILE], replay FILE, "
           "impatient, patient, ask (about changes, and how to save: click Save beside, click Save over), await FILE (until it is "
           "there, a minute at most), quit; # "
           "comments")

@@ -87,7 +87,7 @@ class LiveSession {
   /// Where the hands and cameras of others are, and this program's; null where it was not joined.
   SharedPresence* presence() const { return session_.presence(); }
   /// What brings the points around the hands, where somebody else has all of them; null elsewhere.
-  const FarCloud* far() const { return session_.far(); }
+  FarCloud* far() const { return session_.far(); }
   /// Of a model that moves by itself; null where it does not.
   SimulationControl* simulation() const { return session_.simulation(); }
   /// The points as they are, as a model: of a camera, with its frames, which are held from now on and which this session has

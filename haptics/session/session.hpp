@@ -99,7 +99,7 @@ class Session {
   SharedPresence* presence() const { return model_->presence.get(); }
   /// What brings the points around the hands, where somebody else has all of them, and how many ticks lacked some; null and
   /// none where all are here.
-  const FarCloud* far() const { return model_->far.get(); }
+  FarCloud* far() const { return model_->far.get(); }
   UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
   /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long. Whether
   /// it is. Between runs; without others at once. `known`: where others go on for more than a second, until this hand's

@@ -97,6 +97,11 @@ class FarLink final : public FarCloud {
     return counts;
   }
 
+  std::vector<std::string> takeSaid() override {
+    const std::scoped_lock hold(lock_);
+    return std::exchange(said_, {});
+  }
+
   void check() const override {
     const std::scoped_lock hold(lock_);
     if (!fault_.empty()) throw NetworkError("{}", fault_);
@@ -276,7 +281,11 @@ class FarLink final : public FarCloud {
     say(why);
   }
 
-  void say(std::string what) { untold_.push_back(std::move(what)); }
+  void say(std::string what) {
+    constexpr std::size_t kMostSaid = 8;
+    if (said_.size() < kMostSaid) said_.push_back(what);
+    untold_.push_back(std::move(what));
+  }
 
   // Without the lock, which others may wait for: who listens takes as long as it likes. It may also end what says it, which
   // would be this hand's part in the session.
@@ -318,7 +327,7 @@ class FarLink final : public FarCloud {
   FastestWay way_;
   FarCounts counts_;
   std::string fault_;
-  std::vector<std::string> untold_;  // what the log has not heard
+  std::vector<std::string> said_, untold_;  // what nobody has taken, and what the log has not heard
   int spoilt_ = 0;                   // samples since a step has come whole
   double trip_s_ = kFirstTrip_s;
   std::vector<Ball> asked_;

@@ -83,7 +83,7 @@ class Presence final : public SharedPresence {
         showHands();
         showCamera();
       }
-    } catch (const NetworkError&) {
+    } catch (const std::exception&) {
     }
   }
 

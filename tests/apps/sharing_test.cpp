@@ -29,7 +29,8 @@ class Serving {
  public:
   Serving(const std::string& arguments, const std::filesystem::path& said)
       : program("serve " + arguments + domain(), said) {
-    REQUIRE_MESSAGE(program.waitFor([&] { return contentOf(said).find("serving") != std::string::npos; }), contentOf(said));
+    REQUIRE_MESSAGE(program.waitFor([&] { return contentOf(said).find("serving") != std::string::npos; }),
+                    contentOf(said));
   }
   RunningProgram program;
 };
@@ -73,17 +74,21 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   CHECK(palpate("doctor --network" + domain()).text.find("the city") == std::string::npos);
 }
 
-TEST_CASE("two hands sculpt what a third program serves: in the end all three have the same points, and so has who comes later") {
+TEST_CASE(
+    "two hands sculpt what a third program serves: in the end all three have the same points, and so has who comes "
+    "later") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make bumpy-sphere -n 30000 -o " + in("m.ply"));
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply") + " --json " + in("s.json"), folder / "said");
   const std::string joins = "--join clay" + domain();
-  RunningProgram left("touch " + joins + " --as left --backend cpu --realtime --duration 3 --edit push --penetration 4 --save " +
+  RunningProgram left("touch " + joins +
+                          " --as left --backend cpu --realtime --duration 3 --edit push --penetration 4 --save " +
                           in("left.ply") + " --json " + in("l.json"),
                       folder / "left.said");
-  RunningProgram right("touch " + joins + " --as right --backend vulkan --path builtin:slide --duration 0.4 --edit paint --save " +
+  RunningProgram right("touch " + joins +
+                           " --as right --backend vulkan --path builtin:slide --duration 0.4 --edit paint --save " +
                            in("right.ply") + " --json " + in("r.json"),
                        folder / "right.said");
   for (RunningProgram* hand : {&left, &right}) hand->waitFor([&] { return hand->ended(); });
@@ -100,8 +105,8 @@ TEST_CASE("two hands sculpt what a third program serves: in the end all three ha
   CHECK(later["same"] == true);
   CHECK(later["sent"] == 0);
   // Taken back, a stroke leaves what others have done.
-  works("touch " + joins + " --backend cpu --duration 0.3 --edit push --penetration 4 --undo 1 --save " + in("undone.ply") + " --json " +
-        in("undone.json"));
+  works("touch " + joins + " --backend cpu --duration 0.3 --edit push --penetration 4 --undo 1 --save " +
+        in("undone.ply") + " --json " + in("undone.json"));
   const Result undone = jsonOf(in("undone.json"));
   CHECK(undone["shared"]["sent"] > 10);
   CHECK(undone["shared"]["same"] == true);
@@ -139,16 +144,18 @@ TEST_CASE("two windows on one model show each other's hands, and what both do to
   }
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply"), folder / "said");
   const auto view = [&](const std::string& name, const std::string& place) {
-    // A script goes as fast as its pictures come, so that of two windows one may be over before the other one has begun: each
-    // waits until the other one sculpts, and lets go once that has seen it.
+    // A script goes as fast as its pictures come, so that of two windows one may be over before the other one has
+    // begun: each waits until the other one sculpts, and lets go once that has seen it.
     const std::string other = name == "Ada" ? "Bert" : "Ada";
     std::ofstream(in(name + ".txt")) << "2 key T\n2 mouse " << place << "\n2.2 key 2\n2.3 button left down\n"
-                                     << "2.5 state " << in(name + ".begun") << "\n2.5 await " << in(other + ".begun") << "\n"
+                                     << "2.5 state " << in(name + ".begun") << "\n2.5 await " << in(other + ".begun")
+                                     << "\n"
                                      << "5 click link\n5.5 click link\n"
                                      << "8 screenshot " << in(name + ".png") << "\n8 state " << in(name + ".json")
                                      << "\n8 await " << in(other + ".json") << "\n8 button left up\n9 quit\n";
-    return std::system(("XDG_STATE_HOME=" + in(name) + " xvfb-run -a " + program() + " view --join clay --as " + name + domain() +
-                        " --backend cpu --realtime --script " + in(name + ".txt") + " > " + in(name + ".said") + " 2>&1")
+    return std::system(("XDG_STATE_HOME=" + in(name) + " xvfb-run -a " + program() + " view --join clay --as " + name +
+                        domain() + " --backend cpu --realtime --script " + in(name + ".txt") + " > " +
+                        in(name + ".said") + " 2>&1")
                            .c_str());
   };
   std::future<int> ada = std::async(std::launch::async, [&] { return view("Ada", "600 380"); });
@@ -193,14 +200,18 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
                           in("w.txt") + " > " + in("w.said") + " 2>&1")
                              .c_str());
     });
-    REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("a.json")); }), contentOf(in("w.said")));
-    const std::string touch = "touch --join felt" + domain() + " --backend cpu --realtime --path builtin:press --duration ";
-    RunningProgram bert(touch + "60 --near --as Bert --second-device path --second-path builtin:slide --json " + in("t.json"),
-                        folder / "bert.said");
+    REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("a.json")); }),
+                    contentOf(in("w.said")));
+    const std::string touch =
+        "touch --join felt" + domain() + " --backend cpu --realtime --path builtin:press --duration ";
+    RunningProgram bert(
+        touch + "60 --near --as Bert --second-device path --second-path builtin:slide --json " + in("t.json"),
+        folder / "bert.said");
     RunningProgram carla(touch + "60 --as Carla --json " + in("c.json"), folder / "carla.said");
     std::this_thread::sleep_for(std::chrono::seconds(8));
     std::ofstream(in("go")) << "now";
-    REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("b.json")); }), contentOf(in("w.said")));
+    REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("b.json")); }),
+                    contentOf(in("w.said")));
     CHECK(WEXITSTATUS(bert.wait(SIGINT)) == 1);  // interrupted: what it has is written
     CHECK(WEXITSTATUS(carla.wait(SIGINT)) == 1);
     CHECK_MESSAGE(window.get() == 0, contentOf(in("w.said")));
@@ -221,14 +232,16 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
   }
 }
 
-TEST_CASE("a server that is killed in mid-stroke goes on with its journal, and nothing of a stroke is lost or done twice") {
+TEST_CASE(
+    "a server that is killed in mid-stroke goes on with its journal, and nothing of a stroke is lost or done twice") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make sphere -n 20000 -o " + in("m.ply"));
   const std::string serve = in("m.ply") + " --name clay --journal " + in("strokes");
   std::optional<Serving> serving(std::in_place, serve, folder / "said");
-  RunningProgram hand("touch --join clay" + domain() + " --backend cpu --realtime --duration 6 --edit push --penetration 4 --save " +
+  RunningProgram hand("touch --join clay" + domain() +
+                          " --backend cpu --realtime --duration 6 --edit push --penetration 4 --save " +
                           in("hand.ply") + " --json " + in("h.json"),
                       folder / "hand.said");
   CHECK(hand.waitFor([&] {
@@ -281,7 +294,8 @@ std::vector<std::string> rowsOf(const std::filesystem::path& trace) {
 
 }  // namespace
 
-TEST_CASE("who has the points around the hand alone feels the file, byte by byte, in virtual time and against the clock") {
+TEST_CASE(
+    "who has the points around the hand alone feels the file, byte by byte, in virtual time and against the clock") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -299,8 +313,8 @@ TEST_CASE("who has the points around the hand alone feels the file, byte by byte
   CHECK(report["near"]["ticks_without_points"] == 0);
   CHECK(report["near"]["steps"] > 0);
   works(near + " --realtime --trace " + in("clock.csv") + " --json " + in("c.json"));
-  // Ticks that the machine was too late for are not there; those that are have the file's force, but for such as say that
-  // they lacked points.
+  // Ticks that the machine was too late for are not there; those that are have the file's force, but for such as say
+  // that they lacked points.
   const auto own = rowsOf(in("own.csv")), clock = rowsOf(in("clock.csv"));
   std::size_t same = 0;
   for (const std::string& row : clock) same += std::ranges::count(own, row) > 0;
@@ -308,17 +322,20 @@ TEST_CASE("who has the points around the hand alone feels the file, byte by byte
   CHECK(clock.size() > 300);
   // A tick that is not there is felt for some more: by the damping, and by the way that the proxy goes.
   constexpr std::size_t kAfter = 10;
-  CHECK(clock.size() - same <= kAfter * (timed["near"]["ticks_without_points"].get<std::size_t>() + timed["missed_ticks"].get<std::size_t>()));
+  CHECK(clock.size() - same <=
+        kAfter * (timed["near"]["ticks_without_points"].get<std::size_t>() + timed["missed_ticks"].get<std::size_t>()));
   CHECK(timed["near"]["ticks_without_points"] < 60);
   // A part of it came: what is near.
   CHECK(timed["near"]["most_known"] < 140000);
   const Outcome undoes = palpate(near + " --edit push --keep-points --undo 1");
   CHECK(undoes.code == 2);
   CHECK(undoes.text.find("strokes on the points around the hands alone are not taken back") != std::string::npos);
-  const Outcome saves = palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --save " + in("x.ply"));
+  const Outcome saves =
+      palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --save " + in("x.ply"));
   CHECK(saves.code == 2);
   CHECK(saves.text.find("the points around the hands alone are here") != std::string::npos);
-  const Outcome logs = palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --log " + in("log"));
+  const Outcome logs =
+      palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --log " + in("log"));
   CHECK(logs.code == 1);
   CHECK(logs.text.find("are not recorded") != std::string::npos);
   CHECK(serving.program.wait(SIGINT) == 0);
@@ -342,9 +359,11 @@ TEST_CASE("who has the points around the hand alone sculpts the file, byte by by
   for (const std::string& brush : {std::string("push"), std::string("carve")}) {
     CAPTURE(brush);
     const std::string saved = brush + ".ply", later = "later" + saved;
-    works("touch " + in("m.ply") + how + brush + " --trace " + in("own.csv") + " --save " + in(saved.c_str()) + " --json " + in("o.json"));
+    works("touch " + in("m.ply") + how + brush + " --trace " + in("own.csv") + " --save " + in(saved.c_str()) +
+          " --json " + in("o.json"));
     Serving serving(in("m.ply") + " --name carved --json " + in("s.json"), folder / "said");
-    works("touch --join carved --near" + domain() + how + brush + " --trace " + in("near.csv") + " --json " + in("n.json"));
+    works("touch --join carved --near" + domain() + how + brush + " --trace " + in("near.csv") + " --json " +
+          in("n.json"));
     CHECK(contentOf(in("near.csv")) == contentOf(in("own.csv")));
     const Result report = jsonOf(in("n.json"));
     const Result& near = report["near"];
@@ -366,7 +385,9 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
   works("make plane -n 40000 -o " + in("m.ply"));
   std::ofstream(in("rest.csv")) << "t_s,x,y,z\n0,0,0,10\n1,0,0,0\n3,0,0,0\n";
   {
-    Serving serving(in("m.ply") + " --name moving --motion oscillate --motion-amplitude 3 --motion-frequency 1 --json " + in("s.json"),
+    Serving serving(in("m.ply") +
+                        " --name moving --motion oscillate --motion-amplitude 3 --motion-frequency 1 --json " +
+                        in("s.json"),
                     folder / "said");
     const std::string join = "touch --join moving" + domain() + " --backend cpu";
     const Outcome still = palpate(join + " --duration 0.1");
@@ -406,25 +427,29 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
   }
   {
     Serving serving("jelly --name soft --backend cpu", folder / "soft.said");
-    works("touch --join soft" + domain() + " --backend cpu --realtime --path builtin:press --penetration 6 --duration 2 --json " +
-          in("soft.json"));
+    works("touch --join soft" + domain() +
+          " --backend cpu --realtime --path builtin:press --penetration 6 --duration 2 --json " + in("soft.json"));
     const Result soft = jsonOf(in("soft.json"));
     CHECK(soft["contact_ticks"] > 100);
     CHECK(soft["near"]["steps"] > 20);
     CHECK(soft["peak_force_N"] > 0.02);
     CHECK(serving.program.wait(SIGINT) == 0);
   }
-  const Outcome journal = palpate("serve " + in("m.ply") + " --motion turn --journal " + in("x") + " --name a" + domain());
+  const Outcome journal =
+      palpate("serve " + in("m.ply") + " --motion turn --journal " + in("x") + " --name a" + domain());
   CHECK(journal.code == 2);
   CHECK(journal.text.find("stands still") != std::string::npos);
 }
 
-TEST_CASE("water that two hands of one far program beat until it fails begins anew, which that program is told") {
+TEST_CASE(
+    "water that two hands of one far program beat until it fails begins anew, which that program and a window are "
+    "told") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   // So fine and without weight that its sound is slower than a hand.
-  std::ofstream(in("fine.json")) << R"({"matter": "water", "box_mm": [16, 16, 16], "fill_mm": [16, 16, 16], "spacing_mm": 2,
+  std::ofstream(in("fine.json"))
+      << R"({"matter": "water", "box_mm": [16, 16, 16], "fill_mm": [16, 16, 16], "spacing_mm": 2,
     "gravity_m_s2": [0, 0, 0]})";
   const auto beat = [&](const char* name, double x) {
     std::ofstream path(in(name));
@@ -434,11 +459,34 @@ TEST_CASE("water that two hands of one far program beat until it fails begins an
   beat("a.csv", 5);
   beat("b.csv", 11);
   Serving serving(in("fine.json") + " --name fine --backend cpu --threads 1", folder / "said");
+  // The window looks on from before until after.
+  std::ofstream(in("w.txt")) << "0.1 state " << in("v.json") << "\n0.2 await " << in("go") << "\n0.5 state "
+                             << in("w.json") << "\n0.6 quit\n";
+  std::future<int> window;
+  if (hasDisplay()) {
+    window = std::async(std::launch::async, [&] {
+      return std::system(("XDG_STATE_HOME=" + in("home") + " timeout 200 xvfb-run -a " + program() +
+                          " view --join fine" + domain() + " --backend cpu --realtime --size 320x240 --script " +
+                          in("w.txt") + " > " + in("w.said") + " 2>&1")
+                             .c_str());
+    });
+    REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("v.json")); }),
+                    contentOf(in("w.said")));
+  }
   RunningProgram hands("touch --join fine" + domain() + " --backend cpu --realtime --path " + in("a.csv") +
                            " --second-device path --second-path " + in("b.csv") + " --json " + in("j.json"),
                        folder / "hands.said");
-  CHECK(hands.waitFor([&] { return contentOf(folder / "hands.said").find("'fine' has begun anew") != std::string::npos; }));
+  CHECK(hands.waitFor(
+      [&] { return contentOf(folder / "hands.said").find("'fine' has begun anew") != std::string::npos; }));
   hands.wait(SIGINT);
+  if (window.valid()) {
+    std::ofstream(in("go")) << "now";
+    CHECK_MESSAGE(window.get() == 0, contentOf(in("w.said")));
+    const Result seen = jsonOf(in("w.json"));
+    CAPTURE(seen.dump());
+    CHECK(seen["others"]["restarts"] >= 1);
+    CHECK(seen["last_message"].get<std::string>().find("'fine' has begun anew") != std::string::npos);
+  }
   const std::string said = contentOf(folder / "said");
   CHECK(said.find(": it begins anew") != std::string::npos);
   CHECK(jsonOf(in("j.json"))["near"]["restarts"] >= 1);
@@ -449,7 +497,8 @@ TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  std::ofstream(in("pool.json")) << R"({"matter": "water", "box_mm": [90, 160, 90], "fill_mm": [90, 80, 90], "spacing_mm": 10,
+  std::ofstream(in("pool.json"))
+      << R"({"matter": "water", "box_mm": [90, 160, 90], "fill_mm": [90, 80, 90], "spacing_mm": 10,
     "tool": {"radius_mm": 20, "mass_kg": 0.034}})";
   Serving serving(in("pool.json") + " --name pool --backend cpu --threads 1 --json " + in("s.json"), folder / "said");
   const std::string join = " --join pool" + domain();
@@ -459,8 +508,8 @@ TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is
   CHECK(still.text.find("join it against the clock") != std::string::npos);
   works(touch + " --duration 4 --trace " + in("t.csv") + " --json " + in("j.json"));
   const Result felt = jsonOf(in("j.json"));
-  MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most " << felt["peak_force_N"]
-                << " N; " << felt["near"]["steps"] << " steps came");
+  MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most "
+                << felt["peak_force_N"] << " N; " << felt["near"]["steps"] << " steps came");
   CHECK(felt["near"]["steps"] > 20);
   CHECK(felt["near"]["most_known"] > 300);
   CHECK(felt["contact_ticks"] > 100);

@@ -95,6 +95,30 @@ TEST_CASE("free space is free, even on the tick after a contact that owes energy
   CHECK(passivity.energy_mJ() == 0);
 }
 
+TEST_CASE("what a contact owes from before others change its surface is not held against the hand") {
+  Passivity passivity(PassivityMode::on, {.mostDamping_N_s_per_mm = 0.0001}, 1);
+  DVec3 position(0);
+  for (int i = 0; i < 10; ++i) {
+    passivity.acted(passivity.damped({0, 0, 1}, position, kTick_s));
+    position.z += 0.4;  // pushed out by what the hand's own brush has raised
+  }
+  const double owed_mJ = passivity.energy_mJ();
+  REQUIRE(owed_mJ < -2);
+  passivity.changed();
+  // A spring of 1 N/mm that holds half a millijoule.
+  const DVec3 force = passivity.damped({0, 0, 1}, position - DVec3(0, 0, 0.4), kTick_s);
+  CHECK(force.z == doctest::Approx(1));
+  passivity.acted(force);
+  CHECK(passivity.leastEnergy_mJ() == owed_mJ);
+  // And once only: what it gives from then on it owes.
+  for (int i = 0; i < 100; ++i) {
+    passivity.changed();
+    position.z += 0.1;
+    passivity.acted(passivity.damped({0, 0, 1}, position, kTick_s));
+  }
+  CHECK(passivity.energy_mJ() > -1.2 * Passivity::kLent_mJ);
+}
+
 TEST_CASE("the damping stays within what the device renders calmly") {
   Passivity passivity(PassivityMode::on, {.mostDamping_N_s_per_mm = 0.003}, 1);
   DVec3 position(0);
@@ -140,7 +164,8 @@ TEST_CASE("jumps, numbers that are none and a mode of off count nothing") {
   CHECK(off.leastEnergy_mJ() == 0);
 }
 
-TEST_CASE("where others change the surface, all that a contact gives beyond what it took is bounded, however long it lasts") {
+TEST_CASE(
+    "where others change the surface, all that a contact gives beyond what it took is bounded, however long it lasts") {
   for (const int delay : {0, 1, 3})
     for (const double step_mm : {0.002, 0.055})
       for (const bool flickers : {false, true}) {

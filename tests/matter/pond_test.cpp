@@ -1,4 +1,5 @@
-// Matter that is simulated elsewhere, as a hand feels it here: over links whose delay is a number, and without any network.
+// Matter that is simulated elsewhere, as a hand feels it here: over links whose delay is a number, and without any
+// network.
 #include <doctest/doctest.h>
 
 #include <random>
@@ -80,10 +81,11 @@ TEST_CASE("a ball in water far away floats as one in the same water here, and is
     const Both::Felt held = both.go(900, DVec3(0), 500);
     const Both::Felt right = both.go(400, {0.05, 0, 0}, 150), left = both.go(400, {-0.05, 0, 0}, 150);
     const double drag_N = (left.far.x - right.far.x) / 2, localDrag_N = (left.local.x - right.local.x) / 2;
-    MESSAGE(fmt::format("{:.0f} ms each way: buoyancy {:.3f} N here, {:.3f} N far ({:.3f} N displaced), trembles by {:.3f} N; "
-                        "drag at 50 mm/s {:.3f} and {:.3f} N; at most {:.2f} and {:.2f} N; least energy {:.3f} mJ",
-                        1e3 * delay_s, held.local.y, held.far.y, expected_N, held.trembles_N, localDrag_N, drag_N,
-                        both.mostHere_N(), both.most_N(), 1e3 * both.least_J()));
+    MESSAGE(fmt::format(
+        "{:.0f} ms each way: buoyancy {:.3f} N here, {:.3f} N far ({:.3f} N displaced), trembles by {:.3f} N; "
+        "drag at 50 mm/s {:.3f} and {:.3f} N; at most {:.2f} and {:.2f} N; least energy {:.3f} mJ",
+        1e3 * delay_s, held.local.y, held.far.y, expected_N, held.trembles_N, localDrag_N, drag_N, both.mostHere_N(),
+        both.most_N(), 1e3 * both.least_J()));
     CHECK(std::abs(held.far.y - held.local.y) < 0.15 * expected_N);
     CHECK(std::hypot(held.far.x, held.far.z) < 0.1 * expected_N);
     // At the end of a long way it comes to rest later: the ball there is still under way.
@@ -105,11 +107,12 @@ TEST_CASE("a ball in sand far away is held by it as here") {
     const Both::Felt into = both.go(700, {0, -0.1, 0}, 500);
     const Both::Felt held = both.go(600, DVec3(0), 300);
     const Both::Felt along = both.go(300, {0.05, 0, 0}, 100);
-    MESSAGE(fmt::format("{:.0f} ms each way: into sand at 100 mm/s {:.2f} N here, {:.2f} N far; held {:.2f} and {:.2f} N; "
-                        "along at 50 mm/s {:.2f} and {:.2f} N; trembles by {:.2f} N; at most {:.2f} and {:.2f} N; least "
-                        "energy {:.3f} mJ",
-                        1e3 * delay_s, into.local.y, into.far.y, held.local.y, held.far.y, along.local.x, along.far.x,
-                        held.trembles_N, both.mostHere_N(), both.most_N(), 1e3 * both.least_J()));
+    MESSAGE(
+        fmt::format("{:.0f} ms each way: into sand at 100 mm/s {:.2f} N here, {:.2f} N far; held {:.2f} and {:.2f} N; "
+                    "along at 50 mm/s {:.2f} and {:.2f} N; trembles by {:.2f} N; at most {:.2f} and {:.2f} N; least "
+                    "energy {:.3f} mJ",
+                    1e3 * delay_s, into.local.y, into.far.y, held.local.y, held.far.y, along.local.x, along.far.x,
+                    held.trembles_N, both.mostHere_N(), both.most_N(), 1e3 * both.least_J()));
     // A second later it is pushed against sand that is known to have given way nowhere yet.
     const double less = delay_s < 0.1 ? 0.8 : 0.6, more = delay_s < 0.1 ? 1.2 : 1.75;
     const auto isAlike = [&](double far_N, double local_N) { return far_N / local_N > less && far_N / local_N < more; };
@@ -131,17 +134,19 @@ TEST_CASE("sand far away bears a ball as here at a wall, at the bottom and half 
     DVec3 above_m;
     int steps;  // down at 100 mm/s
   };
-  for (const Place& place : {Place{"at a wall", {0.03, 0.15, 0.06}, 700}, Place{"in a corner", {0.03, 0.15, 0.03}, 600},
-                             Place{"at the bottom", {0.06, 0.15, 0.06}, 1050}, Place{"half out", {0.06, 0.15, 0.06}, 450}}) {
+  for (const Place& place :
+       {Place{"at a wall", {0.03, 0.15, 0.06}, 700}, Place{"in a corner", {0.03, 0.15, 0.03}, 600},
+        Place{"at the bottom", {0.06, 0.15, 0.06}, 1050}, Place{"half out", {0.06, 0.15, 0.06}, 450}}) {
     Both both(scene, delay_s);
     both.meet(place.above_m, delay_s);
     const Both::Felt into = both.go(place.steps, {0, -0.1, 0}, place.steps - 150);
     const Both::Felt held = both.go(400, DVec3(0), 250);
     const Both::Felt out = both.go(500, {0, 0.1, 0}, 350);
-    MESSAGE(fmt::format("{}: into sand {:.2f} N here, {:.2f} N far; held {:.2f} and {:.2f} N; out again {:.2f} and {:.2f} N; "
-                        "at most {:.2f} and {:.2f} N; least energy {:.3f} mJ",
-                        place.name, into.local.y, into.far.y, held.local.y, held.far.y, out.local.y, out.far.y,
-                        both.mostHere_N(), both.most_N(), 1e3 * both.least_J()));
+    MESSAGE(fmt::format(
+        "{}: into sand {:.2f} N here, {:.2f} N far; held {:.2f} and {:.2f} N; out again {:.2f} and {:.2f} N; "
+        "at most {:.2f} and {:.2f} N; least energy {:.3f} mJ",
+        place.name, into.local.y, into.far.y, held.local.y, held.far.y, out.local.y, out.far.y, both.mostHere_N(),
+        both.most_N(), 1e3 * both.least_J()));
     CHECK(into.far.y > 0.7 * into.local.y);
     // What is to give way in front of a ball that moves is known later than it should.
     CHECK(into.far.y < 1.7 * into.local.y);
@@ -153,7 +158,8 @@ TEST_CASE("sand far away bears a ball as here at a wall, at the bottom and half 
   }
 }
 
-TEST_CASE("hands get no more energy out of far matter than they have put in, however they move and however long the way is") {
+TEST_CASE(
+    "hands get no more energy out of far matter than they have put in, however they move and however long the way is") {
   std::mt19937 random(11);
   std::normal_distribution<double> push;
   for (const Matter matter : {Matter::water, Matter::sand})
@@ -198,7 +204,8 @@ TEST_CASE("water that flows elsewhere carries along a ball that is held still he
   const float speed_m_s = 0.1f;
   const int rests = 300, flows = 250;
   std::vector<Vec3> beginning = placesAtRest(scene);
-  for (const Vec3& place : placesAtRest(scene)) beginning.push_back(place - Vec3(static_cast<float>(scene.box_mm.x * 1e-3), 0, 0));
+  for (const Vec3& place : placesAtRest(scene))
+    beginning.push_back(place - Vec3(static_cast<float>(scene.box_mm.x * 1e-3), 0, 0));
   int step = 0;
   MatterPond pond(scene, {.threads = 1, .tools = 1}, [&](KnownMatter& known) {
     if (step % 16 != 0) return false;
@@ -224,7 +231,8 @@ TEST_CASE("water that flows elsewhere carries along a ball that is held still he
   CHECK(pond.counts().restarts == 0);
 }
 
-TEST_CASE("where far matter begins anew, all that is here begins anew with it; where nothing is heard, it stays as it is") {
+TEST_CASE(
+    "where far matter begins anew, all that is here begins anew with it; where nothing is heard, it stays as it is") {
   Both both(smallTank(), 0.02);
   both.go(900, {0, -0.1, 0}, 0);
   both.go(400, DVec3(0), 0);
@@ -243,7 +251,8 @@ TEST_CASE("where far matter begins anew, all that is here begins anew with it; w
   CHECK(both.least_J() >= -1e-3);
 }
 
-TEST_CASE("what is known of far matter may be anything: the force stays a number, bounded, and comes back with the truth") {
+TEST_CASE(
+    "what is known of far matter may be anything: the force stays a number, bounded, and comes back with the truth") {
   const MatterScene scene = smallTank();
   std::mt19937 random(5);
   const std::vector<Vec3> rest = placesAtRest(scene);
@@ -298,10 +307,51 @@ TEST_CASE("what is known of far matter may be anything: the force stays a number
   CHECK(mean.y < 1.5 * buoyancy_N(scene));
 }
 
+TEST_CASE("news of moving sand that was held up and comes with the next one knocks on no hand") {
+  const MatterScene scene = smallTank(Matter::sand);
+  const std::vector<Vec3> rest = placesAtRest(scene);
+  constexpr int kApart = 16;
+  // The bed goes to and fro at 100 mm/s. Of news each 16 steps every fourth one is late by as much, so that two come in
+  // two steps.
+  const auto mostChange_N = [&](bool isHeldUp) {
+    int times = 0;
+    MatterPond pond(scene, {.threads = 1, .tools = 1}, [&](KnownMatter& known) {
+      const int news = times / kApart, step = times++ % kApart;
+      const bool isNow = step == (isHeldUp && news % 4 == 1 ? kApart - 1 : 0);
+      if (!isNow) return false;
+      const double time_s = 1e-3 * kApart * news;
+      const Vec3 way(static_cast<float>(0.002 * std::sin(50 * time_s)), 0, 0);
+      known = {.positions = rest, .velocities = std::vector<Vec3>(rest.size(), Vec3(0)), .time_s = time_s};
+      for (std::uint32_t i = 0; i < rest.size(); ++i) {
+        known.positions[i] += way;
+        known.ids.push_back(i);
+      }
+      return true;
+    });
+    const HandPose hand{.place_m = {0.06, 0.05, 0.06}};
+    double most = 0;
+    DVec3 last(0);
+    for (int k = 0; k < 1200; ++k) {
+      pond.step({&hand, 1});
+      REQUIRE(pond.state() == MatterState::running);
+      const DVec3 force_N = pond.answers()[0].force_N;
+      if (k > 400) most = std::max(most, glm::distance(force_N, last));
+      last = force_N;
+    }
+    CHECK(pond.counts().restarts == 0);
+    return most;
+  };
+  const double even_N = mostChange_N(false), heldUp_N = mostChange_N(true);
+  MESSAGE("the largest change of force in a step, of a bed that goes to and fro: "
+          << even_N << " N, and where news is held up " << heldUp_N << " N");
+  CHECK(heldUp_N < 1.5 * even_N + 0.1);
+}
+
 TEST_CASE("nobody is within a ball, none comes where another one is, and who is his own stays where he is") {
   const MatterScene scene = smallTank();
   const MatterPlan plan = planOf(scene);
-  const PondSpace space{.reach = pondReach(scene, plan), .spacing_m = 0.01f, .fastest_m_s = 10, .box_m = scene.box_mm * 1e-3};
+  const PondSpace space{
+      .reach = pondReach(scene, plan), .spacing_m = 0.01f, .fastest_m_s = 10, .box_m = scene.box_mm * 1e-3};
   const PondMembers rules(space);
   KnownMatter known{.positions = placesAtRest(scene), .velocities = {}};
   known.velocities.resize(known.positions.size());
@@ -318,9 +368,8 @@ TEST_CASE("nobody is within a ball, none comes where another one is, and who is 
   CHECK(members.size() == expected);
   REQUIRE(members.size() > 200);
   // One beside the ball goes half a spacing along it; another one is known to have come into its old place.
-  const auto own = std::ranges::find_if(members, [&](const PondMember& member) {
-    return PondMembers::distance(member.place, balls) < space.reach.free;
-  });
+  const auto own = std::ranges::find_if(
+      members, [&](const PondMember& member) { return PondMembers::distance(member.place, balls) < space.reach.free; });
   REQUIRE(own != members.end());
   const std::uint32_t id = own->id;
   const Vec3 place = own->place + Vec3(0.002f);

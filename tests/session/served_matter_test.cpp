@@ -173,6 +173,7 @@ class RestingFar final : public FarCloud {
   bool isSculptable() const override { return false; }
   FarCounts counts() const override { return {}; }
   void check() const override {}
+  std::vector<std::string> takeSaid() override { return {}; }
 
  private:
   BrickSource source_;

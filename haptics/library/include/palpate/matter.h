@@ -62,7 +62,7 @@ typedef struct pp_matter {
 typedef struct pp_matter_options {
   uint32_t size;
   uint32_t threads;    /* of the CPU; 0: one per core */
-  const char* gpu;     /* as in pp_session_options */
+  const char* gpu;     /* as in pp_session_options; null: the CPU for soft bodies */
   pp_log_function log; /* hears remarks of pp_matter_open(); null: nobody */
   void* log_user;
   const pp_vulkan_device* vulkan; /* as in pp_session_options */
