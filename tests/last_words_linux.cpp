@@ -29,6 +29,7 @@ constexpr unsigned kMostForWords_s = 60;  // a debugger that stands still itself
 pid_t ours = 0;
 std::atomic<const char*> caseName = nullptr, caseFile = nullptr;
 std::atomic<unsigned> caseLine = 0;
+unsigned limit_s = 0;  // of each case; 0: none
 
 void say(std::string_view text) {
   while (!text.empty()) {
@@ -115,8 +116,12 @@ struct CaseKeeper final : doctest::IReporter {
     caseFile = of.m_file.c_str();
     caseLine = of.m_line;
     caseName = of.m_name;
+    ::alarm(limit_s);
   }
-  void test_case_end(const doctest::CurrentTestCaseStats&) override { caseName = nullptr; }
+  void test_case_end(const doctest::CurrentTestCaseStats&) override {
+    caseName = nullptr;
+    ::alarm(limit_s);  // what comes after the last one may stand still, too
+  }
 
   void report_query(const doctest::QueryData&) override {}
   void test_run_start() override {}
@@ -151,7 +156,9 @@ void sayLastWords() {
     // A sanitizer says more of it.
     if (before.sa_handler == SIG_DFL) ::sigaction(signal, &action, nullptr);
   }
-  if (const char* limit = std::getenv("PALPATE_TESTS_LIMIT_S")) ::alarm(static_cast<unsigned>(std::atoi(limit)));
+  // Of a case and not of the program: a slow machine that gets on is no reason to end it.
+  if (const char* limit = std::getenv("PALPATE_TESTS_LIMIT_S")) limit_s = static_cast<unsigned>(std::atoi(limit));
+  ::alarm(limit_s);
 }
 
 }  // namespace palpate

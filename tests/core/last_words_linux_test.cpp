@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -19,7 +20,7 @@ namespace palpate {
 namespace {
 
 constexpr char kWithinMalloc[] = "it is aborted from within malloc", kStandsStill[] = "it stands still",
-               kNullPointer[] = "it reads where nothing is";
+               kNullPointer[] = "it reads where nothing is", kGetsOn[] = "it gets on*";
 
 struct End {
   int signal = 0;
@@ -67,6 +68,10 @@ TEST_CASE("it reads where nothing is" * doctest::skip()) {
   CHECK(*nothing == 0);
 }
 
+TEST_CASE("it gets on, slowly" * doctest::skip()) { std::this_thread::sleep_for(std::chrono::seconds(2)); }
+
+TEST_CASE("it gets on, as slowly as before" * doctest::skip()) { std::this_thread::sleep_for(std::chrono::seconds(2)); }
+
 TEST_CASE("a test program that is aborted from within malloc says so and ends at once") {
   const End end = endOf(kWithinMalloc);
   CAPTURE(end.text);
@@ -88,6 +93,13 @@ TEST_CASE("a test program that takes too long says where its threads stand, wher
     MESSAGE("there is no gdb here, which says where all threads stand");
     CHECK(says(end.text, "tests_core("));
   }
+}
+
+TEST_CASE("a test program of many cases may take longer than one of them") {
+  const End end = endOf(kGetsOn, "PALPATE_TESTS_LIMIT_S=3");
+  CAPTURE(end.text);
+  CHECK(end.signal == 0);
+  CHECK(says(end.text, "2 passed"));
 }
 
 TEST_CASE("a test program that reads where nothing is says in which case") {

@@ -18,6 +18,7 @@ constexpr std::uint32_t kMany = 1000;  // more steps than a compaction of these 
 // each access, and lavapipe ends those loops at 65,535 rounds, so that good addresses are called bad from some 4,000
 // on.
 constexpr std::size_t kCrowd = 700;
+constexpr std::size_t kLarge = 200'000;  // of more buckets than a GPU goes through in one short slice
 
 PointCloud cloudOf(std::vector<Vec3> positions) {
   PointCloud cloud;
@@ -278,8 +279,8 @@ TEST_CASE("a compaction that goes away in the middle of a slice waits for it") {
 }
 
 TEST_CASE("a live cloud whose index follows edits takes less than two thirds as much again as one without") {
-  Device device({.gpu = "", .validation = Validation::off});  // which would take a minute for a million points
-  const Scene scene = makeScene("sphere", 1'000'000);
+  Device device({.gpu = "", .validation = Validation::off});  // what is asked is of no pass
+  const Scene scene = makeScene("sphere", 2 * kLarge);
   const HashGrid grid = makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size());
   constexpr std::uint64_t kBytesPerSlot = 2 * 2 * sizeof(Vec4);
   const SpatialHash plain(device, grid, static_cast<std::uint32_t>(scene.cloud.size()));
@@ -293,10 +294,10 @@ TEST_CASE("a live cloud whose index follows edits takes less than two thirds as 
 }
 
 TEST_CASE(
-    "a compaction of a million points is made of short slices, or of a few long ones, between which edits go on") {
+    "a compaction of a large cloud is made of short slices, or of a few long ones, between which edits go on") {
   Device device({.gpu = "", .validation = Validation::off});  // times are shown
-  const Scene scene = makeScene("sphere", 1'000'000);
-  constexpr std::uint32_t kDefault = 0, kLong = 1 << 17;
+  const Scene scene = makeScene("sphere", kLarge);
+  constexpr std::uint32_t kDefault = 0, kLong = 1 << 15;
   for (const std::uint32_t bucketsPerSlice : {kDefault, kLong}) {
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
                        brushOf(BrushKind::push), {}, kDefaultSort, std::nullopt, {.bucketsPerSlice = bucketsPerSlice});
@@ -326,7 +327,7 @@ TEST_CASE(
     CHECK(edits >= 4);
     const double copied_us = watch.elapsed_us() - edits_us;
     CHECK(edited.compactFurther(1));
-    CHECK(edited.report().dirty > 50 * edits);  // each edit's own
+    CHECK(edited.report().dirty > 15 * edits);  // each edit's own
     CHECK(edited.report().points == edited.points().size());
     CHECK(edited.faults() == 0);
     MESSAGE(slices << " slices, " << all_us << " us in all, the longest " << longest_us << " us; the end, of "

@@ -299,14 +299,15 @@ TEST_CASE("of what is joined near, the points around the hand are felt as all of
     return count == 1 && hands[0].name == name && hands[0].touching && !hands[0].sculpts &&
            hands[0].position[2] < hands[0].proxy[2];
   };
-  CHECK(comes(10, [&] {
-    touch(near, pathOf(path));
-    return sees(whole, "anna");
-  }));
-  CHECK(comes(10, [&] {
-    touch(whole, pathOf(path));
-    return sees(near, "ben");
-  }));
+  // Where it is at a path's end is on its way then, and shown for a second.
+  const auto isSeen = [&](pp_session hand, const std::string& name, pp_session who) {
+    return comes(10, [&] {
+      touch(hand, pathOf(path));
+      return comes(0.5, [&] { return sees(who, name); });
+    });
+  };
+  CHECK(isSeen(near, "anna", whole));
+  CHECK(isSeen(whole, "ben", near));
   const pp_sharing sharing = sharingOf(near);
   CHECK(sharing.restarts == 0);
   CHECK(sharing.sculptable == 1);
