@@ -28,8 +28,9 @@ struct MatterPlace {
   double ballRadius = 0;  ///< model units
 };
 
-/// press: from above into the matter, until the ball is under by `penetration_mm`, and stays; stir: the same, and four times
-/// around in a circle, and out again. Throws UsageError for another name.
-Path builtinPathInMatter(std::string_view name, const MatterPlace& place, const ModelScale& scale, double penetration_mm);
+/// press: from above into the matter, until the ball is under by `penetration_mm`, and stays; stir: the same, and four
+/// times around in a circle, and out again. Throws UsageError for another name.
+Path builtinPathInMatter(std::string_view name, const MatterPlace& place, const ModelScale& scale,
+                         double penetration_mm);
 
 }  // namespace palpate

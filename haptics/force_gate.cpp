@@ -34,13 +34,15 @@ DVec3 ForceGate::pass(const DVec3& wanted_N, const TickSigns& signs, double dt_s
     counts_.errors += errorFor_s_ == 0;
     errorFor_s_ += dt_s > 0 ? dt_s : period_s_;
   }
-  const double known = signs.known > 0 ? std::min(signs.known, 1.0) : 0;  // written so that what is no number is nothing
+  const double known =
+      signs.known > 0 ? std::min(signs.known, 1.0) : 0;  // written so that what is no number is nothing
   counts_.aged += known < 1;
   if (!signs.on || signs.jumped || errorFor_s_ > kLongestDropout_s) waiting_ = true;
   if (known == 0 && share_ == 0) waiting_ = true;
   if (!error) errorFor_s_ = 0;
   // Only a surface that was really asked may end the wait: no answer, or an old one, is not a small demand.
-  if (signs.on && !error && known > 0 && staleFor_s_ <= kFreshFor_s && signs.demand_N <= kSmallDemand_N) waiting_ = false;
+  if (signs.on && !error && known > 0 && staleFor_s_ <= kFreshFor_s && signs.demand_N <= kSmallDemand_N)
+    waiting_ = false;
   if (!signs.on || error || waiting_) {
     share_ = 0;
     return limited(DVec3(0), dt_s);

@@ -35,7 +35,8 @@ struct GateCounts {
 /// - nothing while forces are off, at an error (no valid answer, a jump of the device, a pause in the ticks, a force
 ///   that is no number), and afterwards while the surface would at once push with more than a small force: at the start
 ///   of a session, when forces come back, after a jump and after a long error;
-/// - then a share that ramps up; and a share that fades while the data are stale, or what is known of the surface is old:
+/// - then a share that ramps up; and a share that fades while the data are stale, or what is known of the surface is
+/// old:
 ///   where nothing is left of it, it waits as after a long error;
 /// - never more than the device's peak and what its motors bear.
 /// A device without a hand starts with the gate open: nobody is surprised by a script's first force.

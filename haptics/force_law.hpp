@@ -16,7 +16,8 @@ struct ForceOptions {
   double damping_N_s_per_mm = 0.002;
   double maxForce_N = kTouchPeakForce_N;
   double maxRise_N_per_s = 600;  ///< how fast the force may grow or turn; its size may always fall at once
-  /// What a surface that moves by itself may do to the hand: its velocity times the force. 2 N at half a metre per second.
+  /// What a surface that moves by itself may do to the hand: its velocity times the force. 2 N at half a metre per
+  /// second.
   double maxSurfacePower_W = 1;
 
   bool operator==(const ForceOptions&) const = default;
@@ -41,15 +42,15 @@ class ForceLaw {
   const ForceOptions& options() const { return options_; }
   const ModelScale& scale() const { return scale_; }
 
-  /// From now on the force of a contact is what `custom` says, in place of spring and damper; every limit stays, but that
-  /// it may pull as well. It has no say in the force of a tool of many points.
+  /// From now on the force of a contact is what `custom` says, in place of spring and damper; every limit stays, but
+  /// that it may pull as well. It has no say in the force of a tool of many points.
   void setCustom(const CustomForce& custom) { custom_ = custom; }
 
   /// Lowers maxForce_N and the stiffness to what a device can bear.
   void limitTo(double peakForce_N, double stiffness_N_per_mm = std::numeric_limits<double>::infinity()) noexcept;
 
-  /// Somebody else is changing the surface under the proxy: while that is so, what comes of it rises ten times as slowly as
-  /// the hand's own pressing may, so that no change knocks on the hand.
+  /// Somebody else is changing the surface under the proxy: while that is so, what comes of it rises ten times as
+  /// slowly as the hand's own pressing may, so that no change knocks on the hand.
   void setChanging(bool isChanging) noexcept { isChanging_ = isChanging; }
 
   /// The force on the hand, N, for a tick that comes `dt_s` after the one before. Exactly zero when nothing is touched,

@@ -12,9 +12,8 @@ constexpr double kSmallestJump_mm = 1;  // encoder steps and late reads look fas
 
 /// The answer as it is, or, when it is a fault or holds numbers that are not finite, "nothing touched, not valid".
 Contact trusted(const Contact& contact, const DVec3& hip) {
-  const bool sane =
-      contact.valid && isFinite(contact.proxy) && isFinite(contact.normal) && isFinite(contact.velocity) &&
-      isFinite(contact.force_N.value_or(DVec3(0)));
+  const bool sane = contact.valid && isFinite(contact.proxy) && isFinite(contact.normal) &&
+                    isFinite(contact.velocity) && isFinite(contact.force_N.value_or(DVec3(0)));
   return sane ? contact : Contact{.proxy = hip};
 }
 
@@ -135,11 +134,12 @@ DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, dou
   return force_N;
 }
 
-// A proxy that slides over a surface at rest goes along it; what it goes across is the way of the surface. Of an answer from
-// old data, whose force may be on its way out, that says nothing.
+// A proxy that slides over a surface at rest goes along it; what it goes across is the way of the surface. Of an answer
+// from old data, whose force may be on its way out, that says nothing.
 DVec3 Hand::surfaceVelocity(bool isChanging, double dt_s) noexcept {
   if (!contact_.fresh) return contact_.velocity;
-  const std::optional<DVec3> last = std::exchange(lastProxy_, contact_.touching ? std::optional(contact_.proxy) : std::nullopt);
+  const std::optional<DVec3> last =
+      std::exchange(lastProxy_, contact_.touching ? std::optional(contact_.proxy) : std::nullopt);
   if (!isChanging || !contact_.touching || !last || !(dt_s > 0)) return contact_.velocity;
   return contact_.velocity + glm::dot(contact_.proxy - *last, contact_.normal) / dt_s * contact_.normal;
 }

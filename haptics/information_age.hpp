@@ -14,17 +14,17 @@ struct AgeLimits {
   double gone_s = 0;  ///< and none from here on
 };
 
-/// One second and two and a half round trips are full: who serves a cloud is heard twice a second, half a round trip after it
-/// has spoken; what is lost on the way comes a round trip later, and, where that is lost, too, another one. The force is gone
-/// a second after that. A round trip counts two seconds at most, and one where it is no number.
+/// One second and two and a half round trips are full: who serves a cloud is heard twice a second, half a round trip
+/// after it has spoken; what is lost on the way comes a round trip later, and, where that is lost, too, another one.
+/// The force is gone a second after that. A round trip counts two seconds at most, and one where it is no number.
 AgeLimits ageLimits(double roundTrip_s) noexcept;
 
-/// The share of a force that knowledge of that age bears: whole, then evenly less, then nothing. Nothing where the age is no
-/// number.
+/// The share of a force that knowledge of that age bears: whole, then evenly less, then nothing. Nothing where the age
+/// is no number.
 double shareAt(double age_s, const AgeLimits& limits) noexcept;
 
-/// The age of what is known: the time since what was heard last was said. One thread hears, and any other one asks, at each
-/// tick: a thread that hangs grows old like a link that does.
+/// The age of what is known: the time since what was heard last was said. One thread hears, and any other one asks, at
+/// each tick: a thread that hangs grows old like a link that does.
 class InformationAge {
  public:
   using Clock = Stopwatch::Clock;

@@ -8,8 +8,8 @@ namespace {
 
 /// How fast what was held back comes again: as what others change does (ForceLaw::setChanging()).
 constexpr double kReturn_N_per_s = 60;
-/// Where all is given, nothing is taken in either, since nothing pushes back. So a hand that sinks in, farther than encoders
-/// flicker, gets a little to press against, which may cost a little.
+/// Where all is given, nothing is taken in either, since nothing pushes back. So a hand that sinks in, farther than
+/// encoders flicker, gets a little to press against, which may cost a little.
 constexpr double kSinks_mm = 0.1, kBeginning_N = 0.05;
 /// A law of another program's may come without a spring.
 constexpr double kSoftest_N_per_mm = 0.05;
@@ -49,8 +49,9 @@ DVec3 Passivity::braked(const DVec3& wanted_N, const DVec3& way_mm, double dt_s)
   return wanted_N - alpha_N_s_per_mm * velocity_mm_per_s;
 }
 
-// A spring of this stiffness that holds the energy E pushes with sqrt(2 k E), and gives just E as it lets go (the energy
-// tank of Franken et al. 2011, emptied by a spring). Within that, what is on its way to the motors has its share already.
+// A spring of this stiffness that holds the energy E pushes with sqrt(2 k E), and gives just E as it lets go (the
+// energy tank of Franken et al. 2011, emptied by a spring). Within that, what is on its way to the motors has its share
+// already.
 DVec3 Passivity::lent(const DVec3& force_N, const DVec3& way_mm, double dt_s) noexcept {
   double left_mJ = energy_mJ_ + kLent_mJ;
   for (std::size_t i = 0; i < delay_; ++i) left_mJ -= std::max(0.0, glm::dot(forces_N_[i], way_mm));

@@ -64,12 +64,12 @@ struct HandResult {
 struct ServoResult {
   std::vector<HandResult> hands;
   bool deviceFailed = false;
-  bool queryLost = false;         ///< ended early: the query will never answer again
-  std::string fault;              ///< of the device that failed, in words; empty unless one did
-  bool realtimePriority = false;  ///< the ticks ran under SCHED_FIFO
-  bool pacedByDevice = false;     ///< on the device's own thread
-  TickHistogram step_us;          ///< from pose read to force ready
-  TickHistogram late_us;          ///< from when a tick was due to its begin; empty in virtual time
+  bool queryLost = false;           ///< ended early: the query will never answer again
+  std::string fault;                ///< of the device that failed, in words; empty unless one did
+  bool realtimePriority = false;    ///< the ticks ran under SCHED_FIFO
+  bool pacedByDevice = false;       ///< on the device's own thread
+  TickHistogram step_us;            ///< from pose read to force ready
+  TickHistogram late_us;            ///< from when a tick was due to its begin; empty in virtual time
   SchedulingStatistics scheduling;  ///< of the servo thread; nothing in virtual time and at the device's pace
 
   /// Of the first hand.

@@ -16,8 +16,8 @@ namespace palpate {
 /// written is left out and counted, and what comes later is written again once it can be.
 class SessionWriter {
  public:
-  /// `text` says how to run the session again. `onFailure` is called once, on the log's thread, when something cannot be
-  /// written, with a sentence for a person. Throws FileError when the file cannot be made.
+  /// `text` says how to run the session again. `onFailure` is called once, on the log's thread, when something cannot
+  /// be written, with a sentence for a person. Throws FileError when the file cannot be made.
   SessionWriter(std::filesystem::path file, std::string text, std::function<void(const std::string&)> onFailure = {});
   /// Without finish() the log ends like that of a session that did not come to its end.
   ~SessionWriter();

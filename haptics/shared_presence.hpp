@@ -64,8 +64,8 @@ class SharedPresence {
   /// Where this program's hands are. For the thread that answers them, one at a time: waits for nobody. Hands of which
   /// nothing more is said are shown for a second more.
   virtual void moved(const HandPlaces& hands) noexcept = 0;
-  /// From where this program's picture is seen; nothing: nobody is told, as at first. Throws UsageError for a camera that
-  /// is none.
+  /// From where this program's picture is seen; nothing: nobody is told, as at first. Throws UsageError for a camera
+  /// that is none.
   virtual void show(const std::optional<CameraPlace>& camera) = 0;
   /// Those of others that were heard within the last seconds.
   virtual std::vector<SeenHand> hands() const = 0;

@@ -49,7 +49,9 @@ struct TraceSummary {
 
 TraceSummary summarize(const Trace& trace);
 /// From the first tick to the last one, s.
-inline double durationOf(const Trace& trace) { return trace.rows.empty() ? 0 : trace.rows.back().time_s - trace.rows.front().time_s; }
+inline double durationOf(const Trace& trace) {
+  return trace.rows.empty() ? 0 : trace.rows.back().time_s - trace.rows.front().time_s;
+}
 
 /// One row per tick, numbers in the shortest form that reads back to the same double. In virtual time gpu_us and
 /// step_us are written as 0, so that the same input gives the same bytes; their statistics are in the summary. With a

@@ -1,5 +1,5 @@
-// How closely the tests' GPU is watched: PALPATE_TESTS_VALIDATE is "full", which it is without it, "core", for layers and
-// drivers that GPU-assisted validation does not get on with, or "0", for a second run that is about something else.
+// How closely the tests' GPU is watched: PALPATE_TESTS_VALIDATE is "full", which it is without it, "core", for layers
+// and drivers that GPU-assisted validation does not get on with, or "0", for a second run that is about something else.
 #pragma once
 
 #include <doctest/doctest.h>

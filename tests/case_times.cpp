@@ -1,5 +1,5 @@
-// Where a test program's time goes: `--reporters=times` lists each case with the processor time and the time on the wall
-// that it took, the longest first. The first of them also stands for beside what else the machine does.
+// Where a test program's time goes: `--reporters=times` lists each case with the processor time and the time on the
+// wall that it took, the longest first. The first of them also stands for beside what else the machine does.
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// The GPU that tests run on. One device serves a whole test program, since making one costs more than most tests; a test
-// that ends with a validation message fails.
+// The GPU that tests run on. One device serves a whole test program, since making one costs more than most tests; a
+// test that ends with a validation message fails.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -42,9 +42,9 @@ class GpuFixture {
   Device& device;
 };
 
-/// For cases with so much data, so many ticks or shaders of so many kinds that a software driver would take half a minute
-/// to search for each access: others of the same room run the same passes under GPU-assisted validation. `Fixture` hands
-/// its device down to GpuFixture.
+/// For cases with so much data, so many ticks or shaders of so many kinds that a software driver would take half a
+/// minute to search for each access: others of the same room run the same passes under GPU-assisted validation.
+/// `Fixture` hands its device down to GpuFixture.
 template <class Fixture>
 struct CoreValidated : Fixture {
   CoreValidated() : Fixture(coreValidatedDevice()) {}

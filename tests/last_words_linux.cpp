@@ -47,8 +47,16 @@ struct Digits {
 // False where there is no debugger that could look at this process.
 bool askDebugger() {
   Digits self(ours);
-  const char* words[] = {"gdb", "-nx", "-batch", "-iex", "set debuginfod enabled off", "-p", self.text.data(), "-ex",
-                         "thread apply all backtrace 40", nullptr};
+  const char* words[] = {"gdb",
+                         "-nx",
+                         "-batch",
+                         "-iex",
+                         "set debuginfod enabled off",
+                         "-p",
+                         self.text.data(),
+                         "-ex",
+                         "thread apply all backtrace 40",
+                         nullptr};
   // What a debugger loads of its own is not to be this program's; its warnings go where its answer goes.
   char path[] = "PATH=/usr/local/bin:/usr/bin:/bin";
   char* surroundings[] = {path, nullptr};

@@ -16,9 +16,9 @@
 
 namespace palpate {
 
-/// One that no other test program of this machine is on for as long as this one lives: a file of its number is locked until
-/// then. The same in each call. Its ports lie below those that the machine hands out by itself. own_domain.py and own_domain.sh
-/// take from the same ones.
+/// One that no other test program of this machine is on for as long as this one lives: a file of its number is locked
+/// until then. The same in each call. Its ports lie below those that the machine hands out by itself. own_domain.py and
+/// own_domain.sh take from the same ones.
 inline std::uint32_t ownDomain() {
   static const std::uint32_t own = [] {
     constexpr std::uint32_t kFirst = 20, kCount = 80;

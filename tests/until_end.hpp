@@ -1,5 +1,5 @@
-// What a whole test program shares: it goes when the last test has run, while every library is still whole. An object that
-// is static may outlive those of a validation layer, which calls that abort.
+// What a whole test program shares: it goes when the last test has run, while every library is still whole. An object
+// that is static may outlive those of a validation layer, which calls that abort.
 #pragma once
 
 #include <memory>

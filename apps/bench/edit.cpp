@@ -56,9 +56,9 @@ class EditObserver final : public OneHandQuery {
     const Contact contact = backend_.query(pose, budget_us);
     hand_.felt(contact);
     ObservedTick noted{.sculpts = ready && contact.touching,
-                .compacts = compacting || backend_.isCompacting() || backend_.compactions() > before,
-                .builds = backend_.indexWork().built,
-                .compactions = backend_.compactions()};
+                       .compacts = compacting || backend_.isCompacting() || backend_.compactions() > before,
+                       .builds = backend_.indexWork().built,
+                       .compactions = backend_.compactions()};
     const auto& times = backend_.editTimes_us();
     if (seen_ < times.size()) {
       const EditCosts costs = backend_.editCosts();
@@ -153,8 +153,8 @@ void summarizeTicks(EditCost& cost, const std::vector<ObservedTick>& noted, cons
   cost.compactingStep_us = summarize(std::move(compacting));
 }
 
-// Of a stroke in real time that has edited nothing, though it edits in virtual time, by which the brush was chosen: what
-// is not answered in time, or edited in time, passes the hand by.
+// Of a stroke in real time that has edited nothing, though it edits in virtual time, by which the brush was chosen:
+// what is not answered in time, or edited in time, passes the hand by.
 [[noreturn]] void refusePace(const Trace& trace, const TouchShortfalls& shortfalls, double rate_Hz) {
   throw Error(
       "{} of {} ticks were answered in time, and {} edits left out since one takes too long; this machine is too "

@@ -19,8 +19,8 @@ struct StrokeRecord {
   std::size_t points = 0;
   double spacing_mm = 0, radius_mm = 0, brushRadius_mm = 0;  ///< radius_mm: support radius of the edits
   std::size_t ticks = 0, acting = 0;                         ///< of the stroke; of these, in which the brush acted
-  std::size_t settling = 0;                                 ///< ticks in the air until the last change
-  bool settled = true;                                      ///< false: it still changed when we stopped looking
+  std::size_t settling = 0;                                  ///< ticks in the air until the last change
+  bool settled = true;                                       ///< false: it still changed when we stopped looking
   bool carves = false;
   IdleRecord before, after;  ///< presses on the unmoved cloud, and at the settled one
   EditVerdict verdict;

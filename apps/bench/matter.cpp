@@ -22,9 +22,9 @@ constexpr int kAskedCompliances = 10;
 
 struct MatterBenchOptions : BenchOptions {
   std::vector<std::string> matters{"water", "sand"};
-  std::int64_t points = 0;  // that a soft body carries; 0: its skin
+  std::int64_t points = 0;   // that a soft body carries; 0: its skin
   std::int64_t presses = 0;  // on the surface of a soft body, in place of a ball
-  double depth_mm = 0;  // of what fills the tank; 0: as deep as wide
+  double depth_mm = 0;       // of what fills the tank; 0: as deep as wide
   bool passes = false;
 };
 
@@ -48,8 +48,7 @@ MatterScene sceneOf(Matter matter, std::size_t particles, double depth_mm) {
 // A cube with so many nodes, or a block where they are few, on the floor of a box that it does not fill.
 MatterScene softScene(std::size_t nodes) {
   const double side = std::max(2 * kBall_spacings + 1, std::round(std::cbrt(static_cast<double>(nodes))) - 1);
-  const double layers =
-      std::max(1.0, std::round(static_cast<double>(nodes) / ((side + 1) * (side + 1))) - 1);
+  const double layers = std::max(1.0, std::round(static_cast<double>(nodes) / ((side + 1) * (side + 1))) - 1);
   MatterScene scene = sceneOf(Matter::water, 0, 0);
   scene.matter = Matter::soft;
   scene.viscosity_Pa_s = kSoftViscosity_Pa_s;
@@ -138,10 +137,8 @@ struct MatterCase {
 };
 
 std::unique_ptr<MatterSimulation> start(Context& context, const MatterCase& one, bool timesPasses) {
-  MatterOptions options{
-      .threads = context.threads(), .tools = one.presses > 0 ? 0u : 1u, .timesPasses = timesPasses};
-  if (one.scene.matter != Matter::soft || one.points == 0)
-    return startMatter(context, one.backend, one.scene, options);
+  MatterOptions options{.threads = context.threads(), .tools = one.presses > 0 ? 0u : 1u, .timesPasses = timesPasses};
+  if (one.scene.matter != Matter::soft || one.points == 0) return startMatter(context, one.backend, one.scene, options);
   return startSoft(context, one.backend, one.scene, options, solidOf(one.scene), pointsOn(one.scene, one.points));
 }
 
@@ -171,7 +168,8 @@ class Stirred {
   }
   /// As a session asks for it, where the surface was pressed last.
   double compliance_m_N() {
-    return world_->localCompliance_m_N(world_->pressed().front().place_m, world_->scene().spacing_mm * 1e-3, {0, -1, 0});
+    return world_->localCompliance_m_N(world_->pressed().front().place_m, world_->scene().spacing_mm * 1e-3,
+                                       {0, -1, 0});
   }
   const MatterSimulation& world() const { return *world_; }
 
@@ -296,9 +294,8 @@ void print(std::FILE* out, const Json& records) {
   fmt::print(out, "\n");
   for (const Json& record : records) {
     fmt::print(out, "{:<8}{:<9}{:>11}{:>11.0f}{:>10}", record["matter"].get<std::string>(),
-               record["backend"].get<std::string>(),
-               record["particles"].get<std::size_t>(), record["depth_mm"].get<double>(),
-               record["substeps"].get<std::size_t>());
+               record["backend"].get<std::string>(), record["particles"].get<std::size_t>(),
+               record["depth_mm"].get<double>(), record["substeps"].get<std::size_t>());
     for (const char* span : {"step", "substep"})
       for (const char* clock : {"gpu_us", "wall_us"}) fmt::print(out, "{:>24}", said(record[span][clock]));
     fmt::print(out, "\n");
@@ -332,9 +329,9 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
         const auto particles = static_cast<std::size_t>(size);
         const MatterScene scene =
             matter == Matter::soft ? softScene(particles) : sceneOf(matter, particles, options.depth_mm);
-        records.push_back(measure(context,
-                                  {.scene = scene, .backend = backend, .points = options.points, .presses = options.presses},
-                                  options));
+        records.push_back(
+            measure(context, {.scene = scene, .backend = backend, .points = options.points, .presses = options.presses},
+                    options));
       }
   print(context.tables(), records);
   return records;
@@ -372,7 +369,8 @@ void addMatterBench(Options& bench, Context& context, Command& command) {
   sub.footer(
       "Time of a step of a millisecond and its share for each substep, on the GPU's clock and with all that the host "
       "does, while a ball goes through the matter, or is dragged over it where it is soft. For a soft body also a "
-      "frame of the points that it carries: where they are carried, and until they are on the host; and with presses how "
+      "frame of the points that it carries: where they are carried, and until they are on the host; and with presses "
+      "how "
       "long it takes to say how its surface gives way.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {

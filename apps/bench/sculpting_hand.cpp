@@ -10,8 +10,8 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kCoarse = 32'768;                   // points of a sample, to choose a place
-constexpr std::size_t kPlaces = 16;                       // where the hand is put down
+constexpr std::size_t kCoarse = 32'768;  // points of a sample, to choose a place
+constexpr std::size_t kPlaces = 16;      // where the hand is put down
 constexpr double kStep_mm = 0.5;
 constexpr std::size_t kStepsApart = 6;
 

@@ -1,6 +1,6 @@
-// How long it takes until what one hand does to a shared cloud is felt by another one: one presses, the other one rests on
-// the same place. Both are of this program, so that one clock tells both; the server may be anywhere, and what is done goes
-// to it and comes back.
+// How long it takes until what one hand does to a shared cloud is felt by another one: one presses, the other one rests
+// on the same place. Both are of this program, so that one clock tells both; the server may be anywhere, and what is
+// done goes to it and comes back.
 #include <random>
 #include <thread>
 
@@ -33,7 +33,8 @@ class SharedHand {
         session_(config_, loadModel(config_, {.log = context.log(), .join = joiningHand(name)}),
                  {.backend = context.backends().named(config_.backend.name), .threads = 1, .log = &context.log()}),
         device_(clock, farPlace()) {
-    if (!session_.shared()) throw Error("'{}' is served to be felt alone (--read-only): nothing can be done to it", config_.model.file);
+    if (!session_.shared())
+      throw Error("'{}' is served to be felt alone (--read-only): nothing can be done to it", config_.model.file);
     thread_ = std::jthread([this] {
       try {
         const OpenHand hand{.device = &device_};
@@ -89,7 +90,8 @@ class SharedHand {
 SessionConfig configOf(const ShareOptions& share, const std::string& backend, double duration_s) {
   SessionConfig config;
   config.model.file = share.name;
-  config.join = JoinConfig{.network = share.network.interface, .peers = share.network.peers, .domain = share.network.domain};
+  config.join =
+      JoinConfig{.network = share.network.interface, .peers = share.network.peers, .domain = share.network.domain};
   config.backend.name = backend;
   config.realtime = true;
   config.duration_s = duration_s;
@@ -100,7 +102,8 @@ SessionConfig configOf(const ShareOptions& share, const std::string& backend, do
 class OwnServer {
  public:
   OwnServer(const ShareOptions& share, unsigned threads)
-      : cloud_(sampleShape(*makeShape("sphere"), {.count = static_cast<std::size_t>(share.points), .threads = threads})),
+      : cloud_(
+            sampleShape(*makeShape("sphere"), {.count = static_cast<std::size_t>(share.points), .threads = threads})),
         server_(cloud_, {.network = share.network.config(), .name = share.name, .model = "a sphere", .mm_per_unit = 1}),
         thread_([this] { server_.serve(stop_); }) {}
   ~OwnServer() { stop_ = true; }
@@ -127,9 +130,9 @@ bool waitFor(double most_s, SharedHand& a, SharedHand& b, Sign&& sign) {
 
 struct Felt {
   std::vector<double> after_ms;
-  std::uint64_t notFelt = 0;   // within the time that a round trip of two seconds, lost twice, would take
+  std::uint64_t notFelt = 0;     // within the time that a round trip of two seconds, lost twice, would take
   std::uint64_t notPressed = 0;  // the one that presses has done nothing: there was nothing to be felt
-  std::uint64_t unsteady = 0;  // places that no hand rests on
+  std::uint64_t unsteady = 0;    // places that no hand rests on
 };
 
 // Another place each time, so that nothing is left of what was done before; at no certain phase of whatever goes round.
@@ -181,14 +184,17 @@ struct ShareRecord {
   bool same = false;
 };
 
-ShareRecord measureShare(Context& context, const ShareOptions& share, const std::string& backend, std::int64_t presses) {
+ShareRecord measureShare(Context& context, const ShareOptions& share, const std::string& backend,
+                         std::int64_t presses) {
   constexpr double kLongestTrial_s = 4, kLongest_s = 600;
-  SessionConfig config = configOf(share, backend, std::min(kLongest_s, 10 + kLongestTrial_s * static_cast<double>(presses)));
+  SessionConfig config =
+      configOf(share, backend, std::min(kLongest_s, 10 + kLongestTrial_s * static_cast<double>(presses)));
   const Stopwatch clock;
   SharedHand rester(context, config, "rests", clock);
   config.brush = BrushConfig{.keepsDensity = false};
   SharedHand presser(context, config, "presses", clock);
-  ShareRecord record{.felt = pressAndRest(presser, rester, presses), .rests = rester.counts(), .presses = presser.counts()};
+  ShareRecord record{
+      .felt = pressAndRest(presser, rester, presses), .rests = rester.counts(), .presses = presser.counts()};
   record.trip_ms = (record.rests.link.roundTrip_ms.value_or(0) + record.presses.link.roundTrip_ms.value_or(0)) / 2;
   const ServoResult& result = rester.end();
   presser.end();
@@ -211,15 +217,19 @@ Summary beyondTrip_ms(const ShareRecord& record) {
 void print(std::FILE* out, const std::string& backend, const ShareRecord& record) {
   const auto pair = [](const Summary& summary) { return fmt::format("{:.1f} / {:.1f}", summary.p50, summary.p99); };
   fmt::print(out, "{:<8} {:>14.1f} {:>8.1f} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", backend, record.trip_ms,
-             record.rests.link.lost_percent.value_or(0), record.felt.after_ms.size(), pair(summarize(record.felt.after_ms)),
-             pair(beyondTrip_ms(record)), record.felt.notFelt, fmt::format("{} of {}", record.missed, record.ticks + record.missed),
-             record.aged);
+             record.rests.link.lost_percent.value_or(0), record.felt.after_ms.size(),
+             pair(summarize(record.felt.after_ms)), pair(beyondTrip_ms(record)), record.felt.notFelt,
+             fmt::format("{} of {}", record.missed, record.ticks + record.missed), record.aged);
   if (record.felt.unsteady > 0)
-    fmt::print(out, "  at {} places the resting hand did not come to rest, and nothing was pressed\n", record.felt.unsteady);
+    fmt::print(out, "  at {} places the resting hand did not come to rest, and nothing was pressed\n",
+               record.felt.unsteady);
   if (record.felt.notPressed > 0)
-    fmt::print(out, "  {} times the pressing hand did nothing to the surface, and there was nothing to feel\n", record.felt.notPressed);
+    fmt::print(out, "  {} times the pressing hand did nothing to the surface, and there was nothing to feel\n",
+               record.felt.notPressed);
   if (record.editsTooSlow > 0)
-    fmt::print(out, "  edits were left out or put off in {} ticks, for one took this machine longer than a force can be held: presses may be felt late\n",
+    fmt::print(out,
+               "  edits were left out or put off in {} ticks, for one took this machine longer than a force can be "
+               "held: presses may be felt late\n",
                record.editsTooSlow);
 }
 
@@ -245,8 +255,8 @@ Json toJson(const std::string& backend, const ShareRecord& record) {
 Json benchShare(Context& context, const BenchOptions& options, const ShareOptions& share) {
   Json records = Json::array();
   std::FILE* out = context.tables();
-  fmt::print(out, "{:<8} {:>14} {:>8} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", "", "round trip ms", "lost %", "presses",
-             "felt p50 / p99 ms", "beyond it p50 / p99 ms", "not felt", "ticks missed", "faded");
+  fmt::print(out, "{:<8} {:>14} {:>8} {:>8} {:>20} {:>24} {:>10} {:>16} {:>8}\n", "", "round trip ms", "lost %",
+             "presses", "felt p50 / p99 ms", "beyond it p50 / p99 ms", "not felt", "ticks missed", "faded");
   for (const std::string& backend : options.backends) {
     const ShareRecord record = measureShare(context, share, backend, options.repeat);
     print(out, backend, record);
@@ -258,20 +268,24 @@ Json benchShare(Context& context, const BenchOptions& options, const ShareOption
 }  // namespace
 
 void addShareBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("share", "how long it takes until what one hand does to a shared cloud is felt by another");
+  Options& sub =
+      bench.addSubcommand("share", "how long it takes until what one hand does to a shared cloud is felt by another");
   const auto options = std::make_shared<BenchOptions>();
   const auto share = std::make_shared<ShareOptions>();
   options->backends = {"cpu"};
   options->repeat = 50;
-  sub.add("--join", share->name, "a session that another palpate serves, by its name (default: this program serves a sphere)")
+  sub.add("--join", share->name,
+          "a session that another palpate serves, by its name (default: this program serves a sphere)")
       .typeName("NAME");
   sub.add("--points", share->points, "of that sphere").check(wholeBetween(1000, 1e7)).showDefault();
   addNetworkOptions(sub, share->network);
   addBackendsOption(sub, *options, {"cpu", "vulkan"});
   sub.add("--presses", options->repeat, "so often").check(wholeBetween(1, 10'000)).showDefault();
   sub.footer(
-      "Both hands are this program's, at 1 kHz. The time is from the tick at which one presses to the first other force of the "
-      "one that rests there; what is pressed goes to the server and comes back, so that a round trip is in it, as it would be "
+      "Both hands are this program's, at 1 kHz. The time is from the tick at which one presses to the first other "
+      "force of the "
+      "one that rests there; what is pressed goes to the server and comes back, so that a round trip is in it, as it "
+      "would be "
       "between two hands that are each half a round trip from the server. Beyond it: less that.\n");
   sub.whenNamed([&, options, share] {
     command = [&context, options, share] {

@@ -36,7 +36,8 @@ struct StreamBenchOptions : BenchOptions {
 DepthCamera cameraOf(const std::string& size) {
   const auto [width, height] = parseList<std::uint32_t, 2>(size, 'x', "--frames", "WIDTHxHEIGHT in pixels");
   const double focal = 525.0 / 640 * width;
-  return {.width = width, .height = height, .fx = focal, .fy = focal, .cx = 0.5 * width - 0.5, .cy = 0.5 * height - 0.5};
+  return {
+      .width = width, .height = height, .fx = focal, .fy = focal, .cx = 0.5 * width - 0.5, .cy = 0.5 * height - 0.5};
 }
 
 CameraPose viewOf(std::uint64_t view) {
@@ -75,7 +76,7 @@ double spacingOf(const PointCloud& map) {
 struct Fused {
   Summary fuse_us, index_us, arrival_us;
   std::vector<std::pair<std::string, double>> passes_us;  // in their order: medians, each timed by itself
-  FusionCounts counts;  // of the last frame
+  FusionCounts counts;                                    // of the last frame
 };
 
 // Frames into a map that is there, with its index, as the touch side does it.
@@ -140,7 +141,8 @@ Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, con
   return fused;
 }
 
-// How far the points of a map are from the shape, root of the mean square, m, that begins empty and takes in the frames.
+// How far the points of a map are from the shape, root of the mean square, m, that begins empty and takes in the
+// frames.
 Json judge(const AnalyticShape& shape, const DepthCamera& camera, const std::vector<DepthFrame>& frames,
            unsigned threads) {
   FusionOptions options;
@@ -184,8 +186,9 @@ Json toJson(const std::string& frames, std::size_t surfels, const Fused& fused) 
 Json benchStream(Context& context, const StreamBenchOptions& options) {
   const auto shape = makeShape("sphere", kSize_m);
   Json result{{"rows", Json::array()}, {"felt", Json::array()}, {"truth", Json::array()}};
-  fmt::print(context.tables(), "\nstream: depth frames into a map, us, median / p99.9\n{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n",
-             "frames", "surfels", "matched", "fuse", "index", "arrival to index");
+  fmt::print(context.tables(),
+             "\nstream: depth frames into a map, us, median / p99.9\n{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n", "frames",
+             "surfels", "matched", "fuse", "index", "arrival to index");
   const auto pair = [](const Summary& us) { return fmt::format("{:.1f} / {:.1f}", us.p50, us.p999); };
   std::vector<std::function<void()>> reports;  // behind the table
   const auto felt = [&](const std::string& size, const PointCloud& map, const DepthCamera& camera,
@@ -223,8 +226,8 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
     result["truth"].push_back(truth);
   }
   for (const auto& report : reports) report();
-  fmt::print(context.tables(), "\nagainst the shape, from an empty map, mm RMS\n{:<12}{:>8}{:>10}{:>10}{:>10}\n", "frames",
-             "views", "points", "depths", "map");
+  fmt::print(context.tables(), "\nagainst the shape, from an empty map, mm RMS\n{:<12}{:>8}{:>10}{:>10}{:>10}\n",
+             "frames", "views", "points", "depths", "map");
   for (const Json& truth : result["truth"])
     fmt::print(context.tables(), "{:<12}{:>8}{:>10}{:>10.2f}{:>10.2f}\n", truth["size"].get<std::string>(),
                truth["frames"].get<std::size_t>(), truth["points"].get<std::size_t>(),
@@ -247,9 +250,12 @@ void addStreamBench(Options& bench, Context& context, Command& command) {
       .showDefault();
   addRepeatOptions(sub, *options);
   sub.footer(
-      "A sphere of six metres, seen from two metres before it by a camera that goes round a little, is fused into a map "
-      "of it; on 1 and 5 million points unless --sizes says otherwise. Tables of the time on the GPU that a frame takes "
-      "to be fused and indexed, of all that passes from a decoded frame to the points that a hand feels, and of how far "
+      "A sphere of six metres, seen from two metres before it by a camera that goes round a little, is fused into a "
+      "map "
+      "of it; on 1 and 5 million points unless --sizes says otherwise. Tables of the time on the GPU that a frame "
+      "takes "
+      "to be fused and indexed, of all that passes from a decoded frame to the points that a hand feels, and of how "
+      "far "
       "the points of a map that began empty are from the sphere.\n");
   sub.whenNamed([&, options] {
     if (options->sizes.empty()) options->sizes = {1'000'000, 5'000'000};

@@ -15,10 +15,10 @@ namespace palpate {
 struct FeltStream {
   std::string situation;  ///< "still", "latest" frame or "fused"
   std::uint64_t ticks = 0, contactTicks = 0, missedTicks = 0;
-  double freshShare = 0;           ///< of the ticks: answered in time
-  Summary step_us;                 ///< from pose to force
-  std::uint64_t frames = 0;        ///< that were felt
-  std::uint64_t framesDropped = 0; ///< for newer ones
+  double freshShare = 0;            ///< of the ticks: answered in time
+  Summary step_us;                  ///< from pose to force
+  std::uint64_t frames = 0;         ///< that were felt
+  std::uint64_t framesDropped = 0;  ///< for newer ones
   double pictures_per_s = 0;
   std::uint64_t framesDrawn = 0;
 };

@@ -198,7 +198,8 @@ void addTouchBench(Options& bench, Context& context, Command& command) {
       "Slides 1 mm deep at 5, 50 and 200 mm/s, presses, taps, pushes through plates; M1 angle between force and true "
       "normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, in all and "
       "off edges, M5 pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the "
-      "air, M9 the largest stiffness that a hand holds steady, M10 tangential force (there is no friction: mu is 0) and drift at rest, M11 after an edit, M12 the same "
+      "air, M9 the largest stiffness that a hand holds steady, M10 tangential force (there is no friction: mu is 0) "
+      "and drift at rest, M11 after an edit, M12 the same "
       "path twice, and the CPU against the back end.\n");
   sub.whenNamed([&, options, backends] {
     command = [&context, options, chosen = backends.given()] {

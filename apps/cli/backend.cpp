@@ -108,7 +108,8 @@ void addToolOptions(Options& sub, BackendOptions& options) {
           "the method fused, and cpu)")
       .check(oneOf(namesOf(kToolKinds)))
       .showDefault();
-  sub.add("--tool-points", options.toolPoints, fmt::format("of a pad, ball or spatula (default {})", ToolConfig{}.points))
+  sub.add("--tool-points", options.toolPoints,
+          fmt::format("of a pad, ball or spatula (default {})", ToolConfig{}.points))
       .check(wholeBetween(1, static_cast<double>(kMostToolPoints)))
       .typeName("N");
   sub.add("--tool-size", options.toolSize_mm,

@@ -78,7 +78,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 62> kFlags{{
     {"realtime", "--realtime"},
 }};
 
-bool isOfName(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.' || c == '[' || c == ']'; }
+bool isOfName(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.' || c == '[' || c == ']';
+}
 
 // "hands[0].path" as "hands.path".
 std::string ofAnyHand(std::string_view field) {

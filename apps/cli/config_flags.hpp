@@ -9,8 +9,8 @@ namespace palpate {
 
 class Options;
 
-/// What is wrong, with each field under the name of the flag that sets it, where `command` has that flag. A command that
-/// has none of it reads its configuration elsewhere, as from a session log: there the fields keep their own names.
+/// What is wrong, with each field under the name of the flag that sets it, where `command` has that flag. A command
+/// that has none of it reads its configuration elsewhere, as from a session log: there the fields keep their own names.
 std::string inFlags(const ConfigError& error, const Options& command);
 
 }  // namespace palpate

@@ -26,9 +26,10 @@ Validation Context::validation() const {
 
 void Context::addOptions(Options& app) {
   app.add("--gpu", gpu_, "GPU by number or part of its name (else PALPATE_GPU, else the best there is)");
-  app.addFlag("--validate", validate_, {"full", "core"},
-              "watch every GPU call (core, synchronisation and GPU-assisted validation; --validate=core: not the shaders "
-              "as they run, which takes a software driver long); any message ends in exit code 1");
+  app.addFlag(
+      "--validate", validate_, {"full", "core"},
+      "watch every GPU call (core, synchronisation and GPU-assisted validation; --validate=core: not the shaders "
+      "as they run, which takes a software driver long); any message ends in exit code 1");
   app.add("--json", json_, "write a machine-readable result to this file, or to stdout with -")
       .typeName("FILE|-")
       .check({[](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; }});
@@ -44,8 +45,11 @@ Log& Context::log() {
 
 Device& Context::device() {
   if (!device_)
-    device_ = std::make_unique<Device>(DeviceOptions{
-        .gpu = gpu_, .validation = validation(), .queues = queues_, .shows = shows_, .windowExtensions = windowExtensions_});
+    device_ = std::make_unique<Device>(DeviceOptions{.gpu = gpu_,
+                                                     .validation = validation(),
+                                                     .queues = queues_,
+                                                     .shows = shows_,
+                                                     .windowExtensions = windowExtensions_});
   return *device_;
 }
 

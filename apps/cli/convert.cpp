@@ -140,7 +140,8 @@ void addConvert(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("convert", "a cloud from one file into another; says what is lost on the way");
   auto options = std::make_shared<ConvertOptions>();
   sub.add("input", options->input,
-          fmt::format("file to read: {}; or {}, whose frames become one cloud; or ros:TOPIC, of which the first PointCloud2 is taken",
+          fmt::format("file to read: {}; or {}, whose frames become one cloud; or ros:TOPIC, of which the first "
+                      "PointCloud2 is taken",
                       cloudFormats().endingsRead(), rgbdFoldersRead()))
       .required()
       .typeName("IN");

@@ -192,14 +192,14 @@ Json network(std::FILE* out, const NetworkConfig& config) {
              config.security.empty() ? "" : " for holders of keys", seen.size());
   Json json = Json::array();
   for (const SeenSession& session : seen) {
-    const double lost_percent =
-        session.pings ? 100 * (1 - static_cast<double>(session.answered) / session.pings) : 0;
+    const double lost_percent = session.pings ? 100 * (1 - static_cast<double>(session.answered) / session.pings) : 0;
     const std::string way =
-        !session.fits          ? fmt::format("of another version of palpate ({}), and cannot be joined", session.version)
+        !session.fits ? fmt::format("of another version of palpate ({}), and cannot be joined", session.version)
         : session.roundTrip_ms ? fmt::format("round trip {:.2f} ms, {:.0f} % of {} pings lost", *session.roundTrip_ms,
                                              lost_percent, session.pings)
                                : "no ping came back";
-    fmt::print(out, "  {}: {} points of {}, by {}; {}\n", session.name, session.points, session.model, session.host, way);
+    fmt::print(out, "  {}: {} points of {}, by {}; {}\n", session.name, session.points, session.model, session.host,
+               way);
     json.push_back({{"name", session.name},
                     {"host", session.host},
                     {"model", session.model},
@@ -212,7 +212,9 @@ Json network(std::FILE* out, const NetworkConfig& config) {
                     {"lost_percent", session.pings ? Json(lost_percent) : Json(nullptr)}});
   }
   if (keyHolders && seen.empty())
-    fmt::print(out, "There are programs with keys, and what they serve is seen with keys of the same authority alone (--security)\n");
+    fmt::print(out,
+               "There are programs with keys, and what they serve is seen with keys of the same authority alone "
+               "(--security)\n");
   return json;
 }
 
@@ -297,8 +299,9 @@ void addDoctor(Options& app, Context& context, Command& command) {
       .check(between(1, 100'000))
       .needs(servo)
       .showDefault();
-  sub.addFlag("--network", options->network,
-              "list the sessions that others serve (palpate serve), with their round trips and losses, and nothing else")
+  sub.addFlag(
+         "--network", options->network,
+         "list the sessions that others serve (palpate serve), with their round trips and losses, and nothing else")
       .excludes(servo);
   addNetworkOptions(sub, options->which);
   sub.whenNamed([&, options] { command = [&context, options] { doctor(context, *options); }; });

@@ -1,5 +1,4 @@
 #include "apps/cli/look.hpp"
-#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/voxel_sample.hpp"
@@ -9,6 +8,7 @@
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/matter/soft_model.hpp"
 #include "engine/touch/memory.hpp"
+#include "haptics/session/matter_scenes.hpp"
 
 namespace palpate {
 
@@ -98,8 +98,8 @@ void infoOfFrames(Context& context, const std::string& file, const StreamOptions
   std::FILE* out = context.tables();
   fmt::print(out, "{}: {} frames of a depth camera ({}), {:.6g} s\n", file, folder.frames(), folder.kind(),
              folder.duration_s());
-  fmt::print(out, "  size: {} x {} pixels, focal lengths {:g} and {:g}, middle {:g}, {:g}\n", camera.width, camera.height,
-             camera.fx, camera.fy, camera.cx, camera.cy);
+  fmt::print(out, "  size: {} x {} pixels, focal lengths {:g} and {:g}, middle {:g}, {:g}\n", camera.width,
+             camera.height, camera.fx, camera.fy, camera.cx, camera.cy);
   fmt::print(out, "  depth: {:g} values per metre\n", folder.depthScale());
   fmt::print(out, "  poses: {} of {}   colours: {} of {}   up: {}\n", folder.poses(), folder.frames(), folder.colors(),
              folder.frames(), up ? nameOf(*up) : "by the shape");
@@ -141,10 +141,11 @@ void infoOfSoftBody(Context& context, const std::string& name, const MatterScene
   const double mass_kg = scene.density_kg_m3 * lattice.volume_m3();
   const auto& box = scene.box_mm;
   std::FILE* out = context.tables();
-  fmt::print(out, "{}: a soft body of {} nodes, {:g} mm apart, with {} points, in a box of {:g} x {:g} x {:g} mm\n", name,
-             lattice.nodes(), scene.spacing_mm, model.cloud.size(), box.x, box.y, box.z);
+  fmt::print(out, "{}: a soft body of {} nodes, {:g} mm apart, with {} points, in a box of {:g} x {:g} x {:g} mm\n",
+             name, lattice.nodes(), scene.spacing_mm, model.cloud.size(), box.x, box.y, box.z);
   fmt::print(out, "  {}, {:.3g} kg\n", elasticityInWords(scene), mass_kg);
-  fmt::print(out, "  {} substeps in a millisecond; its surface is felt, and pressed; the force is {:g} times the real one\n",
+  fmt::print(out,
+             "  {} substeps in a millisecond; its surface is felt, and pressed; the force is {:g} times the real one\n",
              plan.substeps, scene.gain);
   Json json = sceneJson(scene, plan);
   json["particles"] = lattice.nodes();

@@ -53,7 +53,9 @@ void addMake(Options& app, Context& context, Command& command) {
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub.add("shape", options->shape, "one of " + names).required().typeName("SHAPE");
   sub.add("-n,--points", options->count, "number of points").check(wholeBetween(0, kMostPoints)).showDefault();
-  sub.add("-o,--output", options->output, "file to write: " + cloudFormats().endingsWritten()).required().typeName("FILE");
+  sub.add("-o,--output", options->output, "file to write: " + cloudFormats().endingsWritten())
+      .required()
+      .typeName("FILE");
   sub.add("--seed", options->seed, "turns the sampling and picks the noise; same seed, same bytes")
       .check(wholeBetween(0, bounds::kMostSeed))
       .showDefault();

@@ -82,7 +82,8 @@ void addMesh(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("mesh", "a triangle mesh of a model, by marching cubes on the GPU");
   auto options = std::make_shared<MeshCommandOptions>();
   addModelOptions(sub, options->model);
-  sub.add("-o,--output", options->output, fmt::format("file to write, vertices with normals: {}; .ply, .obj, .stl and .off hold the triangles, too",
+  sub.add("-o,--output", options->output,
+          fmt::format("file to write, vertices with normals: {}; .ply, .obj, .stl and .off hold the triangles, too",
                       cloudFormats().endingsWritten()))
       .required()
       .typeName("MESH.ply");

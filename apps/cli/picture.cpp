@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/model_lines.hpp"
 #include "apps/cli/legend.hpp"
+#include "apps/cli/model_lines.hpp"
 #include "apps/cli/parse_list.hpp"
 
 namespace palpate {
@@ -157,8 +157,8 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   // With lines beside the points, all of those places.
   const bool showsLines = !model.cloud.empty() && (model.container || (options.cameras && !model.cameras.empty()));
   if (showsLines) framing.shown.reset();
-  const Camera camera =
-      Camera::parse(options.camera, showsLines ? placesWithLines(model, options.cameras) : model.cloud, aspect, framing);
+  const Camera camera = Camera::parse(
+      options.camera, showsLines ? placesWithLines(model, options.cameras) : model.cloud, aspect, framing);
   const double bar = options.scaleBar ? scaleBarLength(camera, size) : 0;
   if (options.scaleBar) {
     frameOf.overlays.scale = scaleBar(camera, size);

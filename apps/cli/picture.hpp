@@ -13,7 +13,7 @@ struct PictureOptions {
   std::uint32_t smooth_px = 0, samples = 4;
   bool printFrame = false, scaleBar = false, everyPoint = false;
   bool cameras = false;  ///< with those that took pictures of it
-  bool points = false;  ///< bare ones instead of discs
+  bool points = false;   ///< bare ones instead of discs
 };
 void addPictureOptions(Options& command, PictureOptions& options);
 

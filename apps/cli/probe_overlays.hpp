@@ -11,8 +11,8 @@
 namespace palpate {
 
 /// The HIP as a ball; in contact also the proxy as a disc on the surface, the force as an arrow, and the tool of the
-/// brush as an outline, or the ball that a hand holds in matter. `origin`: of the cloud; `longestSide`: of its box, model
-/// units.
+/// brush as an outline, or the ball that a hand holds in matter. `origin`: of the cloud; `longestSide`: of its box,
+/// model units.
 struct HeldTool {
   std::optional<BrushOptions> brush;
   double ballRadius = 0;  ///< model units; 0: there is none

@@ -1,9 +1,9 @@
 #include "apps/bench/picture_way.hpp"
-#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/mesh_options.hpp"
 #include "apps/cli/picture.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stream_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 
 namespace palpate {
 

@@ -86,9 +86,11 @@ void replay(Context& context, const ReplayOptions& options) {
   if (options.recover && !options.traceFile.empty()) throw UsageError("--trace: --recover runs nothing");
   for (const std::string* file : {&options.saveFile, &options.traceFile}) Context::checkWritable(*file);
   sayWhatIsLost(options.saveFile, context.log());
-  const ReplayParts parts{
-      .backends = context.backends(), .log = context.log(), .threads = context.threads(), .model = options.model,
-      .naming = "--model"};
+  const ReplayParts parts{.backends = context.backends(),
+                          .log = context.log(),
+                          .threads = context.threads(),
+                          .model = options.model,
+                          .naming = "--model"};
   Recorded recorded = loadRecorded(options.log, parts);
   std::optional<ReplayOutcome> outcome;
   std::string machine;

@@ -60,7 +60,8 @@ SessionConfig servedConfig(Context& context, const ServeOptions& options) {
 }
 
 FarFacts factsOf(const Model& model, const std::optional<MatterScene>& matter) {
-  FarFacts facts{.spacing = model.spacing, .wideSpacing = model.wideSpacing, .noise = model.noise, .up = model.upright.up};
+  FarFacts facts{
+      .spacing = model.spacing, .wideSpacing = model.wideSpacing, .noise = model.noise, .up = model.upright.up};
   if (!matter || matter->matter == Matter::soft) return facts;
   MatterScene scene = *matter;
   scene.model = std::filesystem::path(scene.model).filename().string();  // where it is stored is nobody's business
@@ -184,11 +185,13 @@ void addServe(Options& app, Context& context, Command& command) {
       "them, in one order for all: each feels what the others do, and in the end all have the same points, bit by bit. "
       "Points are moved, painted and taken away; none come to keep the surface whole (--keep-points).\n"
       "A model that moves (--motion, the frames of a depth camera, matter such as jelly, water or sand) goes on by the "
-      "clock of this program, and is felt alone: who joins it has the points around the hands, up to 60 times a second, "
+      "clock of this program, and is felt alone: who joins it has the points around the hands, up to 60 times a "
+      "second, "
       "and his hands press a soft body, and stir water and sand, as those of one session do (up to eight). So has who "
       "joins with --near what stands still. --journal, --save and --ros are for what stands still.\n"
       "Without --interface nobody but this machine can join; with it, whoever is on that network can, and nothing is "
-      "encrypted. With --security all is, and only who has keys of the same authority can join (palpate keys makes them).\n");
+      "encrypted. With --security all is, and only who has keys of the same authority can join (palpate keys makes "
+      "them).\n");
   sub.whenNamed([&, options] { command = [&context, options] { serve(context, *options); }; });
 }
 

@@ -21,10 +21,13 @@ void addNetworkOptions(Options& command, NetworkOptions& options) {
       .add("--peer", options.peers,
            "address of a machine to look for, where the network carries no multicast; as often as there are some")
       .typeName("ADDRESS");
-  command.add("--domain", options.domain, "of DDS, as ROS numbers them").check(inRange(0, bounds::kLastDomain)).showDefault();
+  command.add("--domain", options.domain, "of DDS, as ROS numbers them")
+      .check(inRange(0, bounds::kLastDomain))
+      .showDefault();
   command
       .add("--security", options.security,
-           "a folder of keys (palpate keys): all is encrypted, and only holders of keys of the same authority find, join "
+           "a folder of keys (palpate keys): all is encrypted, and only holders of keys of the same authority find, "
+           "join "
            "and hear it")
       .typeName("FOLDER");
 }
@@ -58,14 +61,18 @@ void checkRosHearing(const NetworkOptions& options, const std::string& model, co
 
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
   command
-      .add("--join", options.name, "in place of MODEL: a session that another palpate serves (palpate serve), by its name")
+      .add("--join", options.name,
+           "in place of MODEL: a session that another palpate serves (palpate serve), by its name")
       .typeName("NAME");
   if (as == JoinAs::hand) {
-    command.add("--as", options.hand, "what the others see this hand called (default: the machine's name)").typeName("NAME");
-    command.addFlag("--near", options.near,
-                    "of what is joined only the points around the hands come here, ahead of them: for models that are too large "
-                    "to wait for; they are felt and sculpted, but nothing is saved, and strokes are not taken back. A model that moves is "
-                    "joined so in any case, and is felt alone");
+    command.add("--as", options.hand, "what the others see this hand called (default: the machine's name)")
+        .typeName("NAME");
+    command.addFlag(
+        "--near", options.near,
+        "of what is joined only the points around the hands come here, ahead of them: for models that are too large "
+        "to wait for; they are felt and sculpted, but nothing is saved, and strokes are not taken back. A model that "
+        "moves is "
+        "joined so in any case, and is felt alone");
   }
   addNetworkOptions(command, options.network);
   addRosCameraOptions(command, options.network);
@@ -131,11 +138,13 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
   options.ros.check();
   checkRosHearing(network, modelFile, live);
   if (options.name.empty()) {
-    const bool hasNetwork = !network.interface.empty() || !network.peers.empty() || network.domain != 0 || !network.security.empty();
+    const bool hasNetwork =
+        !network.interface.empty() || !network.peers.empty() || network.domain != 0 || !network.security.empty();
     const bool isUsed = isRosModel(modelFile) || isRosModel(live) || !options.ros.name.empty();
     if ((hasNetwork && !isUsed) || !options.hand.empty() || options.near)
       throw UsageError(
-          "--interface, --peer, --domain, --security, --as and --near are for --join, which names a session (and but for --as and --near for ROS, too)");
+          "--interface, --peer, --domain, --security, --as and --near are for --join, which names a session (and but "
+          "for --as and --near for ROS, too)");
     return std::nullopt;
   }
   if (!modelFile.empty()) throw UsageError("--join: the session that is joined is the model; leave {} out", modelFile);

@@ -52,10 +52,10 @@ struct RosOptions : RosNameOptions {
 };
 
 struct JoinOptionsGiven {
-  std::string name;  ///< empty: no session of others is joined
-  std::string hand;  ///< what the others see this hand called; empty: as the machine
+  std::string name;   ///< empty: no session of others is joined
+  std::string hand;   ///< what the others see this hand called; empty: as the machine
   bool near = false;  ///< the points around the hands alone
-  RosOptions ros;    ///< on the same network
+  RosOptions ros;     ///< on the same network
   NetworkOptions network;
 };
 enum class JoinAs { hand, onlooker };
@@ -63,8 +63,8 @@ enum class JoinAs { hand, onlooker };
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as);
 /// --ros, --ros-rate, --ros-parent and --ros-pose.
 void addRosOptions(Options& command, RosOptions& options);
-/// What is joined, under whose name the model goes then; nothing where none is. `live`: what is given in place of a model
-/// otherwise. Throws UsageError for options that do not go together.
+/// What is joined, under whose name the model goes then; nothing where none is. `live`: what is given in place of a
+/// model otherwise. Throws UsageError for options that do not go together.
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile,
                                      const std::string& live = {});
 

@@ -62,8 +62,8 @@ Json sayModel(std::FILE* out, const MatterSimulation& world) {
   const double volume_cm3 = world.model()->volume_m3() * 1e6;
   const DVec3 force_N = world.onModel().force_N, impulse = world.impulses().onModel;
   const std::size_t inside = world.insideModel();
-  fmt::print(out, "  model of {:.1f} cm^3: {} particles left out, {} inside; force {:.3g}, {:.3g}, {:.3g} N\n", volume_cm3,
-             world.leftOut(), inside, force_N.x, force_N.y, force_N.z);
+  fmt::print(out, "  model of {:.1f} cm^3: {} particles left out, {} inside; force {:.3g}, {:.3g}, {:.3g} N\n",
+             volume_cm3, world.leftOut(), inside, force_N.x, force_N.y, force_N.z);
   return {{"volume_cm3", volume_cm3},
           {"left_out", world.leftOut()},
           {"inside", inside},
@@ -151,9 +151,10 @@ void addSimulate(Options& app, Context& context, Command& command) {
           "own where it keeps any")
       .check(oneOf(std::move(backends)))
       .showDefault();
-  sub.add("--model", options->model,
-          "a closed cloud that stands in water or sand, or is the surface of a soft scene, in place of the scene's own; "
-          "builtin:NAME in water and sand: a shape of palpate make")
+  sub.add(
+         "--model", options->model,
+         "a closed cloud that stands in water or sand, or is the surface of a soft scene, in place of the scene's own; "
+         "builtin:NAME in water and sand: a shape of palpate make")
       .typeName("FILE");
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
   sub.add("--probe", options->probe, "x,y,z where the pressure of water is asked for at the end, mm");

@@ -32,9 +32,9 @@ struct RosQuestion {
   const NetworkOptions& network;
   Log& log;
 };
-/// What the options say of a model's file, which a live camera is instead of one; nothing where it is a cloud. A topic of
-/// ROS is a live camera where pictures of depth are sent there: `ros`, if any, is asked, and waits for who sends. Throws
-/// UsageError for options that do not go with it, NetworkError.
+/// What the options say of a model's file, which a live camera is instead of one; nothing where it is a cloud. A topic
+/// of ROS is a live camera where pictures of depth are sent there: `ros`, if any, is asked, and waits for who sends.
+/// Throws UsageError for options that do not go with it, NetworkError.
 std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile,
                                          const RosQuestion* ros = nullptr);
 

@@ -161,7 +161,8 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
   if (const ShapeStrokes* const shape = backend.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
   // Of a depth camera's frames the first one alone is known here, and matter has no surface.
-  if (backend.points(0).empty() && !model.far && !config.stream && !config.matter && !(config.motion && config.realtime))
+  if (backend.points(0).empty() && !model.far && !config.stream && !config.matter &&
+      !(config.motion && config.realtime))
     report.error =
         contactError(result.trace(), model, session.surface(), backend.firstEditTime_s(), rigidMotion(config, model));
   return report;
@@ -215,7 +216,8 @@ void touch(Context& context, const TouchCommandOptions& options) {
   if (model.far && !options.saveFile.empty())
     throw UsageError("--save: the points around the hands alone are here; leave it out, or --near");
   if (model.far && options.undo > 0)
-    throw UsageError("--undo: strokes on the points around the hands alone are not taken back; leave it out, or --near");
+    throw UsageError(
+        "--undo: strokes on the points around the hands alone are not taken back; leave it out, or --near");
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())
     ros.emplace(options.join.ros.publishing(options.join.network, model.scale.mm_per_unit), options.join.ros.rate_Hz);
@@ -293,8 +295,9 @@ void touch(Context& context, const TouchCommandOptions& options) {
     report.shared = shared->counts();
     outputs.write([&] { session.checkFollower(); });
     if (!report.shared->delivered)
-      outputs.failed(fmt::format("'{}' has not taken all that this hand has done; {}", config.model.file,
-                                 options.saveFile.empty() ? "it is kept nowhere (--save)" : options.saveFile + " has it"));
+      outputs.failed(
+          fmt::format("'{}' has not taken all that this hand has done; {}", config.model.file,
+                      options.saveFile.empty() ? "it is kept nowhere (--save)" : options.saveFile + " has it"));
   }
   if (recording)
     report.log =

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "apps/cli/backend.hpp"
-#include "apps/cli/picture.hpp"
 #include "apps/cli/hand_options.hpp"
 #include "apps/cli/motion_options.hpp"
+#include "apps/cli/picture.hpp"
 #include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "haptics/force_law.hpp"

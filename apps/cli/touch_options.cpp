@@ -1,10 +1,10 @@
 #include "apps/cli/touch.hpp"
 
-#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/parse_list.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
 #include "haptics/session/devices.hpp"
+#include "haptics/session/matter_scenes.hpp"
 
 namespace palpate {
 
@@ -43,19 +43,22 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
       .showDefault();
   sub.add("--strength", options.strength,
           "the other brushes: share of their effect per tick, 0 to 1; of carve the way to the tool's surface, of "
-          "inflate a thousandth of its radius, of smooth and flatten the way to their surface, of grab the hand's motion, "
+          "inflate a thousandth of its radius, of smooth and flatten the way to their surface, of grab the hand's "
+          "motion, "
           "of paint the colour")
       .check(between(0, 1))
       .showDefault();
   sub.add("--falloff", options.falloff,
-          "inflate, smooth, flatten, grab, paint: how the strength falls off, (1 - r^2)^F at r tool radii from the proxy; "
+          "inflate, smooth, flatten, grab, paint: how the strength falls off, (1 - r^2)^F at r tool radii from the "
+          "proxy; "
           "a whole number, 0 to 16")
       .check(wholeBetween(0, kMostFalloff))
       .typeName("F")
       .showDefault();
   sub.add("--paint-color", options.paintColor, "R,G,B, 0 to 255").showDefault();
-  sub.addFlag("--keep-points", options.keepPoints,
-              "no points are put in where the surface is stretched, and none merge where it is crowded; so it is with --join");
+  sub.addFlag(
+      "--keep-points", options.keepPoints,
+      "no points are put in where the surface is stretched, and none merge where it is crowded; so it is with --join");
   sub.add("--tool-radius", options.brushRadius_mm, "of the round tool, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
@@ -73,7 +76,8 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
 void addPathOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--path", options.path,
           "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
-          "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching); in a scene "
+          "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching); in a "
+          "scene "
           "of water or sand builtin:press (a ball dives) and stir (in circles)")
       .showDefault();
   sub.add("--penetration", options.penetration_mm, "how deep builtin:press goes, mm")

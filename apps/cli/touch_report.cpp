@@ -47,8 +47,7 @@ ContactError contactError(const Trace& trace, const Model& model, const SurfaceO
   }
   // Of a large cloud what lies near them is little.
   Bounds around{places.front().proxy, places.front().proxy};
-  for (const Felt& place : places)
-    around = {glm::min(around.min, place.proxy), glm::max(around.max, place.proxy)};
+  for (const Felt& place : places) around = {glm::min(around.min, place.proxy), glm::max(around.max, place.proxy)};
   around = {around.min - surface.radius, around.max + surface.radius};
   const PointCloud near = pointsIn(model.cloud, around);
   const ContactReference reference(near, surface);
@@ -82,7 +81,9 @@ std::string_view nameOf(const IndexWork& index) {
 }
 
 Json toJson(const GateCounts& withheld) {
-  return {{"errors", withheld.errors}, {"stale_ticks", withheld.stale}, {"aged_ticks", withheld.aged},
+  return {{"errors", withheld.errors},
+          {"stale_ticks", withheld.stale},
+          {"aged_ticks", withheld.aged},
           {"hot_ticks", withheld.hot}};
 }
 
@@ -139,7 +140,8 @@ std::string inWords(const MatterReport& matter, std::size_t particles) {
   if (!matter.elasticity.empty()) words += "; " + matter.elasticity;
   if (matter.leftOut_s > 0) words += fmt::format("; {:.3f} s behind the clock, left out", matter.leftOut_s);
   if (matter.duration_s > 0)
-    words += fmt::format("; it went on {:.0f} times a second", static_cast<double>(matter.advances) / matter.duration_s);
+    words +=
+        fmt::format("; it went on {:.0f} times a second", static_cast<double>(matter.advances) / matter.duration_s);
   for (const PortEnergy& port : matter.ports)
     words += fmt::format("; a hand put in {:.3g} mJ, {:.3g} at the least", 1e3 * port.now_J, 1e3 * port.least_J);
   return words;
@@ -149,8 +151,8 @@ std::string inWords(const SharedCounts& shared) {
   std::string words = fmt::format("{} states of points sent, {} of others taken in", shared.sent, shared.received);
   const LinkCounts& link = shared.link;
   if (link.roundTrip_ms)
-    words += fmt::format("; round trip {:.1f} ms, {:.0f} % of {} pings lost", *link.roundTrip_ms, link.lost_percent.value_or(0),
-                         link.pings);
+    words += fmt::format("; round trip {:.1f} ms, {:.0f} % of {} pings lost", *link.roundTrip_ms,
+                         link.lost_percent.value_or(0), link.pings);
   words += fmt::format("; longest silence {:.1f} s, what was known was {:.1f} s old at most", shared.longestSilent_s,
                        shared.oldest_s);
   if (!shared.delivered) return words + "; NOT all of it has arrived";
@@ -187,15 +189,18 @@ std::string inWords(std::span<const SeenHand> hands) {
 
 std::string inWords(const FarReport& far) {
   const FarCounts& counts = far.counts;
-  std::string words = fmt::format("{} of {} ticks lacked points around a hand and had no force; {} points came in {} steps, {} at most "
-                                  "were here at once",
-                                  far.ticks.without, far.ticks.ticks, counts.points, counts.updates, counts.mostKnown);
+  std::string words = fmt::format(
+      "{} of {} ticks lacked points around a hand and had no force; {} points came in {} steps, {} at most "
+      "were here at once",
+      far.ticks.without, far.ticks.ticks, counts.points, counts.updates, counts.mostKnown);
   if (counts.sent > 0)
-    words += fmt::format("; {} states of points were made here{}", counts.sent, counts.delivered ? ", and are the server's" : ", and not all of them are the server's yet");
+    words += fmt::format("; {} states of points were made here{}", counts.sent,
+                         counts.delivered ? ", and are the server's" : ", and not all of them are the server's yet");
   if (counts.roundTrip_ms) words += fmt::format("; round trip {:.1f} ms", *counts.roundTrip_ms);
   words += fmt::format("; longest silence {:.1f} s", counts.longestSilent_s);
   if (counts.restarts > 0)
-    words += fmt::format("; it has begun anew there {}", counts.restarts == 1 ? std::string("once") : fmt::format("{} times", counts.restarts));
+    words += fmt::format("; it has begun anew there {}",
+                         counts.restarts == 1 ? std::string("once") : fmt::format("{} times", counts.restarts));
   if (counts.servers > 1) words += fmt::format("; served anew {} times", counts.servers - 1);
   return words;
 }

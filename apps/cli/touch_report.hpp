@@ -7,8 +7,8 @@
 #include "engine/motion/brick_source.hpp"
 #include "engine/motion/play_counts.hpp"
 #include "engine/motion/rigid_motion.hpp"
-#include "haptics/servo_loop.hpp"
 #include "haptics/far_cloud.hpp"
+#include "haptics/servo_loop.hpp"
 #include "haptics/session/edit_relay.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/trajectory.hpp"
@@ -52,11 +52,11 @@ struct MatterReport {
   std::uint32_t substeps = 0;  ///< in a millisecond
   double gain = 1;             ///< of the forces
   double coupling_N_mm =
-      0;  ///< of the hand to its ball, with the gain; 0: of a soft body, which the hand itself presses
-  std::string elasticity;      ///< of a soft body, in words
-  double leftOut_s = 0;        ///< by which it stayed behind the clock
-  std::uint64_t advances = 0;  ///< times that it went on, each some milliseconds at once
-  double duration_s = 0;       ///< in which it did
+      0;                   ///< of the hand to its ball, with the gain; 0: of a soft body, which the hand itself presses
+  std::string elasticity;  ///< of a soft body, in words
+  double leftOut_s = 0;    ///< by which it stayed behind the clock
+  std::uint64_t advances = 0;          ///< times that it went on, each some milliseconds at once
+  double duration_s = 0;               ///< in which it did
   std::vector<PortEnergy> ports = {};  ///< of each hand
 };
 
@@ -94,10 +94,10 @@ struct TouchReport {
   std::string tool;
   std::size_t toolPoints = 0;  ///< 0: it touches with the HIP alone
   ContactError error;
-  std::optional<PlayCounts> frames;   ///< where the model is a depth camera
+  std::optional<PlayCounts> frames;    ///< where the model is a depth camera
   std::optional<MatterReport> matter;  ///< where the model is a scene
   std::optional<StrokeCounts> shape;   ///< of a soft body with a brush
-  std::optional<UndoneStrokes> back;  ///< where undo was asked for
+  std::optional<UndoneStrokes> back;   ///< where undo was asked for
   std::optional<RosHand::Counts> ros;  ///< where programs of ROS hear it
   std::optional<SharedCounts> shared;  ///< where others feel and sculpt it, too
   std::optional<std::size_t> cameras;  ///< of others who look at what was joined, in the end

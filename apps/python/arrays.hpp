@@ -22,7 +22,8 @@ namespace py = pybind11;
 /// Any numbers, as doubles that follow one another; copied where they are not.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// Text of the library's as Python has it. What others have called themselves may be no UTF-8, or cut off in a character.
+/// Text of the library's as Python has it. What others have called themselves may be no UTF-8, or cut off in a
+/// character.
 py::str textOf(std::string_view text);
 
 pp_rows rowsOf(const py::array& array);

@@ -77,43 +77,50 @@ void bindMeshes(py::module_& module) {
       module, "Mesh",
       "Triangles with vertices of their own, never changed, as Session.mesh() gives them. Arrays are views of\n"
       "palpate's own memory, which cannot be written to and keep the mesh.")
-      .def_property_readonly("vertices",
-                             [](const py::object& self) -> py::object {
-                               const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
-                               const auto count = static_cast<py::ssize_t>(mesh.vertices.count);
-                               return viewOf(mesh.vertices.positions, {count, 3}, self);
-                             },
-                             "(N, 3) float32 view, model units, relative to origin.")
-      .def_property_readonly("origin",
-                             [](const PyMesh& mesh) {
-                               const pp_points points = mesh.mesh().view().vertices;
-                               return Vector{points.origin[0], points.origin[1], points.origin[2]};
-                             },
-                             "Three floats, model units: file coordinates = origin + vertices.")
-      .def_property_readonly("normals",
-                             [](const py::object& self) -> py::object {
-                               const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
-                               const auto count = static_cast<py::ssize_t>(mesh.vertices.count);
-                               return viewOf(mesh.vertices.normals, {count, 3}, self);
-                             },
-                             "(N, 3) float32 view, unit length, outward.")
-      .def_property_readonly("triangles",
-                             [](const py::object& self) -> py::object {
-                               const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
-                               return viewOf(mesh.triangles, {static_cast<py::ssize_t>(mesh.count), 3}, self);
-                             },
-                             "(M, 3) uint32 view: numbers of vertices, anticlockwise as seen from outside.")
-      .def_property_readonly("closed", [](const PyMesh& mesh) { return mesh.mesh().view().closed != 0; },
-                             "Whether it has no border.")
-      .def("save", [](const PyMesh& mesh, const py::object& path, bool ascii) {
-        const std::string file = fileOf(path);
-        pp_write_options options = pp_default_write_options();
-        options.ascii = ascii ? 1 : 0;
-        py::gil_scoped_release released;
-        mesh.mesh().write(file, options);
-      }, py::arg("file"), py::arg("ascii") = false,
-           "save(file, ascii=False)\n\nVertices with normals, and triangles, by the file's ending, as of write().\n"
-           "ascii: text where the format has both. Raises Error with the file.")
+      .def_property_readonly(
+          "vertices",
+          [](const py::object& self) -> py::object {
+            const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
+            const auto count = static_cast<py::ssize_t>(mesh.vertices.count);
+            return viewOf(mesh.vertices.positions, {count, 3}, self);
+          },
+          "(N, 3) float32 view, model units, relative to origin.")
+      .def_property_readonly(
+          "origin",
+          [](const PyMesh& mesh) {
+            const pp_points points = mesh.mesh().view().vertices;
+            return Vector{points.origin[0], points.origin[1], points.origin[2]};
+          },
+          "Three floats, model units: file coordinates = origin + vertices.")
+      .def_property_readonly(
+          "normals",
+          [](const py::object& self) -> py::object {
+            const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
+            const auto count = static_cast<py::ssize_t>(mesh.vertices.count);
+            return viewOf(mesh.vertices.normals, {count, 3}, self);
+          },
+          "(N, 3) float32 view, unit length, outward.")
+      .def_property_readonly(
+          "triangles",
+          [](const py::object& self) -> py::object {
+            const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
+            return viewOf(mesh.triangles, {static_cast<py::ssize_t>(mesh.count), 3}, self);
+          },
+          "(M, 3) uint32 view: numbers of vertices, anticlockwise as seen from outside.")
+      .def_property_readonly(
+          "closed", [](const PyMesh& mesh) { return mesh.mesh().view().closed != 0; }, "Whether it has no border.")
+      .def(
+          "save",
+          [](const PyMesh& mesh, const py::object& path, bool ascii) {
+            const std::string file = fileOf(path);
+            pp_write_options options = pp_default_write_options();
+            options.ascii = ascii ? 1 : 0;
+            py::gil_scoped_release released;
+            mesh.mesh().write(file, options);
+          },
+          py::arg("file"), py::arg("ascii") = false,
+          "save(file, ascii=False)\n\nVertices with normals, and triangles, by the file's ending, as of write().\n"
+          "ascii: text where the format has both. Raises Error with the file.")
       .def("__repr__", [](const PyMesh& mesh) {
         const pp_triangles triangles = mesh.mesh().view();
         return "<palpate.Mesh of " + std::to_string(triangles.count) + " triangles, " +
@@ -139,87 +146,105 @@ std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& no
 }
 
 void bindClouds(py::module_& module) {
-  py::class_<PyCloud, CloudPointer>(module, "Cloud",
-                                     "Cloud(xyz, normals=None, colors=None)\n\n"
-                                     "Points, never changed once they are made. xyz: (N, 3), model units; doubles keep their\n"
-                                     "precision. normals: (N, 3), made unit length. colors: (N, 3), uint8 0 to 255, uint16 0 to\n"
-                                     "65535 or float 0 to 1. All are copied; what is shown is a view of palpate's own memory,\n"
-                                     "which cannot be written to and keeps the cloud.")
+  py::class_<PyCloud, CloudPointer>(
+      module, "Cloud",
+      "Cloud(xyz, normals=None, colors=None)\n\n"
+      "Points, never changed once they are made. xyz: (N, 3), model units; doubles keep their\n"
+      "precision. normals: (N, 3), made unit length. colors: (N, 3), uint8 0 to 255, uint16 0 to\n"
+      "65535 or float 0 to 1. All are copied; what is shown is a view of palpate's own memory,\n"
+      "which cannot be written to and keeps the cloud.")
       .def(py::init(&PyCloud::of), py::arg("xyz"), py::arg("normals") = py::none(), py::arg("colors") = py::none())
-      .def("__repr__", [](const PyCloud& cloud) {
-        const pp_points p = cloud.view();
-        const auto side = [&](int k) { return py::str("{:.6g}").format(p.max[k] - p.min[k]).cast<std::string>(); };
-        return "<palpate.Cloud of " + std::to_string(p.count) + " points" + (p.normals ? ", normals" : "") +
-               (p.colors ? ", colors" : "") + ", " + side(0) + " x " + side(1) + " x " + side(2) + ">";
-      })
+      .def("__repr__",
+           [](const PyCloud& cloud) {
+             const pp_points p = cloud.view();
+             const auto side = [&](int k) { return py::str("{:.6g}").format(p.max[k] - p.min[k]).cast<std::string>(); };
+             return "<palpate.Cloud of " + std::to_string(p.count) + " points" + (p.normals ? ", normals" : "") +
+                    (p.colors ? ", colors" : "") + ", " + side(0) + " x " + side(1) + " x " + side(2) + ">";
+           })
       .def("__len__", [](const PyCloud& cloud) { return cloud.view().count; })
-      .def_property_readonly("xyz", &placesOf,
-                             "(N, 3), file coordinates: a float32 view where that is all there is to know, else float64.")
-      .def_property_readonly("positions",
-                             [](const py::object& self) {
-                               const pp_points points = self.cast<CloudPointer>()->view();
-                               return viewOf(points.positions, {static_cast<py::ssize_t>(points.count), 3}, self);
-                             },
-                             "(N, 3) float32 view, relative to origin.")
-      .def_property_readonly("origin",
-                             [](const PyCloud& cloud) {
-                               const pp_points points = cloud.view();
-                               return Vector{points.origin[0], points.origin[1], points.origin[2]};
-                             },
-                             "Three floats, model units: file coordinates = origin + positions. Zero where\n"
-                             "float32 alone does.")
-      .def_property_readonly("normals",
-                             [](const py::object& self) -> py::object {
-                               const pp_points points = self.cast<CloudPointer>()->view();
-                               if (!points.normals) return py::none();
-                               return viewOf(points.normals, {static_cast<py::ssize_t>(points.count), 3}, self);
-                             },
-                             "(N, 3) float32 view, unit length; None where the points have none.")
-      .def_property_readonly("colors",
-                             [](const py::object& self) -> py::object {
-                               const pp_points points = self.cast<CloudPointer>()->view();
-                               if (!points.colors) return py::none();
-                               return viewOf(points.colors, {static_cast<py::ssize_t>(points.count), 4}, self);
-                             },
-                             "(N, 4) uint8 view: red, green, blue, alpha, 0 to 255; None where the points have none.")
-      .def_property_readonly("bounds",
-                             [](const PyCloud& cloud) {
-                               const pp_points p = cloud.view();
-                               return std::pair(Vector{p.min[0], p.min[1], p.min[2]}, Vector{p.max[0], p.max[1], p.max[2]});
-                             },
-                             "The least and the greatest corner of the box that holds the points, three floats\n"
-                             "each, file coordinates; zeros without points.")
+      .def_property_readonly(
+          "xyz", &placesOf,
+          "(N, 3), file coordinates: a float32 view where that is all there is to know, else float64.")
+      .def_property_readonly(
+          "positions",
+          [](const py::object& self) {
+            const pp_points points = self.cast<CloudPointer>()->view();
+            return viewOf(points.positions, {static_cast<py::ssize_t>(points.count), 3}, self);
+          },
+          "(N, 3) float32 view, relative to origin.")
+      .def_property_readonly(
+          "origin",
+          [](const PyCloud& cloud) {
+            const pp_points points = cloud.view();
+            return Vector{points.origin[0], points.origin[1], points.origin[2]};
+          },
+          "Three floats, model units: file coordinates = origin + positions. Zero where\n"
+          "float32 alone does.")
+      .def_property_readonly(
+          "normals",
+          [](const py::object& self) -> py::object {
+            const pp_points points = self.cast<CloudPointer>()->view();
+            if (!points.normals) return py::none();
+            return viewOf(points.normals, {static_cast<py::ssize_t>(points.count), 3}, self);
+          },
+          "(N, 3) float32 view, unit length; None where the points have none.")
+      .def_property_readonly(
+          "colors",
+          [](const py::object& self) -> py::object {
+            const pp_points points = self.cast<CloudPointer>()->view();
+            if (!points.colors) return py::none();
+            return viewOf(points.colors, {static_cast<py::ssize_t>(points.count), 4}, self);
+          },
+          "(N, 4) uint8 view: red, green, blue, alpha, 0 to 255; None where the points have none.")
+      .def_property_readonly(
+          "bounds",
+          [](const PyCloud& cloud) {
+            const pp_points p = cloud.view();
+            return std::pair(Vector{p.min[0], p.min[1], p.min[2]}, Vector{p.max[0], p.max[1], p.max[2]});
+          },
+          "The least and the greatest corner of the box that holds the points, three floats\n"
+          "each, file coordinates; zeros without points.")
       .def_property_readonly("attributes", &attributesOf,
                              "Names of the numbers that the file has for each point besides, as an intensity.")
-      .def("attribute", [](const py::object& self, const std::string& name) {
-        return fieldOf(self.cast<CloudPointer>(), self, name.c_str());
-      }, py::arg("name"),
-           "attribute(name) -> array\n\nOne of attributes: (N,), a view in the file's own type and unit. Raises\n"
-           "KeyError where there is none of the name.");
+      .def(
+          "attribute",
+          [](const py::object& self, const std::string& name) {
+            return fieldOf(self.cast<CloudPointer>(), self, name.c_str());
+          },
+          py::arg("name"),
+          "attribute(name) -> array\n\nOne of attributes: (N,), a view in the file's own type and unit. Raises\n"
+          "KeyError where there is none of the name.");
 
   bindMeshes(module);
 
-  module.def("read", [](const py::object& path, bool all_points, bool normals_from_faces) {
-    const std::string file = fileOf(path);
-    pp_read_options options = pp_default_read_options();
-    options.all_points = all_points ? 1 : 0;
-    options.normals_from_faces = normals_from_faces ? 1 : 0;
-    py::gil_scoped_release released;
-    return std::make_shared<PyCloud>(pp::Cloud::read(file, options));
-  }, py::arg("file"), py::arg("all_points") = false, py::arg("normals_from_faces") = false,
+  module.def(
+      "read",
+      [](const py::object& path, bool all_points, bool normals_from_faces) {
+        const std::string file = fileOf(path);
+        pp_read_options options = pp_default_read_options();
+        options.all_points = all_points ? 1 : 0;
+        options.normals_from_faces = normals_from_faces ? 1 : 0;
+        py::gil_scoped_release released;
+        return std::make_shared<PyCloud>(pp::Cloud::read(file, options));
+      },
+      py::arg("file"), py::arg("all_points") = false, py::arg("normals_from_faces") = false,
       "read(file, all_points=False, normals_from_faces=False) -> Cloud\n\n"
       "A cloud from a file of any format in formats_read(). all_points: of a reconstruction also those that its own\n"
       "measures tell to be unreliable. Raises Error with file and line.");
-  module.def("write", [](const py::object& path, const PyCloud& cloud, bool ascii, bool keep) {
-    const std::string file = fileOf(path);
-    pp_write_options options = pp_default_write_options();
-    options.ascii = ascii ? 1 : 0;
-    options.keep = keep ? 1 : 0;
-    py::gil_scoped_release released;
-    cloud.cloud().write(file, options);
-  }, py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("keep") = false,
+  module.def(
+      "write",
+      [](const py::object& path, const PyCloud& cloud, bool ascii, bool keep) {
+        const std::string file = fileOf(path);
+        pp_write_options options = pp_default_write_options();
+        options.ascii = ascii ? 1 : 0;
+        options.keep = keep ? 1 : 0;
+        py::gil_scoped_release released;
+        cloud.cloud().write(file, options);
+      },
+      py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("keep") = false,
       "write(file, cloud, ascii=False, keep=False)\n\n"
-      "By the file's ending, one of formats_written(). It appears under its name only when it is whole; keep: a file that is\n"
+      "By the file's ending, one of formats_written(). It appears under its name only when it is whole; keep: a file "
+      "that is\n"
       "there already is kept as NAME.EXT.bak. Raises Error with the file.");
 }
 

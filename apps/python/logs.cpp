@@ -135,10 +135,12 @@ void bindLogs(py::module_& module) {
           "points", [](const PyLog& log) { return log.view().points; }, "Of the model.")
       .def_property_readonly(
           "ended", [](const PyLog& log) { return log.view().ended != 0; }, "Whether the session came to its end.")
-      .def_property_readonly("lost_ticks", [](const PyLog& log) { return log.view().lost_ticks; },
-                             "Ticks that the session had and the log has not: more than could be written at the time.")
-      .def_property_readonly("merged_edits", [](const PyLog& log) { return log.view().merged_edits; },
-                             "States of points that a later one of the same point took the place of.")
+      .def_property_readonly(
+          "lost_ticks", [](const PyLog& log) { return log.view().lost_ticks; },
+          "Ticks that the session had and the log has not: more than could be written at the time.")
+      .def_property_readonly(
+          "merged_edits", [](const PyLog& log) { return log.view().merged_edits; },
+          "States of points that a later one of the same point took the place of.")
       .def_property_readonly(
           "map",
           [](const PyLog& log) {

@@ -86,7 +86,8 @@ void bindMatter(py::module_& module) {
              return "<palpate.Frame of " + std::to_string(points.points.count) + " points at " +
                     py::str("{:.6g}").format(points.t_s).cast<std::string>() + " s>";
            })
-      .def_property_readonly("t_s", [](const PyFrame& frame) { return frame.view().t_s; }, "Seconds, of the points.")
+      .def_property_readonly(
+          "t_s", [](const PyFrame& frame) { return frame.view().t_s; }, "Seconds, of the points.")
       .def_property_readonly(
           "moving", [](const PyFrame& frame) { return frame.view().moving; },
           "The first so many move; those behind them are of what stands in the scene.")

@@ -11,8 +11,8 @@ void translate(const pp::Error& error) {
   const py::object kind = errors.attr(error.status() == PP_ERROR_ARGUMENT ? "UsageError" : "Error");
   const py::object file = error.file().empty() ? py::object(py::none()) : py::object(textOf(error.file()));
   const py::object line = error.line() == 0 ? py::object(py::none()) : py::object(py::int_(error.line()));
-  const py::object made = kind(textOf(error.what()), py::arg("status") = pp_status_name(error.status()), py::arg("file") = file,
-                               py::arg("line") = line);
+  const py::object made = kind(textOf(error.what()), py::arg("status") = pp_status_name(error.status()),
+                               py::arg("file") = file, py::arg("line") = line);
   PyErr_SetObject(kind.ptr(), made.ptr());
 }
 

@@ -16,60 +16,87 @@ std::optional<Vector> vectorOr(const std::optional<Vector>& given, std::uint32_t
 
 void bindTouch(py::class_<PySession>& session) {
   session
-      .def("touch", &PySession::touch, py::arg("path"), py::arg("surface") = py::none(),
-           "touch(path, surface=None) -> structured array\n\n"
-           "Follows the path in virtual time and only feels. path: (N, 3), model units, a row for each tick; or (N, 4), seconds\n"
-           "first. surface: from now on \"average\", \"sphere\" or \"sharp\". One row a tick: t_s (s), hip, proxy, normal (3,\n"
-           "model units), force_N (3), penetration_mm, contact, neighbours, fresh. With a tool of many points also torque_mNm\n"
-           "(3, about the HIP). The same path gives the same rows.\n\n"
-           "Of several hands: a path for each, (hands, N, 3) or a list of arrays, of which the longest one counts; (ticks,\n"
-           "hands) come back. A scene of matter goes on from path to path, until reset(). Raises Error with the status\n"
-           "\"simulation\" where it diverges.")
+      .def(
+          "touch", &PySession::touch, py::arg("path"), py::arg("surface") = py::none(),
+          "touch(path, surface=None) -> structured array\n\n"
+          "Follows the path in virtual time and only feels. path: (N, 3), model units, a row for each tick; or (N, 4), "
+          "seconds\n"
+          "first. surface: from now on \"average\", \"sphere\" or \"sharp\". One row a tick: t_s (s), hip, proxy, "
+          "normal (3,\n"
+          "model units), force_N (3), penetration_mm, contact, neighbours, fresh. With a tool of many points also "
+          "torque_mNm\n"
+          "(3, about the HIP). The same path gives the same rows.\n\n"
+          "Of several hands: a path for each, (hands, N, 3) or a list of arrays, of which the longest one counts; "
+          "(ticks,\n"
+          "hands) come back. A scene of matter goes on from path to path, until reset(). Raises Error with the status\n"
+          "\"simulation\" where it diverges.")
       .def("stroke", &PySession::stroke, py::arg("path"), py::arg("kind"),
            "stroke(path, kind, **brush) -> structured array\n\n"
-           "The same with a brush: push, carve, inflate, smooth, grab, paint or flatten. Of the brush: radius_mm, tau_mm (how\n"
-           "deep a hand may stand before the surface yields), beta (push: share of the way that a point goes in one tick),\n"
-           "strength (0 to 1), falloff (0 to 16), keeps_density, color (three of 0 to 255). Of several hands the first one\n"
+           "The same with a brush: push, carve, inflate, smooth, grab, paint or flatten. Of the brush: radius_mm, "
+           "tau_mm (how\n"
+           "deep a hand may stand before the surface yields), beta (push: share of the way that a point goes in one "
+           "tick),\n"
+           "strength (0 to 1), falloff (0 to 16), keeps_density, color (three of 0 to 255). Of several hands the first "
+           "one\n"
            "sculpts.")
-      .def("set_brush", [](PySession& self, const std::optional<std::string>& kind, const py::kwargs& settings) {
-        if (!kind) return self.with([](pp::Session& open) { open.setNoBrush(); });
-        const Brush brush(*kind, settings);
-        self.with([&](pp::Session& open) { open.setBrush(brush.brush); });
-      }, py::arg("kind"),
-           "set_brush(kind, **brush)\n\nWhat a live hand sculpts with from now on, as of stroke(); None: it only feels.")
-      .def("undo", [](PySession& self, std::uint64_t strokes) {
-        return self.with([&](pp::Session& open) { return open.undo(strokes); });
-      }, py::arg("strokes") = 1,
-           "undo(strokes=1) -> int\n\nTakes the last strokes back, each point to the last bit; says how many there were. A stroke\n"
-           "is all that is done in one contact.")
-      .def("redo", [](PySession& self, std::uint64_t strokes) {
-        return self.with([&](pp::Session& open) { return open.redo(strokes); });
-      }, py::arg("strokes") = 1, "redo(strokes=1) -> int\n\nDoes again what was taken back last; says how many there were.")
-      .def("cloud", [](PySession& self) {
-        return std::make_shared<PyCloud>(self.with([](pp::Session& open) { return open.cloud(); }));
-      }, "cloud() -> Cloud\n\nThe points as they are.")
+      .def(
+          "set_brush",
+          [](PySession& self, const std::optional<std::string>& kind, const py::kwargs& settings) {
+            if (!kind) return self.with([](pp::Session& open) { open.setNoBrush(); });
+            const Brush brush(*kind, settings);
+            self.with([&](pp::Session& open) { open.setBrush(brush.brush); });
+          },
+          py::arg("kind"),
+          "set_brush(kind, **brush)\n\nWhat a live hand sculpts with from now on, as of stroke(); None: it only feels.")
+      .def(
+          "undo",
+          [](PySession& self, std::uint64_t strokes) {
+            return self.with([&](pp::Session& open) { return open.undo(strokes); });
+          },
+          py::arg("strokes") = 1,
+          "undo(strokes=1) -> int\n\nTakes the last strokes back, each point to the last bit; says how many there "
+          "were. A stroke\n"
+          "is all that is done in one contact.")
+      .def(
+          "redo",
+          [](PySession& self, std::uint64_t strokes) {
+            return self.with([&](pp::Session& open) { return open.redo(strokes); });
+          },
+          py::arg("strokes") = 1,
+          "redo(strokes=1) -> int\n\nDoes again what was taken back last; says how many there were.")
+      .def(
+          "cloud",
+          [](PySession& self) {
+            return std::make_shared<PyCloud>(self.with([](pp::Session& open) { return open.cloud(); }));
+          },
+          "cloud() -> Cloud\n\nThe points as they are.")
       .def("add_frame", &PySession::addFrame, py::arg("t_s"), py::arg("xyz"), py::arg("normals"),
            py::arg("velocities") = py::none(),
-           "add_frame(t_s, xyz, normals, velocities=None)\n\nOf a session that was opened with moving=True: from that time on\n"
-           "the points are felt there. t_s: of the session's ticks, after that of the frame before; a live session begins\n"
-           "at 0. xyz, normals: (N, 3). velocities: (N, 3), model units per second, with which points go on for 50 ms. From\n"
+           "add_frame(t_s, xyz, normals, velocities=None)\n\nOf a session that was opened with moving=True: from that "
+           "time on\n"
+           "the points are felt there. t_s: of the session's ticks, after that of the frame before; a live session "
+           "begins\n"
+           "at 0. xyz, normals: (N, 3). velocities: (N, 3), model units per second, with which points go on for 50 ms. "
+           "From\n"
            "any thread.")
-      .def("record", [](PySession& self, const py::object& path) {
-        const std::string file = fileOf(path);
-        self.with([&](pp::Session& open) { open.record(file); });
-      }, py::arg("file"),
-           "record(file)\n\nThe next path, or the next live session, is written to a session log, with its end (read_log(),\n"
-           "replay()). It begins with the points as they were opened, and is of one hand, without a law of one's own.")
+      .def(
+          "record",
+          [](PySession& self, const py::object& path) {
+            const std::string file = fileOf(path);
+            self.with([&](pp::Session& open) { open.record(file); });
+          },
+          py::arg("file"),
+          "record(file)\n\nThe next path, or the next live session, is written to a session log, with its end "
+          "(read_log(),\n"
+          "replay()). It begins with the points as they were opened, and is of one hand, without a law of one's own.")
       .def("_live_start", &PySession::startLive)
       .def("_live_raise", &PySession::raiseOfLaw)
       .def("_live_late", &PySession::lateLaws)
       .def("_live_take", &PySession::takeTicks)
-      .def("_live_missed", [](PySession& self) {
-        return self.with([](pp::Session& open) { return open.liveState().missed; });
-      })
-      .def("_live_running", [](PySession& self) {
-        return self.with([](pp::Session& open) { return open.liveState().running != 0; });
-      })
+      .def("_live_missed",
+           [](PySession& self) { return self.with([](pp::Session& open) { return open.liveState().missed; }); })
+      .def("_live_running",
+           [](PySession& self) { return self.with([](pp::Session& open) { return open.liveState().running != 0; }); })
       .def("_live_forces", [](PySession& self, bool on) { pp::check(pp_live_set_forces(self.session().handle(), on)); })
       .def("_live_stop", &PySession::stopLive);
 }
@@ -82,27 +109,34 @@ void bindSessions(py::module_& module) {
   const pp_tool tools = pp_default_tool();
   py::class_<PySession> session(module, "_Session");
   session
-      .def(py::init([](const py::object& cloud, const std::optional<std::string>& gpu, std::optional<double> mm_per_unit,
-                       const std::string& surface, std::optional<double> radius_mm, double friction, double stiffness,
-                       double damping, double max_force, double rate, bool estimate_normals, std::uint32_t threads,
-                       double undo_memory_MiB, std::uint32_t hands, const std::string& tool, std::uint32_t tool_points,
-                       double tool_size_mm, const Vector& tool_axis, bool moving, bool keeps_points,
-                       std::uint64_t most_points, double speed, bool loop, bool fuse,
+      .def(py::init([](const py::object& cloud, const std::optional<std::string>& gpu,
+                       std::optional<double> mm_per_unit, const std::string& surface, std::optional<double> radius_mm,
+                       double friction, double stiffness, double damping, double max_force, double rate,
+                       bool estimate_normals, std::uint32_t threads, double undo_memory_MiB, std::uint32_t hands,
+                       const std::string& tool, std::uint32_t tool_points, double tool_size_mm, const Vector& tool_axis,
+                       bool moving, bool keeps_points, std::uint64_t most_points, double speed, bool loop, bool fuse,
                        const std::optional<JoinTuple>& join, const py::object& law, bool allow_python) {
-             const SessionSettings settings{gpu,     mm_per_unit, surface,          radius_mm, friction,
-                                            stiffness, damping,   max_force,        rate,      estimate_normals,
-                                            threads, undo_memory_MiB, hands,        tool,      tool_points,
-                                            tool_size_mm, tool_axis, moving, keeps_points, most_points, speed, loop,
-                                            fuse, join};
+             const SessionSettings settings{gpu,          mm_per_unit,
+                                            surface,      radius_mm,
+                                            friction,     stiffness,
+                                            damping,      max_force,
+                                            rate,         estimate_normals,
+                                            threads,      undo_memory_MiB,
+                                            hands,        tool,
+                                            tool_points,  tool_size_mm,
+                                            tool_axis,    moving,
+                                            keeps_points, most_points,
+                                            speed,        loop,
+                                            fuse,         join};
              return std::make_unique<PySession>(cloud, settings, Law(law, allow_python));
            }),
            py::arg("cloud"), py::arg("gpu") = py::none(), py::arg("mm_per_unit") = py::none(),
            py::arg("surface") = "average", py::arg("radius_mm") = py::none(), py::arg("friction") = feel.friction,
-           py::arg("stiffness_N_per_mm") = feel.stiffness_N_per_mm, py::arg("damping_N_s_per_mm") = feel.damping_N_s_per_mm,
-           py::arg("max_force_N") = feel.max_force_N, py::arg("rate_Hz") = usual.rate_Hz,
-           py::arg("estimate_normals") = false, py::arg("threads") = 0,
-           py::arg("undo_memory_MiB") = usual.undo_memory_MiB, py::arg("hands") = usual.hands, py::arg("tool") = "point",
-           py::arg("tool_points") = tools.points, py::arg("tool_size_mm") = tools.size_mm,
+           py::arg("stiffness_N_per_mm") = feel.stiffness_N_per_mm,
+           py::arg("damping_N_s_per_mm") = feel.damping_N_s_per_mm, py::arg("max_force_N") = feel.max_force_N,
+           py::arg("rate_Hz") = usual.rate_Hz, py::arg("estimate_normals") = false, py::arg("threads") = 0,
+           py::arg("undo_memory_MiB") = usual.undo_memory_MiB, py::arg("hands") = usual.hands,
+           py::arg("tool") = "point", py::arg("tool_points") = tools.points, py::arg("tool_size_mm") = tools.size_mm,
            py::arg("tool_axis") = Vector{tools.axis[0], tools.axis[1], tools.axis[2]}, py::arg("moving") = false,
            py::arg("keeps_points") = false, py::arg("most_points") = 0, py::arg("speed") = 1.0, py::arg("loop") = false,
            py::arg("fuse") = false, py::arg("join") = py::none(), py::arg("law") = py::none(),
@@ -113,54 +147,64 @@ void bindSessions(py::module_& module) {
       .def_property_readonly("remarks", &PySession::remarks,
                              "What was said while it was opened and since, a line each: what of a file is not\n"
                              "kept, which GPU answers.")
-      .def("_info", [](PySession& self) {
-        const pp_session_info info = self.with([](pp::Session& open) { return open.info(); });
-        py::dict told;
-        told["points"] = info.points;
-        told["mm_per_unit"] = info.mm_per_unit;
-        told["spacing_mm"] = info.spacing_mm;
-        told["radius_mm"] = info.radius_mm;
-        told["rate_Hz"] = info.rate_Hz;
-        told["undoable"] = info.undoable;
-        told["redoable"] = info.redoable;
-        told["live"] = info.live != 0;
-        told["backend"] = std::string(info.backend);
-        told["machine"] = std::string(info.machine);
-        return told;
-      })
-      .def("render", [](PySession& self, const std::pair<std::uint32_t, std::uint32_t>& size,
-                        const std::optional<Vector>& eye, const std::optional<Vector>& target,
-                        const std::optional<Vector>& up, double fov, const std::string& color,
-                        const std::optional<Color>& background, std::uint32_t samples) {
-        pp_picture_options options = pp_default_picture_options();
-        options.width = size.first;
-        options.height = size.second;
-        options.samples = samples;
-        options.fov_deg = fov;
-        options.color = color.c_str();
-        vectorOr(eye, options.has_eye, options.eye);
-        vectorOr(target, options.has_target, options.target);
-        vectorOr(up, options.has_up, options.up);
-        options.has_background = background ? 1 : 0;
-        for (std::size_t k = 0; background && k < 3; ++k) options.background[k] = (*background)[k];
-        return self.render(size, options);
-      }, py::arg("size") = std::pair(1280, 720), py::arg("eye") = py::none(), py::arg("target") = py::none(),
-         py::arg("up") = py::none(), py::arg("fov") = 45.0, py::arg("color") = "rgb", py::arg("background") = py::none(),
-         py::arg("samples") = 4,
-         "render(size=(1280, 720), eye=None, target=None, up=None, fov=45, color='rgb', background=None, samples=4)\n\n"
-         "The points as they are: uint8, height x width x 4, rows from the top. size: width, height. eye, target, up: model\n"
-         "units; what is not given fits the model. fov: vertical, degrees. color: rgb, normal, depth, height. background: three\n"
-         "of 0 to 255.")
-      .def("mesh", [](PySession& self, std::uint32_t lattice, const std::string& surface, std::optional<double> radius_mm) {
-        pp_mesh_options options = pp_default_mesh_options();
-        options.lattice = lattice;
-        options.surface = surface.c_str();
-        options.radius_mm = radius_mm.value_or(0);
-        return std::make_shared<PyMesh>(self.with([&](pp::Session& open) { return open.mesh(options); }));
-      }, py::arg("lattice") = 128, py::arg("surface") = "sphere", py::arg("radius_mm") = py::none(),
-         "mesh(lattice=128, surface='sphere', radius_mm=None) -> Mesh\n\n"
-         "Triangles around the points as they are, by marching cubes. lattice: cells along the longest side. surface: sphere,\n"
-         "average, sharp or density.");
+      .def("_info",
+           [](PySession& self) {
+             const pp_session_info info = self.with([](pp::Session& open) { return open.info(); });
+             py::dict told;
+             told["points"] = info.points;
+             told["mm_per_unit"] = info.mm_per_unit;
+             told["spacing_mm"] = info.spacing_mm;
+             told["radius_mm"] = info.radius_mm;
+             told["rate_Hz"] = info.rate_Hz;
+             told["undoable"] = info.undoable;
+             told["redoable"] = info.redoable;
+             told["live"] = info.live != 0;
+             told["backend"] = std::string(info.backend);
+             told["machine"] = std::string(info.machine);
+             return told;
+           })
+      .def(
+          "render",
+          [](PySession& self, const std::pair<std::uint32_t, std::uint32_t>& size, const std::optional<Vector>& eye,
+             const std::optional<Vector>& target, const std::optional<Vector>& up, double fov, const std::string& color,
+             const std::optional<Color>& background, std::uint32_t samples) {
+            pp_picture_options options = pp_default_picture_options();
+            options.width = size.first;
+            options.height = size.second;
+            options.samples = samples;
+            options.fov_deg = fov;
+            options.color = color.c_str();
+            vectorOr(eye, options.has_eye, options.eye);
+            vectorOr(target, options.has_target, options.target);
+            vectorOr(up, options.has_up, options.up);
+            options.has_background = background ? 1 : 0;
+            for (std::size_t k = 0; background && k < 3; ++k) options.background[k] = (*background)[k];
+            return self.render(size, options);
+          },
+          py::arg("size") = std::pair(1280, 720), py::arg("eye") = py::none(), py::arg("target") = py::none(),
+          py::arg("up") = py::none(), py::arg("fov") = 45.0, py::arg("color") = "rgb",
+          py::arg("background") = py::none(), py::arg("samples") = 4,
+          "render(size=(1280, 720), eye=None, target=None, up=None, fov=45, color='rgb', background=None, "
+          "samples=4)\n\n"
+          "The points as they are: uint8, height x width x 4, rows from the top. size: width, height. eye, target, up: "
+          "model\n"
+          "units; what is not given fits the model. fov: vertical, degrees. color: rgb, normal, depth, height. "
+          "background: three\n"
+          "of 0 to 255.")
+      .def(
+          "mesh",
+          [](PySession& self, std::uint32_t lattice, const std::string& surface, std::optional<double> radius_mm) {
+            pp_mesh_options options = pp_default_mesh_options();
+            options.lattice = lattice;
+            options.surface = surface.c_str();
+            options.radius_mm = radius_mm.value_or(0);
+            return std::make_shared<PyMesh>(self.with([&](pp::Session& open) { return open.mesh(options); }));
+          },
+          py::arg("lattice") = 128, py::arg("surface") = "sphere", py::arg("radius_mm") = py::none(),
+          "mesh(lattice=128, surface='sphere', radius_mm=None) -> Mesh\n\n"
+          "Triangles around the points as they are, by marching cubes. lattice: cells along the longest side. surface: "
+          "sphere,\n"
+          "average, sharp or density.");
   bindTouch(session);
   bindSessionsMatter(session);
   bindSessionsSharing(session);

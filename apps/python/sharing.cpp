@@ -233,22 +233,25 @@ void bindSessionsSharing(py::class_<PySession>& session) {
 }
 
 void bindSharing(py::module_& module) {
-  module.def("can_share", [] { return pp_can_share() != 0; },
-             "can_share() -> bool\n\nWhether this palpate was built with DDS. Where it was not, serve(), sessions() and a\n"
-             "Session of a Join raise Error with the status \"unsupported\".");
+  module.def(
+      "can_share", [] { return pp_can_share() != 0; },
+      "can_share() -> bool\n\nWhether this palpate was built with DDS. Where it was not, serve(), sessions() and a\n"
+      "Session of a Join raise Error with the status \"unsupported\".");
   module.def("_survey", &survey, py::arg("network"), py::arg("seconds"));
   py::class_<PyServer>(module, "_Server")
       .def(py::init([](const PyCloud& cloud, const std::string& name, const NetworkTuple& network, bool read_only,
-                       const std::optional<std::string>& model, std::optional<double> mm_per_unit, bool estimate_normals,
-                       const std::optional<std::string>& journal, std::uint32_t threads) {
+                       const std::optional<std::string>& model, std::optional<double> mm_per_unit,
+                       bool estimate_normals, const std::optional<std::string>& journal, std::uint32_t threads) {
              return std::make_unique<PyServer>(
-                 cloud, name, ServeSettings{network, read_only, estimate_normals, model, journal, mm_per_unit, threads});
+                 cloud, name,
+                 ServeSettings{network, read_only, estimate_normals, model, journal, mm_per_unit, threads});
            }),
            py::arg("cloud"), py::arg("name"), py::arg("network"), py::arg("read_only") = false,
            py::arg("model") = py::none(), py::arg("mm_per_unit") = py::none(), py::arg("estimate_normals") = false,
            py::arg("journal") = py::none(), py::arg("threads") = 0)
       .def("close", &PyServer::close,
-           "close()\n\nNobody is answered from then on; what is called then raises Error. A with statement does it. Those who\n"
+           "close()\n\nNobody is answered from then on; what is called then raises Error. A with statement does it. "
+           "Those who\n"
            "have joined keep what they have.")
       .def("cloud", &PyServer::cloud,
            "cloud() -> Cloud\n\nThe points as they are: what has come of everybody's strokes.")

@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <utility>
 
-#include "haptics/session/matter_scenes.hpp"
 #include "apps/view/messages.hpp"
 #include "apps/view/window.hpp"
 #include "engine/core/atomic_file.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
+#include "haptics/session/matter_scenes.hpp"
 
 namespace palpate {
 

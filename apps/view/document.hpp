@@ -93,9 +93,9 @@ class Document {
   std::vector<std::string> offered_;
   Loader loader_;
   std::unique_ptr<WindowSession> session_;
-  WindowOptions opened_;  // that its file was opened with
+  WindowOptions opened_;                                              // that its file was opened with
   enum class HandedOn { no, held, toGoOn } handedOn_ = HandedOn::no;  // the points of the session before
-  std::string saveFile_;  // the model's own, or the one beside it
+  std::string saveFile_;                                              // the model's own, or the one beside it
   struct {
     bool lost = false, silent = false;
   } saidOfFrames_;

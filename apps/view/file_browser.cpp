@@ -58,9 +58,10 @@ void FileBrowser::choose(std::size_t filter) {
 void FileBrowser::look() {
   failure_.clear();
   entries_.clear();
-  isModel_ = isRgbdFolder(folder_.string()) || std::ranges::any_of(cloudFormats().all(), [&](const CloudFormat& format) {
-               return !format.folder.empty() && format.holds != nullptr && format.holds(folder_);
-             });
+  isModel_ =
+      isRgbdFolder(folder_.string()) || std::ranges::any_of(cloudFormats().all(), [&](const CloudFormat& format) {
+        return !format.folder.empty() && format.holds != nullptr && format.holds(folder_);
+      });
   std::error_code failed;
   std::filesystem::directory_iterator each(folder_, failed);
   for (; !failed && each != std::filesystem::directory_iterator(); each.increment(failed)) {

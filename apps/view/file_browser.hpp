@@ -55,8 +55,8 @@ class FileBrowser {
   bool isModel_ = false;
 };
 
-/// One for all formats that are read together, one for each, and one for all files. Formats of folders are opened as what
-/// they are: the folder's own name.
+/// One for all formats that are read together, one for each, and one for all files. Formats of folders are opened as
+/// what they are: the folder's own name.
 std::vector<FileBrowser::Filter> filtersToOpen();
 /// One for each format that points are written in; of triangles the others.
 std::vector<FileBrowser::Filter> filtersToSave(bool triangles);

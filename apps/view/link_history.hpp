@@ -10,7 +10,7 @@ namespace palpate {
 
 class LinkHistory {
  public:
-  static constexpr double kApart_s = 0.1;     ///< between two values
+  static constexpr double kApart_s = 0.1;    ///< between two values
   static constexpr std::size_t kKept = 300;  ///< values
 
   /// Once for each picture. What is not known yet is 0.

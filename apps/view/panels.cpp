@@ -269,7 +269,8 @@ void Panels::drawOthers(const ViewStatus& status) {
   if (counts.silent_s > 1) ImGui::Text("not heard for %.0f s", counts.silent_s);
   if (counts.force < 1) ImGui::Text("%.0f %% of the force is left", 100 * counts.force);
   if (counts.link.roundTrip_ms)
-    ImGui::TextDisabled("round trip %.1f ms, %.0f %% lost", *counts.link.roundTrip_ms, counts.link.lost_percent.value_or(0));
+    ImGui::TextDisabled("round trip %.1f ms, %.0f %% lost", *counts.link.roundTrip_ms,
+                        counts.link.lost_percent.value_or(0));
 }
 
 void Panels::drawMatter(const ViewStatus& status, ViewRequests& requests) {
@@ -334,7 +335,9 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
 
 void Panels::drawPlace(const PlaceInfo& info) {
   const auto row = [](const char* name, const std::string& value) { ImGui::TextWrapped("%s %s", name, value.c_str()); };
-  const auto vector = [](const DVec3& value) { return fmt::format("{:.6g}, {:.6g}, {:.6g}", value.x, value.y, value.z); };
+  const auto vector = [](const DVec3& value) {
+    return fmt::format("{:.6g}, {:.6g}, {:.6g}", value.x, value.y, value.z);
+  };
   row("place", vector(info.place));
   if (info.point) {
     row("point", fmt::format("{} at {}", *info.point, vector(info.position)));

@@ -42,7 +42,7 @@ struct ViewStatus {
   std::uint64_t meshTriangles = 0;
   const std::deque<float>* pictures_ms = nullptr;  ///< from picture to picture
   double fps = 0;
-  std::vector<PassRecord> passes;  ///< of the last picture of the model
+  std::vector<PassRecord> passes;               ///< of the last picture of the model
   std::vector<SimulationParameter> parameters;  ///< of what moves by itself
   bool simulationHeld = false;
   struct Others {

@@ -152,7 +152,8 @@ void Panels::drawHelp(ViewSettings& view) {
     }
     ImGui::EndTable();
   }
-  ImGui::TextWrapped("A gamepad: left stick moves, right stick or triggers go in depth, A holds the stylus, B lets it go.");
+  ImGui::TextWrapped(
+      "A gamepad: left stick moves, right stick or triggers go in depth, A holds the stylus, B lets it go.");
   ImGui::TextWrapped("A 3D mouse: its cap is the model; the first button holds the stylus, then it is that.");
   ImGui::End();
 }

@@ -35,7 +35,9 @@ std::string sizeOf(std::uintmax_t bytes) {
 std::filesystem::path placeToWrite(const FileBrowser& browser, const std::string& name) {
   const FileBrowser::Filter& filter = browser.filters()[browser.filter()];
   const std::filesystem::path place = browser.placeOf(name);
-  return place.has_extension() || filter.endings.empty() ? place : std::filesystem::path(place.string() + filter.endings.front());
+  return place.has_extension() || filter.endings.empty()
+             ? place
+             : std::filesystem::path(place.string() + filter.endings.front());
 }
 
 }  // namespace
@@ -43,10 +45,10 @@ std::filesystem::path placeToWrite(const FileBrowser& browser, const std::string
 void Panels::browse(FileTask task, const ViewStatus& status) {
   if (task != FileTask::open && !status.session) return;
   const std::filesystem::path beside = task == FileTask::saveAs ? status.saveFile : status.model;
-  files_.emplace(Files{.task = task,
-                       .browser = FileBrowser(beside.parent_path(), task == FileTask::open
-                                                                        ? filtersToOpen()
-                                                                        : filtersToSave(task == FileTask::exportMesh))});
+  files_.emplace(Files{
+      .task = task,
+      .browser = FileBrowser(beside.parent_path(),
+                             task == FileTask::open ? filtersToOpen() : filtersToSave(task == FileTask::exportMesh))});
   write(files_->folder, files_->browser.folder().string());
   if (task == FileTask::saveAs) write(files_->name, beside.filename().string());
   if (task == FileTask::exportMesh) write(files_->name, beside.stem().string() + "-mesh");
@@ -62,8 +64,10 @@ bool Panels::drawEntries() {
     const std::string shown = entry.isFolder ? entry.name + "/" : entry.name;
     const bool is = !entry.isFolder && entry.name == files_->name.data();
     if (noted(shown, ImGui::Selectable(shown.c_str(), is, ImGuiSelectableFlags_AllowDoubleClick))) {
-      if (entry.isFolder) into = entry.name;
-      else write(files_->name, entry.name);
+      if (entry.isFolder)
+        into = entry.name;
+      else
+        write(files_->name, entry.name);
       chosen = !entry.isFolder && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
     }
     if (entry.isFolder) continue;
@@ -137,7 +141,9 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   const bool cancelled = button("Cancel##files") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
   if (browser.folder() != before) write(files_->folder, browser.folder().string());
   if (!result.empty()) {
-    (opens ? requests.open : files_->task == FileTask::saveAs ? requests.saveAs : requests.exportMesh) = result.string();
+    (opens                              ? requests.open
+     : files_->task == FileTask::saveAs ? requests.saveAs
+                                        : requests.exportMesh) = result.string();
   }
   if (!result.empty() || cancelled) {
     ImGui::CloseCurrentPopup();

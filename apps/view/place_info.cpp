@@ -58,7 +58,8 @@ void findStiffness(const WindowSession& session, PlaceInfo& info) {
   const double radius_m = 0.5e-3 * session.model().scale.toMm(session.surface().radius);
   const double body = 1e-3 / halfSpaceCompliance_m_N(scene, radius_m);
   info.stiffness_N_mm = 1 / (1 / hand + 1 / (scene.gain * body));
-  info.stiffnessOf = fmt::format("the hand's spring of {:.3g} N/mm upon a half-space of {:.3g} N/mm", hand, scene.gain * body);
+  info.stiffnessOf =
+      fmt::format("the hand's spring of {:.3g} N/mm upon a half-space of {:.3g} N/mm", hand, scene.gain * body);
 }
 
 }  // namespace
@@ -74,11 +75,12 @@ PlaceInfo placeInfo(const WindowSession& session, const DVec3& place) {
   info.position = cloud.origin + DVec3(point->position);
   info.normal = point->normal;
   if (cloud.hasColors())
-    info.attributes.emplace_back("colour", fmt::format("{}, {}, {}", point->color & 255, point->color >> 8 & 255,
-                                                       point->color >> 16 & 255));
+    info.attributes.emplace_back(
+        "colour", fmt::format("{}, {}, {}", point->color & 255, point->color >> 8 & 255, point->color >> 16 & 255));
   // A point that came later has what it took from the one beside it.
   if (const std::size_t file = point->parent; file < cloud.size())
-    for (const Attribute& attribute : cloud.extra) info.attributes.emplace_back(attribute.name, textOf(attribute, file));
+    for (const Attribute& attribute : cloud.extra)
+      info.attributes.emplace_back(attribute.name, textOf(attribute, file));
   return info;
 }
 

@@ -22,7 +22,7 @@ struct ViewRequests {
   bool saveBeside = false, saveOver = false;                ///< the answer how to save, or cancel
   bool switchForces = false;                                ///< off, or on again
   bool holdFrames = false, stepFrame = false;               ///< of a depth camera, or of matter that moves by itself
-  bool restart = false;                                   ///< what moves by itself
+  bool restart = false;                                     ///< what moves by itself
   std::optional<int> axis;                                  ///< to look along
   bool fromBehind = false;
   std::optional<StylusRequest> stylus;

@@ -54,9 +54,9 @@ struct SetAction {
   double value = 0;
 };
 
-using ScriptAction = std::variant<WindowEvent, ResizeAction, MinimiseAction, ScreenshotAction, StateAction, SaveAction,
-                                  RecordAction, ReplayAction, ImpatientAction, AskAction, ClickAction, SetAction,
-                                  AwaitAction>;
+using ScriptAction =
+    std::variant<WindowEvent, ResizeAction, MinimiseAction, ScreenshotAction, StateAction, SaveAction, RecordAction,
+                 ReplayAction, ImpatientAction, AskAction, ClickAction, SetAction, AwaitAction>;
 
 struct TimedAction {
   double time_s = 0;
@@ -66,7 +66,8 @@ struct TimedAction {
 /// One event a line, `#` comments: `TIME_S key NAME [down|up]` (NAME may be ctrl+z), `mouse X Y`,
 /// `button left|middle|right down|up`, `wheel N`, `drop FILE`, `text WORDS`, `resize W H`, `minimise`, `restore`,
 /// `screenshot FILE.png`, `state FILE.json`, `save FILE.ply`, `record FILE`, `record`, `replay FILE`, `impatient`,
-/// `patient`, `ask`, `click NAME`, `set NAME VALUE`, `await FILE`, `quit`. Times do not fall. Throws FileError with the line.
+/// `patient`, `ask`, `click NAME`, `set NAME VALUE`, `await FILE`, `quit`. Times do not fall. Throws FileError with the
+/// line.
 std::vector<TimedAction> readScript(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -35,12 +35,12 @@ struct FeelSettings {
 
 /// What the window is opened with.
 struct WindowOptions {
-  SessionConfig config;  ///< the file of its model changes from model to model
-  NetworkOptions network;  ///< that topics of ROS are heard on
+  SessionConfig config;      ///< the file of its model changes from model to model
+  NetworkOptions network;    ///< that topics of ROS are heard on
   bool hidesCamera = false;  ///< nobody in the session that is joined is told from where the picture is seen
   std::string ros;           ///< under which programs of ROS hear that; empty: none does
-  std::string hand;      ///< what others see it called in the session that is joined; empty: as the machine
-  StreamConfig stream;   ///< of models that are depth cameras
+  std::string hand;          ///< what others see it called in the session that is joined; empty: as the machine
+  StreamConfig stream;       ///< of models that are depth cameras
   std::uint64_t undo_bytes = 1ull << 30;
   LiveOptions live;
 };

@@ -9,8 +9,8 @@ namespace {
 constexpr std::array<std::uint8_t, 3> kWayColor{70, 205, 130}, kMeasureColor{255, 70, 190};
 constexpr double kMark = 0.02;  // half as wide as the cross at a measured place, in longest sides
 constexpr double kMeasureWidth_px = 2.5;
-constexpr double kStylus = 0.12;        // how long another hand's stylus is drawn, in longest sides
-constexpr double kBall = 0.012;         // and half of the octahedron at its end
+constexpr double kStylus = 0.12;  // how long another hand's stylus is drawn, in longest sides
+constexpr double kBall = 0.012;   // and half of the octahedron at its end
 constexpr double kStylusWidth_px = 3;
 constexpr double kOnlooker = 0.08;           // how long the pyramid of another's camera is, in longest sides
 constexpr std::size_t kLongestWay = 20'000;  // places; past them the oldest are forgotten

@@ -26,8 +26,8 @@ class ShownMesh {
   std::uint64_t triangleCount() const { return mesh_ ? mesh_->triangleCount() : 0; }
   std::uint64_t version() const { return version_; }  ///< another one after each change
   double time_ms() const { return time_ms_; }         ///< that the last change took
-  /// Writes the triangles as they are; a file that is there is kept as what is returned. Throws FileError, and Error where
-  /// there are none.
+  /// Writes the triangles as they are; a file that is there is kept as what is returned. Throws FileError, and Error
+  /// where there are none.
   std::filesystem::path write(const std::string& file) const;
   /// Only while there are triangles.
   DrawnMesh drawn(const Bounds& bounds) const;

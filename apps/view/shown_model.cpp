@@ -20,8 +20,7 @@ FrameOptions frameOptions(const WindowSession& session, const ViewSettings& view
   if (view.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view.discRadius_mm);
   const TickHistory& history = session.history();
   if (touched && !history.rows().empty())
-    options.overlays = overlaysOf(history.rows().back(), model.cloud.origin, session.longestSide(),
-                                  session.heldTool());
+    options.overlays = overlaysOf(history.rows().back(), model.cloud.origin, session.longestSide(), session.heldTool());
   return options;
 }
 

@@ -30,8 +30,7 @@ struct ViewCommandOptions {
 /// Opens the device that a person holds. The window is not there yet: the person may be asked to calibrate it.
 void hold(Context& context, const ViewCommandOptions& options, WindowOptions& session) {
   OpenedDevice opened = openDevice(
-      options.device,
-      {.log = context.log(), .rate_Hz = options.rate_Hz, .ownScheduler = options.scheduler == "own"});
+      options.device, {.log = context.log(), .rate_Hz = options.rate_Hz, .ownScheduler = options.scheduler == "own"});
   if (options.rumble) opened.device = withRumble(std::move(opened.device), context.log());
   // Turned about the middle of the workspace, it has its origin there.
   const DVec3 middle_mm = 0.5 * (opened.facts.workspaceMin_mm + opened.facts.workspaceMax_mm);
@@ -112,7 +111,8 @@ void addView(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand(
       "view", "the window: feel, see and sculpt at the same time, with a mouse, a gamepad or a 3D mouse");
   auto options = std::make_shared<ViewCommandOptions>();
-  sub.add("models", options->models, modelsAndStreams() + "; the first one is opened, others can be dropped on the window")
+  sub.add("models", options->models,
+          modelsAndStreams() + "; the first one is opened, others can be dropped on the window")
       .typeName("MODEL");
   addScaleOptions(sub, options->scale);
   sub.add("--normals", options->normals, "keep, estimate or face, as in palpate touch")
@@ -124,8 +124,10 @@ void addView(Options& app, Context& context, Command& command) {
   sub.add("--script", options->script,
           "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, wheel N, "
           "push X Y Z RX RY RZ [BUTTONS], click NAME (in the panels), drop FILE, text WORDS, resize W H, "
-          "set NAME VALUE (of matter), minimise, restore, screenshot FILE.png|.jpg, state FILE.json, save FILE.ply, record [FILE], replay FILE, "
-          "impatient, patient, ask (about changes, and how to save: click Save beside, click Save over), await FILE (until it is "
+          "set NAME VALUE (of matter), minimise, restore, screenshot FILE.png|.jpg, state FILE.json, save FILE.ply, "
+          "record [FILE], replay FILE, "
+          "impatient, patient, ask (about changes, and how to save: click Save beside, click Save over), await FILE "
+          "(until it is "
           "there, a minute at most), quit; # "
           "comments")
       .typeName("FILE");

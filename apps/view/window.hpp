@@ -55,8 +55,8 @@ class Window {
   std::vector<WindowEvent> events_;
 };
 
-/// The number of a key by its name in a script ("z", "space", "ctrl", "left", "f1", …), in any case; nothing for an unknown
-/// one.
+/// The number of a key by its name in a script ("z", "space", "ctrl", "left", "f1", …), in any case; nothing for an
+/// unknown one.
 std::optional<int> keyNamed(std::string_view name);
 /// All of them, in a line.
 std::string keyNames();

@@ -50,9 +50,9 @@ X11Canvas::X11Canvas(const X11Window& window) : server_(std::make_unique<Server>
                                nullptr, 1, 1, 32, 0);
   if (!probe) throw Error("the display takes no pictures of {} bits a pixel", x.attributes.depth);
   x.blueFirst = visual.red_mask != kBlue;
-  x.takesAsIs = probe->bits_per_pixel == 32 && visual.green_mask == kGreen &&
-                (visual.red_mask == kRed ? visual.blue_mask == kBlue
-                                         : visual.red_mask == kBlue && visual.blue_mask == kRed);
+  x.takesAsIs =
+      probe->bits_per_pixel == 32 && visual.green_mask == kGreen &&
+      (visual.red_mask == kRed ? visual.blue_mask == kBlue : visual.red_mask == kBlue && visual.blue_mask == kRed);
   XDestroyImage(probe);
   x.context = XCreateGC(x.display, x.window, 0, nullptr);
 }

@@ -95,8 +95,8 @@ DVec3 EditAftermath::facingOf(std::uint32_t i) {
 }
 
 // On the ball's wall, towards its centre or away from it, as where it comes from did when the ball came: a ball that
-// goes in sideways lines its tunnel with the sheet before it, and lifts the sheet above it from behind. What it met edge
-// on may face either way. Nothing elsewhere.
+// goes in sideways lines its tunnel with the sheet before it, and lifts the sheet above it from behind. What it met
+// edge on may face either way. Nothing elsewhere.
 std::optional<DVec3> EditAftermath::wallFacing(std::uint32_t i, std::uint32_t ancestor) {
   if ((!way_.carves && !way_.pushes) || way_.centers.empty()) return std::nullopt;
   const DVec3 outward = nearestCenter(position(i)) - position(i);

@@ -173,8 +173,8 @@ double EditJudge::heightFrom(const DVec3& place, std::uint32_t ancestor, double 
     found.clear();
     tree_.within(position(from), std::min(support, kStep * spacingOf(from)), found);
     for (const std::uint32_t i : found) {
-      const bool goesOn = glm::dot(normal(i), normal(from)) > 0 &&
-                          glm::distance(position(i), position(ancestor)) < kKin * support;
+      const bool goesOn =
+          glm::dot(normal(i), normal(from)) > 0 && glm::distance(position(i), position(ancestor)) < kKin * support;
       if (goesOn && known.insert(i).second) sheet.push_back(i);
     }
   }

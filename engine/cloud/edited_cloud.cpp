@@ -12,7 +12,6 @@ namespace palpate {
 
 namespace {
 
-
 // The point of the file that a point has its other properties from.
 std::uint32_t ancestor(std::span<const PointState> points, std::uint32_t point, std::size_t inFile) {
   for (std::size_t steps = 0; point >= inFile; ++steps) {

@@ -25,9 +25,10 @@ class Grid {
   Vec3 normalOf(std::size_t i) const {
     const std::uint32_t cell = grid_.cells[i], column = cell % grid_.width, row = cell / grid_.width;
     const DVec3 place = fromSensor(i);
-    const auto across = way(place, column > 0 ? at_[cell - 1] : kNone, column + 1 < grid_.width ? at_[cell + 1] : kNone);
-    const auto down = way(place, row > 0 ? at_[cell - grid_.width] : kNone,
-                          row + 1 < grid_.height ? at_[cell + grid_.width] : kNone);
+    const auto across =
+        way(place, column > 0 ? at_[cell - 1] : kNone, column + 1 < grid_.width ? at_[cell + 1] : kNone);
+    const auto down =
+        way(place, row > 0 ? at_[cell - grid_.width] : kNone, row + 1 < grid_.height ? at_[cell + grid_.width] : kNone);
     if (!across || !down) return Vec3(0);
     const DVec3 normal = glm::cross(*down, *across);
     const double size = glm::length(normal);

@@ -16,9 +16,9 @@ struct SensorGrid {
   DVec3 sensor{0};                       ///< where it stands, relative to what places are relative to
 };
 
-/// By central differences along rows and columns, as of pictures of depth (engine/motion/depth_points.hpp): unit, towards
-/// the sensor, and 0 where nobody knows. A difference reaches over no jump: over none by more than a surface is far from
-/// ray to ray that is seen at less than 84 degrees from upright, or than such a sensor's noise.
+/// By central differences along rows and columns, as of pictures of depth (engine/motion/depth_points.hpp): unit,
+/// towards the sensor, and 0 where nobody knows. A difference reaches over no jump: over none by more than a surface is
+/// far from ray to ray that is seen at less than 84 degrees from upright, or than such a sensor's noise.
 std::vector<Vec3> gridNormals(std::span<const Vec3> places, const SensorGrid& grid);
 
 }  // namespace palpate

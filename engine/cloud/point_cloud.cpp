@@ -42,7 +42,9 @@ Bounds boundsOf(const PointCloud& cloud) {
         }
         return box;
       },
-      [](const Corners& a, const Corners& b) { return Corners{glm::min(a.low, b.low), glm::max(a.high, b.high)}; });
+      [](const Corners& a, const Corners& b) {
+        return Corners{glm::min(a.low, b.low), glm::max(a.high, b.high)};
+      });
   return {DVec3(all.low), DVec3(all.high)};
 }
 

@@ -47,7 +47,8 @@ std::vector<std::uint32_t> fusedForms(const ContactOptions& options, std::uint32
 
 // For each probe, two for a point that shared memory does not hold. Many probes have room for what one gather can bring
 // them, where a single one has it for the largest gather there is.
-std::uint32_t spillSlots(const Device& device, const ContactOptions& options, std::uint32_t cells, std::uint64_t points) {
+std::uint32_t spillSlots(const Device& device, const ContactOptions& options, std::uint32_t cells,
+                         std::uint64_t points) {
   std::uint64_t most = points;
   if (options.probes > 1)
     most = std::min<std::uint64_t>(points, std::uint64_t{gatherRounds(cells)} * shared::kPatchRoundCandidates);
@@ -110,8 +111,7 @@ void ContactStep::record(CommandList& commands, std::uint32_t list, const shared
   const shared::ContactStepArgs args{.cloud = cloud, .logHead = logHead, .velocities = velocities};
   if (waits(list)) recordAwait(commands);
   const auto section = commands.section("contact");
-  if (!gather_)
-    return recordSolve(commands, args, waits(list) ? taken_ : pose_, forms_[list % forms_.size()]);
+  if (!gather_) return recordSolve(commands, args, waits(list) ? taken_ : pose_, forms_[list % forms_.size()]);
   {
     const auto gathering = commands.section("gather");
     gather_->record(commands, list,

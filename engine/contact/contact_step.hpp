@@ -40,7 +40,8 @@ class ContactStep {
   /// Command lists to record ahead.
   std::uint32_t lists() const;
   /// The run of these lists reads the question that was put and leaves its answer in sample(). `logHead`: address of a
-  /// uint32 that is copied into the answer. `velocities`: of a vec4 for each id, model units per second, where points move.
+  /// uint32 that is copied into the answer. `velocities`: of a vec4 for each id, model units per second, where points
+  /// move.
   void record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud, DeviceAddress logHead,
               DeviceAddress velocities = 0) const;
   std::uint32_t firstList() const;

@@ -35,9 +35,9 @@ inline PointsMotion pointsMotion(double now_s, const PointsTime& points, double 
 /// What shaders/contact/contact_step.comp does from tick to tick, over any surface: contact begins where the HIP's
 /// motion crosses the surface, and the proxy tracks the tangent plane (Salisbury and Tarr 1997), held or dragged by
 /// friction (Ruspini, Kolarov, Khatib 1997). A sheet is felt at the face that the HIP came from; a HIP that starts
-/// within reach behind a surface is not caught until it has been seen in front. Where points move, a tick is taken in the
-/// frame of the surface that was felt last: the proxy is carried along, and what crosses what, and slides, is a matter of
-/// the relative way. All places relative to the cloud's origin.
+/// within reach behind a surface is not caught until it has been seen in front. Where points move, a tick is taken in
+/// the frame of the surface that was felt last: the proxy is carried along, and what crosses what, and slides, is a
+/// matter of the relative way. All places relative to the cloud's origin.
 class ProxyTracker {
  public:
   /// `radius`: support radius, model units. `friction`: coefficient while the proxy slides.

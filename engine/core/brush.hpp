@@ -33,9 +33,9 @@ constexpr bool changesShape(BrushKind kind) { return kind != BrushKind::carve &&
 /// carve work with a ball whose tip stands tau before the HIP, the others with one about the proxy.
 struct BrushOptions {
   BrushKind kind = BrushKind::push;
-  double tau = 0;         ///< how deep the HIP may stand behind the proxy before the surface yields, model units
-  double beta = 0;        ///< push: share of the way to its target that a point goes in one tick, 0 to 1
-  double radius = 0;      ///< of its ball, model units
+  double tau = 0;     ///< how deep the HIP may stand behind the proxy before the surface yields, model units
+  double beta = 0;    ///< push: share of the way to its target that a point goes in one tick, 0 to 1
+  double radius = 0;  ///< of its ball, model units
   /// The others: how much of its effect a brush has in one tick, 0 to 1; but for carve, at the middle of the brush. The
   /// whole effect is for carve the way to the brush, for smooth and flatten that to the surface and to the plane, for
   /// grab the motion of the hand, for inflate a thousandth of the brush's radius, for paint the colour.

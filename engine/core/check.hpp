@@ -1,5 +1,5 @@
-// Checks for bugs of ours: a broken invariant prints the operands and stops the program; in the library, whose host goes
-// on, it is an exception (haptics/library/bug.cpp).
+// Checks for bugs of ours: a broken invariant prints the operands and stops the program; in the library, whose host
+// goes on, it is an exception (haptics/library/bug.cpp).
 #pragma once
 
 #include <fmt/format.h>

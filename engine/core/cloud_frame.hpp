@@ -12,22 +12,23 @@ namespace palpate {
 /// So long at most points that move go on with their velocities, where their source says nothing else.
 constexpr double kMostPointsAge_s = 0.05;
 
-/// When points that move are where they are: before and at that time. From then on they go on with their velocities, for
-/// so long at most; after that they stand still.
+/// When points that move are where they are: before and at that time. From then on they go on with their velocities,
+/// for so long at most; after that they stand still.
 struct PointsTime {
   double true_s = 0;
   double goOn_s = kMostPointsAge_s;
 };
 
-/// Where the points of a cloud are at one time. It may have fewer points than the cloud has ids: the others are not there.
+/// Where the points of a cloud are at one time. It may have fewer points than the cloud has ids: the others are not
+/// there.
 struct CloudFrame {
-  double time_s = 0;                  ///< that it is true for
-  double goOn_s = kMostPointsAge_s;   ///< PointsTime::goOn_s
-  std::vector<Vec3> positions;      ///< model units, relative to the cloud's origin
-  std::vector<Vec3> normals;        ///< unit
-  std::vector<Vec3> velocities;     ///< model units per second; empty where they are not known
+  double time_s = 0;                                ///< that it is true for
+  double goOn_s = kMostPointsAge_s;                 ///< PointsTime::goOn_s
+  std::vector<Vec3> positions;                      ///< model units, relative to the cloud's origin
+  std::vector<Vec3> normals;                        ///< unit
+  std::vector<Vec3> velocities;                     ///< model units per second; empty where they are not known
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< empty where points keep theirs
-  std::vector<std::uint32_t> ids;   ///< of the points, ascending; empty where each one's is its place here
+  std::vector<std::uint32_t> ids;  ///< of the points, ascending; empty where each one's is its place here
 
   std::size_t size() const { return positions.size(); }
   PointsTime time() const { return {.true_s = time_s, .goOn_s = goOn_s}; }

@@ -36,8 +36,8 @@ struct Contact {
   double gpu_us = 0;             ///< time on the GPU; 0 where it was not measured
   DVec3 velocity{0};             ///< of the surface there, model units per second; zero where points stand still
   double dataTime_s = -1;        ///< of the pose that an answer which is not fresh was made from; negative: not known
-  /// On the hand, N, where it is known as such, as in matter that is simulated; otherwise a spring between HIP and proxy
-  /// says it.
+  /// On the hand, N, where it is known as such, as in matter that is simulated; otherwise a spring between HIP and
+  /// proxy says it.
   std::optional<DVec3> force_N;
   DVec3 torque_mNm{0};  ///< on the hand about the proxy, beside such a force
 };

@@ -16,7 +16,7 @@ namespace palpate {
 /// A pinhole camera without distortion that looks along z, with x to the right and y down. The middle of the first
 /// pixel is at (0, 0).
 struct DepthCamera {
-  std::uint32_t width = 0, height = 0;  ///< pixels
+  std::uint32_t width = 0, height = 0;    ///< pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
 
   bool operator==(const DepthCamera&) const = default;
@@ -63,20 +63,20 @@ class CameraAxes {
 struct SensedPoints {
   std::vector<DVec3> places;  ///< in the world of the stream, metres
   std::vector<Vec3> normals;  ///< unit, of each
-  /// Of a sensor whose rays lie in rows: how many a row has, and the ray of each place, row by row, ascending. None: nothing
-  /// is known of rays.
+  /// Of a sensor whose rays lie in rows: how many a row has, and the ray of each place, row by row, ascending. None:
+  /// nothing is known of rays.
   std::uint32_t rowLength = 0;
   std::vector<std::uint32_t> rays;
 };
 
 /// What a depth camera saw at one time.
 struct DepthFrame {
-  double time_s = 0;         ///< since the stream began
-  std::uint64_t number = 0;  ///< of all frames that the stream has had, from 0; a frame that was lost has one, too
+  double time_s = 0;           ///< since the stream began
+  std::uint64_t number = 0;    ///< of all frames that the stream has had, from 0; a frame that was lost has one, too
   std::vector<float> depth_m;  ///< along z, row by row; 0 where none was measured
   std::vector<std::array<std::uint8_t, 3>> colors;  ///< of the same pixels; empty where there are none
   std::optional<CameraPose> pose;                   ///< where it is known
-  std::optional<SensedPoints> points;  ///< in place of depths; colours are theirs, then
+  std::optional<SensedPoints> points;               ///< in place of depths; colours are theirs, then
 };
 
 /// Frames in the order of their times. For one thread at a time.
@@ -86,9 +86,9 @@ class DepthStream {
 
   /// Of a sensor that sends points: as wide as a frame may have some, and one pixel high.
   virtual const DepthCamera& camera() const = 0;
-  /// The next frame, into memory that is used again; waits where it is still to come. False after the last one, and once
-  /// stop() was called. Throws Error, with file and place, for a frame that cannot be read: it counts as lost, and the
-  /// next call goes on with the one behind it.
+  /// The next frame, into memory that is used again; waits where it is still to come. False after the last one, and
+  /// once stop() was called. Throws Error, with file and place, for a frame that cannot be read: it counts as lost, and
+  /// the next call goes on with the one behind it.
   virtual bool next(DepthFrame& frame) = 0;
   /// Ends a next() that waits, and all that come. From any thread.
   virtual void stop() noexcept {}

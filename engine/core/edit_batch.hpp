@@ -10,9 +10,9 @@ namespace palpate {
 /// Where one thing that was done to the points ends: the states since the mark before belong to it.
 struct EditMark {
   enum class Kind : std::uint8_t {
-    stroke,  ///< what a brush did from its first edit in a contact until the contact was lost
-    change,  ///< one call of TouchBackend::change(), which is no stroke
-    part,    ///< what a brush has done so far in a stroke that goes on behind what was received
+    stroke,   ///< what a brush did from its first edit in a contact until the contact was lost
+    change,   ///< one call of TouchBackend::change(), which is no stroke
+    part,     ///< what a brush has done so far in a stroke that goes on behind what was received
     received  ///< one call of TouchBackend::offer(), which is no stroke and ends none
   };
   std::uint64_t at = 0;  ///< number of states before it, in its batch

@@ -20,9 +20,7 @@ enum class SortMethod {
   counting        ///< counts the points of each bucket; fastest on points that stand almost in order, runs everywhere
 };
 inline constexpr std::array<std::pair<std::string_view, SortMethod>, 3> kSortMethods{
-    {{"counting", SortMethod::counting},
-     {"radix", SortMethod::radix},
-     {"radix-lookback", SortMethod::radixLookBack}}};
+    {{"counting", SortMethod::counting}, {"radix", SortMethod::radix}, {"radix-lookback", SortMethod::radixLookBack}}};
 /// Points mostly stand in the order of the last build; no driver is known on which another is faster then.
 inline constexpr SortMethod kDefaultSort = SortMethod::counting;
 

@@ -11,7 +11,7 @@ namespace palpate {
 struct SimulationParameter {
   std::string name;   ///< as files have it
   std::string label;  ///< for who reads
-  std::string unit;  ///< empty: 1
+  std::string unit;   ///< empty: 1
   double value = 0;
   double low = 0, high = 0;  ///< that it is taken from and to
 

@@ -7,8 +7,8 @@
 namespace palpate {
 
 /// The calling thread gives way to those that cannot wait: it and the threads that it starts get less time where cores
-/// are short, and are put aside at once when others wake up. For good: an ordinary user cannot take it back. (On Windows a
-/// thread that it starts begins as any other.)
+/// are short, and are put aside at once when others wake up. For good: an ordinary user cannot take it back. (On
+/// Windows a thread that it starts begins as any other.)
 void giveWay() noexcept;
 
 /// The threads of this program at some time, to tell those that something has started since. Knows of none where the

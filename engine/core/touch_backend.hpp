@@ -48,7 +48,7 @@ struct IndexWork {
 struct HandSpring {
   double stiffness_N_per_unit = 0;  ///< per model unit, as all of this
   double damping_N_s_per_unit = 0;
-  double most_N = 0;                ///< that the hand bears
+  double most_N = 0;  ///< that the hand bears
 };
 
 /// How many states of points can still wait for those who follow the edits, and how many could in all.

@@ -46,12 +46,8 @@ class ContactStep {
                          .flags = (patch_.thinned() ? kSampleThinned : 0) | face_ << kSampleFaceShift};
     sample.seal = sealOf(sample);
     args_.answer->sample = sample;
-    *args_.state = {.lastHip = pose_.hip,
-                    .touching = touching,
-                    .spring = proxy_,
-                    .face = face_,
-                    .facing = facing_,
-                    .started = 1};
+    *args_.state = {
+        .lastHip = pose_.hip, .touching = touching, .spring = proxy_, .face = face_, .facing = facing_, .started = 1};
   }
 
  private:
@@ -59,8 +55,7 @@ class ContactStep {
   // every point counts. Its outside is the face that is felt. Gathers a new patch when the place has left the old one.
   __device__ Surface feel(const vec3& x) {
     const float slack = kPatchSlack * args_.radius;
-    if (glm::distance(x, patch_.centre()) > slack)
-      patch_.gatherAround(x, patchReach(args_.radius));
+    if (glm::distance(x, patch_.centre()) > slack) patch_.gatherAround(x, patchReach(args_.radius));
     Surface surface = surfaceAt(patch_, x - patch_.centre(), args_.radius, facing_);
     if (!surface.defined && facing_ != vec3(0.0f))
       surface = surfaceAt(patch_, x - patch_.centre(), args_.radius, vec3(0.0f));

@@ -11,8 +11,8 @@
 namespace palpate::cu {
 
 namespace {
-constexpr int kMostRevivals = 3;          // more for one query is no coincidence
-constexpr double kLongestEnd_s = 2;       // a step takes some us, and an idle kernel ends after 50 ms
+constexpr int kMostRevivals = 3;     // more for one query is no coincidence
+constexpr double kLongestEnd_s = 2;  // a step takes some us, and an idle kernel ends after 50 ms
 }  // namespace
 
 ResidentMethod::ResidentMethod(const StepBuffers& buffers, const shared::CloudView (&views)[2])

@@ -71,8 +71,8 @@ struct PlanReport {
 struct StepArgs {
   shared::CloudView cloud;
   const Message* message;  ///< mapped host memory
-  Answer* answer;        ///< mapped host memory
-  PlanReport* report;    ///< mapped host memory
+  Answer* answer;          ///< mapped host memory
+  PlanReport* report;      ///< mapped host memory
   shared::ContactState* state;
   shared::vec4* spill;  ///< 2 per point that does not fit in shared memory: place, normal
   Gather* gather;

@@ -9,9 +9,9 @@ namespace palpate::cu {
 using Surface = shared::SurfaceOf<float>;
 using SurfaceSums = shared::SurfaceSumsOf<float>;
 
-/// The surface at `x`, relative to the patch's centre, of the points of the face with the normal `facing`, or of all where that
-/// is zero. All threads of the block call it together and get the same bits.
-/// Every translation unit has its own: the device linker takes clones of one that they share for the same code.
+/// The surface at `x`, relative to the patch's centre, of the points of the face with the normal `facing`, or of all
+/// where that is zero. All threads of the block call it together and get the same bits. Every translation unit has its
+/// own: the device linker takes clones of one that they share for the same code.
 static inline __device__ Surface surfaceAt(const Patch& patch, const vec3& x, float radius, const vec3& facing) {
   __shared__ float partial[kStepWarps][8];
   const bool sided = facing != vec3(0.0f);

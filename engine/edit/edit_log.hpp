@@ -54,7 +54,8 @@ class EditLog {
   /// latter.
   /// False where there are none.
   bool publishChange(std::uint32_t head);
-  /// The same for what has become of an offer, should it be nothing, too. `inStroke`: of a brush, which goes on behind it.
+  /// The same for what has become of an offer, should it be nothing, too. `inStroke`: of a brush, which goes on behind
+  /// it.
   void publishReceived(std::uint32_t head, bool inStroke);
   /// The stroke ended with the last entry that is published.
   void endStroke() { mark(published_.load(std::memory_order_relaxed), EditMark::Kind::stroke); }

@@ -25,8 +25,12 @@ void Journal::follow(const EditBatch& batch) {
         endStroke();  // should nobody have said so
         set(states);
         break;
-      case EditMark::Kind::part: addToStroke(states); break;
-      case EditMark::Kind::received: receive(states); break;
+      case EditMark::Kind::part:
+        addToStroke(states);
+        break;
+      case EditMark::Kind::received:
+        receive(states);
+        break;
     }
     begin = mark.at;
   }

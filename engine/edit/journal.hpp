@@ -86,9 +86,9 @@ class Journal {
   std::uint64_t version_ = 0, lastVersion_ = 0;
   std::uint64_t received_ = 0;               // batches of what others have done, that have any states
   std::vector<std::uint64_t> lastReceived_;  // by point: the last one of those that had it; empty before the first
-  std::uint64_t bytes_ = 0;  // of done_ and undone_
-  Stroke open_;              // under way
-  std::size_t room_ = 0;     // points that open_ may have for now
+  std::uint64_t bytes_ = 0;                  // of done_ and undone_
+  Stroke open_;                              // under way
+  std::size_t room_ = 0;                     // points that open_ may have for now
   bool inStroke_ = false, keepsStroke_ = false;
   std::uint64_t strokes_ = 0, dropped_ = 0, tooLarge_ = 0;
 };

@@ -27,8 +27,8 @@ struct DeviceOptions {
 std::vector<VkQueueFamilyProperties> queueFamiliesOf(VkPhysicalDevice device);
 bool canMakeSwapchains(VkPhysicalDevice device);
 
-/// A GPU in use: its logical device, its queues by their policies and its limits. Everything made from it must go before
-/// it.
+/// A GPU in use: its logical device, its queues by their policies and its limits. Everything made from it must go
+/// before it.
 class Device {
  public:
   explicit Device(const DeviceOptions& options);

@@ -77,7 +77,8 @@ struct FeatureState {
   std::string name;
   bool present;
 };
-/// Every required feature of a physical device, by its Vulkan name, and every limit with what it is and what it has to be.
+/// Every required feature of a physical device, by its Vulkan name, and every limit with what it is and what it has to
+/// be.
 std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device);
 /// Throws GpuError that names the device and each missing feature.
 void requireFeatures(std::span<const FeatureState> features, const std::string& deviceName);

@@ -24,7 +24,7 @@ struct HostDevice {
   VkInstance instance = VK_NULL_HANDLE;
   std::uint32_t apiVersion = 0;  ///< that the instance was made for (VkApplicationInfo::apiVersion); 1.3 or later
   Validation validation = Validation::off;  ///< how a validation layer watches the instance
-  bool debugUtils = false;       ///< the instance has VK_EXT_debug_utils: objects and passes get names
+  bool debugUtils = false;                  ///< the instance has VK_EXT_debug_utils: objects and passes get names
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
   /// As VkDeviceCreateInfo had it, with its chain. Features are looked for in VkPhysicalDeviceVulkan12Features, in

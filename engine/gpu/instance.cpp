@@ -61,13 +61,13 @@ Instance::Instance(Validation validation, std::span<const std::string> windowExt
                                 VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
                                 VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
   VkDebugUtilsMessengerCreateInfoEXT messenger = messages_.messengerInfo();
-  const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
-                                         .pNext = &messenger,
-                                         .enabledValidationFeatureCount =
-                                             validation == Validation::full ? std::uint32_t{kEnabled.size()} : 1,
-                                         .pEnabledValidationFeatures = kEnabled.data(),
-                                         .disabledValidationFeatureCount = 0,
-                                         .pDisabledValidationFeatures = nullptr};
+  const VkValidationFeaturesEXT features{
+      .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+      .pNext = &messenger,
+      .enabledValidationFeatureCount = validation == Validation::full ? std::uint32_t{kEnabled.size()} : 1,
+      .pEnabledValidationFeatures = kEnabled.data(),
+      .disabledValidationFeatureCount = 0,
+      .pDisabledValidationFeatures = nullptr};
   const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
                                       .pNext = nullptr,
                                       .pApplicationName = "palpate",
@@ -77,8 +77,9 @@ Instance::Instance(Validation validation, std::span<const std::string> windowExt
                                       .apiVersion = VK_API_VERSION_1_3};
   const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
                                   .pNext = validate ? &features : nullptr,
-                                  .flags = portable ? VkInstanceCreateFlags{VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR}
-                                                    : VkInstanceCreateFlags{0},
+                                  .flags = portable
+                                               ? VkInstanceCreateFlags{VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR}
+                                               : VkInstanceCreateFlags{0},
                                   .pApplicationInfo = &application,
                                   .enabledLayerCount = static_cast<std::uint32_t>(layers.size()),
                                   .ppEnabledLayerNames = layers.data(),

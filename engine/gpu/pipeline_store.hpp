@@ -47,9 +47,9 @@ class PipelineStore {
 };
 
 /// A shader's module while its pipeline is compiled, and its specialisation constants 0, 1, …. GPU-assisted validation
-/// numbers modules as they are made and writes the number into their code: there all are made at once and kept, so that a
-/// driver finds in its cache what another process had it translate. `life`: of
-/// WorkgroupWatch::Twin; 0: it is not watched.
+/// numbers modules as they are made and writes the number into their code: there all are made at once and kept, so that
+/// a driver finds in its cache what another process had it translate. `life`: of WorkgroupWatch::Twin; 0: it is not
+/// watched.
 class ShaderStage {
  public:
   ShaderStage(Device& device, const ShaderCode& code, std::vector<std::uint32_t> constants, DeviceAddress life = 0);

@@ -14,8 +14,8 @@ namespace palpate {
 class CommandList;
 class Device;
 
-/// A driver queue. Policies that share one all hold this, and lock it around each submission; where another program uses
-/// the queue, too, its lock is taken first (HostDevice).
+/// A driver queue. Policies that share one all hold this, and lock it around each submission; where another program
+/// uses the queue, too, its lock is taken first (HostDevice).
 class SharedQueue {
  public:
   using HostLock = std::function<void(VkQueue)>;

@@ -24,9 +24,9 @@ struct CloudArrays {
   NumberRows colors;     ///< u8, 0 to 255; u16, 0 to 65535; f32 and f64, 0 to 1
 };
 
-/// Copies them, with the same care as of a file: doubles keep their precision (PointCloud::origin), normals are made unit
-/// length, and those that are zero are taken from the nearest point that has one. `log`: null: nobody hears of that.
-/// Throws UsageError that names the first row which is not finite, and for positions that are not given.
+/// Copies them, with the same care as of a file: doubles keep their precision (PointCloud::origin), normals are made
+/// unit length, and those that are zero are taken from the nearest point that has one. `log`: null: nobody hears of
+/// that. Throws UsageError that names the first row which is not finite, and for positions that are not given.
 PointCloud cloudOf(const CloudArrays& arrays, Log* log);
 
 }  // namespace palpate

@@ -233,9 +233,9 @@ std::vector<LasRecord> lasRecords(const std::filesystem::path& file, const LasHe
                                   std::span<const std::byte> head) {
   return recordsFrom<std::uint16_t>(
       head, header.size, header.records, kLasRecordHead, [&](std::uint32_t number, std::size_t at) {
-        return FileError::atByte(file, at,
-                                 fmt::format("record {} of {} reaches into the points at byte {}", number,
-                                             header.records, head.size()));
+        return FileError::atByte(
+            file, at,
+            fmt::format("record {} of {} reaches into the points at byte {}", number, header.records, head.size()));
       });
 }
 

@@ -9,8 +9,9 @@ namespace palpate {
 /// appears under its name only when it is whole. Throws FileError.
 void writeNpy(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
 
-/// As numpy.savez_compressed does: `xyz` of shape (N, 3), in double precision where the cloud has it; `normals`, (N, 3),
-/// float32; `colors`, (N, 3), uint8; and the other attributes, (N,), under their names. Each array is made in memory.
+/// As numpy.savez_compressed does: `xyz` of shape (N, 3), in double precision where the cloud has it; `normals`, (N,
+/// 3), float32; `colors`, (N, 3), uint8; and the other attributes, (N,), under their names. Each array is made in
+/// memory.
 void writeNpz(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
 
 std::vector<std::string> lacksOfNpy(const StoredCloud& stored);

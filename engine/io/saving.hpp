@@ -40,8 +40,8 @@ void markAsOurs(PointCloud& cloud);
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud,
                                   const CloudFormats& formats = cloudFormats());
 
-/// Where a sculpted cloud of `file` is saved unless a person says otherwise: there, or beside it where it is of a format
-/// that is only read, and so would become something else.
+/// Where a sculpted cloud of `file` is saved unless a person says otherwise: there, or beside it where it is of a
+/// format that is only read, and so would become something else.
 std::filesystem::path whereToSave(const std::filesystem::path& file);
 
 /// NAME-sculpted.EXT beside `file`, or NAME-sculpted-2.EXT and so on: the first that is not there.

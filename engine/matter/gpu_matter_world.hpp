@@ -55,7 +55,7 @@ class GpuMatterWorld final : public MatterSimulation {
   MatterSizes sizes_;
   MatterMemory memory_;
   MatterPasses passes_;
-  CommandList calm_, swift_;    // a step in which lists are made in the beginning alone; in every substep, if need be
+  CommandList calm_, swift_;  // a step in which lists are made in the beginning alone; in every substep, if need be
   const CommandList* ran_ = &calm_;
   std::uint32_t swiftSteps_ = 0;  // so many more to come
 };

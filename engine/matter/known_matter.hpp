@@ -10,7 +10,7 @@
 namespace palpate {
 
 struct KnownMatter {
-  std::vector<std::uint32_t> ids;          ///< for life, ascending
+  std::vector<std::uint32_t> ids;           ///< for life, ascending
   std::vector<Vec3> positions, velocities;  ///< one for each, m and m/s
   double time_s = 0;                        ///< that they are true for
   std::size_t size() const { return ids.size(); }

@@ -101,8 +101,8 @@ MatterModel::MatterModel(PointCloud cloud, const MatterScene& scene, unsigned th
     : points_(placed(std::move(cloud), scene, threads)) {
   const double spacing_m = scene.spacing_mm * 1e-3, support_m = kSupport_spacings * spacing_m;
   WorkerTeam team(threads);
-  const Filled filled = filledOf(fillScan(points_, spacing_m / kNodesInSpacing, scene.hole_mm * 1e-3, team).box,
-                                 nodesBeyond(scene));
+  const Filled filled =
+      filledOf(fillScan(points_, spacing_m / kNodesInSpacing, scene.hole_mm * 1e-3, team).box, nodesBeyond(scene));
   std::vector<Vec3> places;
   for (const SurfacePlace& point : points_) places.push_back(point.rest);
   const PointTree tree(places);
@@ -142,7 +142,8 @@ PointCloud builtInModel(const MatterScene& scene, unsigned threads) {
   const double size = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
   const auto shape = makeShape(std::string_view(scene.model).substr(kBuiltInModel.size()), size);
   const double points = 6 * kPointsInSquare * std::pow(size / scene.spacing_mm, 2);
-  return sampleShape(*shape, {.count = static_cast<std::size_t>(std::clamp(points, 2e4, kMostPoints)), .threads = threads});
+  return sampleShape(*shape,
+                     {.count = static_cast<std::size_t>(std::clamp(points, 2e4, kMostPoints)), .threads = threads});
 }
 
 }  // namespace palpate

@@ -59,7 +59,8 @@ constexpr Parameter of(Parameter parameter, bool water, bool sand, bool soft, st
 }
 
 constexpr std::array kParameters{
-    of(numberOf<&MatterScene::viscosity_Pa_s>("viscosity_Pa_s", "viscosity", "Pa s", 0, 50), true, false, true, SoftPreset::elastic),
+    of(numberOf<&MatterScene::viscosity_Pa_s>("viscosity_Pa_s", "viscosity", "Pa s", 0, 50), true, false, true,
+       SoftPreset::elastic),
     of(numberOf<&MatterScene::cohesion_N_m>("cohesion_N_m", "cohesion", "N/m", 0, 10), true, false, false),
     of(numberOf<&MatterScene::friction>("friction", "friction of walls", "", 0, 2), false, true, true),
     of(numberOf<&MatterScene::young_Pa>("young_Pa", "Young", "Pa", 1e3, 1e6), false, false, true, SoftPreset::elastic),
@@ -77,8 +78,7 @@ std::vector<SimulationParameter> parametersOf(const MatterScene& scene) {
   std::vector<SimulationParameter> parameters;
   for (const Parameter& each : kParameters)
     if (each.isOf(scene))
-      parameters.push_back(
-          {.name = each.name,
+      parameters.push_back({.name = each.name,
                             .label = each.label,
                             .unit = each.unit,
                             .value = each.read(scene),

@@ -61,13 +61,13 @@ class MatterParticles {
   const Vec3& fall() const { return fall_; }
 
   /// Of a slot: `change` (m/s) of its velocity, of which `byModel` is the model's, and where it is then, but inside of
-  /// the walls and outside of the model. Adds to `sums`. One that is held by a share gets the rest of `change`, and is free
-  /// behind the substep.
+  /// the walls and outside of the model. Adds to `sums`. One that is held by a share gets the rest of `change`, and is
+  /// free behind the substep.
   void settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums);
   /// Behind the last settle() of a substep.
   void flip() { velocities_.swap(nextVelocities_); }
 
-  std::span<const Vec3> positions() const { return positions_; }    ///< m
+  std::span<const Vec3> positions() const { return positions_; }  ///< m
   /// m/s. In w the share of what others do to a particle that does not move it through the next substep, from 0 to 1.
   std::span<const Vec4> velocities() const { return velocities_; }
   void setVelocity(std::size_t slot, const Vec3& velocity, float held = 0) { velocities_[slot] = Vec4(velocity, held); }

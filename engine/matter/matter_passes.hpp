@@ -17,8 +17,8 @@ class MatterPasses {
               std::uint32_t listsFor) const;
 
  private:
-  void recordPrediction(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes,
-                        std::uint32_t substep, std::uint32_t ahead) const;
+  void recordPrediction(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes, std::uint32_t substep,
+                        std::uint32_t ahead) const;
   void recordSort(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes) const;
   void recordLists(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes) const;
   void recordWater(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes) const;

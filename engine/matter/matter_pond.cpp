@@ -8,12 +8,13 @@ namespace palpate {
 
 namespace {
 
-// In so long water that is held comes to where it is known to be, and takes the velocity that it needs for that. Velocities
-// that are known are not taken: each particle trembles with some of its own, by more than water can be compressed.
+// In so long water that is held comes to where it is known to be, and takes the velocity that it needs for that.
+// Velocities that are known are not taken: each particle trembles with some of its own, by more than water can be
+// compressed.
 constexpr float kComes_s = 0.02f, kFollows_s = 0.0005f;
 constexpr std::uint32_t kMostBetweenNews = 50;  // steps
-// News that was held up on its way comes with the next one. What has moved meanwhile does not leap there in one step, which
-// would press grains into one another.
+// News that was held up on its way comes with the next one. What has moved meanwhile does not leap there in one step,
+// which would press grains into one another.
 constexpr std::uint32_t kFewestBetweenNews = 8;
 // A ball that goes no faster is where it is known to be, as soon as that is known: spacings a second.
 constexpr double kRests_spacings_s = 2;
@@ -26,9 +27,9 @@ Vec4 heldWater(const Vec3& velocity, const Vec3& way, float held, float step_s) 
   return Vec4(velocity + goes / (1 + goes) * (way / kComes_s - velocity), 0);
 }
 
-// Grains carry a load by overlaps of a hundredth of their size, so that what is held by less than all of them bear would
-// give way, and no load would build up before it. They go all the way in a substep, and are not pushed off it: friction
-// counts what they move, and not what is taken back.
+// Grains carry a load by overlaps of a hundredth of their size, so that what is held by less than all of them bear
+// would give way, and no load would build up before it. They go all the way in a substep, and are not pushed off it:
+// friction counts what they move, and not what is taken back.
 Vec4 heldSand(const Vec3& velocity, const Vec3& way, float held, float step_s) {
   return Vec4(glm::mix(velocity, way / step_s, held), held);
 }
@@ -80,7 +81,8 @@ bool MatterPond::isElsewhere() const {
   return static_cast<double>(gone) > kElsewhere * static_cast<double>(compared);
 }
 
-// Of the way from where particles were held to where they are known to be now: so that they go evenly from news to news.
+// Of the way from where particles were held to where they are known to be now: so that they go evenly from news to
+// news.
 float MatterPond::gone() const {
   return std::min(1.0f, static_cast<float>(sinceNews_) / static_cast<float>(betweenNews_));
 }
@@ -199,7 +201,8 @@ std::vector<std::uint32_t> MatterPond::othersKnown() const {
     while (member != members_.end() && member->id < known_.ids[i]) ++member;
     const bool isHere = member != members_.end() && member->id == known_.ids[i];
     // What is not taken in has no room here: it stands within a ball, or where another one is.
-    if (!isHere && static_cast<double>(PondMembers::distance(known_.positions[i], balls_)) >= reach_.end) others.push_back(i);
+    if (!isHere && static_cast<double>(PondMembers::distance(known_.positions[i], balls_)) >= reach_.end)
+      others.push_back(i);
   }
   return others;
 }

@@ -12,15 +12,14 @@ namespace palpate {
 /// What a pond has come to.
 struct PondCounts {
   std::uint64_t news = 0;      ///< times that other particles were known than before
-  std::uint64_t restarts = 0; ///< times that all of it was somewhere else, or what was here was no matter any more
+  std::uint64_t restarts = 0;  ///< times that all of it was somewhere else, or what was here was no matter any more
 };
 
-/// The particles around the ball of each hand by the same laws as all of them are moved elsewhere. Those next to a ball are
-/// their own: they give way to it at once. Those farther out are held where they are known to be, so that what becomes of
-/// the whole comes in from there: a level that rises, a flow, what other hands do. A ball is there as a whole at once, since
-/// what is within is left out.
-/// Hands get no more energy out of it than they have put in, but for kLent_J: a force that would give more loses what of it
-/// goes along the way of the hand. On the CPU; for one thread.
+/// The particles around the ball of each hand by the same laws as all of them are moved elsewhere. Those next to a ball
+/// are their own: they give way to it at once. Those farther out are held where they are known to be, so that what
+/// becomes of the whole comes in from there: a level that rises, a flow, what other hands do. A ball is there as a
+/// whole at once, since what is within is left out. Hands get no more energy out of it than they have put in, but for
+/// kLent_J: a force that would give more loses what of it goes along the way of the hand. On the CPU; for one thread.
 class MatterPond final : public MatterWorld {
  public:
   static constexpr double kLent_J = 5e-4;
@@ -61,7 +60,7 @@ class MatterPond final : public MatterWorld {
   std::vector<DVec3> balls_;
   std::optional<double> knownAt_s_;
   std::uint32_t sinceNews_ = 0, betweenNews_ = 1;  // steps
-  bool isPlaced_ = false;  // a ball has come elsewhere since the members were looked at
+  bool isPlaced_ = false;                          // a ball has come elsewhere since the members were looked at
   PondCounts counts_;
 };
 

@@ -35,13 +35,14 @@ double pressureOf(const shared::WaterRules& rules, double density_kg_m3, const s
   double sum = 0;
   for (const Vec4& other : about) {
     const Vec3 offset(particle - other);
-    const Vec3 change = shared::changeByNeighbour<float>(
-        rules, offset, shared::wendlandPull(glm::length(offset) / rules.support),
-        shared::pressing(particle.w) + shared::pressing(other.w), Vec3(0));
+    const Vec3 change =
+        shared::changeByNeighbour<float>(rules, offset, shared::wendlandPull(glm::length(offset) / rules.support),
+                                         shared::pressing(particle.w) + shared::pressing(other.w), Vec3(0));
     sum += static_cast<double>(down == Vec3(0) ? glm::dot(change, offset) / 3
                                                : glm::dot(change, down) * glm::dot(offset, down));
   }
-  return density_kg_m3 * (1 + static_cast<double>(shared::pressing(particle.w))) * sum / (2 * static_cast<double>(rules.step));
+  return density_kg_m3 * (1 + static_cast<double>(shared::pressing(particle.w))) * sum /
+         (2 * static_cast<double>(rules.step));
 }
 
 bool isAtWall(const MatterScene& scene, const Vec3& place) {

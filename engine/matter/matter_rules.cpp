@@ -67,8 +67,8 @@ shared::WaterRules waterRules(const Fluid& fluid) {
   rules.wallDrag = static_cast<float>(drag * layers / (support * support));
   rules.nearest = static_cast<float>(fluid.spacing_m / 2);
   rules.step = static_cast<float>(fluid.substep_s);
-  rules.cohesion = static_cast<float>(fluid.cohesion_N_m * fluid.substep_s /
-                                      (fluid.density_kg_m3 * std::pow(fluid.spacing_m, 3)));
+  rules.cohesion =
+      static_cast<float>(fluid.cohesion_N_m * fluid.substep_s / (fluid.density_kg_m3 * std::pow(fluid.spacing_m, 3)));
   return rules;
 }
 

@@ -24,8 +24,8 @@ inline constexpr double kGrainShare = 0.05;
 /// No particle comes nearer to the surface of a model.
 inline constexpr double kModelNearest_spacings = 0.25;
 
-/// How far a plane is, in support radii, beyond which that share of all weight about a place is; below 0 where the place is
-/// beyond it, too.
+/// How far a plane is, in support radii, beyond which that share of all weight about a place is; below 0 where the
+/// place is beyond it, too.
 double distanceOfShare(double wanted);
 
 /// Sums over a cubic lattice of spacing 1.

@@ -99,7 +99,8 @@ double grainSubstep(const MatterScene& scene, double spacing_m) {
 }
 
 // Speed of sound that keeps the compression below what is promised: a two-hundredth at rest, and that of matter which
-// has fallen by its own height; the same within a drop of three spacings' radius, as if its cohesion were a surface tension.
+// has fallen by its own height; the same within a drop of three spacings' radius, as if its cohesion were a surface
+// tension.
 double neededSpeedOfSound(const MatterScene& scene, double spacing_m) {
   constexpr double kSmallestDrop_spacings = 3;
   const double fall = std::abs(glm::dot(scene.gravity_m_s2, (scene.fill_at_mm + scene.fill_mm) * 1e-3));
@@ -164,8 +165,8 @@ MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
                   "xyz"[k], 3 * kReach_spacings);
   }
   plan.particles = static_cast<std::uint64_t>(std::min(particles, 1e18));
-  plan.bytes = static_cast<std::uint64_t>(std::min(
-      particles * kBytesOfParticle + cells * kBytesOfCell + nodesOfModel(scene) * kBytesOfNode, 1e18));
+  plan.bytes = static_cast<std::uint64_t>(
+      std::min(particles * kBytesOfParticle + cells * kBytesOfCell + nodesOfModel(scene) * kBytesOfNode, 1e18));
   requireMemory(plan, cells, memory_bytes);
   const double needed = std::ceil(neededSubsteps(scene, plan.spacing_m) - 1e-9);
   requireSubsteps(scene, needed, "less viscosity or less gravity");
@@ -203,7 +204,7 @@ std::vector<Vec3> placesAtRest(const MatterScene& scene, std::uint64_t memory_by
   places.reserve(plan.particles);
   for (std::uint32_t z = 0; z < plan.lattice.z; ++z)
     for (std::uint32_t y = 0; y < plan.lattice.y; ++y)
-      for (std::uint32_t x = 0; x < plan.lattice.x; ++x) 
+      for (std::uint32_t x = 0; x < plan.lattice.x; ++x)
         places.emplace_back(scene.fill_at_mm * 1e-3 + (DVec3(x, y, z) + 0.5) * plan.spacing_m);
   if (scene.matter == Matter::sand)
     for (std::size_t i = 0; i < places.size(); ++i)

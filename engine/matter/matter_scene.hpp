@@ -50,11 +50,11 @@ struct MatterScene {
   /// A corner is filled so far at the beginning, at rest. A soft body stands in the middle of the floor, as
   /// large as fits into this. mm
   DVec3 fill_mm{100, 50, 100};
-  DVec3 fill_at_mm{0};  ///< corner of the fill, in place of that at 0; not of a soft body, mm
+  DVec3 fill_at_mm{0};           ///< corner of the fill, in place of that at 0; not of a soft body, mm
   double spacing_mm = 5;         ///< of the particles or nodes at rest: one stands for its cube, mm
   double density_kg_m3 = 1000;   ///< at rest, of the matter in bulk, kg/m^3
   double viscosity_Pa_s = 1e-3;  ///< dynamic; not of sand, Pa s
-  double cohesion_N_m = 0;  ///< what holds drops together and makes them round; of water alone, N/m
+  double cohesion_N_m = 0;       ///< what holds drops together and makes them round; of water alone, N/m
   double friction = 0.5;         ///< Coulomb's coefficient of grains or a soft body, and walls; not of water, 1
   double young_Pa = 2e4;         ///< Young's modulus; of soft bodies alone, Pa
   double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1
@@ -66,7 +66,7 @@ struct MatterScene {
   /// File of a closed cloud: the surface of a soft body, in place of the shape; or what stands still in water or sand,
   /// where `builtin:NAME` is an analytic shape, too. Empty: there is none.
   std::string model;
-  DVec3 model_mm{0};  ///< box that such a model fits into, as large as it can; 0: half of the box, mm
+  DVec3 model_mm{0};                 ///< box that such a model fits into, as large as it can; 0: half of the box, mm
   std::optional<DVec3> model_at_mm;  ///< middle of the underside of that box; not there: of the floor, mm
   double hole_mm = 0;  ///< widest hole of the model that is closed as by a soap film, mm; 0: of three spacings
   std::optional<std::array<DVec3, 2>> pinned_mm;  ///< corners of a box in which nodes of a soft body never move, mm

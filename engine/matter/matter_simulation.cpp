@@ -147,7 +147,8 @@ DVec3 MatterSimulation::gravityOf(std::uint32_t substeps) const {
 std::size_t MatterSimulation::insideModel() const {
   if (!model_) return 0;
   const std::vector<Vec3> places = positionsById();
-  return static_cast<std::size_t>(std::ranges::count_if(places, [&](const Vec3& place) { return model_->holds(place); }));
+  return static_cast<std::size_t>(
+      std::ranges::count_if(places, [&](const Vec3& place) { return model_->holds(place); }));
 }
 
 MatterObservation MatterSimulation::observe() const {

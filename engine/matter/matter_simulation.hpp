@@ -57,12 +57,12 @@ struct ModelAnswer {
 
 /// What a hand is answered, means over a step. Zero where the simulation has failed.
 struct ToolAnswer {
-  DVec3 force_N{0};     ///< of the spring and damper on the hand, times the scene's gain
-  DVec3 torque_Nm{0};   ///< of the matter on the ball about its middle, times the gain
-  DVec3 reaction_N{0};  ///< of the matter on the ball: the sum of the impulses exchanged, over the step
-  DVec3 byModel_N{0};     ///< on the ball, of the model that stands in the matter and stops it
-  DVec3 place_m{0};       ///< of the ball at the end
-  DVec3 velocity_m_s{0};  ///< of the ball at the end
+  DVec3 force_N{0};         ///< of the spring and damper on the hand, times the scene's gain
+  DVec3 torque_Nm{0};       ///< of the matter on the ball about its middle, times the gain
+  DVec3 reaction_N{0};      ///< of the matter on the ball: the sum of the impulses exchanged, over the step
+  DVec3 byModel_N{0};       ///< on the ball, of the model that stands in the matter and stops it
+  DVec3 place_m{0};         ///< of the ball at the end
+  DVec3 velocity_m_s{0};    ///< of the ball at the end
   double coupling_N_m = 0;  ///< stiffness of the spring between hand and ball, times the gain
 };
 
@@ -109,8 +109,8 @@ class MatterSimulation {
   std::size_t particles() const { return beginning_.size(); }
   /// Puts everything back to where it began; tools are placed anew by the next step.
   void reset();
-  /// Goes on with a scene that differs from the present one by parameters alone (matter_parameters.hpp). Throws Error as
-  /// planOf() does; nothing is changed then.
+  /// Goes on with a scene that differs from the present one by parameters alone (matter_parameters.hpp). Throws Error
+  /// as planOf() does; nothing is changed then.
   void change(const MatterScene& scene);
   /// kMatterStep_s further. `hands`: one for each tool, where they are at the end of the step; the first ones say where
   /// the tools begin.
@@ -134,8 +134,8 @@ class MatterSimulation {
   /// What changes the shape in which it rests, between steps; null where nothing can. Stays where it is when the
   /// scene is reset, and keeps what it has made.
   virtual SoftSculpture* sculpture() { return nullptr; }
-  /// Around what looks at the sculpture's body, or changes its shape: where the body is moved elsewhere it is brought to
-  /// where it now is, and what has been changed is taken from there.
+  /// Around what looks at the sculpture's body, or changes its shape: where the body is moved elsewhere it is brought
+  /// to where it now is, and what has been changed is taken from there.
   virtual void beginSculpting() {}
   virtual void endSculpting() {}
 
@@ -196,7 +196,7 @@ class MatterSimulation {
 
   struct StepReport {
     MatterState state = MatterState::running;
-    DVec3 gravity{0}, onWalls{0};     ///< kg m/s
+    DVec3 gravity{0}, onWalls{0};      ///< kg m/s
     DVec3 onModel{0}, turnOfModel{0};  ///< kg m/s, kg m^2/s about its middle
     DVec3 onPresses{0};                ///< kg m/s
     MatterTotals totals;

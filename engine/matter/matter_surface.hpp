@@ -16,8 +16,8 @@ class MatterSurface {
   /// `spacing_m`: of the particles at rest. `threads`: 0: one per core.
   MatterSurface(const MatterBox& box, double spacing_m, unsigned threads);
 
-  /// Unit normals of all `places`, m, in the same order; `up` where there is as much on all sides, and 0 where a particle
-  /// is by itself, and thus round. The same bytes for any number of threads.
+  /// Unit normals of all `places`, m, in the same order; `up` where there is as much on all sides, and 0 where a
+  /// particle is by itself, and thus round. The same bytes for any number of threads.
   void normalsOf(std::span<const Vec3> places, const Vec3& up, std::vector<Vec3>& normals);
 
  private:

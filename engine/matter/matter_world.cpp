@@ -82,7 +82,8 @@ MatterState MatterWorld::substep(StepReport& report) {
   law_->solve(*particles_, bodies_, sums_, team_);
   report.totals = reactTo(sums_, report);
   report.gravity += gravityOf(1);
-  return report.totals.kinetic_J <= plan().mostKinetic_J(particles_->size()) ? MatterState::running : MatterState::diverged;
+  return report.totals.kinetic_J <= plan().mostKinetic_J(particles_->size()) ? MatterState::running
+                                                                             : MatterState::diverged;
 }
 
 MatterTotals MatterWorld::reactTo(const std::vector<BlockSums>& blocks, StepReport& report) {
@@ -117,7 +118,8 @@ std::vector<Vec3> MatterWorld::positionsById() const {
 
 std::vector<Vec3> MatterWorld::velocitiesById() const {
   std::vector<Vec3> velocities(particles_->size());
-  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[particles_->ids()[i]] = Vec3(particles_->velocities()[i]);
+  for (std::size_t i = 0; i < velocities.size(); ++i)
+    velocities[particles_->ids()[i]] = Vec3(particles_->velocities()[i]);
   return velocities;
 }
 

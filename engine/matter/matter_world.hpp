@@ -33,7 +33,8 @@ class MatterWorld : public MatterSimulation {
   const MatterParticles& matter() const { return *particles_; }
   /// Where the ball of a tool is.
   const BodyMotion& ball(std::size_t tool) const { return tools_[tool].motion(); }
-  /// Other particles from now on, m and m/s. `was`: which of those of before each of them is, by its id; kNoParticle: none.
+  /// Other particles from now on, m and m/s. `was`: which of those of before each of them is, by its id; kNoParticle:
+  /// none.
   void setParticles(std::vector<Vec3> places, std::span<const Vec3> velocities, std::span<const std::uint32_t> was);
 
  private:

@@ -16,8 +16,8 @@ namespace {
 
 // Beyond a ball, in spacings. What is held has weights on all sides up to a support before the end.
 constexpr double kHeld_spacings = 3.5, kEnd_spacings = kHeld_spacings + kSupport_spacings;
-// Grains that are held do not yield at all: they want a little more room before that, or a ball that is ahead of what is
-// known finds them too hard.
+// Grains that are held do not yield at all: they want a little more room before that, or a ball that is ahead of what
+// is known finds them too hard.
 constexpr double kWaterFree_spacings = 1.5, kSandFree_spacings = 1.75;
 // Where matter stands beside a ball: grains touch its points, water is pressed a little nearer.
 constexpr double kWaterBeside_spacings = 0.25, kSandBeside_spacings = 0.5;
@@ -144,8 +144,8 @@ bool PondMembers::isDisplaced(const PondMember& member, const Vec3& known) const
 bool PondMembers::renew(const KnownMatter& known, std::span<const DVec3> balls, std::span<const std::uint8_t> rests,
                         std::vector<PondMember>& members) const {
   const std::vector<Known> near = this->near(known, balls);
-  const double room = 4.0 / 3 * std::numbers::pi * std::pow(space_.reach.end / space_.spacing_m, 3) *
-                      static_cast<double>(balls.size());
+  const double room =
+      4.0 / 3 * std::numbers::pi * std::pow(space_.reach.end / space_.spacing_m, 3) * static_cast<double>(balls.size());
   if (static_cast<double>(near.size()) > kMostDense * room) return false;
   std::vector<std::uint8_t> exchanged(balls.size());
   for (std::size_t k = 0; k < balls.size(); ++k) exchanged[k] = rests[k] && differs(near, members, balls, k);

@@ -42,10 +42,10 @@ class PondMembers {
   explicit PondMembers(const PondSpace& space) : space_(space) {}
 
   /// The members after news: `members`, by ascending id, as they are here by now; `balls`: the middles of the hands'
-  /// balls, m; `rests`: whether each of these is at rest. Who is here stays where it is, and keeps its number (`was`); who
-  /// comes has its known place where that is free. Where a ball rests as it is known to be - nothing is known to be within
-  /// it - and others are about it here than are known to be, these come in their place. False where more are known than can
-  /// be in the room that there is; nothing is changed then.
+  /// balls, m; `rests`: whether each of these is at rest. Who is here stays where it is, and keeps its number (`was`);
+  /// who comes has its known place where that is free. Where a ball rests as it is known to be - nothing is known to be
+  /// within it - and others are about it here than are known to be, these come in their place. False where more are
+  /// known than can be in the room that there is; nothing is changed then.
   bool renew(const KnownMatter& known, std::span<const DVec3> balls, std::span<const std::uint8_t> rests,
              std::vector<PondMember>& members) const;
 

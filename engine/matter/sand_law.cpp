@@ -31,7 +31,8 @@ struct Contacts {
   Contacts renumbered(std::span<const std::uint32_t> is) const {
     Contacts now;
     for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t other = with[k] < shared::kFirstWall ? (with[k] < is.size() ? is[with[k]] : kNoParticle) : with[k];
+      const std::uint32_t other =
+          with[k] < shared::kFirstWall ? (with[k] < is.size() ? is[with[k]] : kNoParticle) : with[k];
       if (other != kNoParticle) now.add(other, slip[k]);
     }
     return now;
@@ -149,13 +150,10 @@ class SandLaw final : public MatterLaw {
     const shared::ModelAt at = model->at(grain.place);
     const float overlap = rules_.diameter / 2 - at.distance;
     if (!(overlap > 0) || at.outwards == Vec3(0)) return Vec3(0);
-    return meet(grain,
-                {.id = shared::kModelContact,
-                 .offset = at.outwards,
-                 .overlap = overlap,
-                 .velocity = Vec3(0),
-                 .fall = Vec3(0)},
-                fall);
+    return meet(
+        grain,
+        {.id = shared::kModelContact, .offset = at.outwards, .overlap = overlap, .velocity = Vec3(0), .fall = Vec3(0)},
+        fall);
   }
 
   void touch(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::size_t slot, BlockSums& sums) {

@@ -45,8 +45,8 @@ class SoftBody {
   SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned,
            const std::optional<MatchingRules>& matching = std::nullopt);
 
-  /// From now on another one; the masses stay, and so does what brings it back to its shape: `matching` is given where it is
-  /// that.
+  /// From now on another one; the masses stay, and so does what brings it back to its shape: `matching` is given where
+  /// it is that.
   void setMaterial(const SoftMaterial& material, const std::optional<MatchingRules>& matching) {
     rules_ = softRules(material, lattice_.spacing_m());
     if (matching) matching_->setRules(*matching);

@@ -115,7 +115,7 @@ void SoftContact::addWallStiffness(const SoftBody& body, std::span<const DVec3> 
     const SkinPlace& place = places_[i];
     DVec3 change(0);
     forEachCorner(body.lattice(), place,
-                [&](std::uint32_t node, float share) { change += static_cast<double>(share) * changes[node]; });
+                  [&](std::uint32_t node, float share) { change += static_cast<double>(share) * changes[node]; });
     const Vec3 depths = shared::depthsInWalls(now(body, place).place, Vec3(config_.box_m));
     for (int axis = 0; axis < 3; ++axis) {
       if (depths[axis] == 0) continue;

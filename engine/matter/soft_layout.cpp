@@ -22,8 +22,7 @@ std::uint32_t roundedUp(std::size_t count, std::uint32_t unit) {
 float beyondOf(std::span<const SkinPlace> places) {
   float most = 0;
   for (const SkinPlace& place : places)
-    for (int axis = 0; axis < 3; ++axis)
-      most = std::max({most, -place.at.share[axis], place.at.share[axis] - 1});
+    for (int axis = 0; axis < 3; ++axis) most = std::max({most, -place.at.share[axis], place.at.share[axis] - 1});
   return (std::pow(1 + 2 * most, 3.0f) - 1) / 2 + 1e-6f;
 }
 

@@ -25,13 +25,15 @@ std::shared_ptr<const SoftModel> filled(const MatterScene& scene, PointCloud sca
 SoftModel boxModel(const MatterScene& scene) {
   const auto [low, high] = standOf(scene);
   const double spacing = scene.spacing_mm * 1e-3;
-  return {.solid = boxSolid(low, high - low, spacing), .points = boxSurface(low, high - low, spacing, kPointsOfSpacing)};
+  return {.solid = boxSolid(low, high - low, spacing),
+          .points = boxSurface(low, high - low, spacing, kPointsOfSpacing)};
 }
 
 SoftModel ballModel(const MatterScene& scene) {
   const auto [middle, radius] = ballOf(scene);
   const double spacing = scene.spacing_mm * 1e-3;
-  return {.solid = ballSolid(middle, radius, spacing), .points = ballSurface(middle, radius, spacing, kPointsOfSpacing)};
+  return {.solid = ballSolid(middle, radius, spacing),
+          .points = ballSurface(middle, radius, spacing, kPointsOfSpacing)};
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ ComputePipeline pass(Device& device, const ShaderCode& code) {
 }
 
 ComputePipeline cellsPass(Device& device, bool isSculpted, bool tries) {
-  return {device, shader_code::matter_soft_cells,
+  return {device,
+          shader_code::matter_soft_cells,
           {.workgroupSize = shared::kMatterBlock,
            .pushBytes = sizeof(shared::SoftCellsArgs),
            .constants = {isSculpted ? 1u : 0u, tries ? 1u : 0u}}};
@@ -60,16 +61,15 @@ SoftMemory::SoftMemory(Device& device, const SoftSizes& sizes)
              .shares = onDevice<Vec4>(device, sizes.points, "shares"),
              .normalRests = onDevice<glm::uvec2>(device, sizes.points, "normals at rest")},
       gradients(onDevice<float>(device, planes(sizes, shared::kGradientPlanes), "gradients")),
-      nodeGradients(
-          onDevice<Vec4>(device, std::uint64_t{shared::kGradientVec4s} * sizes.nodes, "gradients of nodes")) {
+      nodeGradients(onDevice<Vec4>(device, std::uint64_t{shared::kGradientVec4s} * sizes.nodes, "gradients of nodes")) {
   static_assert(kSums + sizeof(shared::MatterSums) == kTools);
 }
 
 std::uint64_t SoftMemory::bytes() const {
   std::uint64_t sum = 0;
   for (const Buffer* buffer :
-       {&setting, &hands, &state, &stateRead, &nodes, &corners, &volumes, &incident, &skinCells, &skin, &skinNormals, &forces,
-        &cellSums, &nodeSums, &points.rests, &points.shares, &points.normalRests, &gradients, &nodeGradients})
+       {&setting, &hands, &state, &stateRead, &nodes, &corners, &volumes, &incident, &skinCells, &skin, &skinNormals,
+        &forces, &cellSums, &nodeSums, &points.rests, &points.shares, &points.normalRests, &gradients, &nodeGradients})
     sum += buffer->bytes();
   return sum + (rests ? rests->bytes() : 0);
 }

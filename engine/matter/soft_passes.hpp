@@ -17,7 +17,7 @@ struct SoftSizes {
   std::uint32_t skinCount = 0, firstInner = 0, slots = 0, stride = 0;  ///< SoftLayout's
   std::uint32_t skinNodes = 0;                                         ///< SoftLayout's
   std::uint32_t skin = 0;                                              ///< places
-  std::uint32_t points = 0;                                       ///< that it carries
+  std::uint32_t points = 0;                                            ///< that it carries
   std::uint32_t tools = 0;
   std::uint32_t substeps = 1;  ///< in a step
   bool hasPins = false;

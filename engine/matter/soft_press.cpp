@@ -143,7 +143,8 @@ void SoftPress::load(SoftBody& body, double share, double substep_s, const DVec3
 }
 
 void SoftPress::end(const SoftBody& body) {
-  for (std::size_t i = 0; i < holds_.size(); ++i) reports_[i].place_m = holds_[i].press.place_m + movedBy(body, holds_[i]);
+  for (std::size_t i = 0; i < holds_.size(); ++i)
+    reports_[i].place_m = holds_[i].press.place_m + movedBy(body, holds_[i]);
 }
 
 }  // namespace palpate

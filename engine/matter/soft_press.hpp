@@ -57,8 +57,8 @@ class SoftPress {
   void limit(SoftBody& body);
 
   const SoftSurface& surface_;
-  std::vector<Vec3> now_;       // where the places of the surface are, m
-  std::vector<float> shares_;   // of each node, all 0 between two holds
+  std::vector<Vec3> now_;      // where the places of the surface are, m
+  std::vector<float> shares_;  // of each node, all 0 between two holds
   std::vector<Hold> holds_;
   std::vector<Held> held_;
   std::vector<PressReport> reports_;

@@ -63,7 +63,8 @@ std::optional<MatchingRules> matchingOf(const MatterScene& scene, const MatterPl
 }
 
 double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
-  return 16 * (1 - scene.poisson * scene.poisson) / (3 * std::numbers::pi * std::numbers::pi * scene.young_Pa * radius_m);
+  return 16 * (1 - scene.poisson * scene.poisson) /
+         (3 * std::numbers::pi * std::numbers::pi * scene.young_Pa * radius_m);
 }
 
 double touchFrequencyOf(const MatterScene& scene, const MatterPlan& plan) {

@@ -13,8 +13,8 @@ SoftMaterial materialOf(const MatterScene& scene);
 std::optional<MatchingRules> matchingOf(const MatterScene& scene, const MatterPlan& plan);
 /// How stiff its skin is to what presses on it: SoftContact::Config::frequency_rad_s.
 double touchFrequencyOf(const MatterScene& scene, const MatterPlan& plan);
-/// How far the surface of a half-space of the scene's material gives way to a force that is spread evenly over a disc of that
-/// radius (Love 1929), the mean over the disc, m/N. Of elastic bodies.
+/// How far the surface of a half-space of the scene's material gives way to a force that is spread evenly over a disc
+/// of that radius (Love 1929), the mean over the disc, m/N. Of elastic bodies.
 double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m);
 /// Substeps in a step that a body needs whose stiffest cell is so many times as stiff for its mass as at rest
 /// (RestShape).

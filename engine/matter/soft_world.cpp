@@ -111,9 +111,7 @@ std::vector<Vec3> SoftWorld::positionsById() const {
   return places;
 }
 
-std::vector<Vec3> SoftWorld::velocitiesById() const {
-  return {body_.velocities().begin(), body_.velocities().end()};
-}
+std::vector<Vec3> SoftWorld::velocitiesById() const { return {body_.velocities().begin(), body_.velocities().end()}; }
 
 void SoftWorld::setVelocities(std::span<const Vec3> byId) {
   PALPATE_CHECK_EQ(byId.size(), body_.size());

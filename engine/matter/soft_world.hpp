@@ -45,7 +45,8 @@ class SoftWorld final : public MatterSimulation {
   bool hasSurface() const override { return true; }
   SoftSculpture* sculpture() override { return tools_.empty() ? &sculpture_ : nullptr; }
   /// As the body now is, strained and on the walls that it stands on. A body that nothing holds gives way as its mass
-  /// does within a third of a second. Takes as long as a hundred substeps. (Conjugate gradients; Hestenes, Stiefel 1952.)
+  /// does within a third of a second. Takes as long as a hundred substeps. (Conjugate gradients; Hestenes, Stiefel
+  /// 1952.)
   double localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) override;
 
   SoftBody& body() { return body_; }

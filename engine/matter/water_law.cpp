@@ -72,8 +72,8 @@ class WaterLaw final : public MatterLaw {
   // Of four neighbours, where they are near: what is beyond a periodic border is moved.
   static FourVectors placesOf(const MatterParticles& particles, const Vec4* places, const Neighbour* four) {
     if (!particles.isPeriodic()) return fourOf(four, [&](Neighbour other) { return lanesOf(places[other.slot]); });
-    return fourOf(
-        four, [&](Neighbour other) { return lanesOf(places[other.slot] + Vec4(particles.shiftOf(other), 0)); });
+    return fourOf(four,
+                  [&](Neighbour other) { return lanesOf(places[other.slot] + Vec4(particles.shiftOf(other), 0)); });
   }
 
   // 1 for each of four from `first` on that is one of `count`, otherwise 0.
@@ -143,7 +143,8 @@ class WaterLaw final : public MatterLaw {
       // Copies that fill up a list attract no more than they push.
       const Lanes there = areThere(k, particles.lists().of(slot).size());
       const Lanes r = min(sqrt(glm::dot(offset, offset)) * perSupport, one);
-      change += there * shared::changeByCohesion<Lanes>(rules, offset, r, atSurface + shared::atSurface<Lanes>(others.w));
+      change +=
+          there * shared::changeByCohesion<Lanes>(rules, offset, r, atSurface + shared::atSurface<Lanes>(others.w));
     }
     return {change.x.sum(), change.y.sum(), change.z.sum()};
   }

@@ -25,8 +25,8 @@ struct Brick {
   bool operator==(const Brick&) const = default;
 };
 
-/// Points that are made otherwise here are so at once, and stay so, whatever comes, until it is known that what comes has
-/// them in it (settle()). One thread uses it at a time.
+/// Points that are made otherwise here are so at once, and stay so, whatever comes, until it is known that what comes
+/// has them in it (settle()). One thread uses it at a time.
 class BrickOverlay {
  public:
   explicit BrickOverlay(const BrickGrid& grid) : grid_(grid) {}
@@ -36,7 +36,8 @@ class BrickOverlay {
   void drop(BrickKey key);
   /// All that has come is known no more; what was made here stays.
   void forget();
-  /// What became of these points is in what has come: what was made of them here since takeMade() told of it alone stays.
+  /// What became of these points is in what has come: what was made of them here since takeMade() told of it alone
+  /// stays.
   void settle(std::span<const std::uint32_t> points);
 
   // Of the hand.

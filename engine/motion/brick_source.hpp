@@ -81,8 +81,8 @@ class BrickSource final : public CloudSource {
   /// Waits for the same, and for all around it that `wide` reaches, as far as there is room for that.
   bool await(const HandReaches& hands, const HandReaches& wide, double patience_s);
 
-  /// Whether a brick that a hand reaches (ask()) has other points now than it was known to have. Throws Error for more points
-  /// than there is room for.
+  /// Whether a brick that a hand reaches (ask()) has other points now than it was known to have. Throws Error for more
+  /// points than there is room for.
   bool apply(BrickUpdate update);
   /// Nothing is known any more.
   void forget();
@@ -100,8 +100,8 @@ class BrickSource final : public CloudSource {
   void giveUp();
   struct Known {
     std::size_t bricks = 0, points = 0;
-    std::size_t own = 0;    ///< points that are as a hand here has made them
-    bool allTaken = true;   ///< nothing was made since takeMade()
+    std::size_t own = 0;   ///< points that are as a hand here has made them
+    bool allTaken = true;  ///< nothing was made since takeMade()
   };
   Known known() const;
 

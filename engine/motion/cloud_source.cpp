@@ -56,7 +56,13 @@ std::size_t placeAt(const CloudFrame& frame, PointCloud& cloud) {
     moved = 0;
     for (std::size_t i = 0; i < cloud.size(); ++i) moved += frame.positions[i] != cloud.positions[i];
   } else {
-    cloud = {.origin = cloud.origin, .positions = {}, .normals = {}, .colors = {}, .extra = {}, .exactPositions = {}, .storedAs = cloud.storedAs};
+    cloud = {.origin = cloud.origin,
+             .positions = {},
+             .normals = {},
+             .colors = {},
+             .extra = {},
+             .exactPositions = {},
+             .storedAs = cloud.storedAs};
   }
   cloud.positions = frame.positions;
   cloud.normals = frame.normals;

@@ -11,7 +11,8 @@ namespace palpate {
 struct PointCloud;
 class FrameCarrier;
 
-/// Points that move, frame by frame, made on the host or on a GPU. For one thread at a time, which need not be the same each time.
+/// Points that move, frame by frame, made on the host or on a GPU. For one thread at a time, which need not be the same
+/// each time.
 class CloudSource {
  public:
   virtual ~CloudSource() = default;
@@ -28,13 +29,13 @@ class CloudSource {
   virtual bool hasNewer(double /*time_s*/, double /*than_s*/) { return true; }
   /// Where the points are moved on a GPU: who brings them from there; null: they are moved on the host.
   virtual FrameCarrier* carrier() { return nullptr; }
-  /// makeFrame() for who takes them from the carrier: moves them on, and returns the time that they are true for; nothing
-  /// where they are of no use any more.
+  /// makeFrame() for who takes them from the carrier: moves them on, and returns the time that they are true for;
+  /// nothing where they are of no use any more.
   virtual std::optional<double> goTo(double time_s) { return time_s; }
 };
 
-/// The door through which frames come in. Throws Error for what is no number, for more points than `points`, for values that
-/// not all points have, and for ids that do not ascend below `points`.
+/// The door through which frames come in. Throws Error for what is no number, for more points than `points`, for values
+/// that not all points have, and for ids that do not ascend below `points`.
 void requireWhole(const CloudFrame& frame, std::size_t points);
 
 /// Puts the points of a cloud where the frame has them; how many have moved, or are there in place of others. Where the

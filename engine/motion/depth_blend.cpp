@@ -36,7 +36,8 @@ class SeenFrame {
     const double depth = depthAt(*at);
     const double most = std::max(kLeastWay * inCamera.z, kFastest_m_s * between_s);
     if (!(depth > 0) || !(std::abs(depth - inCamera.z) <= most)) return std::nullopt;
-    return Seen{.place = axes_.toWorld(camera_.placeAt(at->x, at->y, depth)), .pixel = pixelAt(at->x + 0.5, at->y + 0.5)};
+    return Seen{.place = axes_.toWorld(camera_.placeAt(at->x, at->y, depth)),
+                .pixel = pixelAt(at->x + 0.5, at->y + 0.5)};
   }
 
  private:
@@ -50,8 +51,8 @@ class SeenFrame {
   std::size_t pixelAt(double column, double row) const {
     return static_cast<std::size_t>(row) * camera_.width + static_cast<std::size_t>(column);
   }
-  /// The depth on the ray through a place within the picture: between four pixels where those see one surface, else that
-  /// of the nearest. 0: none.
+  /// The depth on the ray through a place within the picture: between four pixels where those see one surface, else
+  /// that of the nearest. 0: none.
   double depthAt(const DVec2& place) const {
     const double left = std::min(static_cast<double>(static_cast<std::uint32_t>(place.x)), camera_.width - 2.0);
     const double top = std::min(static_cast<double>(static_cast<std::uint32_t>(place.y)), camera_.height - 2.0);
@@ -64,8 +65,8 @@ class SeenFrame {
       const double depth = d[(y < 0.5 ? 0 : 2) + (x < 0.5 ? 0 : 1)];
       return depth > 0 && std::isfinite(depth) ? depth : 0;
     }
-    // The inverse of depth is linear in the picture of a plane: 1 / ((1 - y) ((1 - x) / d0 + x / d1) + ...), all over one
-    // denominator, since a division costs more than all the rest.
+    // The inverse of depth is linear in the picture of a plane: 1 / ((1 - y) ((1 - x) / d0 + x / d1) + ...), all over
+    // one denominator, since a division costs more than all the rest.
     const double upper = d[0] * d[1], lower = d[2] * d[3];
     return upper * lower / ((1 - y) * ((1 - x) * d[1] + x * d[0]) * lower + y * ((1 - x) * d[3] + x * d[2]) * upper);
   }
@@ -113,9 +114,11 @@ void DepthBlend::begin(CloudFrame& points) {
   ways_.clear();
 }
 
-void DepthBlend::follow(const DepthCamera& camera, const DepthFrame& before, const DepthFrame& frame, const DVec3& origin,
-                        const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points) {
-  const double share = ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysGoOn_s_, 0.0, 1.0);  // that is still to come
+void DepthBlend::follow(const DepthCamera& camera, const DepthFrame& before, const DepthFrame& frame,
+                        const DVec3& origin, const std::vector<std::uint32_t>& pixels, const Step& step,
+                        CloudFrame& points) {
+  const double share =
+      ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysGoOn_s_, 0.0, 1.0);  // that is still to come
   const std::size_t rays = std::size_t{camera.width} * camera.height;
   left_.swap(ways_);
   ways_.assign(rays, Vec3(0));

@@ -7,13 +7,14 @@
 
 namespace palpate {
 
-/// Makes one surface that moves of depth frames without correspondence: a frame's points begin where the surface was seen
-/// last, and reach their own places when the next frame is due. So what is felt lags one frame behind, and does not jump.
+/// Makes one surface that moves of depth frames without correspondence: a frame's points begin where the surface was
+/// seen last, and reach their own places when the next frame is due. So what is felt lags one frame behind, and does
+/// not jump.
 ///
-/// A point is looked for in the frame before, by projection (no pixel of one frame is one of the next, but the surface is
-/// the same), or where a sensor sends points on the same ray, and goes along its own normal: nothing is known of how it slid
-/// in its plane. Where the frame before saw nothing there, or another surface, the point stands in its place from the
-/// beginning.
+/// A point is looked for in the frame before, by projection (no pixel of one frame is one of the next, but the surface
+/// is the same), or where a sensor sends points on the same ray, and goes along its own normal: nothing is known of how
+/// it slid in its plane. Where the frame before saw nothing there, or another surface, the point stands in its place
+/// from the beginning.
 class DepthBlend {
  public:
   /// The points do not depend on `threads` (0: one per core).
@@ -37,8 +38,8 @@ class DepthBlend {
 
  private:
   unsigned threads_;
-  std::vector<Vec3> left_;    // by the pixels of the frame before: the way that its points still had; empty: none had any
-  std::vector<Vec3> ways_;    // likewise, of this frame: all of it
+  std::vector<Vec3> left_;  // by the pixels of the frame before: the way that its points still had; empty: none had any
+  std::vector<Vec3> ways_;  // likewise, of this frame: all of it
   double waysGoOn_s_ = 0;
 };
 

@@ -57,9 +57,7 @@ class DepthGrid {
     std::uint32_t columns, rows;
   };
   std::size_t pixelAt(std::uint32_t column, std::uint32_t row) const { return std::size_t{row} * width_ + column; }
-  bool isSameSurface(double depth, double there) const {
-    return there > 0 && std::abs(there - depth) <= jump_ * depth;
-  }
+  bool isSameSurface(double depth, double there) const { return there > 0 && std::abs(there - depth) <= jump_ * depth; }
   /// From the pixel before to the one behind, where the picture has them and they see the same surface.
   std::optional<DVec3> way(const DVec3& place, const Pixel& at, const Step& step) const {
     const std::size_t pixel = pixelAt(at.column, at.row), stride = pixelAt(step.columns, step.rows);

@@ -74,7 +74,8 @@ void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double
   }
   DepthBlend::Step step{.between_s = between_s, .goOn_s = played.lasts_s};
   if (isExact_) {
-    // A recording says when the next frame is due: nothing is left of the way before. Points are made where they are now.
+    // A recording says when the next frame is due: nothing is left of the way before. Points are made where they are
+    // now.
     step.since_s = std::numeric_limits<double>::infinity();
     step.gone_s = time_s - played.time_s;
     frame.time_s = time_s;

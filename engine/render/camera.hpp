@@ -43,7 +43,8 @@ struct Camera {
   static Camera fitting(const PointCloud& cloud, double aspect, double fov_deg = 45, const Framing& framing = {});
 
   /// As asked for. Throws UsageError for what makes no camera.
-  static Camera asked(const CameraRequest& request, const PointCloud& cloud, double aspect, const Framing& framing = {});
+  static Camera asked(const CameraRequest& request, const PointCloud& cloud, double aspect,
+                      const Framing& framing = {});
   /// The same from `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces.
   static Camera parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing = {});
 

@@ -186,8 +186,8 @@ void DrawnCloud::closeSurface() {
 std::uint64_t DrawnCloud::bytes() const {
   return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + clips_.bytes() + picked_.bytes() +
          latest_.bytes() + (fromHost_ ? fromHost_->bytes() : 0) +
-         (frame_ ? frame_->positions.bytes() + frame_->normals.bytes() : 0) +
-         (measured_ ? measured_->bytes() : 0) + (radii_ ? radii_->bytes() : 0);
+         (frame_ ? frame_->positions.bytes() + frame_->normals.bytes() : 0) + (measured_ ? measured_->bytes() : 0) +
+         (radii_ ? radii_->bytes() : 0);
 }
 
 }  // namespace palpate

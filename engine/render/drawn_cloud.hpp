@@ -36,9 +36,9 @@ class DrawnCloud {
   /// OutOfGpuMemory.
   std::uint64_t catchUp(std::span<const PointState> states);
   /// Where all points move: takes over those of a live cloud on the same GPU, whole and in any order, or of a frame on
-  /// the host, on the throughput queue, and waits. Points without a place here are left out, and those that are not among
-  /// them are gone; a point that stands where its disc was measured, or next to it, keeps that. `colored`: the live
-  /// normals carry colours, as FramePipeline puts them there.
+  /// the host, on the throughput queue, and waits. Points without a place here are left out, and those that are not
+  /// among them are gone; a point that stands where its disc was measured, or next to it, keeps that. `colored`: the
+  /// live normals carry colours, as FramePipeline puts them there.
   void place(const LiveCloud::Half& live, std::uint32_t slots, bool colored = false);
   void place(const CloudFrame& frame);
   /// Measures the discs again of the points that catchUp() or place() has changed, and of those around them. Before a
@@ -79,8 +79,8 @@ class DrawnCloud {
   double spacing_, largestRadius_ = 0;
   LiveCloud::Half points_;
   Buffer colors_, clips_, picked_;
-  Buffer latest_;                   // count uint32, zero between calls
-  std::optional<Buffer> fromHost_;  // PointState; made when the host first has some
+  Buffer latest_;                         // count uint32, zero between calls
+  std::optional<Buffer> fromHost_;        // PointState; made when the host first has some
   std::optional<LiveCloud::Half> frame_;  // likewise
   ComputePipeline claim_, apply_, place_, leave_;
   CommandList list_;

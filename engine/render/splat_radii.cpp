@@ -11,8 +11,8 @@ namespace palpate {
 
 namespace {
 
-// A search in a noisy cloud takes an H200 some 100 us, and as long as the longest of a slice. So many at a time leave room
-// for what touch asks meanwhile.
+// A search in a noisy cloud takes an H200 some 100 us, and as long as the longest of a slice. So many at a time leave
+// room for what touch asks meanwhile.
 constexpr std::uint32_t kSliceThreads = 1 << 16;
 constexpr double kWidestShare = 0.1;  // of the box: a wider disc hides a small model
 

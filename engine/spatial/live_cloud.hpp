@@ -11,14 +11,13 @@ namespace palpate {
 
 class Queue;
 
-/// A colour as it stands beside a normal: red in the lowest byte, and the highest one 0, so that the bits are those of no
-/// NaN.
+/// A colour as it stands beside a normal: red in the lowest byte, and the highest one 0, so that the bits are those of
+/// no NaN.
 inline std::uint32_t bitsOfColor(std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
   return std::uint32_t{red} | std::uint32_t{green} << 8 | std::uint32_t{blue} << 16;
 }
 inline std::array<std::uint8_t, 3> colorOfBits(std::uint32_t bits) {
-  return {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8),
-          static_cast<std::uint8_t>(bits >> 16)};
+  return {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8), static_cast<std::uint8_t>(bits >> 16)};
 }
 
 /// The cloud that is touched, on the GPU: positions and normals in the order of the spatial hash, each point with its

@@ -76,7 +76,7 @@ class SortedGrid final : public NeighbourSearch {
   std::span<const Vec3> positions_;
   std::span<const std::uint8_t> there_;
   std::vector<Part> parts_;
-  BareVector<std::uint32_t> keys_;     // bucket of every point
+  BareVector<std::uint32_t> keys_;      // bucket of every point
   std::vector<std::uint32_t> grouped_;  // first point of every group of buckets
   BareVector<Placed> halfway_;
   BareVector<LowBits> halfwayLow_;

@@ -11,7 +11,8 @@ namespace {
 
 void toMetres(const std::vector<Vec3>& values, std::vector<Vec3>& values_m) {
   values_m.resize(values.size());
-  std::ranges::transform(values, values_m.begin(), [](const Vec3& value) { return value * static_cast<float>(kMatterUnit_m); });
+  std::ranges::transform(values, values_m.begin(),
+                         [](const Vec3& value) { return value * static_cast<float>(kMatterUnit_m); });
 }
 
 }  // namespace

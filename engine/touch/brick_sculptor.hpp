@@ -7,16 +7,17 @@
 
 #include "engine/core/background_task.hpp"
 #include "engine/core/contact_query.hpp"
-#include "engine/motion/brick_source.hpp"
 #include "engine/edit/placed_brush.hpp"
+#include "engine/motion/brick_source.hpp"
 #include "engine/touch/edit_pace.hpp"
 #include "engine/touch/touch_statistics.hpp"
 
 namespace palpate {
 
-/// Sculpts a cloud of which only the bricks around the hands are here, where an answer says that the surface yields, on a
-/// thread of its own: one edit at a time, of the points around the brush, by the text that edits a whole cloud on the CPU
-/// (CpuSculpture), so that they become what they would there, bit by bit. Points neither come nor go but by carving.
+/// Sculpts a cloud of which only the bricks around the hands are here, where an answer says that the surface yields, on
+/// a thread of its own: one edit at a time, of the points around the brush, by the text that edits a whole cloud on the
+/// CPU (CpuSculpture), so that they become what they would there, bit by bit. Points neither come nor go but by
+/// carving.
 class BrickSculptor {
  public:
   /// `radius`: support radius, model units. `origin`: of the cloud, in the poses' coordinates. `source` outlives it.
@@ -25,8 +26,8 @@ class BrickSculptor {
   /// Another brush from now on, or none.
   void setBrush(const std::optional<BrushOptions>& brush);
   bool hasBrush() const { return brush_.has_value(); }
-  /// `lastHip`: where the HIP was in the tick before; `felt_s`: of the frame that it was felt in. Against the clock a frame
-  /// in which the last edit is not felt yet is no reason for another one, and nobody waits. Allocates nothing.
+  /// `lastHip`: where the HIP was in the tick before; `felt_s`: of the frame that it was felt in. Against the clock a
+  /// frame in which the last edit is not felt yet is no reason for another one, and nobody waits. Allocates nothing.
   void editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, double felt_s, bool realtime);
   /// Waits for the edit that is under way. Throws what went wrong.
   void finish();

@@ -142,7 +142,8 @@ std::size_t BrickTouch::readBack(PointCloud& cloud) const {
 void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {
   if (brush && !options_.fixed.empty()) throw UsageError("{}", options_.fixed);
   if (brush && brush->kind == BrushKind::paint && !source_.isColored())
-    throw UsageError("paint: the points have no colours of their own, and around the hands alone none are added; join all of them");
+    throw UsageError(
+        "paint: the points have no colours of their own, and around the hands alone none are added; join all of them");
   if (brush && !hands_.front().points.empty())
     throw UsageError("a tool of many points sculpts where all points are here, and not around the hands alone");
   sculptor_.setBrush(brush);

@@ -1,5 +1,5 @@
-// Hands on a cloud of which only the bricks around them are here: they feel and sculpt what is known, and nothing where it
-// is not.
+// Hands on a cloud of which only the bricks around them are here: they feel and sculpt what is known, and nothing where
+// it is not.
 #pragma once
 
 #include <atomic>
@@ -15,19 +15,19 @@
 namespace palpate {
 
 struct BrickTouchOptions {
-  double radius = 0;       ///< of the surface's support, model units
-  double widening = 1;     ///< of that, where points are noisy; edits are narrow
-  double tool = 0;         ///< from a hand to the farthest point of its tool
-  DVec3 origin{0};         ///< of the cloud
-  double patience_s = 10;  ///< of virtual time, which waits for what is not known
+  double radius = 0;                       ///< of the surface's support, model units
+  double widening = 1;                     ///< of that, where points are noisy; edits are narrow
+  double tool = 0;                         ///< from a hand to the farthest point of its tool
+  DVec3 origin{0};                         ///< of the cloud
+  double patience_s = 10;                  ///< of virtual time, which waits for what is not known
   std::optional<BrushOptions> brush = {};  ///< of the first hand
-  std::string fixed = {};  ///< why the points cannot be sculpted, in words; empty: they can
+  std::string fixed = {};                  ///< why the points cannot be sculpted, in words; empty: they can
 };
 
-/// Stands before the back end that feels the points of a BrickSource, and sculpts them: it tells the source where the hands are, and lets
-/// an answer pass only where all that it can be made of is known. Elsewhere the hand feels nothing, its tick counts as one
-/// without data, and it begins anew where points are known again. Against the clock nobody waits; in virtual time each
-/// tick waits for its points, so that it is answered as if all of the cloud were here.
+/// Stands before the back end that feels the points of a BrickSource, and sculpts them: it tells the source where the
+/// hands are, and lets an answer pass only where all that it can be made of is known. Elsewhere the hand feels nothing,
+/// its tick counts as one without data, and it begins anew where points are known again. Against the clock nobody
+/// waits; in virtual time each tick waits for its points, so that it is answered as if all of the cloud were here.
 class BrickTouch final : public TouchBackend {
  public:
   /// `surface` feels the points of `source`, which outlives it.

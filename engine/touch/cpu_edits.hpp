@@ -16,8 +16,8 @@
 namespace palpate {
 
 /// Edits points on a thread of its own, one edit at a time: the brush where an answer says that the surface yields,
-/// changes that somebody offers, and others as they are given. Nobody waits for it but the next answer. While an edit is under way the sculpture is that
-/// thread's alone.
+/// changes that somebody offers, and others as they are given. Nobody waits for it but the next answer. While an edit
+/// is under way the sculpture is that thread's alone.
 class CpuEdits {
  public:
   /// Without a brush there is no thread. `radius`: support radius, model units. `origin`: of the cloud, in the poses'
@@ -54,8 +54,8 @@ class CpuEdits {
   struct Work {
     std::optional<PlacedBrush> brush;
     bool isOffer = false, inStroke = false;  // carries out what is offered in place of the brush
-    double time_us = 0;        // of the edit that ran last
-    std::uint64_t states = 0;  // in the queue so far
+    double time_us = 0;                      // of the edit that ran last
+    std::uint64_t states = 0;                // in the queue so far
   };
   void edit();
   void carryOut();
@@ -74,7 +74,7 @@ class CpuEdits {
   TouchStatistics statistics_;
   EditQueue queue_;
   OfferedChanges offered_;
-  std::vector<PointChange> standing_;  // what of an offer is carried out; the thread's
+  std::vector<PointChange> standing_;     // what of an offer is carried out; the thread's
   std::unique_ptr<BackgroundTask> task_;  // goes first
 };
 

@@ -49,7 +49,7 @@ class CpuFrames {
   std::uint64_t count_ = 0;
   double wanted_s_ = 0;  // the time of the frame that is being made
   bool isMaking_ = false;
-  bool isNew_ = false;  // what was made last
+  bool isNew_ = false;   // what was made last
   BackgroundTask task_;  // goes first
 };
 

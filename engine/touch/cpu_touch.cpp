@@ -43,9 +43,8 @@ SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {
   const SortedGrid& grid = frames_ ? frames_->grid() : sculpture_.grid();
   const std::vector<Vec3>& normals = frames_ ? frames_->frame().normals : sculpture_.points().normals;
   return surfaceOf(surface_, facing, [&](double radius, auto&& visit) {
-    grid.forEachNear(x, radius, [&](const SortedGrid::Placed& point) {
-      visit(DVec3(point.position) - x, normals[point.number]);
-    });
+    grid.forEachNear(x, radius,
+                     [&](const SortedGrid::Placed& point) { visit(DVec3(point.position) - x, normals[point.number]); });
   });
 }
 
@@ -56,7 +55,8 @@ DVec3 CpuTouch::velocity(const DVec3& x, const DVec3& facing) const {
   double weights = 0;
   frames_->grid().forEachNear(x, surface_.radius, [&](const SortedGrid::Placed& point) {
     const double r = glm::distance(DVec3(point.position), x) / surface_.radius;
-    const double w = wendland(std::min(1.0, r)) * shared::facingWeight(glm::dot(DVec3(frame.normals[point.number]), facing));
+    const double w =
+        wendland(std::min(1.0, r)) * shared::facingWeight(glm::dot(DVec3(frame.normals[point.number]), facing));
     sum += w * DVec3(frame.velocities[point.number]);
     weights += w;
   });
@@ -189,7 +189,8 @@ std::size_t CpuTouch::readBack(PointCloud& cloud) const {
 
 EditScope CpuTouch::editScope() const {
   if (!options_.source) return {};
-  return {.paints = false, .newPoints = static_cast<std::uint32_t>(options_.source->size() - sculpture_.points().size())};
+  return {.paints = false,
+          .newPoints = static_cast<std::uint32_t>(options_.source->size() - sculpture_.points().size())};
 }
 
 std::string CpuTouch::machine() const {

@@ -27,7 +27,8 @@ struct CpuTouchOptions {
   std::optional<BrushOptions> brush;  ///< edit while touching, where the HIP itself does
   unsigned threads = 0;               ///< that build the index and refit normals; 0: one per core
   CloudSource* source = nullptr;      ///< moves the points, which have no brush then; outlives what it moves
-  std::optional<PointExtent> extent;  ///< of all points, where the cloud and the frames are a part of them: of their grid
+  std::optional<PointExtent>
+      extent;  ///< of all points, where the cloud and the frames are a part of them: of their grid
 };
 
 /// The whole loop on the CPU, in double precision: for machines without a GPU, and the peer that GPUs are held against.

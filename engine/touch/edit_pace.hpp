@@ -9,10 +9,10 @@ namespace palpate {
 constexpr std::size_t kEditTimesKept = 1 << 16;
 
 /// How often a session in real time may edit. While an edit runs, the force lives on the last answer; an edit that
-/// takes longer than that answer is good for leaves the hand without force. After such an edit comes a rest, as long as it
-/// took, twice the last rest where that is longer, and ten times as long as the edit at most; the first edit in time ends it.
-/// So a hitch, as of a CPU that something else has had for a moment, costs as long again, and a GPU that is too slow edits
-/// for a tenth of the time.
+/// takes longer than that answer is good for leaves the hand without force. After such an edit comes a rest, as long as
+/// it took, twice the last rest where that is longer, and ten times as long as the edit at most; the first edit in time
+/// ends it. So a hitch, as of a CPU that something else has had for a moment, costs as long again, and a GPU that is
+/// too slow edits for a tenth of the time.
 class EditPace {
  public:
   explicit EditPace(double longest_s) : longest_s_(longest_s) {}

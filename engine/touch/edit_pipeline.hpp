@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/core/index_options.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/contact_query.hpp"
+#include "engine/core/index_options.hpp"
 #include "engine/core/offered_changes.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/edit/edit_pass.hpp"
@@ -30,8 +30,9 @@ struct EditOptions {
 };
 
 /// Edits the live cloud: the brush where an answer says that the surface yields, the index that follows or is built
-/// anew, changes that somebody offers, and others as they are given. An edit is a command list recorded ahead, one for each half of the cloud, and
-/// for each sort that a build may need. One at a time is under way, and nobody waits for it but the next question.
+/// anew, changes that somebody offers, and others as they are given. An edit is a command list recorded ahead, one for
+/// each half of the cloud, and for each sort that a build may need. One at a time is under way, and nobody waits for it
+/// but the next question.
 class EditPipeline {
  public:
   /// `colors` as EditPass has them. `index`, `log` and `statistics` must outlive it.

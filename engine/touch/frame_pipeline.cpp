@@ -157,7 +157,7 @@ void FramePipeline::stop() noexcept {
   try {
     if (std::exchange(isMaking_, false)) task_.finishedWithin(0);
     if (on_) on_->finish();  // of a queue that waiting for the device may not wait for
-  } catch (...) {  // a frame that could not be made is nobody's any more
+  } catch (...) {            // a frame that could not be made is nobody's any more
   }
   isBuilding_ = false;
 }
@@ -173,15 +173,16 @@ bool FramePipeline::take(CloudFrame& frame) {
 }
 
 CloudFrame FramePipeline::front() const {
-  return fetch(device_.latencyQueue(),
-               {.half = index_.cloud().front(), .time_s = pointsTime(index_.parity()).true_s, .colored = colored_[index_.parity()]});
+  return fetch(device_.latencyQueue(), {.half = index_.cloud().front(),
+                                        .time_s = pointsTime(index_.parity()).true_s,
+                                        .colored = colored_[index_.parity()]});
 }
 
 CloudFrame FramePipeline::fetch(Queue& queue, const Placed& placed) const {
   const auto positions = download<Vec4>(device_, queue, placed.half.positions, slots());
   const auto normals = download<Vec4>(device_, queue, placed.half.normals, slots());
   const auto velocities = download<Vec4>(device_, queue, velocities_[placed.half.parity], slots());  // by id
-  std::vector<std::uint32_t> slotOf(slots(), shared::kEmptySlot);  // by id
+  std::vector<std::uint32_t> slotOf(slots(), shared::kEmptySlot);                                    // by id
   for (std::uint32_t slot = 0; slot < slots(); ++slot)
     if (const auto id = std::bit_cast<std::uint32_t>(positions[slot].w); id != shared::kEmptySlot) slotOf[id] = slot;
   CloudFrame frame{.time_s = placed.time_s};

@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "engine/core/background_task.hpp"
+#include "engine/core/cloud_frame.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/queue.hpp"
-#include "engine/core/cloud_frame.hpp"
 #include "engine/motion/frame_exchange.hpp"
 #include "engine/touch/frame_writer.hpp"
 #include "engine/touch/live_index.hpp"
@@ -17,9 +17,10 @@
 namespace palpate {
 
 /// Brings frames into the live cloud: has their points written, builds their index in the back half, and flips. Where a
-/// frame has fewer points than there are slots, the others are empty. Nobody waits for a frame: against the clock a thread
-/// makes it and hands it to the GPU, where it is built beside the questions, on the queue of the background: in that of
-/// throughput it would wait until a picture is drawn. Once it is built, and before it is felt, the next one is made.
+/// frame has fewer points than there are slots, the others are empty. Nobody waits for a frame: against the clock a
+/// thread makes it and hands it to the GPU, where it is built beside the questions, on the queue of the background: in
+/// that of throughput it would wait until a picture is drawn. Once it is built, and before it is felt, the next one is
+/// made.
 class FramePipeline {
  public:
   /// Begins with the frame of time 0. `writer` and `index`, which has as many slots, must outlive it.
@@ -30,9 +31,9 @@ class FramePipeline {
 
   /// Virtual time: the frame of that time is felt from now on. Waits for it.
   void bring(double time_s);
-  /// Against the clock, between ticks: that time is the newest one, for which frames are made, and the one that is found
-  /// built is felt from now on. True where the points have moved. `isRead`: somebody may still read the points as they are
-  /// felt so far; after the answer to a question. Throws what the making of a frame has thrown.
+  /// Against the clock, between ticks: that time is the newest one, for which frames are made, and the one that is
+  /// found built is felt from now on. True where the points have moved. `isRead`: somebody may still read the points as
+  /// they are felt so far; after the answer to a question. Throws what the making of a frame has thrown.
   bool goOn(double time_s, bool isRead);
   /// Waits for the frames that are under way.
   void finish();
@@ -44,8 +45,8 @@ class FramePipeline {
   const PointsTime& pointsTime(std::uint32_t parity) const { return times_[parity]; }
   const Buffer& velocities(std::uint32_t parity) const { return velocities_[parity]; }
 
-  /// A frame as it stands in the live cloud. Where it is coloured, the normals' fourth words have the colours: RGB, red in
-  /// the lowest byte.
+  /// A frame as it stands in the live cloud. Where it is coloured, the normals' fourth words have the colours: RGB, red
+  /// in the lowest byte.
   struct Placed {
     const LiveCloud::Half& half;
     double time_s;
@@ -84,20 +85,20 @@ class FramePipeline {
   std::array<Buffer, 2> velocities_;  // by the half
   std::array<PointsTime, 2> times_{};
   std::array<bool, 2> colored_{};
-  LiveCloud::Half incoming_;  // in any order
+  LiveCloud::Half incoming_;        // in any order
   Lists listsFirst_, listsBeside_;  // before all questions, and beside them
   FrameExchange exchange_;
   std::unique_ptr<Queue> beside_;  // of the background, which no picture has before it, and which gives way
   Queue* on_ = nullptr;            // that builds, and the last frame there
   Queue::Ticket ticket_ = 0;
-  bool isBuilding_ = false;  // it is not felt yet
-  bool isMaking_ = false;    // the thread makes one: until it has, who builds and what was made are its own
+  bool isBuilding_ = false;   // it is not felt yet
+  bool isMaking_ = false;     // the thread makes one: until it has, who builds and what was made are its own
   Queue::Ticket before_ = 0;  // what it waits for first; 0: nothing
   MadeFrame made_ = MadeFrame::none;
   std::atomic<double> wanted_s_ = 0;     // the newest time
   std::atomic<bool> mayWrite_ = true;    // the back half: the last answers from it have come
   std::atomic<bool> isDropped_ = false;  // what is made is nobody's any more
-  BackgroundTask task_;  // goes first
+  BackgroundTask task_;                  // goes first
 };
 
 }  // namespace palpate

@@ -15,8 +15,8 @@ enum class MadeFrame {
   incoming   ///< its points stand in the incoming ones already
 };
 
-/// Where the frames of a live cloud come from: whoever writes the points that its next index is built from. make() runs on
-/// a thread of its own, and not while a list that was recorded here runs.
+/// Where the frames of a live cloud come from: whoever writes the points that its next index is built from. make() runs
+/// on a thread of its own, and not while a list that was recorded here runs.
 class FrameWriter {
  public:
   virtual ~FrameWriter() = default;

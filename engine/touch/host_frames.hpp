@@ -27,7 +27,7 @@ class HostFrames final : public FrameWriter {
 
   CloudSource& source_;
   CloudFrame frame_;
-  std::optional<double> made_s_;  // asked for last
+  std::optional<double> made_s_;             // asked for last
   Buffer positions_, normals_, velocities_;  // as the GPU copies them
 };
 

@@ -25,7 +25,7 @@ struct MatterQuestion {
 /// What they get.
 struct MatterAnswer {
   MatterQuestion question;
-  bool moves = true;   ///< false: it is held, and nobody feels anything
+  bool moves = true;  ///< false: it is held, and nobody feels anything
   MatterState state = MatterState::running;
   std::optional<double> known_s;  ///< MatterSimulation::knownAt_s()
   std::array<ToolAnswer, kMostHands> hands;
@@ -33,7 +33,7 @@ struct MatterAnswer {
 
 /// The particles at some time, by id.
 struct MatterView {
-  double time_s = 0;  ///< of the question
+  double time_s = 0;                        ///< of the question
   std::vector<Vec3> positions, velocities;  ///< m, m/s
 };
 
@@ -43,8 +43,8 @@ class MatterSteps final : public SteppedControl {
   /// `simulation` has `tools` of them. `mostAtOnce`: steps in one goTo(); those beyond it are left out. 0: any number.
   MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size_t tools, std::uint32_t mostAtOnce);
 
-  /// As many steps as fit between the last question and this one, at the first one a single one; where time goes back the
-  /// scene begins anew.
+  /// As many steps as fit between the last question and this one, at the first one a single one; where time goes back
+  /// the scene begins anew.
   MatterAnswer goTo(const MatterQuestion& question);
   /// The same where nothing may be thrown: what was is kept, and this and all further answers are of a simulation that
   /// does not run.
@@ -67,10 +67,10 @@ class MatterSteps final : public SteppedControl {
 
   std::unique_ptr<MatterSimulation> world_;
   std::size_t tools_;
-  std::vector<HandPose> hands_;       // of the last question
+  std::vector<HandPose> hands_;  // of the last question
   std::vector<HandPose> between_;
   std::array<std::uint32_t, kMostHands> putDown_{};  // of the last question
-  std::optional<double> unshown_s_;  // time of the last question, where it moved what is not shown yet
+  std::optional<double> unshown_s_;                  // time of the last question, where it moved what is not shown yet
   std::atomic<bool> faulty_ = false;
   std::exception_ptr fault_;         // written before the flag
   std::atomic<bool> wanted_ = true;  // somebody would take what is shown

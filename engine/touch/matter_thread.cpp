@@ -5,7 +5,8 @@
 
 namespace palpate {
 
-MatterThread::MatterThread(MatterSteps& steps) : steps_(steps), spins_(coresToUse() >= kCoresToSpin), thread_([this] { serve(); }) {}
+MatterThread::MatterThread(MatterSteps& steps)
+    : steps_(steps), spins_(coresToUse() >= kCoresToSpin), thread_([this] { serve(); }) {}
 
 MatterThread::~MatterThread() {
   stop_.store(true);

@@ -24,9 +24,7 @@ Vec3 upOf(const MatterScene& scene) {
   return gravity > 0 ? Vec3(-scene.gravity_m_s2 / gravity) : Vec3(0, 1, 0);
 }
 
-MatterBox boxOf(const MatterScene& scene) {
-  return {.size = scene.box_mm * kMatterUnit_m, .periodic = scene.periodic};
-}
+MatterBox boxOf(const MatterScene& scene) { return {.size = scene.box_mm * kMatterUnit_m, .periodic = scene.periodic}; }
 
 void append(std::vector<Vec3>& to, std::span<const Vec3> more) { to.insert(to.end(), more.begin(), more.end()); }
 
@@ -98,7 +96,8 @@ Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, con
                   .valid = answer.state == MatterState::running,
                   .dataTime_s = answer.question.time_s};
   const bool isPlaced = answer.question.putDown[hand] == putDown_[hand];  // or it was elsewhere then
-  if (!contact.valid || !answer.moves || !isPlaced || left <= 0 || !(glm::length(tool.reaction_N) + glm::length(tool.byModel_N) > kLeastForce_N))
+  if (!contact.valid || !answer.moves || !isPlaced || left <= 0 ||
+      !(glm::length(tool.reaction_N) + glm::length(tool.byModel_N) > kLeastForce_N))
     return contact;
   // The ball goes on as it did, and its spring is stretched by what the hand has moved meanwhile, less that.
   const DVec3 went_m = age_s * tool.velocity_m_s;

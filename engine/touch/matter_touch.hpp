@@ -19,16 +19,17 @@ struct MatterTouchOptions {
   std::size_t hands = 1;  ///< as many as the simulation has tools
   unsigned threads = 0;   ///< for pictures; 0: one per core
   bool realtime =
-      false;  ///< at first (setRealtime()): on a thread of its own, and no tick waits for it past its budget
-  std::string machine;    ///< that simulates
+      false;            ///< at first (setRealtime()): on a thread of its own, and no tick waits for it past its budget
+  std::string machine;  ///< that simulates
   /// Particles come and go, so that each frame says their colours.
   bool varies = false;
 };
 
-/// A simulation that is felt, and seen as a cloud: a point for each particle, in the order of their ids. In virtual time it
-/// goes as far as the poses do, so that the same poses give the same bytes. Against the clock it follows them: where it has
-/// no answer to a tick in time, the hand feels the last one with the stiffness of its ball's spring, and ever less of it as
-/// it grows old. Once it has failed no answer is valid, until it is reset. Nothing of it can be sculpted.
+/// A simulation that is felt, and seen as a cloud: a point for each particle, in the order of their ids. In virtual
+/// time it goes as far as the poses do, so that the same poses give the same bytes. Against the clock it follows them:
+/// where it has no answer to a tick in time, the hand feels the last one with the stiffness of its ball's spring, and
+/// ever less of it as it grows old. Once it has failed no answer is valid, until it is reset. Nothing of it can be
+/// sculpted.
 class MatterTouch final : public TouchBackend {
  public:
   /// The scene has a tool.
@@ -50,7 +51,9 @@ class MatterTouch final : public TouchBackend {
   bool keepsEdits() const override { return true; }
   void keepEdits() override {}
   void takeEdits(EditBatch&) override {}
-  EditScope editScope() const override { return {.edits = false, .paints = false, .newPoints = varies_ ? kMostVarying : 0}; }
+  EditScope editScope() const override {
+    return {.edits = false, .paints = false, .newPoints = varies_ ? kMostVarying : 0};
+  }
   void setBrush(const std::optional<BrushOptions>& brush) override;
 
   std::string machine() const override { return machine_; }
@@ -81,13 +84,13 @@ class MatterTouch final : public TouchBackend {
   MatterView view_;
   struct Still {
     std::vector<Vec3> positions, normals;
-  } still_;  // points of a model that stands in the matter, units
-  std::mutex paceGuard_;  // of whether there is a thread, and of what is done in the place of one
+  } still_;                             // points of a model that stands in the matter, units
+  std::mutex paceGuard_;                // of whether there is a thread, and of what is done in the place of one
   std::optional<MatterThread> thread_;  // against the clock; goes first
 };
 
-/// The points of a scene as it begins, mm: a cloud that is felt by MatterTouch. Those of `model`, which stands in the matter
-/// where it is not null, follow those of the particles. Throws Error as planOf() does.
+/// The points of a scene as it begins, mm: a cloud that is felt by MatterTouch. Those of `model`, which stands in the
+/// matter where it is not null, follow those of the particles. Throws Error as planOf() does.
 PointCloud cloudOf(const MatterScene& scene, const MatterModel* model, unsigned threads);
 
 }  // namespace palpate

@@ -25,7 +25,8 @@ class PatchBridge {
   void record(std::uint32_t parity, const shared::CloudView& cloud);
 
   /// Asks for a patch at `pose`, unless the one that is there, or on its way, will do. After a question was submitted,
-  /// so that the host's part is done while the GPU works on that. `points`: the time of those of that half, where they move.
+  /// so that the host's part is done while the GPU works on that. `points`: the time of those of that half, where they
+  /// move.
   void renew(const Pose& pose, std::uint32_t parity, const PointsTime& points);
   /// Whether a patch is on its way.
   bool isFetching() {

@@ -30,8 +30,8 @@ class PatchContact final : private SurfaceField {
   /// `origin`: of the cloud, in the poses' coordinates.
   PatchContact(const SurfaceOptions& surface, double friction, const DVec3& origin);
 
-  /// Copies the patch, which is true of the cloud but for edits from `missingSince_s` on. Where points move it goes on with
-  /// the velocity that was felt last.
+  /// Copies the patch, which is true of the cloud but for edits from `missingSince_s` on. Where points move it goes on
+  /// with the velocity that was felt last.
   void take(const CarriedPatch& patch, std::optional<double> missingSince_s, const PointsTime& time = {});
   /// An edit that the patch knows nothing of began at `time_s`.
   void edited(double time_s);

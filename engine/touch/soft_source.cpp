@@ -26,12 +26,17 @@ std::uint32_t stepsToNext(const MatterPlan& plan) {
 }
 
 // The step that a time is in: a frame is never of a time to come.
-std::int64_t stepAt(double time_s) { return static_cast<std::int64_t>(std::floor((time_s + kSameTime_s) / kMatterStep_s)); }
+std::int64_t stepAt(double time_s) {
+  return static_cast<std::int64_t>(std::floor((time_s + kSameTime_s) / kMatterStep_s));
+}
 
 }  // namespace
 
 SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options)
-    : SteppedControl(*world, options.hands, options.mostAtOnce), world_(std::move(world)), options_(options), slots_(kMostTouches) {
+    : SteppedControl(*world, options.hands, options.mostAtOnce),
+      world_(std::move(world)),
+      options_(options),
+      slots_(kMostTouches) {
   PALPATE_CHECK(world_->hasSurface());
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, options_.toolReach);
   for (std::atomic<double>& compliance : compliances_)
@@ -177,7 +182,8 @@ void SoftSource::advance(std::uint32_t steps) {
     for (std::size_t hand = 0; hand < options_.hands; ++hand) seeEnergy(hand, energies_J_[hand]);
   }
   sculpt(steps);
-  for (std::size_t i = 0; i < question_.count && question_.goesOn; ++i) findCompliance(question_.touches[i], slots_[i], steps);
+  for (std::size_t i = 0; i < question_.count && question_.goesOn; ++i)
+    findCompliance(question_.touches[i], slots_[i], steps);
 }
 
 // Of a tool the first point that touches speaks for all. `steps`: the last ones of the touch.

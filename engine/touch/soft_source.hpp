@@ -39,22 +39,22 @@ struct SurfaceBrush {
 
 /// All of them at a tick. Those of one hand stand together.
 struct SurfaceQuestion {
-  double time_s = 0;         ///< of `hip`
-  double feltAt_s = 0;       ///< the tick before, to which the proxies belong
-  double pointsTime_s = 0;   ///< of the frame in which they were felt
+  double time_s = 0;        ///< of `hip`
+  double feltAt_s = 0;      ///< the tick before, to which the proxies belong
+  double pointsTime_s = 0;  ///< of the frame in which they were felt
   double friction = 0;
-  bool goesOn = false;       ///< a tick was later than the points that it felt: somebody asks for compliances
+  bool goesOn = false;  ///< a tick was later than the points that it felt: somebody asks for compliances
   SurfaceBrush brush;
   std::uint32_t count = 0;
   std::array<SurfaceTouch, kMostTouches> touches;
 };
 
 struct SoftSourceOptions {
-  std::size_t points = 0;       ///< of the surface
+  std::size_t points = 0;  ///< of the surface
   std::size_t hands = 1;
-  double radius = 0;            ///< support radius of what is felt, model units
-  double toolReach = 0;         ///< of the first hand's tool, from its HIP, model units
-  std::uint32_t mostAtOnce = 0; ///< steps for a frame; those beyond it are left out; 0: any number
+  double radius = 0;             ///< support radius of what is felt, model units
+  double toolReach = 0;          ///< of the first hand's tool, from its HIP, model units
+  std::uint32_t mostAtOnce = 0;  ///< steps for a frame; those beyond it are left out; 0: any number
 };
 
 /// Follows the hands step by step to the time of each frame that is asked for, and presses where they touched in the
@@ -94,10 +94,10 @@ class SoftSource final : public CloudSource, public SteppedControl {
  private:
   // A touch as the simulation knows it.
   struct Slot {
-    bool known = false;      // where the hand was
-    bool presses = false;    // the surface has a place for it
+    bool known = false;    // where the hand was
+    bool presses = false;  // the surface has a place for it
     DVec3 hand_m{0}, place_m{0};
-    std::uint32_t steps = 0; // that it has pressed on end
+    std::uint32_t steps = 0;  // that it has pressed on end
   };
   void restart();
   void follow(double time_s);
@@ -114,9 +114,9 @@ class SoftSource final : public CloudSource, public SteppedControl {
   SurfaceQuestion question_;
   std::vector<Slot> slots_;
   std::vector<SurfacePress> presses_;
-  std::vector<std::size_t> pressing_;    // of which touch each press is
+  std::vector<std::size_t> pressing_;            // of which touch each press is
   std::array<double, kMostHands> energies_J_{};  // that hands have put in since the beginning
-  double bodyTime_s_ = 0;                // the questions' time for which the body is as it is
+  double bodyTime_s_ = 0;                        // the questions' time for which the body is as it is
   std::array<std::atomic<double>, kMostHands> compliances_;
   std::atomic<std::uint32_t> beginnings_ = 0;
   bool isTurned_ = false;  // a stroke was taken back since the last frame

@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kNoAge_s = 1e-6;     // up to which points are of the tick itself
+constexpr double kNoAge_s = 1e-6;        // up to which points are of the tick itself
 constexpr double kQuiet_s = 0.02;        // after the scene has begun anew
 constexpr double kForVelocity_s = 2e-3;  // over which the velocity of a hand is taken
 
@@ -18,7 +18,10 @@ constexpr double kForVelocity_s = 2e-3;  // over which the velocity of a hand is
 
 SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface,
                      const SoftTouchOptions& options)
-    : source_(std::move(source)), surface_(std::move(surface)), bodyMachine_(options.bodyMachine), answers_(options.tools.size()) {
+    : source_(std::move(source)),
+      surface_(std::move(surface)),
+      bodyMachine_(options.bodyMachine),
+      answers_(options.tools.size()) {
   question_.friction = options.friction;
   poses_.reserve(options.tools.size());
   setBrush(options.brush);
@@ -35,8 +38,7 @@ void SoftTouch::setSprings(std::span<const HandSpring> springs) {
 std::span<const Contact> SoftTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
   poses_.assign(poses.begin(), poses.end());
   lookAtScene(poses.front().time_s);
-  if (std::ranges::all_of(poses, [](const Pose& pose) { return isFinite(pose.hip); }))
-    tell(poses);
+  if (std::ranges::all_of(poses, [](const Pose& pose) { return isFinite(pose.hip); })) tell(poses);
   const std::span<const Contact> answers = surface_->ask(poses, budget_us);
   lookAtScene(poses.front().time_s);
   remember(poses, answers);

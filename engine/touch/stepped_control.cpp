@@ -49,7 +49,8 @@ void SteppedControl::takeParameters(MatterSimulation& world) {
 void SteppedControl::seeEnergy(std::size_t hand, double energy_J) noexcept {
   Meter& meter = meters_[hand];
   meter.now_J.store(energy_J, std::memory_order_relaxed);
-  if (energy_J < meter.least_J.load(std::memory_order_relaxed)) meter.least_J.store(energy_J, std::memory_order_relaxed);
+  if (energy_J < meter.least_J.load(std::memory_order_relaxed))
+    meter.least_J.store(energy_J, std::memory_order_relaxed);
 }
 
 void SteppedControl::forget() noexcept {

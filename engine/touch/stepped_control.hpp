@@ -15,8 +15,8 @@
 namespace palpate {
 
 /// How a simulation is held and begun anew, which parameters it has, how many steps it has to go, and why it goes on no
-/// more. What is public is for any thread; the rest for the one that steps, which waits for nobody but while a parameter
-/// is set.
+/// more. What is public is for any thread; the rest for the one that steps, which waits for nobody but while a
+/// parameter is set.
 class SteppedControl : public SimulationControl {
  public:
   void reset() noexcept override { reset_.store(true); }

@@ -31,7 +31,8 @@ struct TouchOptions {
   std::vector<ToolShape> tools = std::vector<ToolShape>(1);
   std::optional<BrushOptions> brush;  ///< edit while touching, where the HIP itself does
   CloudSource* source = nullptr;      ///< moves the points, which have no brush then; outlives what it moves
-  std::optional<PointExtent> extent;  ///< of all points, where the cloud and the frames are a part of them: of their grid
+  std::optional<PointExtent>
+      extent;  ///< of all points, where the cloud and the frames are a part of them: of their grid
   /// In place of a source: the points are a map that depth frames fuse into, which begins with the cloud.
   std::optional<FusedStream> fusion;
   bool paintable = false;  ///< keeps colours, for a brush that comes later

@@ -317,20 +317,22 @@ std::uint32_t TouchSide::takeAnswers(GpuHand& hand) {
     if (point && point->ahead) continue;
     const Contact contact = contactOf(sample, hip);
     hand.probes.answered(i, contact);
-    if (point && contact.valid) point->tracker.goOnFrom(proxyStateOf(sample, hip - origin_, questions_.question().time_s));
+    if (point && contact.valid)
+      point->tracker.goOnFrom(proxyStateOf(sample, hip - origin_, questions_.question().time_s));
   }
   return flags;
 }
 
 Contact TouchSide::contactOf(const shared::ContactSample& sample, const DVec3& hip) const {
-  return {.proxy = hip + DVec3(sample.spring),
-          .normal = DVec3(sample.normal),
-          .touching = sample.touching != 0,
-          .fresh = true,
-          .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal) && isFinite(sample.velocity),
-          .neighbours = sample.neighbours,
-          .gpu_us = questions_.question().gpu_us,
-          .velocity = DVec3(sample.velocity)};
+  return {
+      .proxy = hip + DVec3(sample.spring),
+      .normal = DVec3(sample.normal),
+      .touching = sample.touching != 0,
+      .fresh = true,
+      .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal) && isFinite(sample.velocity),
+      .neighbours = sample.neighbours,
+      .gpu_us = questions_.question().gpu_us,
+      .velocity = DVec3(sample.velocity)};
 }
 
 std::span<const Contact> TouchSide::given() {

@@ -43,8 +43,8 @@ class HidLink {
   std::string whileGone_;
   std::unique_ptr<HidConnection> connection_;
   Stopwatch searched_, absent_, found_;  // since it was looked for, was not there, came back
-  double wait_s_;                      // until the next look
-  bool complained_ = false;            // that it is there and cannot be opened
+  double wait_s_;                        // until the next look
+  bool complained_ = false;              // that it is there and cannot be opened
   std::mutex restLock_;
   std::condition_variable_any stopped_;
 };

@@ -7,7 +7,9 @@ namespace {
 class NoTransport final : public HidTransport {
  public:
   std::vector<HidInfo> enumerate() override { return {}; }
-  HidOpening open(const std::string&) override { return {.connection = nullptr, .why = "palpate was built without hidapi"}; }
+  HidOpening open(const std::string&) override {
+    return {.connection = nullptr, .why = "palpate was built without hidapi"};
+  }
 };
 
 }  // namespace

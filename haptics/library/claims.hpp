@@ -35,7 +35,8 @@ class Claims {
     refuseInLogFunction();
     unsigned before = taken_.load(std::memory_order_relaxed);
     do {
-      if (before & bits) throw ThreadError("another thread is in a call on this session that does not go with this one");
+      if (before & bits)
+        throw ThreadError("another thread is in a call on this session that does not go with this one");
     } while (!taken_.compare_exchange_weak(before, before | bits, std::memory_order_acquire));
   }
 

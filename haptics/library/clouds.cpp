@@ -56,10 +56,9 @@ pp_status pp_cloud_read(const char* file, const pp_read_options* options, pp_clo
     required(cloud, "cloud");
     if (isRgbdFolder(name)) throw FileError(name, "is a recorded depth camera, and not one cloud");
     Remarks remarks(given.log, given.log_user);
-    StoredCloud stored = readCloud(name, &remarks.sink(),
-                                   {.normalsFromFaces = given.normals_from_faces != 0,
-                                    .pointsOnly = true,
-                                    .allPoints = given.all_points != 0});
+    StoredCloud stored = readCloud(
+        name, &remarks.sink(),
+        {.normalsFromFaces = given.normals_from_faces != 0, .pointsOnly = true, .allPoints = given.all_points != 0});
     if (!stored.leftOut.empty()) remarks.sink().say("{}: left out are {}", name, stored.leftOut);
     *cloud = opened<pp_cloud>(std::make_shared<CloudObject>(
         std::move(stored.cloud),

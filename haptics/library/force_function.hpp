@@ -12,7 +12,8 @@ namespace palpate::library {
 class ForceFunction {
  public:
   ForceFunction() = default;
-  /// `library`: "libmine.so:function", in place of `law`; empty: none. Throws UsageError, and Error with the loader's words.
+  /// `library`: "libmine.so:function", in place of `law`; empty: none. Throws UsageError, and Error with the loader's
+  /// words.
   ForceFunction(pp_force_law law, void* user, const std::string& library, double mm_per_unit);
 
   /// Valid as long as this stays where it is; nothing where the program has brought none.

@@ -35,8 +35,8 @@ struct GpuChoice {
 /// Throws UnsupportedError without Vulkan, FileError.
 void writePicture(const std::string& file, const Image& image);
 
-/// The GPU of one session, opened at its first use: what answers on it, pictures and meshes. Used by one thread at a time,
-/// but that the back end asks on its own queue.
+/// The GPU of one session, opened at its first use: what answers on it, pictures and meshes. Used by one thread at a
+/// time, but that the back end asks on its own queue.
 class GpuHalf {
  public:
   /// One that is lent is taken up at once. Throws GpuError, and UsageError where one is named besides.

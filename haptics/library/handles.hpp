@@ -12,8 +12,8 @@ namespace palpate::library {
 
 enum class HandleKind : std::uint8_t { cloud = 1, session = 2, mesh = 3, frame = 4, matter = 5, log = 6, server = 7 };
 
-/// Objects by their handles: kind, generation of the place, place. For any number of threads; find() takes no lock that is
-/// held for longer than it takes to copy a pointer, and allocates nothing unless it fails.
+/// Objects by their handles: kind, generation of the place, place. For any number of threads; find() takes no lock that
+/// is held for longer than it takes to copy a pointer, and allocates nothing unless it fails.
 class HandleTable {
  public:
   /// Throws Error when there is no place left.

@@ -15,9 +15,8 @@ NetworkConfig networkFrom(const pp_network* given) {
   constexpr std::uint64_t kMostPeers = 1000;
   if (network.peer_count > kMostPeers)
     throw UsageError("network.peers: {} are more than {}", network.peer_count, kMostPeers);
-  NetworkConfig config{.interface = textOf(network.interface_name),
-                       .domain = network.domain,
-                       .security = textOf(network.security)};
+  NetworkConfig config{
+      .interface = textOf(network.interface_name), .domain = network.domain, .security = textOf(network.security)};
   if (network.peer_count > 0) required(network.peers, "network.peers");
   for (std::uint64_t i = 0; i < network.peer_count; ++i)
     config.peers.emplace_back(&required(network.peers[i], "network.peers"));
@@ -156,11 +155,10 @@ std::vector<pp_other_camera> JoinedPart::cameras(const Session& session) const {
 void JoinedPart::showCamera(const Session& session, const pp_camera_place* camera) const {
   if (!camera) return session.presence()->show(std::nullopt);
   const auto& [x, y, z, w] = camera->orientation;
-  session.presence()->show(
-      CameraPlace{.position = DVec3(camera->position[0], camera->position[1], camera->position[2]),
-                  .turn = DQuat(w, x, y, z),
-                  .fovY_rad = glm::radians(camera->fov_deg),
-                  .aspect = camera->aspect});
+  session.presence()->show(CameraPlace{.position = DVec3(camera->position[0], camera->position[1], camera->position[2]),
+                                       .turn = DQuat(w, x, y, z),
+                                       .fovY_rad = glm::radians(camera->fov_deg),
+                                       .aspect = camera->aspect});
 }
 
 void JoinedPart::check(const Session& session) const {

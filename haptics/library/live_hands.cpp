@@ -82,8 +82,7 @@ void LiveHands::start() {
   for (const HandSource& source : hands_) hands.push_back(source.hand());
   const CustomForce own = law_.custom();
   thread_.emplace(with_.session, hands,
-                  ServoThread::Options{
-                      .forcesOn = &with_.forcesOn, .law = own ? own : with_.law, .rate_Hz = rate_Hz_});
+                  ServoThread::Options{.forcesOn = &with_.forcesOn, .law = own ? own : with_.law, .rate_Hz = rate_Hz_});
 }
 
 void LiveHands::stop() {

@@ -33,8 +33,8 @@ class LiveHands {
   void start();
   bool isRunning() const { return thread_ && !thread_->hasEnded(); }
   void stop();
-  /// As many rows as there is room for, of whole ticks. Throws DeviceError or GpuError where the thread has ended by itself
-  /// and no ticks are left.
+  /// As many rows as there is room for, of whole ticks. Throws DeviceError or GpuError where the thread has ended by
+  /// itself and no ticks are left.
   std::uint64_t take(pp_tick* ticks, std::uint64_t capacity);
   std::uint64_t ticks() const { return ticks_; }
   std::uint64_t missed() const { return missed_; }

@@ -17,7 +17,8 @@ Model modelFor(const CloudObject& cloud, const pp_serve_options& options, Log& l
   config.model.mm_per_unit = options.mm_per_unit;
   if (options.estimate_normals) config.model.normals = NormalSource::estimate;
   validate(config);
-  if (options.read_only && options.journal) throw UsageError("journal: read_only, nobody sculpts it; leave one of them out");
+  if (options.read_only && options.journal)
+    throw UsageError("journal: read_only, nobody sculpts it; leave one of them out");
   return modelOf(cloud.cloud, config.model, {.log = log, .threads = options.threads});
 }
 

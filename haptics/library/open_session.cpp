@@ -77,7 +77,8 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
   if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
   model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
                                                        : loadModel(config_, loading));
-  if (joined_ && model_->cloud.empty()) throw Error("'{}' has no points; there is nothing to touch", subject.model.file);
+  if (joined_ && model_->cloud.empty())
+    throw Error("'{}' has no points; there is nothing to touch", subject.model.file);
   if (subject.frames) {
     const std::size_t most = subject.frames->most_points ? subject.frames->most_points : model_->cloud.size();
     frames_ = std::make_unique<PushedFrames>(model_->cloud, most, subject.frames->keeps_points != 0);
@@ -109,7 +110,8 @@ void OpenSession::leave() {
 }
 
 const JoinedPart& OpenSession::joined() const {
-  if (!joined_) throw StateError("this session was not joined; pp_session_join() joins one that another program serves");
+  if (!joined_)
+    throw StateError("this session was not joined; pp_session_join() joins one that another program serves");
   return *joined_;
 }
 

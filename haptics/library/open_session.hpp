@@ -1,4 +1,5 @@
-// A session as the C interface has it: felt first, sculpted once somebody wants that, touched by path, tick by tick or live.
+// A session as the C interface has it: felt first, sculpted once somebody wants that, touched by path, tick by tick or
+// live.
 #pragma once
 
 #include <atomic>

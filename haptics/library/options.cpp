@@ -129,7 +129,8 @@ PictureRequest pictureFrom(const pp_picture_options& options) {
   if (options.has_up) request.camera.up = vectorFrom(options.up, "up");
   request.camera.fov_deg = options.fov_deg;
   request.color = chosen(kColorNames, options.color, ColorBy::rgb, "color");
-  if (options.has_background) request.background = {options.background[0], options.background[1], options.background[2]};
+  if (options.has_background)
+    request.background = {options.background[0], options.background[1], options.background[2]};
   return request;
 }
 
@@ -146,8 +147,7 @@ MeshOptions meshFrom(const pp_mesh_options& options, const ModelScale& scale) {
 Path pathFrom(const pp_path* given, double rate_Hz) {
   const pp_path path = optionsFrom(&required(given, "path"), "path");
   checkPath(path);
-  const auto stride =
-      path.stride != 0 ? path.stride : static_cast<std::int64_t>(path.columns * bytesOf(path.type));
+  const auto stride = path.stride != 0 ? path.stride : static_cast<std::int64_t>(path.columns * bytesOf(path.type));
   const auto* row = static_cast<const std::byte*>(path.data);
   std::vector<PathKey> keys;
   keys.reserve(path.rows);
@@ -164,6 +164,8 @@ Path pathFrom(const pp_path* given, double rate_Hz) {
   return Path(std::move(keys));
 }
 
-std::uint64_t ticksOf(const Path& path, double rate_Hz) { return plannedTicks(rate_Hz, path.duration_s() + 1 / rate_Hz); }
+std::uint64_t ticksOf(const Path& path, double rate_Hz) {
+  return plannedTicks(rate_Hz, path.duration_s() + 1 / rate_Hz);
+}
 
 }  // namespace palpate::library

@@ -62,7 +62,8 @@ std::string textOf(const char* text);
 
 /// A value of a table by its name; `usual` where there is no name. Throws UsageError that lists the names.
 template <class Table>
-auto chosen(const Table& table, const char* name, typename Table::value_type::second_type usual, std::string_view field) {
+auto chosen(const Table& table, const char* name, typename Table::value_type::second_type usual,
+            std::string_view field) {
   if (!name) return usual;
   if (const auto value = valueNamed(table, name)) return *value;
   std::string all;

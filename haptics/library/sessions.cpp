@@ -102,7 +102,8 @@ pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count
   });
 }
 
-pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
+pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity,
+                           uint64_t* count) {
   return with(session, Claim::all, [&](OpenSession& open) {
     runInto({ticks, capacity, count}, open, onePath(open, path), std::nullopt);
   });

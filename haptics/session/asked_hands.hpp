@@ -29,8 +29,8 @@ struct AskedHandsOptions {
 /// from a device (ForceGate, Passivity) is the affair of whoever has the devices. The session and this belong to one
 /// thread, and nothing else runs the session meanwhile. With a budget edits wait until somebody calls
 /// EditRelay::catchUp(), on any one thread; without one they are taken in between ticks. Where others feel the model,
-/// too, they see the first hand, and while their server is silent the force fades (InformationAge); when it is heard again
-/// the force comes back as at the start of a session in the hand (ForceGate).
+/// too, they see the first hand, and while their server is silent the force fades (InformationAge); when it is heard
+/// again the force comes back as at the start of a session in the hand (ForceGate).
 class AskedHands {
  public:
   /// As many as the session has. It outlives them. They touch nothing yet.

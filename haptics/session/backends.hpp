@@ -22,14 +22,14 @@ namespace palpate {
 struct BackendRequest {
   const Model& model;
   const SessionConfig& config;
-  SurfaceOptions surface;              ///< as this back end realises the configuration's (BackendKind::surface())
-  std::optional<BrushOptions> brush;   ///< the first one; model units
-  bool paintable = false;              ///< keeps colours for a brush that comes later
-  std::vector<ToolShape> tools;        ///< one for each hand, model units; without points for a single one
-  unsigned threads = 0;                ///< on the CPU; 0: one per core
+  SurfaceOptions surface;             ///< as this back end realises the configuration's (BackendKind::surface())
+  std::optional<BrushOptions> brush;  ///< the first one; model units
+  bool paintable = false;             ///< keeps colours for a brush that comes later
+  std::vector<ToolShape> tools;       ///< one for each hand, model units; without points for a single one
+  unsigned threads = 0;               ///< on the CPU; 0: one per core
   /// Moves the model, and outlives what is made; null: it stands still, or is a scene of matter, which moves by itself.
   CloudSource* source = nullptr;
-  std::optional<FusedStream> fusion;   ///< in place of a source, where the back end fuses frames: begins with the model
+  std::optional<FusedStream> fusion;  ///< in place of a source, where the back end fuses frames: begins with the model
 };
 
 /// One way of answering poses.

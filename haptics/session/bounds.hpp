@@ -16,13 +16,13 @@ inline constexpr double kMostForce_N = 1000;
 inline constexpr double kMostSurfacePower_W = 1e6;
 inline constexpr double kMostFriction = 10;
 inline constexpr double kLeastMemory_MiB = 1e-6, kMostMemory_MiB = 1e8;
-inline constexpr double kMostCells = 1e6;    ///< of the index, along the longest side
-inline constexpr double kMostRate_Hz = 1e4;  ///< of a session
-inline constexpr double kLeastSpeed = 1e-3, kMostSpeed = 1e3;            ///< of a recording that is played
-inline constexpr double kLeastDepthScale = 1, kMostDepthScale = 1e6;     ///< depth values per metre
-inline constexpr std::uint32_t kLastDomain = 230;  ///< of DDS, of those that have ports
-inline constexpr double kMostCount = 1e9;    ///< of what is counted
-inline constexpr double kMostSeed = 9e15;    ///< a double still has every whole number
+inline constexpr double kMostCells = 1e6;                             ///< of the index, along the longest side
+inline constexpr double kMostRate_Hz = 1e4;                           ///< of a session
+inline constexpr double kLeastSpeed = 1e-3, kMostSpeed = 1e3;         ///< of a recording that is played
+inline constexpr double kLeastDepthScale = 1, kMostDepthScale = 1e6;  ///< depth values per metre
+inline constexpr std::uint32_t kLastDomain = 230;                     ///< of DDS, of those that have ports
+inline constexpr double kMostCount = 1e9;                             ///< of what is counted
+inline constexpr double kMostSeed = 9e15;                             ///< a double still has every whole number
 inline constexpr double kMostThreads = 1024;
 
 }  // namespace palpate::bounds

@@ -204,7 +204,9 @@ class Reader {
   }
 
  private:
-  std::string at(std::string_view name) const { return path_.empty() ? std::string(name) : path_ + "." + std::string(name); }
+  std::string at(std::string_view name) const {
+    return path_.empty() ? std::string(name) : path_ + "." + std::string(name);
+  }
 
   template <class Take>
   void take(const char* name, Take&& take) {

@@ -27,19 +27,18 @@ class CpuBackend final : public BackendKind {
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     const SessionConfig& config = request.config;
     if (config.matter && !request.source) return matterTouch(request);
-    return std::make_unique<CpuTouch>(request.model.cloud,
-                                      CpuTouchOptions{.radius = request.surface.radius,
-                                                      .cell = cellFor(request.model, config.index),
-                                                      .bucketKey = config.index.bucketKey,
-                                                      .surface = request.surface.kind,
-                                                      .localRadius = request.surface.localRadius,
-                                                      .widening = request.surface.widening,
-                                                      .friction = config.surface.friction,
-                                                      .tools = request.tools,
-                                                      .brush = request.brush,
-                                                      .threads = request.threads,
-                                                      .source = request.source,
-                                                      .extent = request.model.extent});
+    return std::make_unique<CpuTouch>(request.model.cloud, CpuTouchOptions{.radius = request.surface.radius,
+                                                                           .cell = cellFor(request.model, config.index),
+                                                                           .bucketKey = config.index.bucketKey,
+                                                                           .surface = request.surface.kind,
+                                                                           .localRadius = request.surface.localRadius,
+                                                                           .widening = request.surface.widening,
+                                                                           .friction = config.surface.friction,
+                                                                           .tools = request.tools,
+                                                                           .brush = request.brush,
+                                                                           .threads = request.threads,
+                                                                           .source = request.source,
+                                                                           .extent = request.model.extent});
   }
 };
 

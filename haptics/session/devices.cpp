@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr double kUsedShare = 0.9;  // of the workspace: the arms' last millimetres are not pleasant
-constexpr double kFront = 0.48;  // of the workspace's depth, from its middle to where a pushed stylus begins
+constexpr double kFront = 0.48;     // of the workspace's depth, from its middle to where a pushed stylus begins
 
 /// What follows the colon; nothing where `spec` is about another kind of device.
 std::optional<std::string> argumentOf(const std::string& spec, std::string_view kind) {
@@ -51,12 +51,12 @@ OpenedDevice openHid(const std::string& which, const DeviceOpening& opening) {
 }
 
 OpenedDevice openOpenHaptics(const std::string& name, const DeviceOpening& opening) {
-  auto device = std::make_unique<OpenHapticsDevice>(OpenHapticsOptions{
-      .deviceName = name,
-      .scheduler = opening.ownScheduler ? Scheduler::own : Scheduler::device,
-      .rate_Hz = opening.rate_Hz,
-      .say = [&log = opening.log](const std::string& words) { log.say("{}", words); },
-      .stop = opening.stop});
+  auto device = std::make_unique<OpenHapticsDevice>(
+      OpenHapticsOptions{.deviceName = name,
+                         .scheduler = opening.ownScheduler ? Scheduler::own : Scheduler::device,
+                         .rate_Hz = opening.rate_Hz,
+                         .say = [&log = opening.log](const std::string& words) { log.say("{}", words); },
+                         .stop = opening.stop});
   const HapticDeviceFacts facts = device->facts();
   return {std::move(device), facts};
 }
@@ -82,12 +82,14 @@ constexpr std::array<HeldDevice, 3> kHeldDevices{{
 }  // namespace
 
 bool isHeldDevice(const std::string& spec) {
-  return std::ranges::any_of(kHeldDevices, [&](const HeldDevice& kind) { return argumentOf(spec, kind.name).has_value(); });
+  return std::ranges::any_of(kHeldDevices,
+                             [&](const HeldDevice& kind) { return argumentOf(spec, kind.name).has_value(); });
 }
 
 std::string heldDevicesHelp() {
   std::string help;
-  for (const HeldDevice& kind : kHeldDevices) help += fmt::format("{}{}{}", help.empty() ? "" : "; ", kind.name, kind.help);
+  for (const HeldDevice& kind : kHeldDevices)
+    help += fmt::format("{}{}{}", help.empty() ? "" : "; ", kind.name, kind.help);
   return help;
 }
 

@@ -25,8 +25,8 @@ std::string heldDevicesHelp();
 
 struct DeviceOpening {
   Log& log;
-  double rate_Hz = 1000;      ///< of the ticks to come
-  bool ownScheduler = false;  ///< palpate's servo thread calls the ticks, where the driver would
+  double rate_Hz = 1000;                    ///< of the ticks to come
+  bool ownScheduler = false;                ///< palpate's servo thread calls the ticks, where the driver would
   const std::atomic<bool>* stop = nullptr;  ///< ends the wait for a person who has to calibrate
 };
 /// Opens it. Throws Error with what is missing and what to do.

@@ -22,9 +22,8 @@ DrawnFollower::DrawnFollower(Device& sight, const Model& model, TouchBackend& ba
 
 void DrawnFollower::followFrames() {
   if (sameGpu_) {
-    frames_ += sameGpu_->read([&](const FramePipeline::Placed& placed) {
-      drawn_->place(placed.half, sameGpu_->slots(), placed.colored);
-    });
+    frames_ += sameGpu_->read(
+        [&](const FramePipeline::Placed& placed) { drawn_->place(placed.half, sameGpu_->slots(), placed.colored); });
     return;
   }
   CloudFrame frame;

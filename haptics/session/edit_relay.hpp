@@ -23,7 +23,8 @@ struct RelayOptions {
 
 /// Takes edits from a back end and passes them on: between ticks in virtual time, and on a thread of its own against
 /// the wall clock, some times a second. Nobody waits for it there; in virtual time no edit is left out because it is
-/// behind. A failure on its thread waits for finish(), one of the follower for checkFollower(), since the hand goes first.
+/// behind. A failure on its thread waits for finish(), one of the follower for checkFollower(), since the hand goes
+/// first.
 class EditRelay {
  public:
   /// Before the first query. All arguments outlive this.
@@ -71,9 +72,9 @@ struct UndoneStrokes {
   std::uint64_t dropped = 0;   ///< that could not be undone any more, for the journal's budget
   std::uint64_t tooLarge = 0;  ///< of them, those larger than all of it
 };
-/// Undoes `undo` strokes and redoes `redo` of them, as far as there are any. `catchUp` lets the journal take in what the
-/// back end has done; all of it so far has been. Between strokes. Where the back end throws, the journal is left as the
-/// last change that came out has left the points.
+/// Undoes `undo` strokes and redoes `redo` of them, as far as there are any. `catchUp` lets the journal take in what
+/// the back end has done; all of it so far has been. Between strokes. Where the back end throws, the journal is left as
+/// the last change that came out has left the points.
 UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::function<void()>& catchUp,
                           std::size_t undo, std::size_t redo);
 /// The same of strokes that have changed a shape.

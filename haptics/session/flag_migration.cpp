@@ -59,9 +59,15 @@ const std::map<std::string_view, Set>& setters() {
       {"--stiffness", [](C& c, S v) { c.force.stiffness_N_per_mm = number<double>(v); }},
       {"--damping", [](C& c, S v) { c.force.damping_N_s_per_mm = number<double>(v); }},
       {"--max-force", [](C& c, S v) { c.force.maxForce_N = number<double>(v); }},
-      {"--surface", [](C& c, S v) { if (!v.empty()) c.surface.kind = named(kSurfaceKinds, v); }},
+      {"--surface",
+       [](C& c, S v) {
+         if (!v.empty()) c.surface.kind = named(kSurfaceKinds, v);
+       }},
       {"--friction", [](C& c, S v) { c.surface.friction = number<double>(v); }},
-      {"--radius", [](C& c, S v) { if (v != "auto") c.surface.radius_mm = number<double>(v); }},
+      {"--radius",
+       [](C& c, S v) {
+         if (v != "auto") c.surface.radius_mm = number<double>(v);
+       }},
       {"--tau", [](C& c, S v) { brush(c).tau_mm = number<double>(v); }},
       {"--beta", [](C& c, S v) { brush(c).beta = number<double>(v); }},
       {"--strength", [](C& c, S v) { brush(c).strength = number<double>(v); }},
@@ -75,8 +81,14 @@ const std::map<std::string_view, Set>& setters() {
       {"--backend", [](C& c, S v) { c.backend.name = v; }},
       {"--method", [](C& c, S v) { c.backend.method = v; }},
       {"--deterministic", [](C& c, S v) { c.backend.deterministic = truth(v); }},
-      {"--wait", [](C& c, S v) { if (!v.empty()) c.backend.wait = named(kWaits, v); }},
-      {"--ahead", [](C& c, S v) { if (v != "auto") c.backend.ahead = v == "on"; }},
+      {"--wait",
+       [](C& c, S v) {
+         if (!v.empty()) c.backend.wait = named(kWaits, v);
+       }},
+      {"--ahead",
+       [](C& c, S v) {
+         if (v != "auto") c.backend.ahead = v == "on";
+       }},
       {"--index", [](C& c, S v) { c.index.follow = named(kIndexFollows, v); }},
       {"--bucket-key", [](C& c, S v) { c.index.bucketKey = named(kBucketKeys, v); }},
       {"--sort", [](C& c, S v) { c.index.sort = named(kSortMethods, v); }},

@@ -21,17 +21,15 @@ Path pathFor(const HandConfig& config, const Model& model) {
   if (!config.path.starts_with(kBuiltin)) return readPathCsv(config.path);
   const std::string name = config.path.substr(kBuiltin.size());
   if (model.ballRadius > 0)
-    return builtinPathInMatter(name,
-                               {.fill = boundsOf(model.cloud),
-                                .up = directionOf(model.upright.up),
-                                .ballRadius = model.ballRadius},
-                               model.scale, config.penetration_mm);
+    return builtinPathInMatter(
+        name, {.fill = boundsOf(model.cloud), .up = directionOf(model.upright.up), .ballRadius = model.ballRadius},
+        model.scale, config.penetration_mm);
   return builtinPath(name, model.cloud, model.scale, config.penetration_mm);
 }
 
 HandSource simulated(const HandConfig& config, Path path, const ModelScale& scale) {
-  const WorkspaceMap map = config.fit == WorkspaceFit::identity ? WorkspaceMap{.scale = scale.toUnits(1)}
-                                                                : workspaceAround(path, scale);
+  const WorkspaceMap map =
+      config.fit == WorkspaceFit::identity ? WorkspaceMap{.scale = scale.toUnits(1)} : workspaceAround(path, scale);
   SimulatedTouchOptions touch{.lead_s = kBeforePath_s};
   if (config.stiffness_N_per_mm > 0) touch.handStiffness_N_per_mm = config.stiffness_N_per_mm;
   if (config.damping_N_s_per_mm > 0) touch.handDamping_N_s_per_mm = config.damping_N_s_per_mm;
@@ -61,7 +59,8 @@ HandSource replayed(const std::string& file, const Model& model, Log& log) {
   };
   if (std::ranges::all_of(trajectory.samples, isFar))
     throw FileError(file, "goes nowhere near the model: its positions are taken in the units of the model's file");
-  HandSource hand{.device = std::make_unique<PathDevice>(trajectory.path()), .duration_s = trajectory.samples.back().t_s};
+  HandSource hand{.device = std::make_unique<PathDevice>(trajectory.path()),
+                  .duration_s = trajectory.samples.back().t_s};
   if (trajectory.hasForces) hand.recorded = std::move(trajectory);
   return hand;
 }
@@ -81,10 +80,9 @@ HandSource openHand(const HandConfig& config, const HandOpening& opening) {
   } else if (config.device.starts_with(kReplay)) {
     hand = replayed(config.device.substr(kReplay.size()), opening.model, opening.log);
   } else if (isHeldDevice(config.device)) {
-    OpenedDevice opened = openDevice(config.device, {.log = opening.log,
-                                                     .rate_Hz = opening.rate_Hz,
-                                                     .ownScheduler = config.ownScheduler,
-                                                     .stop = opening.stop});
+    OpenedDevice opened = openDevice(
+        config.device,
+        {.log = opening.log, .rate_Hz = opening.rate_Hz, .ownScheduler = config.ownScheduler, .stop = opening.stop});
     hand = {.device = std::move(opened.device),
             .map = config.fit == WorkspaceFit::identity ? WorkspaceMap{.scale = scale.toUnits(1)}
                                                         : mapInto(opened.facts, opening.model)};

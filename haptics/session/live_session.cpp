@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 constexpr double kLeaving_s = 2;  // for the others to take what this hand has done last
-constexpr double kParked = 3;  // longest sides from the middle of the model: where a lifted stylus waits
+constexpr double kParked = 3;     // longest sides from the middle of the model: where a lifted stylus waits
 
 WorkspaceMap mapFor(const Model& model, const Bounds& bounds) {
   return {.scale = model.scale.toUnits(1), .offset = model.cloud.origin + bounds.center()};
@@ -52,7 +52,8 @@ SessionParts withJournal(SessionParts parts) {
 }  // namespace
 
 LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts parts, const LiveOptions& options)
-    : session_{withBrush(config, model), withPoints(std::move(model), config.model.file), withJournal(std::move(parts))},
+    : session_{withBrush(config, model), withPoints(std::move(model), config.model.file),
+               withJournal(std::move(parts))},
       options_(options),
       bounds_(boundsOf(this->model().cloud)),
       journal_(session_.journal()),
@@ -60,7 +61,8 @@ LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts 
       map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model(), bounds_)),
       seen_(1 / config.rate_Hz) {
   if (DepthPlayer* const player = session_.player()) held_ = player->isPaused();
-  if (!config.moves() && !isFeltAlone(config, this->model()) && (!config.brush || config.brush->kind != BrushKind::push))
+  if (!config.moves() && !isFeltAlone(config, this->model()) &&
+      (!config.brush || config.brush->kind != BrushKind::push))
     session_.setBrush(config.brush);
   start();
 }
@@ -247,14 +249,15 @@ void LiveSession::save(const std::string& file) {
   servo_.lost ? look() : between(look);
   saving_.version = strokes().version;
   std::vector<PointState> points(journal_->points().begin(), journal_->points().end());
-  saving_.running = std::async(std::launch::async, [this, file, points = std::move(points), present = std::move(present)] {
-    try {
-      const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points));
-      return Saved{file, kept.string(), {}};
-    } catch (const std::exception& error) {
-      return Saved{file, {}, error.what()};
-    }
-  });
+  saving_.running =
+      std::async(std::launch::async, [this, file, points = std::move(points), present = std::move(present)] {
+        try {
+          const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points));
+          return Saved{file, kept.string(), {}};
+        } catch (const std::exception& error) {
+          return Saved{file, {}, error.what()};
+        }
+      });
 }
 
 std::optional<LiveSession::Saved> LiveSession::takeSaved() {

@@ -90,9 +90,9 @@ class LiveSession {
   FarCloud* far() const { return session_.far(); }
   /// Of a model that moves by itself; null where it does not.
   SimulationControl* simulation() const { return session_.simulation(); }
-  /// The points as they are, as a model: of a camera, with its frames, which are held from now on and which this session has
-  /// no more. A session whose configuration has no stream sculpts the points; one that has it goes on from them once it
-  /// lets its frames go on. Throws what a query could not.
+  /// The points as they are, as a model: of a camera, with its frames, which are held from now on and which this
+  /// session has no more. A session whose configuration has no stream sculpts the points; one that has it goes on from
+  /// them once it lets its frames go on. Throws what a query could not.
   Model handOn();
   /// Session::releaseStream(), from now on.
   std::shared_ptr<PlayedStream> releaseStream();

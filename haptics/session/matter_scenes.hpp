@@ -8,12 +8,12 @@
 
 namespace palpate {
 
-/// One that is built in, a closed cloud in its place ("bunny.ply in water", "soft bunny.ply"), or else a JSON file. Throws
-/// FileError, and Error as planOf() does.
+/// One that is built in, a closed cloud in its place ("bunny.ply in water", "soft bunny.ply"), or else a JSON file.
+/// Throws FileError, and Error as planOf() does.
 MatterScene readSceneNamed(const std::string& name);
 
-/// What a model's name says of matter: a scene that is built in, where no file has its name, or in a .json file, with a tool
-/// for each hand. Nothing where the model is something else. Throws as readSceneNamed().
+/// What a model's name says of matter: a scene that is built in, where no file has its name, or in a .json file, with a
+/// tool for each hand. Nothing where the model is something else. Throws as readSceneNamed().
 std::optional<MatterScene> matterScene(const std::string& model);
 
 /// The names of those that need no JSON file, as in "water, dam, sand".

@@ -225,8 +225,9 @@ SurfaceOptions surfaceOptions(const Model& model, const SurfaceConfig& config, b
   // An even cloud needs no look at the local spacing; past four times the mean a patch of the dense places is too
   // large.
   constexpr double kUneven = 1.4, kWidest = 4;
-  SurfaceOptions surface{.radius = config.radius_mm ? model.scale.toUnits(*config.radius_mm) : usualSupportRadius(model),
-                         .kind = config.kind};
+  SurfaceOptions surface{
+      .radius = config.radius_mm ? model.scale.toUnits(*config.radius_mm) : usualSupportRadius(model),
+      .kind = config.kind};
   if (config.radius_mm || !adapts) return surface;
   surface.widening = wideningFor(model.noise);
   surface.localRadius = model.wideSpacing > kUneven * model.spacing;

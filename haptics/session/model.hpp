@@ -18,8 +18,8 @@
 #include "engine/motion/fused_stream.hpp"
 #include "haptics/far_cloud.hpp"
 #include "haptics/session/session_config.hpp"
-#include "haptics/shared_presence.hpp"
 #include "haptics/shared_follower.hpp"
+#include "haptics/shared_presence.hpp"
 
 namespace palpate {
 
@@ -45,7 +45,7 @@ struct Model {
   std::shared_ptr<const SoftModel> soft;
   /// What stands in water or sand; its points are the last of the cloud. Null: nothing does.
   std::shared_ptr<const MatterModel> standing;
-  Upright upright;         ///< by the shape
+  Upright upright;  ///< by the shape
   /// What a picture shows (coreBoundsOf()); all when not given.
   std::optional<Bounds> shown;
   /// What goes on behind the cloud: of a live camera, of a map that frames have fused into, or of a stream that another
@@ -53,13 +53,13 @@ struct Model {
   /// each session plays from its beginning.
   std::shared_ptr<PlayedStream> stream;
   SharedMaker share;  ///< where others sculpt it, too; empty: nobody does
-  /// What brings the points around the hands, where somebody else has all of them: the cloud are then a few from all over
-  /// it, which nobody feels. Null: all points are here.
+  /// What brings the points around the hands, where somebody else has all of them: the cloud are then a few from all
+  /// over it, which nobody feels. Null: all points are here.
   std::shared_ptr<FarCloud> far;
-  std::optional<MatterScene> farMatter;  ///< of which those points are particles; nothing: they are of a surface
-  std::optional<PointExtent> extent;  ///< of all of them
+  std::optional<MatterScene> farMatter;      ///< of which those points are particles; nothing: they are of a surface
+  std::optional<PointExtent> extent;         ///< of all of them
   std::shared_ptr<SharedPresence> presence;  ///< of whoever has joined it, too; null: it was not joined
-  std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates; empty where nobody says
+  std::vector<CameraFrustum> cameras;        ///< that took pictures of it, in file coordinates; empty where nobody says
   /// What discs are measured by, model units; 0: they are not.
   double spacingOfDiscs() const { return discRadius > 0 ? 0 : spacing; }
   Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
@@ -72,12 +72,12 @@ std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads);
 
 /// What was joined.
 struct JoinedModel {
-  PointCloud cloud;     ///< as it was loaded, with a scale in its comments
-  SharedMaker share;    ///< empty: nobody sculpts it
-  std::string host;     ///< the machine that serves it
-  std::string source;   ///< what its points are, in that machine's words
-  std::shared_ptr<FarCloud> far;  ///< null: all points are there
-  std::optional<FarFacts> facts;  ///< of all points, where they are not there
+  PointCloud cloud;                          ///< as it was loaded, with a scale in its comments
+  SharedMaker share;                         ///< empty: nobody sculpts it
+  std::string host;                          ///< the machine that serves it
+  std::string source;                        ///< what its points are, in that machine's words
+  std::shared_ptr<FarCloud> far;             ///< null: all points are there
+  std::optional<FarFacts> facts;             ///< of all points, where they are not there
   std::shared_ptr<SharedPresence> presence;  ///< null: nobody is told of
 };
 /// Fetches the session that is served under a name.
@@ -90,8 +90,8 @@ inline std::string rosTopicOf(std::string_view name) { return std::string(name.s
 /// Gets the cloud of such a name.
 using CloudFetcher = std::function<PointCloud(const std::string& name, Log& log)>;
 /// Gets the frames of such a name. The intrinsics are those that the stream's configuration names, if any.
-using FrameWatcher = std::function<std::shared_ptr<DepthStream>(const std::string& name, const StreamConfig& stream,
-                                                                const std::optional<DepthCamera>& intrinsics, Log& log)>;
+using FrameWatcher = std::function<std::shared_ptr<DepthStream>(
+    const std::string& name, const StreamConfig& stream, const std::optional<DepthCamera>& intrinsics, Log& log)>;
 
 struct ModelLoading {
   Log& log;
@@ -108,8 +108,8 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading);
 /// The same of a whole configuration, whose model may be a stream: that is the cloud of its first frame, then.
 Model loadModel(const SessionConfig& config, const ModelLoading& loading);
 
-/// What stands in a scene of water or sand: its file is read, or its shape sampled, and becomes a field. Null where nothing
-/// does. Throws FileError, and Error where it is not closed.
+/// What stands in a scene of water or sand: its file is read, or its shape sampled, and becomes a field. Null where
+/// nothing does. Throws FileError, and Error where it is not closed.
 std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const ModelLoading& loading);
 
 /// What is given, mm per unit; where that is 0 what the cloud's file says (scaleSaidIn()), or else the longest side is

@@ -13,8 +13,8 @@ namespace palpate {
 
 class Journal;
 
-/// Draws the points as discs on a GPU, as they are now. The copy of them there is made for the first picture, and follows
-/// the edits afterwards. For one thread, that which takes the session's edits in.
+/// Draws the points as discs on a GPU, as they are now. The copy of them there is made for the first picture, and
+/// follows the edits afterwards. For one thread, that which takes the session's edits in.
 class SessionPicture {
  public:
   /// The device outlives this; nothing else uses its queue of throughput meanwhile.

@@ -12,8 +12,8 @@
 
 namespace palpate {
 
-/// Against the wall clock and without end, until it is stopped or goes. All but the ticks is for one thread, which takes in
-/// what they do to the points (EditRelay::catchUp()), too.
+/// Against the wall clock and without end, until it is stopped or goes. All but the ticks is for one thread, which
+/// takes in what they do to the points (EditRelay::catchUp()), too.
 class ServoThread {
  public:
   struct Options {

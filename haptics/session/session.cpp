@@ -23,7 +23,8 @@ namespace {
 
 constexpr double kRelay_Hz = 30;         // edits are taken so often against the clock
 constexpr double kSharedRelay_Hz = 400;  // and so often where others wait for them
-constexpr double kOthersBusy_s = 1;      // all of this hand's is taken, and the others go on: who ends does not wait for them
+constexpr double kOthersBusy_s =
+    1;  // all of this hand's is taken, and the others go on: who ends does not wait for them
 
 SessionConfig checked(SessionConfig config, const BackendKind& kind) {
   validate(config);
@@ -58,17 +59,15 @@ std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model&
   constexpr unsigned kMostThreads = 4;
   const unsigned threads = std::clamp(threadCount(parts.threads) / kMostThreads, 1U, kMostThreads);
   constexpr std::uint64_t kMemory_bytes = std::uint64_t{1} << 32;  // whatever the scene of somebody else would take
-  auto pond = std::make_unique<MatterPond>(scene,
-                                           MatterOptions{.threads = threads,
-                                                         .tools = hands,
-                                                         .memory_bytes = kMemory_bytes,
-                                                         .model = model.standing},
-                                           newsOf(source));
-  auto felt = std::make_unique<MatterTouch>(std::move(pond), MatterTouchOptions{.hands = hands,
-                                                                               .threads = parts.threads,
-                                                                               .realtime = true,
-                                                                               .machine = cpuBackend()->machine(threads),
-                                                                               .varies = true});
+  auto pond = std::make_unique<MatterPond>(
+      scene, MatterOptions{.threads = threads, .tools = hands, .memory_bytes = kMemory_bytes, .model = model.standing},
+      newsOf(source));
+  auto felt =
+      std::make_unique<MatterTouch>(std::move(pond), MatterTouchOptions{.hands = hands,
+                                                                        .threads = parts.threads,
+                                                                        .realtime = true,
+                                                                        .machine = cpuBackend()->machine(threads),
+                                                                        .varies = true});
   // As far as weights reach.
   const double support = kSupport_spacings * scene.spacing_mm;
   return std::make_unique<BrickTouch>(source, std::move(felt),
@@ -80,8 +79,8 @@ std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model&
 }
 
 // Of a cloud that somebody else has: what is felt is what of it is here.
-std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const Model& model, const SurfaceOptions& surface,
-                                             const SessionParts& parts) {
+std::unique_ptr<TouchBackend> makeFarBackend(const SessionConfig& config, const Model& model,
+                                             const SurfaceOptions& surface, const SessionParts& parts) {
   if (!parts.backend.capabilities().followsMotion)
     throw ConfigError("backend.name", "{} feels only what is all there; take vulkan or cpu", config.backend.name);
   if (model.farMatter) return makePond(config, model, parts);
@@ -214,9 +213,10 @@ std::unique_ptr<SharedFollower> Session::takePart() {
     return nullptr;
   }
   if (backend_->mostOffered() == 0)
-    throw Error("{}: '{}' is sculpted by others, which {} cannot follow; take another back end, or have it served to be "
-                "felt alone (--read-only)",
-                config_.backend.name, config_.model.file, config_.backend.name);
+    throw Error(
+        "{}: '{}' is sculpted by others, which {} cannot follow; take another back end, or have it served to be "
+        "felt alone (--read-only)",
+        config_.backend.name, config_.model.file, config_.backend.name);
   return model_->share(model_->cloud, *backend_);
 }
 
@@ -240,7 +240,8 @@ bool Session::settleShared(double patience_s, Settling until) {
   const auto isSettled = [&] { return counts.atRest && counts.same; };
   const std::uint64_t inEffectBefore = counts.inEffect;
   const auto goesOnWithoutUs = [&] {
-    return until == Settling::known && counts.delivered && counts.inEffect > inEffectBefore && since.elapsed_s() > kOthersBusy_s;
+    return until == Settling::known && counts.delivered && counts.inEffect > inEffectBefore &&
+           since.elapsed_s() > kOthersBusy_s;
   };
   const auto isOver = [&] { return isSettled() || !counts.fault.empty() || goesOnWithoutUs(); };
   std::vector<Pose> far(backend_->hands());
@@ -313,8 +314,10 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
   if (model_->stream && !config_.stream)
     throw Error("{}: what a camera has seen is in no file yet; save the points and open what was saved", file);
   if (isMoved_) throw Error("{}: frames that a program brings do not come again, and are not recorded", file);
-  if (model_->far) throw Error("{}: the points around the hands alone are here, and are not recorded; join all of it", file);
-  if (shared_) throw Error("{}: what others do does not come again, and is not recorded; have it served with --read-only", file);
+  if (model_->far)
+    throw Error("{}: the points around the hands alone are here, and are not recorded; join all of it", file);
+  if (shared_)
+    throw Error("{}: what others do does not come again, and is not recorded; have it served with --read-only", file);
   if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
   SessionConfig config = config_;
   config.realtime = config.realtime || run.realtime;
@@ -428,7 +431,8 @@ void Session::finish() {
 }
 
 void Session::requireUndo() const {
-  if (model_->far) throw Error("strokes on the points around the hands alone are not taken back; join all of the points");
+  if (model_->far)
+    throw Error("strokes on the points around the hands alone are not taken back; join all of the points");
 }
 
 UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {

@@ -20,37 +20,38 @@ namespace palpate {
 /// Makes who follows the edits of a session, from the back end as it begins.
 using FollowerMaker = std::function<std::unique_ptr<EditFollower>(const Model& model, TouchBackend& backend)>;
 
-/// How long a session waits for what others do to be everywhere, and for what it did itself, unless it is told otherwise.
+/// How long a session waits for what others do to be everywhere, and for what it did itself, unless it is told
+/// otherwise.
 inline constexpr double kSharedPatience_s = 10;
 
 /// What a session is given beside its configuration.
 struct SessionParts {
   const BackendKind& backend;
-  unsigned threads = 0;       ///< on the CPU; 0: one per core
+  unsigned threads = 0;  ///< on the CPU; 0: one per core
   bool journal = false;  ///< keeps what is done to the points, for undo, saving and logs, where the back end reports it
   std::uint64_t undo_bytes = 0;  ///< for strokes that can be taken back
-  bool paintable = false;     ///< keeps colours for a brush that comes later
+  bool paintable = false;        ///< keeps colours for a brush that comes later
   /// How long run() and finish() wait for the others, where there are some.
   double sharedPatience_s = kSharedPatience_s;
-  Log* log = nullptr;         ///< hears of frames that do not go into the map of a depth camera; outlives the session
+  Log* log = nullptr;  ///< hears of frames that do not go into the map of a depth camera; outlives the session
   /// Moves the points, where the configuration says nothing of it; outlives the session. Null: nothing does.
   CloudSource* source = nullptr;
-  FollowerMaker follower;     ///< empty: nobody follows but the journal and the log
+  FollowerMaker follower;  ///< empty: nobody follows but the journal and the log
 };
 
 /// How a run goes beside what the configuration says of it. All that is pointed to outlives it.
 struct RunOptions {
-  double begin_s = 0;                             ///< the time of the first tick
-  double rate_Hz = 0;                             ///< ticks per second; 0: as the configuration says
-  bool endless = false;                           ///< against the wall clock until `stop`
-  SteppedClock* clock = nullptr;                  ///< in place of the machine's (ServoOptions::clock)
-  const std::atomic<bool>* stop = nullptr;        ///< ends it when it becomes true
-  const std::atomic<bool>* forcesOn = nullptr;    ///< no force while it is false (ServoOptions::forcesOn)
-  TickRecorder* recorder = nullptr;               ///< notified of each tick
-  TickObserver observer;                          ///< after each tick in virtual time
-  ContactQuery* query = nullptr;                  ///< asked in place of the back end, to which it passes on
-  bool realtime = false;                          ///< against the wall clock, whatever the configuration says
-  CustomForce law;                                ///< the first hand's, in place of spring and damper (ForceLaw)
+  double begin_s = 0;                           ///< the time of the first tick
+  double rate_Hz = 0;                           ///< ticks per second; 0: as the configuration says
+  bool endless = false;                         ///< against the wall clock until `stop`
+  SteppedClock* clock = nullptr;                ///< in place of the machine's (ServoOptions::clock)
+  const std::atomic<bool>* stop = nullptr;      ///< ends it when it becomes true
+  const std::atomic<bool>* forcesOn = nullptr;  ///< no force while it is false (ServoOptions::forcesOn)
+  TickRecorder* recorder = nullptr;             ///< notified of each tick
+  TickObserver observer;                        ///< after each tick in virtual time
+  ContactQuery* query = nullptr;                ///< asked in place of the back end, to which it passes on
+  bool realtime = false;                        ///< against the wall clock, whatever the configuration says
+  CustomForce law;                              ///< the first hand's, in place of spring and damper (ForceLaw)
 };
 
 /// The points as a session leaves them.
@@ -81,7 +82,8 @@ class Session {
   const TouchBackend& backend() const { return *backend_; }
   /// Throws what went wrong with the follower, which has not followed since; ask once all else is saved.
   void checkFollower() const { relay_.checkFollower(); }
-  /// What holds the frames of a depth camera and lets them go on; between runs, after finish(). Null where none are played.
+  /// What holds the frames of a depth camera and lets them go on; between runs, after finish(). Null where none are
+  /// played.
   DepthPlayer* player() { return stream_ ? stream_->player.get() : nullptr; }
   /// What became of the frames of a depth camera, where the model is one. From any thread, but not beside
   /// releaseStream().
@@ -97,13 +99,13 @@ class Session {
   const SharedFollower* shared() const { return shared_.get(); }
   /// Where the hands and cameras of others are, and this program's; null where it was not joined.
   SharedPresence* presence() const { return model_->presence.get(); }
-  /// What brings the points around the hands, where somebody else has all of them, and how many ticks lacked some; null and
-  /// none where all are here.
+  /// What brings the points around the hands, where somebody else has all of them, and how many ticks lacked some; null
+  /// and none where all are here.
   FarCloud* far() const { return model_->far.get(); }
   UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
-  /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long. Whether
-  /// it is. Between runs; without others at once. `known`: where others go on for more than a second, until this hand's
-  /// is taken and theirs so far is in effect here.
+  /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long.
+  /// Whether it is. Between runs; without others at once. `known`: where others go on for more than a second, until
+  /// this hand's is taken and theirs so far is in effect here.
   enum class Settling { known, all };
   /// Around the hands alone: until what they have made has been taken.
   bool settleShared(double patience_s, Settling until = Settling::known);
@@ -132,11 +134,11 @@ class Session {
   /// The same without an end, as that of a session that was cut off.
   std::unique_ptr<SessionRecording> releaseRecording();
 
-  /// Plays the hands, the first of which may sculpt. In virtual time all edits are taken as they come; against the clock
-  /// a thread of its own takes them. Throws UsageError for hands that do not go together.
+  /// Plays the hands, the first of which may sculpt. In virtual time all edits are taken as they come; against the
+  /// clock a thread of its own takes them. Throws UsageError for hands that do not go together.
   ServoResult run(std::span<const OpenHand> hands, const RunOptions& options);
-  /// Waits for the last edit, and has everyone take in what was done; where others sculpt, too, that is everywhere then,
-  /// or as long has passed as SessionParts says. Throws what a query could not.
+  /// Waits for the last edit, and has everyone take in what was done; where others sculpt, too, that is everywhere
+  /// then, or as long has passed as SessionParts says. Throws what a query could not.
   void finish();
   /// After finish(), or between runs: strokes of the points, or of the shape in which a soft body rests. Throws where
   /// the back end fails; the journal is as the points are then.

@@ -10,8 +10,7 @@ namespace palpate {
 namespace {
 
 void inBounds(std::string_view field, double value, double least, double most) {
-  if (!(value >= least && value <= most))
-    throw ConfigError(field, "{} is not between {} and {}", value, least, most);
+  if (!(value >= least && value <= most)) throw ConfigError(field, "{} is not between {} and {}", value, least, most);
 }
 
 // 0 stands for a choice of the program's own.
@@ -29,8 +28,7 @@ void validate(const IndexConfig& index) {
 void validate(const ToolConfig& tool) {
   inBounds("tool.points", static_cast<double>(tool.points), 1, static_cast<double>(kMostToolPoints));
   inBounds("tool.size_mm", tool.size_mm, bounds::kShortest_mm, bounds::kLongest_mm);
-  if (!isFinite(tool.axis) || !(glm::length(tool.axis) > 0))
-    throw ConfigError("tool.axis", "is no direction");
+  if (!isFinite(tool.axis) || !(glm::length(tool.axis) > 0)) throw ConfigError("tool.axis", "is no direction");
 }
 
 void validate(const BrushConfig& brush) {
@@ -85,14 +83,16 @@ void validate(const JoinConfig& join, const SessionConfig& config) {
   constexpr std::size_t kLongestName = 200;  // bytes, of a session
   if (config.model.file.empty() || config.model.file.size() > kLongestName)
     throw ConfigError("model.file", "is no name of a session: 1 to {} bytes", kLongestName);
-  if (join.domain > bounds::kLastDomain) throw ConfigError("join.domain", "is {}; there are 0 to {}", join.domain, bounds::kLastDomain);
+  if (join.domain > bounds::kLastDomain)
+    throw ConfigError("join.domain", "is {}; there are 0 to {}", join.domain, bounds::kLastDomain);
   // It would be another cloud than the others have.
   if (config.brush && config.brush->keepsDensity)
     throw ConfigError("brush.keeps_density", "where several sculpt no points come and go; turn it off (--keep-points)");
   if (config.motion) throw ConfigError("motion.kind", "what is joined stands as it is served; leave it out");
   if (config.model.normals != NormalSource::keep)
     throw ConfigError("model.normals", "what is joined comes with its normals; leave it at keep");
-  if (config.model.allPoints) throw ConfigError("model.all_points", "what is joined comes as it is served; leave it out");
+  if (config.model.allPoints)
+    throw ConfigError("model.all_points", "what is joined comes as it is served; leave it out");
 }
 
 // What is smaller than the cells has none of its own to move.
@@ -147,7 +147,8 @@ void validate(const SessionConfig& config) {
   }
   if (config.stream) validate(*config.stream, config);
   if (config.join) validate(*config.join, config);
-  if (config.join && (config.stream || config.matter)) throw ConfigError("join", "the model is something else already; leave it out");
+  if (config.join && (config.stream || config.matter))
+    throw ConfigError("join", "the model is something else already; leave it out");
   if (config.matter) validate(*config.matter, config);
   for (std::size_t i = 0; i < config.hands.size(); ++i) validate(config.hands[i], i);
   inBoundsOrZero("duration_s", config.duration_s, bounds::kShortest_s, bounds::kLongest_s);

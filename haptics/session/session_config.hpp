@@ -67,8 +67,8 @@ struct IndexConfig {
   IndexFollow follow = IndexFollow::incremental;
   BucketKey bucketKey = BucketKey::teschner;
   SortMethod sort = kDefaultSort;
-  double cell_mm = 0;                ///< edge of a cell; 0: the support radius, unless `cellsAlongSide` says otherwise
-  double cellsAlongSide = 0;         ///< cells along the model's longest side; 0: as cell_mm says. Only one of the two.
+  double cell_mm = 0;         ///< edge of a cell; 0: the support radius, unless `cellsAlongSide` says otherwise
+  double cellsAlongSide = 0;  ///< cells along the model's longest side; 0: as cell_mm says. Only one of the two.
   std::optional<std::uint32_t> spareSlots;  ///< for new points; in proportion to the cloud when not given
 
   bool operator==(const IndexConfig&) const = default;
@@ -76,8 +76,8 @@ struct IndexConfig {
 
 /// Which machine answers the poses, and by which method.
 struct BackendConfig {
-  std::string name = "auto";  ///< of a back end (Backends); auto: the best that this machine has
-  std::string method;         ///< of that back end; empty: its own choice
+  std::string name = "auto";   ///< of a back end (Backends); auto: the best that this machine has
+  std::string method;          ///< of that back end; empty: its own choice
   bool deterministic = false;  ///< bit-identical results run after run in real time; virtual time is so in any case
   std::optional<Wait> wait;    ///< for the GPU; by driver and cores when not given
   std::optional<bool> ahead;   ///< ask before the hand has moved; where the driver is known for it when not given
@@ -89,9 +89,9 @@ struct BackendConfig {
 /// What touches: a single point, or many that share the stiffness.
 struct ToolConfig {
   ToolKind kind = ToolKind::point;
-  std::size_t points = 16;       ///< of a pad, ball or spatula
-  double size_mm = 10;           ///< diameter of a pad or ball, length of a spatula
-  DVec3 axis{0, 0, -1};          ///< where the face looks while the stylus is not turned, in the model's axes
+  std::size_t points = 16;  ///< of a pad, ball or spatula
+  double size_mm = 10;      ///< diameter of a pad or ball, length of a spatula
+  DVec3 axis{0, 0, -1};     ///< where the face looks while the stylus is not turned, in the model's axes
 
   bool operator==(const ToolConfig&) const = default;
 };
@@ -115,9 +115,9 @@ inline constexpr std::array<std::pair<std::string_view, WorkspaceFit>, 2> kWorks
 
 /// What holds a HIP: a person at a haptic device, a script, a recording, or a model of a hand.
 struct HandConfig {
-  std::string device = "path";    ///< path, sim, replay:FILE, or one that a person holds (deviceChoices())
-  std::string path;               ///< of path and sim: a CSV file, or builtin:NAME
-  double penetration_mm = 2;      ///< how deep builtin:press goes
+  std::string device = "path";  ///< path, sim, replay:FILE, or one that a person holds (deviceChoices())
+  std::string path;             ///< of path and sim: a CSV file, or builtin:NAME
+  double penetration_mm = 2;    ///< how deep builtin:press goes
   WorkspaceFit fit = WorkspaceFit::fit;
   std::optional<PassivityMode> passivity;  ///< on for a device in a hand and off for a script when not given
   double stiffness_N_per_mm = 0, damping_N_s_per_mm = 0;  ///< of a simulated hand; 0: its own
@@ -140,23 +140,24 @@ struct MotionConfig {
 
 /// A depth camera, whose newest frame is the model: recorded in the folder that ModelConfig::file names, or live.
 struct StreamConfig {
-  bool live = false;   ///< ModelConfig::file is a camera's device, "-": raw frames on standard input, or a topic of ROS
-  double speed = 1;    ///< of a recording: its seconds in one of the session's
-  bool loop = false;   ///< of a recording: after its last frame it begins again
-  bool fuse = false;   ///< its frames become one map; otherwise the newest one is the cloud
+  bool live = false;  ///< ModelConfig::file is a camera's device, "-": raw frames on standard input, or a topic of ROS
+  double speed = 1;   ///< of a recording: its seconds in one of the session's
+  bool loop = false;  ///< of a recording: after its last frame it begins again
+  bool fuse = false;  ///< its frames become one map; otherwise the newest one is the cloud
   double depthScale = 0;   ///< depth values per metre; 0: as the source says
   std::string intrinsics;  ///< a JSON file; empty: as the source says
 
   bool operator==(const StreamConfig&) const = default;
 };
 
-/// A session that another program serves over a network, by the name that ModelConfig::file says: its points are the model.
+/// A session that another program serves over a network, by the name that ModelConfig::file says: its points are the
+/// model.
 struct JoinConfig {
   std::string network;             ///< interface, by name or address; empty: this machine alone
   std::vector<std::string> peers;  ///< addresses of machines to ask, where the network carries no multicast
   std::uint32_t domain = 0;        ///< of DDS
   std::string security;            ///< a folder of keys; empty: nothing is encrypted
-  bool near = false;               ///< of its points those around the hands alone come here; what moves comes so in any case
+  bool near = false;  ///< of its points those around the hands alone come here; what moves comes so in any case
 
   bool operator==(const JoinConfig&) const = default;
 };
@@ -181,10 +182,10 @@ struct SessionConfig {
   std::optional<BrushConfig> brush;  ///< nothing: only feel
   ForceOptions force;
   UndoConfig undo;
-  std::optional<MotionConfig> motion;  ///< nothing: the model stands still, unless it is a stream
-  std::optional<StreamConfig> stream;  ///< nothing: the model is a cloud in a file
-  std::optional<JoinConfig> join;      ///< the model is served by another program
-  std::optional<MatterScene> matter;   ///< that the model is, with a tool; its file is only a name then
+  std::optional<MotionConfig> motion;           ///< nothing: the model stands still, unless it is a stream
+  std::optional<StreamConfig> stream;           ///< nothing: the model is a cloud in a file
+  std::optional<JoinConfig> join;               ///< the model is served by another program
+  std::optional<MatterScene> matter;            ///< that the model is, with a tool; its file is only a name then
   std::vector<HandConfig> hands{HandConfig{}};  ///< the first one may sculpt, the others feel
   double rate_Hz = 1000;                        ///< ticks per second
   double duration_s = 0;                        ///< 0: as long as the paths

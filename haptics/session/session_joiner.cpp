@@ -23,7 +23,8 @@ JoinedCloud join(const std::string& name, const JoinConfig& config, const Joinin
             joined.facts->extent.points, joined.model, joined.host, joined.facts->moves ? "; they move" : "",
             opennessOf(network));
   else
-    log.say("{}: {} points of {}, served by {}; {}", name, joined.cloud.size(), joined.model, joined.host, opennessOf(network));
+    log.say("{}: {} points of {}, served by {}; {}", name, joined.cloud.size(), joined.model, joined.host,
+            opennessOf(network));
   sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
   return joined;
 }
@@ -45,7 +46,9 @@ SessionJoiner sessionJoiner(const Joining& how) {
     JoinedModel model = modelOf(joined);
     model.presence = std::move(presence);
     if (!joined.sculptable && !model.far)
-      log.say("{}: it is served to be felt alone; nothing of it changes, so that it is felt whether or not the link holds", name);
+      log.say(
+          "{}: it is served to be felt alone; nothing of it changes, so that it is felt whether or not the link holds",
+          name);
     if (joined.sculptable)
       model.share = [session = joined.session, &log](const PointCloud& cloud, TouchBackend& backend) {
         return shareEdits({.session = session, .cloud = cloud, .backend = backend, .log = &log});

@@ -9,9 +9,9 @@
 namespace palpate {
 
 struct Joining {
-  std::string hand;                         ///< what the others see this program's hands called; empty: as the machine
-  double patience_s = 10;                   ///< for the session to be found, and for each next piece of it
-  StopSign stop = {};                       ///< ends it
+  std::string hand;        ///< what the others see this program's hands called; empty: as the machine
+  double patience_s = 10;  ///< for the session to be found, and for each next piece of it
+  StopSign stop = {};      ///< ends it
 };
 
 /// Joins sessions as one more hand: its strokes are everybody's, where the session is sculpted at all.

@@ -63,7 +63,8 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
   }
   const bool isHere = parts.cloud && !config.matter && !config.stream;
   if (config.join && !isHere)
-    throw FileError(model.file, fmt::format("was served by another program; name its points, saved, with {}", parts.naming));
+    throw FileError(model.file,
+                    fmt::format("was served by another program; name its points, saved, with {}", parts.naming));
   if (!config.matter && !isHere && !std::filesystem::exists(model.file))
     throw FileError(model.file, fmt::format("is not there; name the model of the session with {}", parts.naming));
   const BackendKind& kind = parts.backends.named(config.backend.name);

@@ -120,7 +120,8 @@ Restarts SteppedModel::restarts() const {
   return restarts_;
 }
 
-// No hand ends for the others what it has driven too fast. What fails again before it was seen to go on is begun anew again.
+// No hand ends for the others what it has driven too fast. What fails again before it was seen to go on is begun anew
+// again.
 void SteppedModel::restart() {
   constexpr double kAgain_s = 0.5;
   SimulationControl* const control = matter_->simulation();

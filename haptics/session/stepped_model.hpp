@@ -13,15 +13,16 @@
 
 namespace palpate {
 
-/// Steps what a configuration says that moves: a motion, the frames of a depth camera, or matter, in which the hands are as
-/// those of one session: they press a soft body, and hold balls in water and sand. A simulation that has failed begins anew.
-/// One thread uses it at a time, but for restarts().
+/// Steps what a configuration says that moves: a motion, the frames of a depth camera, or matter, in which the hands
+/// are as those of one session: they press a soft body, and hold balls in water and sand. A simulation that has failed
+/// begins anew. One thread uses it at a time, but for restarts().
 class SteppedModel {
  public:
   struct Parts {
     const BackendKind& backend;  ///< that moves matter
     unsigned threads = 0;        ///< on the CPU; 0: one per core
-    Log* log = nullptr;  ///< hears of frames that do not go into a map, and of a simulation that begins anew; outlives it
+    Log* log =
+        nullptr;  ///< hears of frames that do not go into a map, and of a simulation that begins anew; outlives it
   };
   /// Throws Error, ConfigError.
   SteppedModel(const SessionConfig& config, std::shared_ptr<const Model> model, const Parts& parts);
@@ -31,8 +32,8 @@ class SteppedModel {
   double rate_Hz() const;
   /// Frames a second, at most, that step() gives.
   static constexpr double kFrames_Hz = 60;
-  /// Goes on to that time, s since the beginning; hands that are not among `hands` any more touch nothing. False where the
-  /// points are where they were in the last frame, or it is too soon for the next one.
+  /// Goes on to that time, s since the beginning; hands that are not among `hands` any more touch nothing. False where
+  /// the points are where they were in the last frame, or it is too soon for the next one.
   bool step(double time_s, std::span<const SeenHand> hands, CloudFrame& frame);
   /// Of a simulation that has failed. For any thread.
   Restarts restarts() const;

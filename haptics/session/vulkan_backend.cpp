@@ -25,7 +25,12 @@ class VulkanBackend final : public BackendKind {
     return methods;
   }
   TouchCapabilities capabilities() const override {
-    return {.fusesFrames = true, .movesSoftBodies = true, .asksAhead = true, .choosesWait = true, .timesPasses = true, .methodOfMany = "fused"};
+    return {.fusesFrames = true,
+            .movesSoftBodies = true,
+            .asksAhead = true,
+            .choosesWait = true,
+            .timesPasses = true,
+            .methodOfMany = "fused"};
   }
   std::string machine(unsigned) const override { return device_().name(); }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }

@@ -10,8 +10,8 @@ namespace palpate {
 
 class Device;
 
-/// A GPU through Vulkan. `device` opens it, when it is first needed, and may throw; the device outlives all that is made
-/// on it.
+/// A GPU through Vulkan. `device` opens it, when it is first needed, and may throw; the device outlives all that is
+/// made on it.
 std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device);
 
 /// The grid of the index for a support radius (model units), as the Vulkan back end lays it out.

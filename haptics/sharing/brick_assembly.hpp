@@ -1,5 +1,5 @@
-// Samples of bricks put together, on the side of who gets them: where a foreign one is looked at. Nothing of DDS is seen here
-// but its samples.
+// Samples of bricks put together, on the side of who gets them: where a foreign one is looked at. Nothing of DDS is
+// seen here but its samples.
 #pragma once
 
 #include <map>

@@ -6,12 +6,12 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostClients = 64;  // at a time; one more takes the place of who was heard longest ago,
-constexpr double kGone_s = 5;             // and so long ago: who is near his hand asks twenty times a second
+constexpr std::size_t kMostClients = 64;     // at a time; one more takes the place of who was heard longest ago,
+constexpr double kGone_s = 5;                // and so long ago: who is near his hand asks twenty times a second
 constexpr std::int32_t kMostWaiting = 4096;  // requests
-constexpr double kLooking_s = 0.005;      // of a turn, for what they ask for: others wait, too
-constexpr double kShowApart_s = 0.005;    // between two times that a frame is looked through
-constexpr double kForgotten_s = 30;       // a client that says nothing for so long is gone
+constexpr double kLooking_s = 0.005;         // of a turn, for what they ask for: others wait, too
+constexpr double kShowApart_s = 0.005;       // between two times that a frame is looked through
+constexpr double kForgotten_s = 30;          // a client that says nothing for so long is gone
 constexpr LedgerLimits kStill{.known = 1 << 17, .atOnce = 1024};
 constexpr LedgerLimits kMoving{.known = 1 << 13, .atOnce = 1 << 13};
 constexpr std::uint64_t kFewestSamples = 256, kMostSamples = 1024;  // on their way to a client
@@ -98,8 +98,8 @@ void BrickServer::take(const Near& near) {
   client.heard = {};
   if (near.epoch > client.epoch) {
     client.epoch = near.epoch;
-    // Who has samples of an epoch that is new here was forgotten, or has them of the server before this one: the next one that
-    // it gets is no successor of those, upon which it asks for all anew.
+    // Who has samples of an epoch that is new here was forgotten, or has them of the server before this one: the next
+    // one that it gets is no successor of those, upon which it asks for all anew.
     client.sample = client.taken = near.taken > 0 ? near.taken + 1 : 0;
     client.window = kFewestSamples;
     client.ledger = {};
@@ -219,9 +219,10 @@ bool BrickServer::begin(const Id& id, Client& client) {
   if (client.epoch == 0 || !isNews || !mayBegin(client)) return false;
   const bool moves = parts_.facts.moves;
   if (moves && !shown_.since) return false;
-  Outgoing going{.step = client.ledger.next(client.wanted.balls, client.wanted.bricks, bricks_, moves ? kMoving : kStill),
-                 .true_s = bricks_.true_s(),
-                 .acked = client.acked};
+  Outgoing going{
+      .step = client.ledger.next(client.wanted.balls, client.wanted.bricks, bricks_, moves ? kMoving : kStill),
+      .true_s = bricks_.true_s(),
+      .acked = client.acked};
   client.wantsMore = !going.step.whole;
   client.seen = bricks_.version();
   if (going.step.whole) going.acked = acked;

@@ -63,7 +63,8 @@ class BrickServer {
     std::uint64_t sample = 0;
     Stopwatch since;
   };
-  // What is wanted around a client's hands, and what it has asked for since, where nobody has looked yet which bricks that are.
+  // What is wanted around a client's hands, and what it has asked for since, where nobody has looked yet which bricks
+  // that are.
   struct Wanted {
     std::vector<Ball> balls;
     std::vector<BrickKey> bricks;
@@ -76,12 +77,12 @@ class BrickServer {
     std::uint64_t sample = 0, taken = 0, window = 0;
     std::uint64_t acked = 0;  // the last piece of its strokes of which it was told
     Wanted wanted;
-    std::uint64_t seen = 0;       // version of the bricks for which nothing was left to do
-    bool wantsMore = true;        // since then it has asked for something else
+    std::uint64_t seen = 0;  // version of the bricks for which nothing was left to do
+    bool wantsMore = true;   // since then it has asked for something else
     BrickLedger ledger;
     std::optional<Outgoing> outgoing;
-    std::deque<Sent> unacked;     // the last samples of steps, oldest first
-    double fastest_s = 1;         // from a sample to the news that it was taken
+    std::deque<Sent> unacked;  // the last samples of steps, oldest first
+    double fastest_s = 1;      // from a sample to the news that it was taken
     Stopwatch heard, progressed;
   };
   void take(const Near& near);
@@ -108,7 +109,7 @@ class BrickServer {
   // Of points that move.
   struct Shown {
     std::shared_ptr<const CloudFrame> frame;
-    bool isOld = false;  // it is another one, or has been looked through for others than are wanted
+    bool isOld = false;              // it is another one, or has been looked through for others than are wanted
     std::optional<Stopwatch> since;  // nothing: never
   };
   Shown shown_;

@@ -19,9 +19,9 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kLook_s = 0.05;        // how often an end that is asked for is seen
-constexpr double kAskAgain_s = 3;       // for what has not come; what is lost on the way DDS sends again by itself
-constexpr double kSecondServer_s = 0.3; // in which another session of the same name is found, if there is one
+constexpr double kLook_s = 0.05;         // how often an end that is asked for is seen
+constexpr double kAskAgain_s = 3;        // for what has not come; what is lost on the way DDS sends again by itself
+constexpr double kSecondServer_s = 0.3;  // in which another session of the same name is found, if there is one
 constexpr double kFewestAhead = 64, kMostAhead = 4096;  // blocks that are asked for and have not come
 
 /// Takes the points of a session, block by block.
@@ -56,19 +56,21 @@ class Fetch {
       reader_.take([&](const Block& block) { take(block); });
       if (taken_ != before) lastCame_ = {};
       if (lastCame_.elapsed_s() > options_.patience_s)
-        throw NetworkError("'{}' of {}: nothing has come for {:.0f} s, after {} of {} points; is it still served?", notice_.name,
-                           notice_.host, options_.patience_s, taken_, points_);
+        throw NetworkError("'{}' of {}: nothing has come for {:.0f} s, after {} of {} points; is it still served?",
+                           notice_.name, notice_.host, options_.patience_s, taken_, points_);
       if (options_.log && points_ > 0)
         options_.log->progress(notice_.name, static_cast<double>(taken_) / static_cast<double>(points_));
     }
     if (options_.log) options_.log->endProgress();
     if (every_ == 1 && sharing::checksumOf(joined_.cloud) != notice_.checksum)
-      throw NetworkError("'{}' of {}: the points that came are not those that were announced", notice_.name, notice_.host);
+      throw NetworkError("'{}' of {}: the points that came are not those that were announced", notice_.name,
+                         notice_.host);
     return std::move(joined_);
   }
 
  private:
-  // Keeps as much asked for as the link has carried so far; what was asked for and has not come in time is asked for again.
+  // Keeps as much asked for as the link has carried so far; what was asked for and has not come in time is asked for
+  // again.
   void ask() {
     const bool again = lastAsked_.elapsed_s() > kAskAgain_s && lastCame_.elapsed_s() > kAskAgain_s;
     if (again) ahead_ = std::max(kFewestAhead, ahead_ / 2);
@@ -94,7 +96,9 @@ class Fetch {
   }
 
   void take(const Block& block) {
-    if (!isSame(block.session, notice_.session) || block.every != every_ || block.number >= came_.size() || came_[block.number]) return;
+    if (!isSame(block.session, notice_.session) || block.every != every_ || block.number >= came_.size() ||
+        came_[block.number])
+      return;
     const std::uint32_t count = pointsIn(block.number, points_);
     if (block.points._length != count)
       throw NetworkError("'{}' of {}: block {} has {} points in place of {}", notice_.name, notice_.host, block.number,
@@ -109,7 +113,8 @@ class Fetch {
         for (unsigned k = 0; k < 4; ++k) cloud.colors[at][k] = static_cast<std::uint8_t>(point.color >> (8 * k));
       constexpr double kLongest = 1.01;  // of a unit normal
       if (!isFinite(DVec3(cloud.positions[at])) || !(glm::length(cloud.normals[at]) < kLongest))
-        throw NetworkError("'{}' of {}: point {} is none: it has no place or no normal", notice_.name, notice_.host, at);
+        throw NetworkError("'{}' of {}: point {} is none: it has no place or no normal", notice_.name, notice_.host,
+                           at);
     }
     came_[block.number] = 1;
     ahead_ = std::min(kMostAhead, ahead_ + 1);  // twice as much with each round trip: a link is filled, and not flooded
@@ -126,9 +131,9 @@ class Fetch {
   Reader<Block> reader_;
   ReaderWait wait_;
   JoinedCloud joined_;
-  std::uint64_t blocks_;                  // in all
+  std::uint64_t blocks_;                    // in all
   std::uint64_t asked_ = 0, complete_ = 0;  // all before this one
-  std::uint64_t taken_ = 0;               // points
+  std::uint64_t taken_ = 0;                 // points
   double ahead_ = kFewestAhead;
   std::vector<std::uint8_t> came_;
   Stopwatch lastAsked_, lastCame_;
@@ -137,18 +142,21 @@ class Fetch {
 // Whom nobody without their keys hears is there nevertheless.
 std::string keyHoldersInWords(dds_entity_t participant, const NetworkConfig& network) {
   if (!seesKeyHolders(participant)) return {};
-  return network.security.empty() ? "; there are programs that only holders of their keys hear, and this one has none"
-                                  : "; there are programs with keys: are they of the authority of " + network.security + "?";
+  return network.security.empty()
+             ? "; there are programs that only holders of their keys hear, and this one has none"
+             : "; there are programs with keys: are they of the authority of " + network.security + "?";
 }
 
-SessionNotice find(const std::string& name, const Participant& participant, const Topics& topics, const JoinOptions& options) {
+SessionNotice find(const std::string& name, const Participant& participant, const Topics& topics,
+                   const JoinOptions& options) {
   SessionNotices notices(participant, topics);
   const Stopwatch since;
   std::vector<SessionNotice> known;
   do {
     if (options.stop && options.stop()) throw NetworkError("interrupted while '{}' was looked for", name);
     known = notices.listenFor(name, kLook_s);
-  } while (std::ranges::find(known, name, &SessionNotice::name) == known.end() && since.elapsed_s() < options.patience_s);
+  } while (std::ranges::find(known, name, &SessionNotice::name) == known.end() &&
+           since.elapsed_s() < options.patience_s);
   known = notices.listen(kSecondServer_s, options.stop);
   std::vector<SessionNotice> same;
   std::string others;
@@ -168,8 +176,9 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
                        same[0].host, same[1].host);
   const SessionNotice& found = same.front();
   if (found.version != kVersion)
-    throw NetworkError("'{}' of {} is served by another version of palpate ({}, and this is {}); install the same one on both",
-                       name, found.host, found.version, kVersion);
+    throw NetworkError(
+        "'{}' of {} is served by another version of palpate ({}, and this is {}); install the same one on both", name,
+        found.host, found.version, kVersion);
   constexpr std::uint64_t kMostPoints = std::uint64_t{1} << 32;
   constexpr double kLeastScale = 1e-12, kMostScale = 1e12;  // mm per unit
   if (!isFinite(found.origin) || !(found.mm_per_unit >= kLeastScale && found.mm_per_unit <= kMostScale) ||
@@ -241,7 +250,8 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   if (isNear) {
     joined.facts = facts;
     joined.far = openFarCloud({.session = session, .notice = notice, .facts = *facts, .log = options.log});
-  } else if (options.present && notice.sculptable) bringUpToDate(joined.cloud, *session, options);
+  } else if (options.present && notice.sculptable)
+    bringUpToDate(joined.cloud, *session, options);
   joined.session = std::move(session);
   return joined;
 }
@@ -259,8 +269,12 @@ NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds, const 
   NetworkSurvey survey{.sessions = {}, .keyHolders = seesKeyHolders(participant)};
   std::vector<SeenSession>& seen = survey.sessions;
   for (const SessionNotice& notice : known)
-    seen.push_back({.name = notice.name, .host = notice.host, .model = notice.model, .points = notice.points,
-                    .version = notice.version, .fits = notice.version == kVersion});
+    seen.push_back({.name = notice.name,
+                    .host = notice.host,
+                    .model = notice.model,
+                    .points = notice.points,
+                    .version = notice.version,
+                    .fits = notice.version == kVersion});
   // As many as a hand's poses, one after the other, whether or not the last one has come back.
   constexpr std::uint32_t kPings = 50;
   constexpr double kApart_s = 0.01, kLongestTrip_s = 2;

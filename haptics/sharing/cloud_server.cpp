@@ -23,19 +23,21 @@ using namespace sharing;
 namespace {
 
 constexpr std::size_t kLongestName = 200;
-constexpr std::size_t kMostClients = 64;   // at a time; one more takes the place of who has asked for nothing for longest,
-constexpr double kGone_s = 5;              // and for so long: who waits for points asks again before
-constexpr double kFull_s = 0.002;          // after which links that had no room are tried again
+constexpr std::size_t kMostClients =
+    64;                            // at a time; one more takes the place of who has asked for nothing for longest,
+constexpr double kGone_s = 5;      // and for so long: who waits for points asks again before
+constexpr double kFull_s = 0.002;  // after which links that had no room are tried again
 constexpr std::int32_t kMostWaiting = 4096;  // requests, and pings
-// Blocks that are kept for clients who may not have them yet, 1.4 KB each: of all together, and what each may have of them.
+// Blocks that are kept for clients who may not have them yet, 1.4 KB each: of all together, and what each may have of
+// them.
 constexpr std::uint64_t kMostUnacked = 65'536, kLeastUnacked = 512;
-constexpr double kLook_s = 0.05;           // how often an end that is asked for is seen
-constexpr double kFrameLook_s = 0.004;     // how often a new frame is looked for
+constexpr double kLook_s = 0.05;        // how often an end that is asked for is seen
+constexpr double kFrameLook_s = 0.004;  // how often a new frame is looked for
 
 void requireName(const std::string& name) {
   if (name.empty() || name.size() > kLongestName || printable(name.c_str()) != name)
-    throw UsageError("name: '{}' is none for a session: 1 to {} bytes without control characters", printable(name.c_str()),
-                     kLongestName);
+    throw UsageError("name: '{}' is none for a session: 1 to {} bytes without control characters",
+                     printable(name.c_str()), kLongestName);
 }
 
 FarFacts factsOf(const PointCloud& cloud, const CloudServer::Parts& parts) {
@@ -47,7 +49,8 @@ FarFacts factsOf(const PointCloud& cloud, const CloudServer::Parts& parts) {
   facts.extent = {.bounds = boundsOf(cloud), .points = cloud.size()};
   // Some hundred points of a surface, or some dozen particles; within so many of them everything is.
   constexpr double kSpacings = 16, kSpacingsOfMatter = 4, kMostAlongSide = 1 << 18;
-  facts.edge = std::max((facts.matter.empty() ? kSpacings : kSpacingsOfMatter) * facts.spacing, facts.extent.bounds.longestSide() / kMostAlongSide);
+  facts.edge = std::max((facts.matter.empty() ? kSpacings : kSpacingsOfMatter) * facts.spacing,
+                        facts.extent.bounds.longestSide() / kMostAlongSide);
   if (!(facts.edge > 0)) facts.edge = 1;
   facts.moves = static_cast<bool>(parts.motion);
   return facts;
@@ -63,7 +66,7 @@ struct CloudServer::Link {
     Writer<Block> blocks;  // in its partition
     Stopwatch lastAsked;
     std::uint64_t unacked = 0;  // blocks that were written since all had come, at most
-    std::deque<Range> asked;  // and not written yet: as fast as the link takes them
+    std::deque<Range> asked;    // and not written yet: as fast as the link takes them
   };
 
   Link(const PointCloud& served, Parts given)
@@ -100,16 +103,17 @@ struct CloudServer::Link {
   // With what the journal has, where there is one.
   void goOn() {
     if (!parts.journal.empty()) {
-      journal.emplace(parts.journal, cloud.size(), sharing::checksumOf(cloud), session, [&](const StrokeJournal::Piece& piece) {
-        if (shared.take(piece.client, piece.number, piece.states) != SharedPoints::Taken::taken)
-          throw FileError(parts.journal, "is damaged: a piece of a stroke does not follow those before it");
-      });
+      journal.emplace(
+          parts.journal, cloud.size(), sharing::checksumOf(cloud), session, [&](const StrokeJournal::Piece& piece) {
+            if (shared.take(piece.client, piece.number, piece.states) != SharedPoints::Taken::taken)
+              throw FileError(parts.journal, "is damaged: a piece of a stroke does not follow those before it");
+          });
       session = journal->session();
       if (parts.log && journal->pieces() > 0)
         parts.log->say("{}: goes on with {} pieces of strokes", parts.journal.string(), journal->pieces());
       if (parts.log && journal->tornBytes() > 0)
         parts.log->say("{}: its last {} bytes were no whole piece and are taken away; whoever sent it sends it again",
-                        parts.journal.string(), journal->tornBytes());
+                       parts.journal.string(), journal->tornBytes());
     }
     strokes.emplace(StrokeServer::Parts{.participant = participant,
                                         .topics = topics,
@@ -124,8 +128,10 @@ struct CloudServer::Link {
   void sayVersions() {
     for (const std::uint32_t other : versions.fresh())
       if (parts.log)
-        parts.log->say("{}: another version of palpate ({}, and this is {}) is on the network and cannot join; install the same "
-                       "one on both", parts.name, other, kVersion);
+        parts.log->say(
+            "{}: another version of palpate ({}, and this is {}) is on the network and cannot join; install the same "
+            "one on both",
+            parts.name, other, kVersion);
   }
 
   void announce() {
@@ -150,7 +156,8 @@ struct CloudServer::Link {
     const Id id = idOf(request.client);
     if (const auto there = clients.find(id); there != clients.end()) return &there->second;
     if (clients.size() >= kMostClients) {
-      const auto last = std::ranges::max_element(clients, {}, [](const auto& entry) { return entry.second.lastAsked.elapsed_s(); });
+      const auto last =
+          std::ranges::max_element(clients, {}, [](const auto& entry) { return entry.second.lastAsked.elapsed_s(); });
       if (last->second.lastAsked.elapsed_s() < kGone_s) return nullptr;
       unacked -= last->second.unacked;
       clients.erase(last);
@@ -166,7 +173,8 @@ struct CloudServer::Link {
     if (!isSame(request.session, session)) return;  // another server's
     const std::uint32_t every = std::max(1U, request.every);
     const std::uint64_t blocks = blocksOf((cloud.size() + every - 1) / every);
-    if (request.count == 0 || request.count > kMostRequested || request.first >= blocks || request.count > blocks - request.first) {
+    if (request.count == 0 || request.count > kMostRequested || request.first >= blocks ||
+        request.count > blocks - request.first) {
       ++counts.refused;
       return;
     }
@@ -259,7 +267,8 @@ CloudServer::CloudServer(const PointCloud& cloud, Parts parts) {
   requireName(parts.name);
   if (parts.facts && parts.facts->matter.size() >= sizeof(Facts::matter))
     throw UsageError("matter: a scene of {} bytes is too long to be told", parts.facts->matter.size());
-  if (parts.motion && parts.sculptable) throw UsageError("sculptable: what moves by itself cannot be sculpted by who joins it");
+  if (parts.motion && parts.sculptable)
+    throw UsageError("sculptable: what moves by itself cannot be sculpted by who joins it");
   PALPATE_CHECK(cloud.hasNormals() || cloud.empty());
   constexpr std::uint64_t kMostPoints = std::uint64_t{0xffffffff} * kBlockPoints;
   PALPATE_CHECK_LT(cloud.size(), kMostPoints);

@@ -1,5 +1,5 @@
-// Which samples go a few times more, over a way on which they may be lost, beside the reliable one that they have gone: what
-// one of the ways loses costs no round trip then. Nothing of DDS is seen here.
+// Which samples go a few times more, over a way on which they may be lost, beside the reliable one that they have gone:
+// what one of the ways loses costs no round trip then. Nothing of DDS is seen here.
 #pragma once
 
 #include <algorithm>
@@ -28,8 +28,9 @@ class ByteBudget {
   double rate_, left_, filled_s_ = 0;
 };
 
-/// Items in the order of a stream, each due four times within 70 ms of the moment at which it was said. What the budget has no
-/// room for is left out, and what is said the reliable way spends it, too: where much is said, little of it goes again.
+/// Items in the order of a stream, each due four times within 70 ms of the moment at which it was said. What the budget
+/// has no room for is left out, and what is said the reliable way spends it, too: where much is said, little of it goes
+/// again.
 template <class Item>
 class CopySchedule {
  public:

@@ -18,13 +18,14 @@ bool canShare() { return true; }
 
 std::string opennessOf(const NetworkConfig& network) {
   if (!network.security.empty())
-    return fmt::format("encrypted, for holders of keys of '{}' on {} (domain {})",
-                       readSecurityProfile(network.security).authority,
-                       network.interface.empty() ? "this machine" : "the network of " + network.interface, network.domain);
+    return fmt::format(
+        "encrypted, for holders of keys of '{}' on {} (domain {})", readSecurityProfile(network.security).authority,
+        network.interface.empty() ? "this machine" : "the network of " + network.interface, network.domain);
   if (network.interface.empty())
     return fmt::format("programs of this machine alone can join (domain {})", network.domain);
   return fmt::format(
-      "whoever is on the network of {} can join, and nothing is encrypted (domain {}); use a network that you trust, or keys",
+      "whoever is on the network of {} can join, and nothing is encrypted (domain {}); use a network that you trust, "
+      "or keys",
       network.interface, network.domain);
 }
 
@@ -40,7 +41,7 @@ constexpr bool kCanEncrypt = true;
 constexpr bool kCanEncrypt = false;
 #endif
 constexpr std::string_view kHasKeys = "palpate=keys;";  // the user data of who has some
-constexpr std::uint32_t kLastDomain = 230;  // of those that have ports
+constexpr std::uint32_t kLastDomain = 230;              // of those that have ports
 constexpr auto kPatience = DDS_MSECS(0);  // of a writer whose readers do not keep up: others have their turn meanwhile
 
 // Without characters that would end what they stand in.
@@ -61,8 +62,11 @@ class Remarks {
     return remarks;
   }
   Remarks() {
-    dds_set_log_sink([](void* to, const dds_log_data_t* said) { static_cast<Remarks*>(to)->hear({said->message, said->size}); },
-                     this);
+    dds_set_log_sink(
+        [](void* to, const dds_log_data_t* said) {
+          static_cast<Remarks*>(to)->hear({said->message, said->size});
+        },
+        this);
   }
   std::string take() {
     const std::scoped_lock hold(lock_);
@@ -82,12 +86,12 @@ class Remarks {
 constexpr const char* kWholeDatagrams = "<MaxMessageSize>65500B</MaxMessageSize>";
 constexpr const char* kFrames = "<MaxMessageSize>1400B</MaxMessageSize><FragmentSize>1344B</FragmentSize>";
 
-// On this machine alone participants find one another without multicast, by their ports. What a client has asked for, some
-// megabytes, may be under way at once, and be put together in any order. One thread receives: several are woken at the end
-// through the network, for ever where the interface has gone.
-// What is lost is asked for as soon as a heartbeat tells of it (after 5 ms with what is written, at least each 500 ms, in place of
-// 8 s, where nothing is), again after 10 ms with each further heartbeat, and without one after 300 ms, in place of 3 s: where a
-// round trip is longer it goes more than once, which a link that loses is glad of.
+// On this machine alone participants find one another without multicast, by their ports. What a client has asked for,
+// some megabytes, may be under way at once, and be put together in any order. One thread receives: several are woken at
+// the end through the network, for ever where the interface has gone. What is lost is asked for as soon as a heartbeat
+// tells of it (after 5 ms with what is written, at least each 500 ms, in place of 8 s, where nothing is), again after
+// 10 ms with each further heartbeat, and without one after 300 ms, in place of 3 s: where a round trip is longer it
+// goes more than once, which a link that loses is glad of.
 std::string configOf(const NetworkConfig& network) {
   if (network.domain > kLastDomain) throw UsageError("domain: is {}; there are 0 to {}", network.domain, kLastDomain);
   const bool isHere = network.interface.empty();
@@ -95,29 +99,35 @@ std::string configOf(const NetworkConfig& network) {
   for (const std::string& peer : network.peers) peers += fmt::format("<Peer address=\"{}\"/>", plain(peer, "peer"));
   if (isHere) peers = "<Peer address=\"127.0.0.1\"/>" + peers;
   const std::string interface =
-      isHere ? "address=\"127.0.0.1\"" : fmt::format("{}=\"{}\"", std::isdigit(static_cast<unsigned char>(network.interface[0])) ? "address" : "name",
-                                         plain(network.interface, "network"));
+      isHere ? "address=\"127.0.0.1\""
+             : fmt::format("{}=\"{}\"",
+                           std::isdigit(static_cast<unsigned char>(network.interface[0])) ? "address" : "name",
+                           plain(network.interface, "network"));
   return fmt::format(
       "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface {}/></Interfaces>"
       "<AllowMulticast>{}</AllowMulticast>{}</General>"
       "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>40</MaxAutoParticipantIndex>"
       "<Peers>{}</Peers></Discovery>"
       "<Internal><MultipleReceiveThreads>false</MultipleReceiveThreads><Watermarks><WhcHigh>16MB</WhcHigh></Watermarks>"
-      "<PrimaryReorderMaxSamples>8192</PrimaryReorderMaxSamples><SecondaryReorderMaxSamples>8192</SecondaryReorderMaxSamples>"
+      "<PrimaryReorderMaxSamples>8192</PrimaryReorderMaxSamples><SecondaryReorderMaxSamples>8192</"
+      "SecondaryReorderMaxSamples>"
       "<NackDelay>10ms</NackDelay><AutoReschedNackDelay>300ms</AutoReschedNackDelay>"
-      "<HeartbeatInterval min=\"5ms\" minsched=\"20ms\" max=\"500ms\">100ms</HeartbeatInterval><MaxQueuedRexmitBytes>4MB</MaxQueuedRexmitBytes>"
+      "<HeartbeatInterval min=\"5ms\" minsched=\"20ms\" "
+      "max=\"500ms\">100ms</HeartbeatInterval><MaxQueuedRexmitBytes>4MB</MaxQueuedRexmitBytes>"
       "<MaxQueuedRexmitMessages>8192</MaxQueuedRexmitMessages></Internal>"
       "</Domain></CycloneDDS>",
       interface, isHere ? "false" : "default", isHere ? kWholeDatagrams : kFrames, peers);
 }
 
-// DDS is given what the files say, not where they are: what was looked at is what is used, whatever their folder is called.
+// DDS is given what the files say, not where they are: what was looked at is what is used, whatever their folder is
+// called.
 void secure(dds_qos_t& qos, const SecurityProfile& profile) {
   if (!kCanEncrypt) throw NetworkError("this palpate's Cyclone DDS was built without security, and encrypts nothing");
   constexpr std::array<const char*, SecurityProfile::kFiles.size()> kNames{
       "dds.sec.auth.identity_ca",      "dds.sec.auth.identity_certificate", "dds.sec.auth.private_key",
       "dds.sec.access.permissions_ca", "dds.sec.access.governance",         "dds.sec.access.permissions"};
-  for (std::size_t i = 0; i < kNames.size(); ++i) dds_qset_prop(&qos, kNames[i], ("data:," + profile.contents[i]).c_str());
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    dds_qset_prop(&qos, kNames[i], ("data:," + profile.contents[i]).c_str());
   constexpr std::array<std::array<std::string_view, 3>, 3> kPlugins{{{"auth", "dds_security_auth", "authentication"},
                                                                      {"access", "dds_security_ac", "access_control"},
                                                                      {"crypto", "dds_security_crypto", "crypto"}}};
@@ -213,12 +223,14 @@ struct Participant::Domain {
       } catch (const NetworkError& error) {
         const std::string why = Remarks::all().take();
         throw NetworkError("the network of {} cannot be used: {}; is there such an interface, and does it carry IPv4?",
-                           network.interface.empty() ? "this machine" : network.interface, why.empty() ? error.what() : why);
+                           network.interface.empty() ? "this machine" : network.interface,
+                           why.empty() ? error.what() : why);
       }
       all[network.domain] = there;
     }
     if (there->network != network)
-      throw UsageError("domain: this program is on domain {} of another network, or with other keys, already", network.domain);
+      throw UsageError("domain: this program is on domain {} of another network, or with other keys, already",
+                       network.domain);
     return there;
   }
 };
@@ -237,7 +249,8 @@ Participant::Participant(const NetworkConfig& network, Qos qos) : domain_(Domain
   const dds_entity_t made = dds_create_participant(network.domain, qos.get(), nullptr);
   if (made < 0) {
     const std::string why = Remarks::all().take();
-    throw NetworkError("{}: these keys cannot be used: {}", network.security, why.empty() ? dds_strretcode(-made) : why);
+    throw NetworkError("{}: these keys cannot be used: {}", network.security,
+                       why.empty() ? dds_strretcode(-made) : why);
   }
   participant_ = Entity(made, "the network");
 }

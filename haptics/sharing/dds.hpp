@@ -60,8 +60,9 @@ Qos keepingInstances(Qos qos, std::int32_t instances);
 /// Whether there are programs with keys on the network of a participant, be they such that it hears them or not.
 bool seesKeyHolders(dds_entity_t participant);
 
-/// A participant of the network that is named, with its keys. All participants of a process that are on one domain of DDS are
-/// on one network with the same keys; throws UsageError where they are not, FileError and NetworkError of the keys.
+/// A participant of the network that is named, with its keys. All participants of a process that are on one domain of
+/// DDS are on one network with the same keys; throws UsageError where they are not, FileError and NetworkError of the
+/// keys.
 class Participant {
  public:
   explicit Participant(const NetworkConfig& network, Qos qos = {});
@@ -79,10 +80,11 @@ class Topic {
  public:
   Topic(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& name)
       : topic_(dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr), "a topic") {}
-  /// Readers that are made of it from now on get what this lets through alone, and the rest takes none of their room. `of`
-  /// outlives them.
+  /// Readers that are made of it from now on get what this lets through alone, and the rest takes none of their room.
+  /// `of` outlives them.
   void letThrough(bool (*lets)(const void* sample, void* of), const void* of) const {
-    checked(dds_set_topic_filter_and_arg(topic_, lets, const_cast<void*>(of)), "a topic");  // NOLINT: DDS hands it back alone
+    checked(dds_set_topic_filter_and_arg(topic_, lets, const_cast<void*>(of)),
+            "a topic");  // NOLINT: DDS hands it back alone
   }
   operator dds_entity_t() const { return topic_; }  // NOLINT: as above
 
@@ -104,7 +106,9 @@ class Writer {
     return true;
   }
   /// The same, as of that moment (dds_time()).
-  void writeAt(const T& sample, dds_time_t moment) const { checked(dds_write_ts(writer_, &sample, moment), "a sample"); }
+  void writeAt(const T& sample, dds_time_t moment) const {
+    checked(dds_write_ts(writer_, &sample, moment), "a sample");
+  }
   /// All that was written has come to those who read it.
   bool isAcked() const { return dds_wait_for_acks(writer_, 0) == DDS_RETCODE_OK; }
   operator dds_entity_t() const { return writer_; }  // NOLINT: as above
@@ -122,8 +126,9 @@ class Reader {
   /// Of a topic that DDS has itself (DDS_BUILTIN_TOPIC_…), whose type is T.
   Reader(dds_entity_t participant, dds_entity_t builtInTopic)
       : reader_(dds_create_reader(participant, builtInTopic, nullptr, nullptr), "a reader") {}
-  /// Takes what has come, sample by sample, as `visit` wants it: the sample, or that and what DDS says of it; as far as it is
-  /// not so much that something else has its turn first. Those that only say that an instance has ended are not seen.
+  /// Takes what has come, sample by sample, as `visit` wants it: the sample, or that and what DDS says of it; as far as
+  /// it is not so much that something else has its turn first. Those that only say that an instance has ended are not
+  /// seen.
   template <class Visit>
   std::size_t take(Visit&& visit) const {
     return takeWithEnds([&](const T& sample, const dds_sample_info_t& about) {

@@ -9,8 +9,8 @@
 
 namespace palpate::sharing {
 
-/// Items by their numbers in a stream, kept until those before them have come: of one whose copies were lost those behind it do
-/// not have to be said again. No more of them than follow soon.
+/// Items by their numbers in a stream, kept until those before them have come: of one whose copies were lost those
+/// behind it do not have to be said again. No more of them than follow soon.
 template <class Item>
 class EarlyCopies {
  public:

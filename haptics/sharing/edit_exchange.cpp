@@ -80,7 +80,8 @@ std::span<const PointChange> EditExchange::nextOffer() {
   inFlight_.clear();
   overtaken_.clear();
   offer_.clear();
-  for (auto next = waiting_.begin(); next != waiting_.end() && offer_.size() < mostOffered_; next = waiting_.erase(next)) {
+  for (auto next = waiting_.begin(); next != waiting_.end() && offer_.size() < mostOffered_;
+       next = waiting_.erase(next)) {
     const auto& [point, state] = *next;
     // Of a point that is not there nothing else counts, and what answers keeps it as it was when it went.
     if (isSameToTheBit(shown_[point], state) || (shown_[point].gone() && state.gone())) continue;

@@ -78,9 +78,9 @@ class EditExchange {
   std::span<const PointState> points() const { return shown_; }
   std::uint64_t digest() const { return digest_.value(); }
   std::uint64_t upTo() const { return upTo_; }
-  std::uint64_t sentStates() const { return outbox_.sentStates(); }          ///< of this hand, each piece once
-  std::uint64_t receivedStates() const { return receivedStates_; }  ///< of others, as they took effect here
-  std::uint64_t resent() const { return outbox_.resent(); }                  ///< pieces that went more than once
+  std::uint64_t sentStates() const { return outbox_.sentStates(); }  ///< of this hand, each piece once
+  std::uint64_t receivedStates() const { return receivedStates_; }   ///< of others, as they took effect here
+  std::uint64_t resent() const { return outbox_.resent(); }          ///< pieces that went more than once
 
  private:
   using ByPoint = std::unordered_map<std::uint32_t, PointState>;

@@ -57,7 +57,8 @@ class FarLink final : public FarCloud {
       : parts_(parts),
         to_(*parts.session),
         server_(to_.session),
-        source_({.edge = parts.facts.edge, .points = kRoom, .moves = parts.facts.moves, .colored = parts.notice.colored}),
+        source_(
+            {.edge = parts.facts.edge, .points = kRoom, .moves = parts.facts.moves, .colored = parts.notice.colored}),
         assembly_(parts.facts.edge, kRoom),
         balls_(parts.facts.edge, kLeastSpeed_mm_s / parts.notice.mm_per_unit),
         nears_(to_.participant, to_.topics.nears, bestEffortQos()),
@@ -222,16 +223,18 @@ class FarLink final : public FarCloud {
     const bool isWhole = known_.share() >= 1;
     if (isWhole && !std::exchange(wasWhole_, true)) say(fmt::format("{} of {} is heard again", to_.name, to_.host));
     if (!isWhole && std::exchange(wasWhole_, false))
-      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades until it is", to_.name, to_.host, silent_s));
+      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades until it is", to_.name, to_.host,
+                      silent_s));
     if (silent_s <= kSilent_s) return;
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != to_.name || notice.session == server_ || left_.contains(notice.session)) continue;
       if (notice.checksum != parts_.notice.checksum || notice.version != kVersion)
         return fail(fmt::format("'{}' of {} has other points now; join it again", to_.name, notice.host));
       if (outbox_.lastPiece() > 0)
-        return fail(fmt::format("'{}' of {} was served anew, without what had been done to it: this hand's part of it has nowhere "
-                                "to go; join it again",
-                                to_.name, notice.host));
+        return fail(fmt::format(
+            "'{}' of {} was served anew, without what had been done to it: this hand's part of it has nowhere "
+            "to go; join it again",
+            to_.name, notice.host));
       left_.insert(server_);
       server_ = notice.session;
       probe_.follow(server_);
@@ -287,8 +290,8 @@ class FarLink final : public FarCloud {
     untold_.push_back(std::move(what));
   }
 
-  // Without the lock, which others may wait for: who listens takes as long as it likes. It may also end what says it, which
-  // would be this hand's part in the session.
+  // Without the lock, which others may wait for: who listens takes as long as it likes. It may also end what says it,
+  // which would be this hand's part in the session.
   void tell() {
     std::vector<std::string> said;
     {
@@ -328,7 +331,7 @@ class FarLink final : public FarCloud {
   FarCounts counts_;
   std::string fault_;
   std::vector<std::string> said_, untold_;  // what nobody has taken, and what the log has not heard
-  int spoilt_ = 0;                   // samples since a step has come whole
+  int spoilt_ = 0;                          // samples since a step has come whole
   double trip_s_ = kFirstTrip_s;
   std::vector<Ball> asked_;
   std::uint64_t told_ = 0;
@@ -374,7 +377,8 @@ std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_
   const auto isPlace = [](const DVec3& place) { return glm::length(place) <= kLargest; };
   if (!(heard->edge > 0) || !isLength(heard->edge) || !isLength(heard->spacing) || !isLength(heard->wideSpacing) ||
       !isLength(heard->noise) || !isPlace(heard->extent.bounds.min) || !isPlace(heard->extent.bounds.max) ||
-      heard->up > UpAxis::minusZ || heard->standing > heard->extent.points || heard->extent.points >= std::uint64_t{1} << 32)
+      heard->up > UpAxis::minusZ || heard->standing > heard->extent.points ||
+      heard->extent.points >= std::uint64_t{1} << 32)
     throw NetworkError("'{}' of {} announces what is no cloud", session.name, session.host);
   return heard;
 }

@@ -19,8 +19,8 @@ struct FarParts {
 };
 std::unique_ptr<FarCloud> openFarCloud(const FarParts& parts);
 
-/// What a session's server says of it; nothing where it has not come within `patience_s`. Throws NetworkError for what is
-/// of no cloud.
+/// What a session's server says of it; nothing where it has not come within `patience_s`. Throws NetworkError for what
+/// is of no cloud.
 std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s, const StopSign& stop);
 
 }  // namespace palpate

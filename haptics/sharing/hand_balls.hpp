@@ -10,8 +10,8 @@
 
 namespace palpate::sharing {
 
-/// The ball around each hand in which it may feel until what is asked for now has come: its speed times that, and what its
-/// surface is made of now. A hand that rests may set out at any moment.
+/// The ball around each hand in which it may feel until what is asked for now has come: its speed times that, and what
+/// its surface is made of now. A hand that rests may set out at any moment.
 class HandBalls {
  public:
   /// `leastSpeed`: of a hand that is thought to set out, model units per second.

@@ -17,9 +17,7 @@ PresenceRoom::PresenceRoom(const PointCloud& cloud)
 bool PresenceRoom::has(const DVec3& place) const { return glm::distance(place, middle_) < farthest_; }
 
 HeardHands::HeardHands(const Participant& participant, const Topics& topics, const PointCloud& cloud, double gone_s)
-    : room_(cloud),
-      reader_(participant, topics.hands, keepingInstances(bestEffortQos(), kMostShown)),
-      seen_(gone_s) {}
+    : room_(cloud), reader_(participant, topics.hands, keepingInstances(bestEffortQos(), kMostShown)), seen_(gone_s) {}
 
 void HeardHands::hear(const Id& session, const std::optional<Id>& own) {
   seen_.forget();

@@ -29,8 +29,8 @@ class PresenceRoom {
 /// One thread uses it at a time.
 class HeardHands {
  public:
-  /// `cloud`: about which they are. `gone_s`: after which a hand that says nothing is gone. The participant and the topics
-  /// outlive it.
+  /// `cloud`: about which they are. `gone_s`: after which a hand that says nothing is gone. The participant and the
+  /// topics outlive it.
   HeardHands(const Participant& participant, const Topics& topics, const PointCloud& cloud, double gone_s);
   /// What has come, of that session; `own`: the client whose hands are not meant.
   void hear(const Id& session, const std::optional<Id>& own = std::nullopt);

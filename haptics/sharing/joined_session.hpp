@@ -14,7 +14,11 @@ namespace palpate {
 class JoinedSession {
  public:
   JoinedSession(const NetworkConfig& given, sharing::Id joined, sharing::Id own)
-      : network(given), participant(given, sharing::versionQos(sharing::kVersion)), topics(participant), session(joined), client(own) {}
+      : network(given),
+        participant(given, sharing::versionQos(sharing::kVersion)),
+        topics(participant),
+        session(joined),
+        client(own) {}
 
   NetworkConfig network;
   sharing::Participant participant;
@@ -26,8 +30,8 @@ class JoinedSession {
 
 /// What is asked of its server.
 sharing::ResumeRequest requestOf(const JoinedSession& session, const sharing::Resume& asked);
-/// What its server has said, of a cloud of so many points; the states stand in `states`. Nothing where it is another session's,
-/// or one of them is none: no server of ours says that, and whoever else does is not heard.
+/// What its server has said, of a cloud of so many points; the states stand in `states`. Nothing where it is another
+/// session's, or one of them is none: no server of ours says that, and whoever else does is not heard.
 std::optional<sharing::Results> resultsOf(const JoinedSession& session, const sharing::Result& said, std::size_t points,
                                           std::vector<PointState>& states);
 

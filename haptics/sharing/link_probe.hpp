@@ -10,7 +10,8 @@ namespace palpate::sharing {
 /// One thread uses it at a time.
 class LinkProbe {
  public:
-  /// The session outlives it. The first pings go sooner one after another: until one is back the round trip is not known.
+  /// The session outlives it. The first pings go sooner one after another: until one is back the round trip is not
+  /// known.
   explicit LinkProbe(const JoinedSession& session);
   void attach(ReaderWait& wait) const { wait.attach(echoes_); }
   /// Hears, and pings when it is time to. Whether an echo has come that had not come before.

@@ -28,7 +28,9 @@ Topics::Topics(dds_entity_t participant)
 Topic<Facts> factsOf(dds_entity_t participant, const Id& session) {
   Topic<Facts> facts(participant, palpate_sharing_Facts_desc, fmt::format("palpate/{}/facts", kVersion));
   facts.letThrough(
-      [](const void* sample, void* of) { return isSame(static_cast<const Facts*>(sample)->session, *static_cast<const Id*>(of)); },
+      [](const void* sample, void* of) {
+        return isSame(static_cast<const Facts*>(sample)->session, *static_cast<const Id*>(of));
+      },
       &session);
   return facts;
 }

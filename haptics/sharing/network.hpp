@@ -31,8 +31,8 @@ struct NetworkConfig {
   /// Addresses of machines that are asked by name, where the network carries no multicast.
   std::vector<std::string> peers;
   std::uint32_t domain = 0;  ///< of DDS; ROS has the same ones
-  /// A folder of keys (security.hpp): who has none of the same authority neither finds nor joins nor hears anything, and all
-  /// is encrypted. Empty: nothing is.
+  /// A folder of keys (security.hpp): who has none of the same authority neither finds nor joins nor hears anything,
+  /// and all is encrypted. Empty: nothing is.
   std::string security;
 
   bool operator==(const NetworkConfig&) const = default;

@@ -163,7 +163,7 @@ class Presence final : public SharedPresence {
   const std::string name_;
   const PresenceRoom room_;
   LatestValue<Moved> moved_;
-  std::uint64_t told_ = 0;  // that thread's alone
+  std::uint64_t told_ = 0;   // that thread's alone
   mutable std::mutex lock_;  // of all that follows
   Writer<Hand> handWriter_;
   HeardHands hands_;

@@ -16,8 +16,8 @@ class RestartWatch {
   RestartWatch(const Participant& participant, const Id& session);
   RestartWatch(const RestartWatch&) = delete;
   RestartWatch& operator=(const RestartWatch&) = delete;
-  /// How often it has since the last call, and why it last did; nothing where it has not. What was before the first time that
-  /// this was heard is not meant, and more than twice a second nobody is told.
+  /// How often it has since the last call, and why it last did; nothing where it has not. What was before the first
+  /// time that this was heard is not meant, and more than twice a second nobody is told.
   std::optional<Restarts> fresh();
 
  private:

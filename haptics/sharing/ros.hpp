@@ -1,5 +1,5 @@
-// A hand, and a cloud, for programs of ROS 2 to hear; and clouds and pictures of depth that they send. Nothing of DDS is
-// seen here.
+// A hand, and a cloud, for programs of ROS 2 to hear; and clouds and pictures of depth that they send. Nothing of DDS
+// is seen here.
 #pragma once
 
 #include <atomic>
@@ -27,8 +27,8 @@ void requireRosParent(const std::string& parent, const std::string& name);
 
 struct RosPublishing {
   NetworkConfig network;
-  std::string name;        ///< of the namespace, and of the frame that all places are in; as ROS has names
-  double mm_per_unit = 1;  ///< of coordinates of the file, which go out in metres
+  std::string name;          ///< of the namespace, and of the frame that all places are in; as ROS has names
+  double mm_per_unit = 1;    ///< of coordinates of the file, which go out in metres
   std::string parent = {};   ///< the frame that this one stands in, which goes out on /tf_static; empty: nobody is told
   CameraPose inParent = {};  ///< where it does
 };
@@ -112,8 +112,8 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
 
 /// What can be heard on a topic.
 enum class RosContent { points, pictures };
-/// Which of the two is sent on a topic, as is discovered before a message comes. Throws UsageError, and NetworkError where
-/// it is something else, or nobody sends.
+/// Which of the two is sent on a topic, as is discovered before a message comes. Throws UsageError, and NetworkError
+/// where it is something else, or nobody sends.
 RosContent whatRosSends(const std::string& topic, const RosListening& listening);
 
 struct RosWatching {
@@ -121,9 +121,9 @@ struct RosWatching {
   std::optional<DepthCamera> camera;  ///< of pictures; nothing: as the CameraInfo beside them says
   double depthScale = 0;              ///< of pictures, values per metre; 0: as their encoding says
   std::string colorTopic =
-      {};  ///< of pictures of colour that are registered with those of depth; empty: none are heard
-  bool needsPictures = false;         ///< points are of no use
-  unsigned threads = 0;               ///< for normals of points that come without; 0: one per core
+      {};                      ///< of pictures of colour that are registered with those of depth; empty: none are heard
+  bool needsPictures = false;  ///< points are of no use
+  unsigned threads = 0;        ///< for normals of points that come without; 0: one per core
 };
 /// The messages of a topic, PointCloud2 or Image of depth, as frames that come as they are sent: in metres, in the axes
 /// of their frame_id. Points that come without normals get some that face the zero of those axes, where a sensor

@@ -86,7 +86,8 @@ class ColorsBeside {
     }
   }
   bool hasNotOlder(std::int64_t stamp_ns) const {
-    return std::ranges::any_of(kept_, [&](const Kept& kept) { return !kept.colors.empty() && kept.stamp_ns >= stamp_ns; });
+    return std::ranges::any_of(kept_,
+                               [&](const Kept& kept) { return !kept.colors.empty() && kept.stamp_ns >= stamp_ns; });
   }
   const Kept* nearestTo(std::int64_t stamp_ns) const {
     const auto apart = [&](const Kept& kept) {
@@ -157,7 +158,8 @@ class FromPoints {
     constexpr std::uint64_t kLeast = 65'536, kMost = 100'000'000;
     if (camera_.width == 0 && points > 0) {
       const std::uint64_t first = std::uint64_t{message.width} * message.height;
-      camera_.width = static_cast<std::uint32_t>(std::min(message.height > 1 ? first : std::max(kLeast, 2 * first), kMost));
+      camera_.width =
+          static_cast<std::uint32_t>(std::min(message.height > 1 ? first : std::max(kLeast, 2 * first), kMost));
       camera_.height = 1;
     }
     if (points > camera_.width) throw NetworkError("has {} points, and there is room for {}", points, camera_.width);
@@ -167,10 +169,9 @@ class FromPoints {
     PointCloud& cloud = taken.cloud;
     if (cloud.empty()) return;
     if (message.height > 1) {
-      cloud.normals = gridNormals(cloud.positions, {.width = message.width,
-                                                    .height = message.height,
-                                                    .cells = taken.cells,
-                                                    .sensor = -cloud.origin});
+      cloud.normals = gridNormals(
+          cloud.positions,
+          {.width = message.width, .height = message.height, .cells = taken.cells, .sensor = -cloud.origin});
       return;
     }
     constexpr unsigned kNeighbours = 16;

@@ -25,12 +25,12 @@ struct RosPicture {
 /// A CameraInfo as it came.
 struct RosCalibration {
   std::uint32_t height = 0, width = 0;
-  std::string_view distortion;                  ///< name of its model
-  std::span<const double> d;                    ///< its parameters
-  std::array<double, 9> k{};                    ///< of pictures as they are taken: fx 0 cx, 0 fy cy, 0 0 1
-  std::array<double, 12> p{};                   ///< of rectified ones, likewise, each row with one number more
-  std::uint32_t binningX = 0, binningY = 0;     ///< 0 and 1: none
-  bool isPart = false;                          ///< a region of interest, and not all of the picture
+  std::string_view distortion;               ///< name of its model
+  std::span<const double> d;                 ///< its parameters
+  std::array<double, 9> k{};                 ///< of pictures as they are taken: fx 0 cx, 0 fy cy, 0 0 1
+  std::array<double, 12> p{};                ///< of rectified ones, likewise, each row with one number more
+  std::uint32_t binningX = 0, binningY = 0;  ///< 0 and 1: none
+  bool isPart = false;                       ///< a region of interest, and not all of the picture
 };
 
 /// The topic of the camera beside one of pictures, as ROS names it: "a/camera_info" of "a/image_raw".
@@ -38,7 +38,8 @@ std::string rosCameraTopic(const std::string& pictures);
 /// Whether pictures of that topic are rectified, as ROS names it: it is called image_rect, image_rect_raw and so on.
 bool isRectified(const std::string& pictures);
 
-/// Throws NetworkError in words where it makes no camera, or one whose lens distorts: only rectified pictures are without.
+/// Throws NetworkError in words where it makes no camera, or one whose lens distorts: only rectified pictures are
+/// without.
 DepthCamera rosCamera(const RosCalibration& calibration, bool isRectified);
 
 /// Depths of a picture of 16UC1 and mono16 (millimetres), or 32FC1 (metres), in either order of bytes; 0 where none was

@@ -34,7 +34,8 @@ class RosWriters {
 
 /// "sensor_msgs/msg/Image" of "sensor_msgs::msg::dds_::Image_", for people.
 std::string rosTypeInWords(const std::string& type);
-/// The first of those types that is sent; nothing where nobody sends yet. Throws NetworkError where others alone are sent.
+/// The first of those types that is sent; nothing where nobody sends yet. Throws NetworkError where others alone are
+/// sent.
 std::optional<std::string> requireSent(const std::string& topic, RosWriters& writers,
                                        std::initializer_list<const char*> types);
 
@@ -81,8 +82,8 @@ class RosIntake {
   std::size_t next_ = 0;
 };
 
-/// Waits for what `isThere` finds, as long as who listens has patience; whether it came. Throws NetworkError where it is
-/// to end.
+/// Waits for what `isThere` finds, as long as who listens has patience; whether it came. Throws NetworkError where it
+/// is to end.
 template <class IsThere>
 bool waitFor(const RosListening& listening, const std::string& topic, IsThere&& isThere) {
   const Stopwatch since;

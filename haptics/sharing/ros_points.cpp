@@ -149,7 +149,8 @@ class Taking {
       for (std::uint64_t i = 0; i < points_.width; ++i) {
         const std::size_t before = count();
         take(reinterpret_cast<const std::byte*>(points_.data.data()) + row * points_.rowStep + i * points_.pointStep);
-        if (points_.height > 1 && count() > before) cells_.push_back(static_cast<std::uint32_t>(row * points_.width + i));
+        if (points_.height > 1 && count() > before)
+          cells_.push_back(static_cast<std::uint32_t>(row * points_.width + i));
       }
   }
 

@@ -12,8 +12,8 @@ namespace palpate::sharing {
 namespace {
 
 constexpr std::size_t kMostAncestors = 256;
-constexpr double kBack_ns = 10e9;             // farther than this messages do not overtake one another
-constexpr std::size_t kMostPoses = 200'000;   // of all frames together, about: each has some
+constexpr double kBack_ns = 10e9;            // farther than this messages do not overtake one another
+constexpr std::size_t kMostPoses = 200'000;  // of all frames together, about: each has some
 constexpr std::size_t kFewestPoses = 10;
 
 bool isName(std::string_view name) { return !name.empty() && name.size() <= RosTransforms::kLongestName; }

@@ -32,7 +32,8 @@ template <class Sample>
 class SampleCopies {
  public:
   SampleCopies() = default;
-  SampleCopies(dds_entity_t participant, const Topic<Sample>& topic, const Qos& qos) : writer_(participant, topic, qos) {}
+  SampleCopies(dds_entity_t participant, const Topic<Sample>& topic, const Qos& qos)
+      : writer_(participant, topic, qos) {}
 
   void setRate(double bytes_per_s) { schedule_.setRate(bytes_per_s); }
   /// It was written the reliable way just now.

@@ -42,8 +42,8 @@ class ServedBricks {
  private:
   struct Kept {
     std::uint32_t version = 1;
-    std::vector<std::uint32_t> ids;      // of points that stand still
-    std::uint64_t checksum = 0;          // of points that move, and those
+    std::vector<std::uint32_t> ids;  // of points that stand still
+    std::uint64_t checksum = 0;      // of points that move, and those
     std::shared_ptr<const Brick> moving;
   };
   BrickKey keyOf(const PointState& point) const { return grid_.keyAt(DVec3(point.position)); }

@@ -13,12 +13,16 @@ constexpr double kYoung_s = 10;  // later it has clients to lose
 }  // namespace
 
 SessionName::SessionName(dds_entity_t participant, const Topics& topics, std::string name, Log* log)
-    : name_(std::move(name)), log_(log), writer_(participant, topics.notices, reliableQos(true)), others_(participant, topics) {}
+    : name_(std::move(name)),
+      log_(log),
+      writer_(participant, topics.notices, reliableQos(true)),
+      others_(participant, topics) {}
 
 void SessionName::requireFree(const StopSign& stop) {
   for (const SessionNotice& other : others_.listen(kOthers_s, stop))
     if (other.name == name_)
-      throw NetworkError("a session named '{}' is served already, by {}; give this one another name", name_, other.host);
+      throw NetworkError("a session named '{}' is served already, by {}; give this one another name", name_,
+                         other.host);
 }
 
 void SessionName::announce(const Notice& notice) {
@@ -36,13 +40,15 @@ void SessionName::watch() {
     if (other.name != name_ || other.session == session_) continue;
     const bool isLater = std::pair(announced_ns_, session_) > std::pair(other.moment_ns, other.session);
     if (isYoung && isLater)
-      throw NetworkError("a session named '{}' has begun at the same time, served by {}, and was announced before this one, which "
-                         "gives way; who has joined this one is told; give it another name",
-                         name_, other.host);
+      throw NetworkError(
+          "a session named '{}' has begun at the same time, served by {}, and was announced before this one, which "
+          "gives way; who has joined this one is told; give it another name",
+          name_, other.host);
     if (isYoung || std::exchange(isTold_, true)) continue;  // that one is about to give way, or does not
     if (log_)
-      log_->say("another session named '{}' is served by {}: nobody can join either by that name until one of them ends", name_,
-                other.host);
+      log_->say(
+          "another session named '{}' is served by {}: nobody can join either by that name until one of them ends",
+          name_, other.host);
   }
 }
 

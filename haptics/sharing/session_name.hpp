@@ -17,9 +17,10 @@ class SessionName {
   void requireFree(const StopSign& stop);
   /// From now on others find it, until this ends. The notice bears the name.
   void announce(const Notice& notice);
-  /// Looks from time to time for one of the same name that has begun in the same second, so that neither had heard the other.
-  /// Both see when both were announced, by whatever clocks: the later one, or of the same moment the one of the greater id,
-  /// gives way by a NetworkError. Who has been there for ten seconds gives way to nobody, whatever is announced, and says so.
+  /// Looks from time to time for one of the same name that has begun in the same second, so that neither had heard the
+  /// other. Both see when both were announced, by whatever clocks: the later one, or of the same moment the one of the
+  /// greater id, gives way by a NetworkError. Who has been there for ten seconds gives way to nobody, whatever is
+  /// announced, and says so.
   void watch();
 
  private:

@@ -23,14 +23,14 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kLook_s = 0.004;      // how often what can be offered is looked for; what this hand has done wakes
-constexpr double kSilent_s = 3;        // after which the server is asked again
-constexpr double kStuck_s = 5;         // the same for pieces that were sent and not taken
-constexpr double kNear = 3;            // cells of the index from a proxy, within which a change may be felt there
-constexpr double kSettled_s = 0.3;     // at rest, before it is judged whether the points are the same
+constexpr double kLook_s = 0.004;   // how often what can be offered is looked for; what this hand has done wakes
+constexpr double kSilent_s = 3;     // after which the server is asked again
+constexpr double kStuck_s = 5;      // the same for pieces that were sent and not taken
+constexpr double kNear = 3;         // cells of the index from a proxy, within which a change may be felt there
+constexpr double kSettled_s = 0.3;  // at rest, before it is judged whether the points are the same
 constexpr int kMostDiffered = 3;
 constexpr std::int32_t kMostCopiesWaiting = 4096;  // which come the reliable way where they do not as copies
-constexpr int kMostStuck = 12;         // times in a row that nothing was taken, though the server is heard
+constexpr int kMostStuck = 12;                     // times in a row that nothing was taken, though the server is heard
 
 class SharedEdits final : public SharedFollower {
  public:
@@ -133,7 +133,8 @@ class SharedEdits final : public SharedFollower {
   void hear() {
     bool gap = false;
     results_.take([&](const Result& result) { gap = gap || hear(result) == EditExchange::Heard::gap; });
-    // Of a copy that comes too early the one before it is under way: it waits for that, and nothing has to be asked for.
+    // Of a copy that comes too early the one before it is under way: it waits for that, and nothing has to be asked
+    // for.
     resultCopies_.take([&](const Result& result) { hearCopy(result); });
     while (auto next = early_.takeAfter(lastCounter_)) hearCopy(next->sample());
     if (gap) resume(exchange_.resume());
@@ -168,13 +169,14 @@ class SharedEdits final : public SharedFollower {
     const double share = known_.share(), silent_s = lastHeard_.elapsed_s();
     const Felt now = share >= 1 ? Felt::whole : share > 0 ? Felt::fading : Felt::gone;
     if (now == std::exchange(felt_, now)) return;
-    if (now == Felt::whole) say(fmt::format("{} of {} is heard again: the force comes back", session_.name, session_.host));
+    if (now == Felt::whole)
+      say(fmt::format("{} of {} is heard again: the force comes back", session_.name, session_.host));
     if (now == Felt::fading)
-      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; what is done here is kept for it", session_.name,
-                      session_.host, silent_s));
+      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; what is done here is kept for it",
+                      session_.name, session_.host, silent_s));
     if (now == Felt::gone)
-      say(fmt::format("{} of {} has not been heard for {:.1f} s: there is no force until it is", session_.name, session_.host,
-                      silent_s));
+      say(fmt::format("{} of {} has not been heard for {:.1f} s: there is no force until it is", session_.name,
+                      session_.host, silent_s));
   }
 
   // A server that takes nothing, or has begun anew, is said.
@@ -183,8 +185,9 @@ class SharedEdits final : public SharedFollower {
       if (exchange_.isDelivered()) lastTaken_ = {};
       if (lastTaken_.elapsed_s() > kStuck_s) {
         if (++stuck_ > kMostStuck)
-          return fail(fmt::format("'{}' of {} takes nothing of what this hand does; save what is here, and join it again",
-                                  session_.name, session_.host));
+          return fail(
+              fmt::format("'{}' of {} takes nothing of what this hand does; save what is here, and join it again",
+                          session_.name, session_.host));
         resume(exchange_.resume());
         lastTaken_ = {};
       }
@@ -193,9 +196,10 @@ class SharedEdits final : public SharedFollower {
     if (lastResumed_.elapsed_s() > kSilent_s) resume(exchange_.resume());
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != session_.name || notice.session == session_.session) continue;
-      fail(fmt::format("'{}' of {} was served anew, without what had been done to it: this hand's part of it has nowhere to "
-                       "go; save what is here, and join it again",
-                       session_.name, session_.host));
+      fail(fmt::format(
+          "'{}' of {} was served anew, without what had been done to it: this hand's part of it has nowhere to "
+          "go; save what is here, and join it again",
+          session_.name, session_.host));
       return;
     }
   }
@@ -213,7 +217,8 @@ class SharedEdits final : public SharedFollower {
 
   void offer() {
     const std::span<const PointChange> changes = exchange_.nextOffer();
-    if (!changes.empty()) isOfferNear_ = std::ranges::any_of(changes, [&](const PointChange& each) { return isNear(each); });
+    if (!changes.empty())
+      isOfferNear_ = std::ranges::any_of(changes, [&](const PointChange& each) { return isNear(each); });
     // Before it is carried out, and until that is known.
     if (isOfferNear_ && exchange_.isOffering()) known_.changed();
     if (!changes.empty() && backend_.offer(changes, exchange_.changesFollowed())) exchange_.offered();
@@ -258,8 +263,8 @@ class SharedEdits final : public SharedFollower {
     untold_.push_back(std::move(what));
   }
 
-  // Without the lock, which who answers the hand may wait for: who listens takes as long as it likes. It may also end what
-  // says it (LogListener), which would be this hand's part in the session.
+  // Without the lock, which who answers the hand may wait for: who listens takes as long as it likes. It may also end
+  // what says it (LogListener), which would be this hand's part in the session.
   void tell() {
     std::vector<std::string> said;
     {

@@ -16,9 +16,9 @@ class JoinedSession;
 
 struct SharedParts {
   std::shared_ptr<const JoinedSession> session;
-  const PointCloud& cloud;   ///< as it was joined
-  TouchBackend& backend;     ///< made of it, with a brush that keeps points, which may be taken away again; it keeps edits
-  Log* log = nullptr;        ///< hears of silence and of its end
+  const PointCloud& cloud;  ///< as it was joined
+  TouchBackend& backend;  ///< made of it, with a brush that keeps points, which may be taken away again; it keeps edits
+  Log* log = nullptr;     ///< hears of silence and of its end
 };
 
 /// Begins to exchange strokes, on a thread of its own. What goes wrong there for good is thrown by catchUp(), as a

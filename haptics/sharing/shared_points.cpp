@@ -8,7 +8,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostClients = 4096;      // of whom it is known which of their pieces have been taken
+constexpr std::size_t kMostClients = 4096;    // of whom it is known which of their pieces have been taken
 constexpr std::size_t kLeastOrder = 1 << 20;  // of the order that is kept
 constexpr float kLongestNormal = 1.01F;
 

@@ -46,8 +46,8 @@ class SharedPoints {
     std::uint64_t scanEnd = 0;  ///< head() when the scan began; 0: none is under way
     std::uint64_t ownUpTo = 0;  ///< up to here it gets what it has made itself, too
   };
-  /// Appends at most `most` states that are newer than `place`, as they are now, and moves it. What `receiver` made last
-  /// is left out, beyond Place::ownUpTo. Where a point has changed again since, its last state is given once.
+  /// Appends at most `most` states that are newer than `place`, as they are now, and moves it. What `receiver` made
+  /// last is left out, beyond Place::ownUpTo. Where a point has changed again since, its last state is given once.
   void collect(Place& place, const Id& receiver, std::size_t most, std::vector<PointState>& states) const;
   bool isBehind(const Place& place) const { return place.upTo < head(); }
 

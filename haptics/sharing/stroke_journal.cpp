@@ -71,15 +71,17 @@ void StrokeJournal::goOn(std::uint64_t points, std::uint64_t checksum, const std
   if (header.version != Header().version)
     throw FileError(file_, fmt::format("is a journal of version {}; this palpate knows version 1", header.version));
   if (header.points != points || header.checksum != checksum)
-    throw FileError(file_, fmt::format("has the strokes of another model, of {} points; serve that one, or give another name",
-                                       header.points));
+    throw FileError(file_,
+                    fmt::format("has the strokes of another model, of {} points; serve that one, or give another name",
+                                header.points));
   session_ = header.session;
   std::uint64_t at = sizeof header;
   std::vector<PointState> states;
   while (size - at >= sizeof(Head)) {
     Head head;
     if (std::fread(&head, sizeof head, 1, stream) != 1) throw FileError::atByte(file_, at, "cannot be read");
-    if (head.states == 0 || head.states > kMostStates) throw FileError::atByte(file_, at, "is damaged: no piece of a stroke");
+    if (head.states == 0 || head.states > kMostStates)
+      throw FileError::atByte(file_, at, "is damaged: no piece of a stroke");
     const std::uint64_t bytes = head.states * sizeof(PointState);
     if (size - at - sizeof head < bytes) break;
     states.resize(head.states);

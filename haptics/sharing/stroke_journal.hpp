@@ -12,8 +12,8 @@
 
 namespace palpate::sharing {
 
-/// A file that each piece of a stroke is added to before its client hears that it was taken: a server that is killed and
-/// started again with it goes on where it was, and its clients with it. Numbers are little-endian.
+/// A file that each piece of a stroke is added to before its client hears that it was taken: a server that is killed
+/// and started again with it goes on where it was, and its clients with it. Numbers are little-endian.
 class StrokeJournal {
  public:
   struct Piece {
@@ -21,9 +21,9 @@ class StrokeJournal {
     std::uint64_t number;
     std::span<const PointState> states;
   };
-  /// Makes the file, or goes on with it: `take` gets all pieces that it has, in order. `checksum`: of the `points` that are
-  /// served. A last piece that was cut off, as by a kill, is taken away: no client has heard that it was taken. Throws
-  /// FileError for a file that is none, is of other points, or is damaged, and leaves it as it was.
+  /// Makes the file, or goes on with it: `take` gets all pieces that it has, in order. `checksum`: of the `points` that
+  /// are served. A last piece that was cut off, as by a kill, is taken away: no client has heard that it was taken.
+  /// Throws FileError for a file that is none, is of other points, or is damaged, and leaves it as it was.
   StrokeJournal(std::filesystem::path file, std::uint64_t points, std::uint64_t checksum, const Id& fresh,
                 const std::function<void(const Piece&)>& take);
 

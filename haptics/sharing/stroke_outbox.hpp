@@ -1,4 +1,5 @@
-// What one hand has made of points, on its way to the server. Nothing of DDS is seen here. One thread uses it at a time.
+// What one hand has made of points, on its way to the server. Nothing of DDS is seen here. One thread uses it at a
+// time.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +18,13 @@ struct StrokePiece {
   std::vector<PointState> states;
 };
 
-/// Numbered pieces, each kept until it is known to have been taken. What is made while it waits goes once for each point,
-/// as it was made last.
+/// Numbered pieces, each kept until it is known to have been taken. What is made while it waits goes once for each
+/// point, as it was made last.
 class StrokeOutbox {
  public:
   void add(const PointState& state);
-  /// The next piece to send, of at most `most` states; null where there is none, or so many are on the way that they have
-  /// to arrive first. It stays until it has been taken.
+  /// The next piece to send, of at most `most` states; null where there is none, or so many are on the way that they
+  /// have to arrive first. It stays until it has been taken.
   const StrokePiece* nextPiece(std::size_t most);
   /// The one that nextPiece() gave last could not be sent: it is the next one again.
   void notSent() { --toSend_; }

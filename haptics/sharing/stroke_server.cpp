@@ -7,17 +7,17 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostFollowers = 64;  // at a time; one more takes the place of who was heard longest ago,
-constexpr double kGone_s = 5;               // and so long ago: who follows pings
+constexpr std::size_t kMostFollowers = 64;     // at a time; one more takes the place of who was heard longest ago,
+constexpr double kGone_s = 5;                  // and so long ago: who follows pings
 constexpr std::int32_t kMostWaiting = 32'768;  // samples of each kind, of 1.4 KB; what is lost of them is sent again
 constexpr std::int32_t kMostCopiesWaiting = 4096;  // of strokes, which have to come the reliable way where these do not
-constexpr double kAllCopies_B_per_s = 4e6;     // of results, to all who follow
-constexpr std::uint32_t kMostUnacked = 2048;   // results that are kept for one who may not have them yet
-constexpr double kApart_s = 0.008;          // what is done within goes together, each point once
-/// After which who follows hears that there is nothing. On a link that loses, each word that has to come again holds up those
-/// behind it for a round trip, so that there are few.
+constexpr double kAllCopies_B_per_s = 4e6;         // of results, to all who follow
+constexpr std::uint32_t kMostUnacked = 2048;       // results that are kept for one who may not have them yet
+constexpr double kApart_s = 0.008;                 // what is done within goes together, each point once
+/// After which who follows hears that there is nothing. On a link that loses, each word that has to come again holds up
+/// those behind it for a round trip, so that there are few.
 constexpr double kSilence_s = 0.5;
-constexpr int kInTurn = 64;                 // results for one before it is the next one's turn
+constexpr int kInTurn = 64;  // results for one before it is the next one's turn
 
 }  // namespace
 
@@ -48,7 +48,8 @@ void StrokeServer::take(const ResumeRequest& request) {
   const Id client = idOf(request.client);
   if (!followers_.contains(client)) {
     if (followers_.size() >= kMostFollowers) {
-      const auto last = std::ranges::max_element(followers_, {}, [](const auto& one) { return one.second.lastHeard.elapsed_s(); });
+      const auto last =
+          std::ranges::max_element(followers_, {}, [](const auto& one) { return one.second.lastHeard.elapsed_s(); });
       if (last->second.lastHeard.elapsed_s() < kGone_s) {
         ++counts_.refused;
         return;
@@ -92,7 +93,8 @@ void StrokeServer::take(const Stroke& stroke, Way way) {
   const auto follower = followers_.find(client);
   if (follower == followers_.end()) return;
   EarlyCopies<std::vector<PointState>>& early = follower->second.early;
-  if (taken == SharedPoints::Taken::early && way == Way::copy) early.keep(stroke.number, parts_.points.lastOf(client), states_);
+  if (taken == SharedPoints::Taken::early && way == Way::copy)
+    early.keep(stroke.number, parts_.points.lastOf(client), states_);
   while (taken == SharedPoints::Taken::taken) {
     const std::uint64_t last = parts_.points.lastOf(client);
     const auto next = early.takeAfter(last);
@@ -101,13 +103,15 @@ void StrokeServer::take(const Stroke& stroke, Way way) {
   }
 }
 
-SharedPoints::Taken StrokeServer::take(const Id& client, std::uint64_t number, std::span<const PointState> states, Way way) {
+SharedPoints::Taken StrokeServer::take(const Id& client, std::uint64_t number, std::span<const PointState> states,
+                                       Way way) {
   const std::uint64_t before = parts_.points.lastOf(client);
   const SharedPoints::Taken taken = parts_.points.take(client, number, states);
   if (parts_.points.lastOf(client) > 0) reliable_.try_emplace(client, before);
   if (taken == SharedPoints::Taken::taken) {
     counts_.states += states.size();
-    if (parts_.journal) parts_.journal->add({.client = client, .number = number, .states = {states.begin(), states.end()}});
+    if (parts_.journal)
+      parts_.journal->add({.client = client, .number = number, .states = {states.begin(), states.end()}});
   }
   count(client, number, way, taken);
   return taken;
@@ -125,17 +129,21 @@ void StrokeServer::count(const Id& client, std::uint64_t number, Way way, Shared
     case SharedPoints::Taken::early: {
       // Copies come again as a matter of course, and so does, once, what a copy has brought before.
       const auto last = reliable_.find(client);
-      counts_.again += !isCopy && (last == reliable_.end() || number <= last->second || taken == SharedPoints::Taken::early);
+      counts_.again +=
+          !isCopy && (last == reliable_.end() || number <= last->second || taken == SharedPoints::Taken::early);
       break;
     }
     case SharedPoints::Taken::refused:
       if (counts_.refused++ == 0 && parts_.log)
-        parts_.log->say("a piece of a stroke was refused, as others may be: no hand of ours makes it, or {} hands have sculpted "
-                        "and no more can", parts_.points.clients());
+        parts_.log->say(
+            "a piece of a stroke was refused, as others may be: no hand of ours makes it, or {} hands have sculpted "
+            "and no more can",
+            parts_.points.clients());
       break;
   }
   const auto last = reliable_.find(client);
-  if (!isCopy && last != reliable_.end()) last->second = std::max(last->second, std::min(number, parts_.points.lastOf(client)));
+  if (!isCopy && last != reliable_.end())
+    last->second = std::max(last->second, std::min(number, parts_.points.lastOf(client)));
 }
 
 double StrokeServer::write() {
@@ -151,7 +159,8 @@ double StrokeServer::write(const Id& client, Follower& follower) {
 
 double StrokeServer::writeResults(const Id& client, Follower& follower) {
   const auto isDue = [&] {
-    return follower.holds || parts_.points.isBehind(follower.place) || parts_.points.lastOf(client) != follower.toldAcked;
+    return follower.holds || parts_.points.isBehind(follower.place) ||
+           parts_.points.lastOf(client) != follower.toldAcked;
   };
   const double since_s = follower.lastWritten.elapsed_s();
   if (!follower.holds && since_s < kApart_s) return isDue() ? kApart_s - since_s : kSilence_s;

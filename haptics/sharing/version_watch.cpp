@@ -15,7 +15,8 @@ constexpr std::string_view kSays = "palpate=";
 std::optional<std::uint32_t> versionOf(const dds_builtintopic_participant_t& participant) {
   void* data = nullptr;
   std::size_t size = 0;
-  if (participant.qos == nullptr || !dds_qget_userdata(participant.qos, &data, &size) || data == nullptr) return std::nullopt;
+  if (participant.qos == nullptr || !dds_qget_userdata(participant.qos, &data, &size) || data == nullptr)
+    return std::nullopt;
   const std::string text(static_cast<const char*>(data), size);
   dds_free(data);
   std::uint32_t version = 0;
@@ -49,7 +50,8 @@ std::set<std::uint32_t> VersionWatch::fresh() {
       if (!about[i].valid_data) continue;
       const auto version = versionOf(*static_cast<const dds_builtintopic_participant_t*>(samples[i]));
       constexpr std::size_t kMostKnown = 16;  // whoever makes up more of them is not listened to any more
-      if (version && *version != kVersion && known_.size() < kMostKnown && known_.insert(*version).second) versions.insert(*version);
+      if (version && *version != kVersion && known_.size() < kMostKnown && known_.insert(*version).second)
+        versions.insert(*version);
     }
     if (count > 0) dds_return_loan(reader_, samples, count);
     if (count < static_cast<dds_return_t>(kAtOnce)) return versions;

@@ -10,9 +10,10 @@ const uint kContactWorkgroup = 256;
 // The patch: points within (1 + kPatchSlack) support radii of its centre, gathered once and evaluated many times. More
 // slack means fewer gathers when the proxy travels, and more points to visit each time.
 const float kPatchSlack = 0.5f;
-const uint kMostSharedPatch = 768;      // points kept in shared memory, fewer on small GPUs; the rest spill to a buffer
-const uint kPatchRoundCandidates = 16384;  // visited for every kContactWorkgroup cells; denser places are thinned evenly
-const uint kPatchMaxCells = 2048;       // visited by one gather; SpatialHash cells must not be smaller than allows
+const uint kMostSharedPatch = 768;  // points kept in shared memory, fewer on small GPUs; the rest spill to a buffer
+const uint kPatchRoundCandidates =
+    16384;                         // visited for every kContactWorkgroup cells; denser places are thinned evenly
+const uint kPatchMaxCells = 2048;  // visited by one gather; SpatialHash cells must not be smaller than allows
 const uint kMostPatchPoints = kPatchMaxCells / kContactWorkgroup * kPatchRoundCandidates;
 
 // A first patch that is large is gathered by a few workgroups, which pays once they save more than they cost by
@@ -21,8 +22,8 @@ const uint kSplitWorkgroups = 8;
 const uint kSplitNeighbours = 1024;  // of the last answer: from here on
 const uint kSplitCells = 257;        // that a gather may visit: from here on, whatever they hold
 
-const uint kMinNeighbours = 3;          // fewer points than this within the support radius are no surface
-const float kLeastNormal = 1e-4f;       // weighted normals that cancel below this (of 1) give no face, so no surface
+const uint kMinNeighbours = 3;     // fewer points than this within the support radius are no surface
+const float kLeastNormal = 1e-4f;  // weighted normals that cancel below this (of 1) give no face, so no surface
 
 // What the points define around a place: SurfaceKind of engine/contact/surface_kind.hpp.
 const uint kSurfaceAverage = 0;
@@ -43,8 +44,9 @@ const float kSharpHeight = 0.5f;
 const float kSupportSpacings = 4.0f;
 const float kLeastLocalRadius = 0.125f;
 // A widened support radius averages noise out where the surface is flat, and shrinks back where it turns: by how much
-// shorter than 1 the mean normal is from which on it shrinks, and where it is back. (R / rho)^2 times 0.0694 on a sphere
-// of radius rho, 0.29 on an edge of 90 degrees. Less is wary of noisy normals, more rounds edges off and loses folds.
+// shorter than 1 the mean normal is from which on it shrinks, and where it is back. (R / rho)^2 times 0.0694 on a
+// sphere of radius rho, 0.29 on an edge of 90 degrees. Less is wary of noisy normals, more rounds edges off and loses
+// folds.
 const float kFlatTurn = 0.01f;
 const float kFoldTurn = 0.06f;
 // The sharp surface keeps points across an edge out by itself. For it the radius shrinks where the surface on this side
@@ -55,13 +57,13 @@ const float kThisFace = 0.5f;
 
 // Tangent-plane tracking (Salisbury and Tarr 1997).
 const uint kMaxTrackingSteps = 32;
-const float kConvergence = 1e-5f;       // of the support radius: largest step of a proxy that has arrived
+const float kConvergence = 1e-5f;  // of the support radius: largest step of a proxy that has arrived
 // Of the support radius: a step smaller than this is the last. From step to step they shrink to a quarter and less, so
 // that a smaller value costs another evaluation, and a larger one is felt as a ripple.
 const float kLastStep = 1e-4f;
-const float kLongestStep = 0.5f;        // of the support radius: for the proxy and for the sub-steps of the HIP
-const float kStaticFriction = 1.25f;    // times the coefficient of sliding, before a held proxy slides
-const uint kMaxSubsteps = 16;           // a HIP that jumps further than these reach may pass a thin sheet unseen
+const float kLongestStep = 0.5f;      // of the support radius: for the proxy and for the sub-steps of the HIP
+const float kStaticFriction = 1.25f;  // times the coefficient of sliding, before a held proxy slides
+const uint kMaxSubsteps = 16;         // a HIP that jumps further than these reach may pass a thin sheet unseen
 
 // Loop rounds of one invocation, kept far below the 65,535 after which one software driver stops a shader silently.
 const uint kContactWorkBudget = 40000;
@@ -96,8 +98,8 @@ struct ContactState {
 };
 PALPATE_SIZE(ContactState, 72);
 
-const uint kSampleTruncated = 1;  // the work budget was spent before the proxy arrived
-const uint kSampleThinned = 2;    // more points were near than a step visits; every so-manyth was taken
+const uint kSampleTruncated = 1;   // the work budget was spent before the proxy arrived
+const uint kSampleThinned = 2;     // more points were near than a step visits; every so-manyth was taken
 const uint kSampleFaceShift = 30;  // from this bit on: kFace... of the HIP
 
 // What the host writes before a tick. `carried`: where it has gone on from by itself since the last one, in its place;
@@ -108,8 +110,8 @@ struct ContactQuestion {
   ContactState carried;
   float pointsAge;  // s
   float sinceLast;  // s
-  uint withdrawn;  // not 0: a step that waits for its question shall end without an answer
-  uint seal;       // the sum of questionShare() of all words before it
+  uint withdrawn;   // not 0: a step that waits for its question shall end without an answer
+  uint seal;        // the sum of questionShare() of all words before it
 };
 PALPATE_SIZE(ContactQuestion, 104);
 const uint kQuestionWords = 26;
@@ -128,12 +130,12 @@ PALPATE_FUNCTION uint questionShare(uint word, uint place) {
 struct ContactSample {
   vec3 spring;    // from HIP to proxy, model units; zero when free
   uint touching;  // kFree, kSliding or kSticking
-  vec3 normal;  // unit, outward, at the proxy (at the HIP when free); zero where there is no surface
+  vec3 normal;    // unit, outward, at the proxy (at the HIP when free); zero where there is no surface
   uint neighbours;
   uint tick;
   uint trackingSteps;
-  uint logHead;  // entries of the edit log complete before this tick
-  uint flags;    // kSample...
+  uint logHead;   // entries of the edit log complete before this tick
+  uint flags;     // kSample...
   vec3 velocity;  // of the surface there, model units per second; zero where points stand still
   uint seal;      // sealOf() the rest
 };
@@ -168,10 +170,10 @@ struct ContactStepArgs {
   PALPATE_ADDRESS(Uints) logHead;
   PALPATE_ADDRESS(GatheredPatch) gathered;  // of the first gather, unless it is kGatherAlone
   PALPATE_ADDRESS(Vec4s) velocities;        // by ids, model units per second; where points move
-  float radius;                          // support radius, model units
-  uint gather;                           // kGather...
-  uint mostCells;                        // of one gather, by the room in its buffers
-  uint spillSlots;                       // of each probe of a tool, where there are many
+  float radius;                             // support radius, model units
+  uint gather;                              // kGather...
+  uint mostCells;                           // of one gather, by the room in its buffers
+  uint spillSlots;                          // of each probe of a tool, where there are many
 };
 PALPATE_SIZE(ContactStepArgs, 128);
 

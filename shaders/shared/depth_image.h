@@ -149,8 +149,8 @@ PALPATE_FORMULA PALPATE_OF(PixelSurface)
   const Real depth = Real(1.0) / inverse;
   if (abs(depth - middle) > Real(kOutlierDeviations) * depthDeviation(sensor.noise, middle)) return none;
   // A plane m.p = 1 has the inverse depth m.ray, whose slopes are m.x / fx and m.y / fy.
-  const PALPATE_VEC3 away = PALPATE_VEC3(a * camera.fx, b * camera.fy,
-                                         inverse - a * (pixel.x - camera.cx) - b * (pixel.y - camera.cy));
+  const PALPATE_VEC3 away =
+      PALPATE_VEC3(a * camera.fx, b * camera.fy, inverse - a * (pixel.x - camera.cx) - b * (pixel.y - camera.cy));
   const PALPATE_VEC3 normal = -normalize(away);
   if (-dot(normal, normalize(rayThrough(camera, pixel))) < Real(kLeastFacing)) return none;
   PALPATE_OF(PixelSurface) surface;

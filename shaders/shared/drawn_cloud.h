@@ -12,19 +12,19 @@ struct CatchUpArgs {
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(Uints) colors;  // RGBA8; not written where `colored` is 0
-  uint firstSlot;  // of the range in the ring
-  uint slotMask;   // the ring has slotMask + 1 slots
+  uint firstSlot;                 // of the range in the ring
+  uint slotMask;                  // the ring has slotMask + 1 slots
   uint entryCount;
   uint pointCount;
   uint colored;
-  uint marks;      // not 0: buckets are marked that a point has left or come to, or where it has turned
+  uint marks;                      // not 0: buckets are marked that a point has left or come to, or where it has turned
   PALPATE_ADDRESS(Uints) changed;  // a bit for each bucket
   HashGrid grid;
 };
 PALPATE_SIZE(CatchUpArgs, 96);
 
-// A disc is measured again where its point has moved by more than this many mean spacings, or its normal's end by more than
-// this: frames of a camera move all that they see by some of their noise, and discs overlap by far more.
+// A disc is measured again where its point has moved by more than this many mean spacings, or its normal's end by more
+// than this: frames of a camera move all that they see by some of their noise, and discs overlap by far more.
 const float kKeepsDiscWithin = 0.05f, kKeepsDiscTurned = 0.1f;
 
 // All points of a live cloud on their way into the drawn cloud.
@@ -47,8 +47,8 @@ struct PlaceArgs {
 };
 PALPATE_SIZE(PlaceArgs, 112);
 
-// The colour of a point of a frame, opaque, from the bits beside its normal in the live cloud: red in the lowest byte. The
-// highest one stays 0 there, so that the bits are those of no NaN.
+// The colour of a point of a frame, opaque, from the bits beside its normal in the live cloud: red in the lowest byte.
+// The highest one stays 0 there, so that the bits are those of no NaN.
 PALPATE_FUNCTION uint frameColor(uint bits) { return bits | 0xff000000u; }
 
 PALPATE_SHARED_END

@@ -8,8 +8,8 @@
 
 PALPATE_SHARED_BEGIN
 
-// What the loops over the neighbours of one place may cost (lib/neighbour_walk.glsl). Past it what follows comes from the
-// points seen so far; reached only where a hundred thousand points share a place.
+// What the loops over the neighbours of one place may cost (lib/neighbour_walk.glsl). Past it what follows comes from
+// the points seen so far; reached only where a hundred thousand points share a place.
 const uint kNeighbourWorkBudget = 20000;
 // The same for those that decide whether points come or go, who walk over their neighbours several
 // times: so many candidates at most, or cells, whatever the size of a subgroup. Past it points decide by what they have
@@ -45,7 +45,7 @@ struct PointTables {
   PALPATE_ADDRESS(Places) rests;     // where points stood as loaded; of later ones, half way between their ends
   PALPATE_ADDRESS(Floats) reaches;   // of the points from firstNew on: how far others may come from there
   PALPATE_ADDRESS(Brushes) brush;
-  PALPATE_ADDRESS(Uints) examined;   // tick in which a point was last examined
+  PALPATE_ADDRESS(Uints) examined;  // tick in which a point was last examined
   PALPATE_ADDRESS(ResampleLists) lists;
   PALPATE_ADDRESS(PointMoves) moves;
   PALPATE_ADDRESS(Uints) marks;
@@ -62,22 +62,22 @@ PALPATE_SIZE(PointTables, 112);
 struct PointRequest {
   vec3 position;  // of the point
   uint id;
-  vec3 place;     // of the new point
-  uint inserts;   // not 0: it requests one
-  vec3 normal;    // of that, and so on
+  vec3 place;    // of the new point
+  uint inserts;  // not 0: it requests one
+  vec3 normal;   // of that, and so on
   uint color;
   uint parent;
-  uint other;     // id of the point on the other side of the gap
-  float reach;    // how far others may come from there
+  uint other;   // id of the point on the other side of the gap
+  float reach;  // how far others may come from there
 };
 PALPATE_SIZE(PointRequest, 60);
 
 struct Resampling {
   uint requests;
-  uint births;       // new points that come with the next edit
+  uint births;  // new points that come with the next edit
   uint nextId;
   uint tick;
-  uint thinning;     // only requests of every 2^thinning-th point for a new one count
+  uint thinning;  // only requests of every 2^thinning-th point for a new one count
 };
 const uint kResamplingBytes = 20;
 PALPATE_SIZE(Resampling, kResamplingBytes);
@@ -95,8 +95,8 @@ struct CollectArgs {
   PALPATE_ADDRESS(ContactStates) state;
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(Tables) tables;
-  uint recalls;    // kRecalls...
-  uint cells;      // of the brush's box, along one side; 0: slots from firstSlot on are examined
+  uint recalls;  // kRecalls...
+  uint cells;    // of the brush's box, along one side; 0: slots from firstSlot on are examined
   uint firstSlot;
   uint slots;
 };

@@ -36,11 +36,11 @@ const float kLeastColorShare = 0.125f;
 const uint kUnseenColor = 0xffb0b0b0u;
 
 // What a frame says of a point of the map.
-const uint kSightNone = 0u;      // nothing: it is out of view, or no depth was measured there
-const uint kSightMatched = 1u;   // it was measured
-const uint kSightHidden = 2u;    // it stands behind what is seen
-const uint kSightFree = 3u;      // the camera sees through it
-const uint kSightUnclear = 4u;   // it should be seen, and something else is
+const uint kSightNone = 0u;     // nothing: it is out of view, or no depth was measured there
+const uint kSightMatched = 1u;  // it was measured
+const uint kSightHidden = 2u;   // it stands behind what is seen
+const uint kSightFree = 3u;     // the camera sees through it
+const uint kSightUnclear = 4u;  // it should be seen, and something else is
 
 // One frame, and the rules by which it is fused.
 struct FusionView {
@@ -49,11 +49,11 @@ struct FusionView {
   vec3 ahead;
   vec3 centre;  // of the camera, in the map, m
   DepthSensor sensor;
-  float memory;    // measurements that a point remembers at most
-  uint width;      // pixels
+  float memory;  // measurements that a point remembers at most
+  uint width;    // pixels
   uint height;
-  uint number;     // of the frame
-  uint colored;    // not 0: it has colours
+  uint number;   // of the frame
+  uint colored;  // not 0: it has colours
 };
 PALPATE_SIZE(FusionView, 96);
 
@@ -232,7 +232,7 @@ PALPATE_FUNCTION bool isGivenUp(SurfelRecord record) { return doubtsOf(record) >
 // Parts of a pixel, and of those beside it, in which a point of the map stands close to the pixel's middle: within it,
 // or by a quarter of a pixel beside it. Where one does, no new one is put.
 const uint kPartsWithin = 0xffffu;
-const uint kPartsLeft = 0x8888u;   // of the pixel to the left
+const uint kPartsLeft = 0x8888u;  // of the pixel to the left
 const uint kPartsRight = 0x1111u;
 const uint kPartsAbove = 0xf000u;
 const uint kPartsBelow = 0x000fu;

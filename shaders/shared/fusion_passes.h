@@ -11,8 +11,8 @@ const uint kMaskBits = 32u;
 // Of a workgroup, whatever its size.
 const uint kMaxMaskWords = 32u;
 
-// The bits beside a point's normal in the live cloud: its colour, red in the lowest byte and 0 in the highest, grey where
-// none was seen.
+// The bits beside a point's normal in the live cloud: its colour, red in the lowest byte and 0 in the highest, grey
+// where none was seen.
 PALPATE_FUNCTION uint colorBeside(SurfelRecord record) {
   return (record.color >> 24 != 0u ? record.color : kUnseenColor) & 0xffffffu;
 }
@@ -55,8 +55,8 @@ struct FusePointsArgs {
   PALPATE_ADDRESS(Depths) depths;
   PALPATE_ADDRESS(Uints) colors;
   PALPATE_ADDRESS(PixelSurfaces) surfaces;
-  PALPATE_ADDRESS(Uints) covered;         // by pixel: the parts in which points stand
-  PALPATE_ADDRESS(Vec4s) positionsIn;     // by slot
+  PALPATE_ADDRESS(Uints) covered;      // by pixel: the parts in which points stand
+  PALPATE_ADDRESS(Vec4s) positionsIn;  // by slot
   PALPATE_ADDRESS(Vec4s) normalsIn;
   PALPATE_ADDRESS(Vec4s) positionsOut;
   PALPATE_ADDRESS(Vec4s) normalsOut;

@@ -16,7 +16,7 @@ const uint kBruteChunk = kBruteItems * kContactWorkgroup;
 // A first patch that other workgroups have gathered, as the solve finds it: `segments` in order, each a run of points
 // (first slot, number). Two vec4 a slot: place relative to the centre with the bits of the id, normal.
 struct GatherHeader {
-  vec3 centre;    // relative to the HIP
+  vec3 centre;  // relative to the HIP
   uint segments;
   uint steps;     // what the gather costs where one workgroup does it alone, loop steps (patchSteps)
   uint thinned;   // not 0: only every so-manyth candidate was taken

@@ -17,7 +17,7 @@ struct HardwareDiscArgs {
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(Uints) colors;
   PALPATE_ADDRESS(Uints) clips;
-  vec2 center_px;        // of the view, and so on
+  vec2 center_px;  // of the view, and so on
   float focal_px;
   float nearDepth;
   float depthScale;      // times a depth: what the depth attachment holds; a power of two, so that no bit is lost

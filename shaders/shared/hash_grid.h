@@ -29,9 +29,7 @@ PALPATE_FUNCTION ivec3 cellOf(HashGrid grid, vec3 position) {
 }
 
 // The low four bits of `v`, three apart.
-PALPATE_FUNCTION uint spreadBits(uint v) {
-  return (v & 1u) | (v & 2u) << 2 | (v & 4u) << 4 | (v & 8u) << 6;
-}
+PALPATE_FUNCTION uint spreadBits(uint v) { return (v & 1u) | (v & 2u) << 2 | (v & 4u) << 4 | (v & 8u) << 6; }
 
 // Teschner et al. 2003, section 4.1, of the cell's block; the cell's place in the block stands in the low bits.
 PALPATE_FUNCTION uint bucketOf(HashGrid grid, ivec3 cell) {

@@ -15,7 +15,7 @@ const float kMarkGiven = 2.0f;  // the point is as it was given
 
 // One change of a point, on its way into the index.
 struct PointMove {
-  vec3 position;    // where it goes; model units
+  vec3 position;  // where it goes; model units
   uint id;
   vec3 normal;
   float mark;       // kMark...
@@ -36,10 +36,10 @@ const uint kMarkMove = kMarkArrival - 1u;  // as many moves are there at most
 PALPATE_FUNCTION uint arrivalsOf(uint mark) { return (mark & ~kMarkListed) / kMarkArrival; }
 
 // Why an update was not carried out; the cloud is then as it was.
-const uint kUpdateTooLarge = 1;   // more moves than there is room for
-const uint kUpdateNoSlots = 2;    // no slots left for a bucket to grow
-const uint kUpdateCrowded = 4;    // too many points arrive in one bucket
-const uint kUpdateUnknown = 8;    // a point is not where the edit says
+const uint kUpdateTooLarge = 1;  // more moves than there is room for
+const uint kUpdateNoSlots = 2;   // no slots left for a bucket to grow
+const uint kUpdateCrowded = 4;   // too many points arrive in one bucket
+const uint kUpdateUnknown = 8;   // a point is not where the edit says
 
 // Workgroups in the first axis of an indirect dispatch; loops cover what is beyond.
 const uint kMostUpdateGroups = 65535;
@@ -62,13 +62,13 @@ PALPATE_FUNCTION uint dirtyListFrom(HashGrid grid) { return grid.bucketMask / 32
 struct HashUpdate {
   uint moves;
   uint touched;
-  uint arrivals; // of buckets where more arrive than a subgroup holds
-  uint grown;    // slots that buckets take at the end
-  uint refused;  // kUpdate... for which an update is not carried out, but a full build may be
-  uint wanted;   // slots that new points have taken before a full build
-  uint failed;   // kUpdate...
-  uint changed;  // slots whose points changed
-  uint gone;     // points that were taken away
+  uint arrivals;        // of buckets where more arrive than a subgroup holds
+  uint grown;           // slots that buckets take at the end
+  uint refused;         // kUpdate... for which an update is not carried out, but a full build may be
+  uint wanted;          // slots that new points have taken before a full build
+  uint failed;          // kUpdate...
+  uint changed;         // slots whose points changed
+  uint gone;            // points that were taken away
   uvec3 moveGroups;     // one invocation a move
   uvec3 movedGroups;    // one subgroup a move
   uvec3 applyGroups;    // one subgroup a touched bucket
@@ -88,11 +88,11 @@ struct HashUpdateArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(PointMoves) moves;
-  PALPATE_ADDRESS(Uints) marks;         // one a bucket
-  PALPATE_ADDRESS(Uints) touched;       // buckets whose points change, 2 mostMoves; then two words a move
-  PALPATE_ADDRESS(Uints) movesOf;       // one a slot: the move of its point, where that move names the slot
-  PALPATE_ADDRESS(Uints) capacities;    // one a bucket; 0: as many as it has points
-  PALPATE_ADDRESS(Uints) changed;       // slots
+  PALPATE_ADDRESS(Uints) marks;       // one a bucket
+  PALPATE_ADDRESS(Uints) touched;     // buckets whose points change, 2 mostMoves; then two words a move
+  PALPATE_ADDRESS(Uints) movesOf;     // one a slot: the move of its point, where that move names the slot
+  PALPATE_ADDRESS(Uints) capacities;  // one a bucket; 0: as many as it has points
+  PALPATE_ADDRESS(Uints) changed;     // slots
   PALPATE_ADDRESS(DirtyBuckets) dirty;
   uint mostMoves;
   uint unused;

@@ -42,8 +42,8 @@ PALPATE_STRUCT(Pairing) {
 PALPATE_SINGLE(Pairing);
 
 // Of what a pixel sees, with the deviation of its depth, and a point of the map; all in one system.
-PALPATE_FORMULA PALPATE_OF(IcpPair) icpPair(PALPATE_OF(Oriented) seen, PALPATE_OF(Oriented) mapped,
-                                            PALPATE_OF(Pairing) pairing, Real deviation) {
+PALPATE_FORMULA PALPATE_OF(IcpPair)
+    icpPair(PALPATE_OF(Oriented) seen, PALPATE_OF(Oriented) mapped, PALPATE_OF(Pairing) pairing, Real deviation) {
   PALPATE_OF(IcpPair) pair;
   const PALPATE_VEC3 offset = seen.place - mapped.place;
   const bool isNear = dot(offset, offset) <= pairing.gate * pairing.gate;

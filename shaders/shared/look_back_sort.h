@@ -12,8 +12,8 @@ PALPATE_SHARED_BEGIN
 const uint kSweepHistogramItems = 16;  // keys per invocation of the histogram; a multiple of 8
 // A tile's word for one digit: what it knows stands in the top bits, a count in the rest.
 const uint kSweepCountBits = 30;
-const uint kSweepOwn = 1u << kSweepCountBits;   // the count of the tile alone
-const uint kSweepAll = 2u << kSweepCountBits;   // of the tile and all before it, from the digit's first place
+const uint kSweepOwn = 1u << kSweepCountBits;  // the count of the tile alone
+const uint kSweepAll = 2u << kSweepCountBits;  // of the tile and all before it, from the digit's first place
 const uint kSweepCountMask = kSweepOwn - 1u;
 
 struct RadixHistogramArgs {
@@ -29,9 +29,9 @@ struct RadixSweepArgs {
   PALPATE_ADDRESS(Uints) valuesIn;
   PALPATE_ADDRESS(Uints) keysOut;
   PALPATE_ADDRESS(Uints) valuesOut;
-  PALPATE_ADDRESS(Uints) histogram;   // [digit] of this pass
-  PALPATE_ADDRESS(Uints) nextTile;    // one word, zero before
-  PALPATE_ADDRESS(TileWords) tiles;   // [tile][digit], zero before
+  PALPATE_ADDRESS(Uints) histogram;  // [digit] of this pass
+  PALPATE_ADDRESS(Uints) nextTile;   // one word, zero before
+  PALPATE_ADDRESS(TileWords) tiles;  // [tile][digit], zero before
   uint count;
   uint shift;
 };

@@ -5,13 +5,13 @@
 // gathers over neighbours in the order of their slots, and no sum depends on who came first. Who walks over them:
 // engine/matter. Lengths are m, times s.
 //
-// The constraint of a particle is its compression C = sum w(r / support) / (that sum at rest) - 1, held at 0 or below: a
-// free surface pulls at nothing. One Jacobi iteration with the same multiplier per compression for all particles is what
-// keeps momentum and needs no sum of squared gradients; it is as stiff as one iteration may be, which is that of a fluid
-// whose speed of sound is kStiffness spacings a substep. The pushes are the slope of an energy, the sum of C^2 over all
-// particles, also where walls and bodies take part: these add to the sum of a particle, and have no C of their own. To
-// lend them that of the particle (Akinci et al. 2012) is the slope of no energy, and water that stands in a tank would
-// begin to boil by it.
+// The constraint of a particle is its compression C = sum w(r / support) / (that sum at rest) - 1, held at 0 or below:
+// a free surface pulls at nothing. One Jacobi iteration with the same multiplier per compression for all particles is
+// what keeps momentum and needs no sum of squared gradients; it is as stiff as one iteration may be, which is that of a
+// fluid whose speed of sound is kStiffness spacings a substep. The pushes are the slope of an energy, the sum of C^2
+// over all particles, also where walls and bodies take part: these add to the sum of a particle, and have no C of their
+// own. To lend them that of the particle (Akinci et al. 2012) is the slope of no energy, and water that stands in a
+// tank would begin to boil by it.
 #ifndef PALPATE_SHARED_MATTER_H
 #define PALPATE_SHARED_MATTER_H
 #include "shaders/shared/types.h"
@@ -26,8 +26,8 @@ PALPATE_FORMULA Real wendlandPull(Real r) {
   return Real(20.0) * t * t * t;
 }
 
-// How two particles of which one is at a free surface attract each other, for a difference of two places: they push each
-// other away where they are nearer than kCohesionRest, in support radii, and feel nothing of each other from 1 on.
+// How two particles of which one is at a free surface attract each other, for a difference of two places: they push
+// each other away where they are nearer than kCohesionRest, in support radii, and feel nothing of each other from 1 on.
 const float kCohesionRest = 0.35f;
 PALPATE_FORMULA Real cohesionPull(Real r) {
   const Real t = max(Real(1.0) - r, Real(0.0));
@@ -50,18 +50,18 @@ PALPATE_FORMULA Real shareInLayer(Real r) {
 
 // What is the same for all particles of a fluid in all substeps.
 PALPATE_STRUCT(WaterRules) {
-  Real support;         // radius of the weights
-  Real restSum;         // of the weights of all neighbours and the particle itself, at rest
-  Real wallSum;         // the same where the neighbourhood is filled evenly and without grain
-  Real wallInset;       // in support radii: so much farther than they are walls are taken to be, so that a particle at rest
-                        // half a spacing from them misses nothing
-  Real push;            // m/s for a compression of 1 and a pull of 1 / m
-  Real wallPush;        // m/s for a compression of 1 and a whole share
-  Real drag;            // of a velocity, for a pull of 1
-  Real wallDrag;        // of a velocity, for a share of 1 / m in a layer
-  Real nearest;         // no particle comes nearer to a wall
-  Real step;            // s
-  Real cohesion;        // 1, for a cohesion of 1 and one particle of the two that is at a surface
+  Real support;    // radius of the weights
+  Real restSum;    // of the weights of all neighbours and the particle itself, at rest
+  Real wallSum;    // the same where the neighbourhood is filled evenly and without grain
+  Real wallInset;  // in support radii: so much farther than they are walls are taken to be, so that a particle at rest
+                   // half a spacing from them misses nothing
+  Real push;       // m/s for a compression of 1 and a pull of 1 / m
+  Real wallPush;   // m/s for a compression of 1 and a whole share
+  Real drag;       // of a velocity, for a pull of 1
+  Real wallDrag;   // of a velocity, for a share of 1 / m in a layer
+  Real nearest;    // no particle comes nearer to a wall
+  Real step;       // s
+  Real cohesion;   // 1, for a cohesion of 1 and one particle of the two that is at a surface
 };
 PALPATE_SINGLE(WaterRules);
 
@@ -75,18 +75,19 @@ PALPATE_FORMULA Real pressing(Real compression) { return max(compression, Real(0
 PALPATE_FORMULA Real atSurface(Real compression) { return min(max(Real(-10.0) * compression, Real(0.0)), Real(1.0)); }
 
 // The change of a particle's velocity by a neighbour. `offset` leads from the neighbour to the particle, `pull` is
-// wendlandPull() of its length, `compressions` the sum of both, neither below 0, and `relative` the neighbour's velocity
-// less the particle's. The neighbour's own change is the same with the other sign, to the last bit. A point of a boundary
-// has no compression, and counts as often as its volume says.
+// wendlandPull() of its length, `compressions` the sum of both, neither below 0, and `relative` the neighbour's
+// velocity less the particle's. The neighbour's own change is the same with the other sign, to the last bit. A point of
+// a boundary has no compression, and counts as often as its volume says.
 PALPATE_FORMULA PALPATE_VEC3 changeByNeighbour(PALPATE_OF(WaterRules) rules, PALPATE_VEC3 offset, Real pull,
                                                Real compressions, PALPATE_VEC3 relative) {
   return rules.push * pull * compressions * offset + rules.drag * pull * relative;
 }
 
-// The same by cohesion, for a neighbour r support radii away; `surfaces`: atSurface() of both together. Forces between pairs
-// (Tartakovsky, Meakin 2005), but of the free surface alone: where they act within a liquid, too, they hold it in the order
-// of a crystal, and it stops to flow.
-PALPATE_FORMULA PALPATE_VEC3 changeByCohesion(PALPATE_OF(WaterRules) rules, PALPATE_VEC3 offset, Real r, Real surfaces) {
+// The same by cohesion, for a neighbour r support radii away; `surfaces`: atSurface() of both together. Forces between
+// pairs (Tartakovsky, Meakin 2005), but of the free surface alone: where they act within a liquid, too, they hold it in
+// the order of a crystal, and it stops to flow.
+PALPATE_FORMULA PALPATE_VEC3 changeByCohesion(PALPATE_OF(WaterRules) rules, PALPATE_VEC3 offset, Real r,
+                                              Real surfaces) {
   return -rules.cohesion * surfaces * cohesionPull(r) * offset;
 }
 
@@ -167,8 +168,8 @@ PALPATE_STRUCT(Settled) {
 PALPATE_SINGLE(Settled);
 
 // From where it was predicted, by a `change` of its velocity.
-PALPATE_FORMULA PALPATE_OF(Settled) settle(PALPATE_OF(StoppingWalls) walls, PALPATE_VEC3 predicted, PALPATE_VEC3 velocity,
-                                           PALPATE_VEC3 change) {
+PALPATE_FORMULA PALPATE_OF(Settled)
+    settle(PALPATE_OF(StoppingWalls) walls, PALPATE_VEC3 predicted, PALPATE_VEC3 velocity, PALPATE_VEC3 change) {
   const PALPATE_VEC3 free = predicted + walls.step * change;
   PALPATE_OF(Settled) settled;
   settled.place = PALPATE_VEC3(keptInside(free.x, walls.size.x, walls.nearest, walls.openX),
@@ -179,8 +180,8 @@ PALPATE_FORMULA PALPATE_OF(Settled) settle(PALPATE_OF(StoppingWalls) walls, PALP
   return settled;
 }
 
-// Contacts that a grain remembers: balls of one size touch 12 of their kind at most; overlapping ones, walls and tools may
-// be a few more.
+// Contacts that a grain remembers: balls of one size touch 12 of their kind at most; overlapping ones, walls and tools
+// may be a few more.
 const uint kMostContacts = 20u;
 // With whom a contact is: a grain by its id, one of the six walls, the model, or a point of a body.
 const uint kFirstWall = 0x80000000u;
@@ -196,9 +197,9 @@ PALPATE_STRUCT(GrainRules) {
 };
 PALPATE_SINGLE(GrainRules);
 
-// How far two that touch are displaced along each other as a substep begins. `left`: what the last one left of it, which
-// both have moved on since by what they will move now, `moved`, but for the velocity `fall` that gravity has added between
-// them; nothing where they did not touch.
+// How far two that touch are displaced along each other as a substep begins. `left`: what the last one left of it,
+// which both have moved on since by what they will move now, `moved`, but for the velocity `fall` that gravity has
+// added between them; nothing where they did not touch.
 PALPATE_FORMULA PALPATE_VEC3 grainSlip(PALPATE_OF(GrainRules) rules, PALPATE_VEC3 left, PALPATE_VEC3 moved,
                                        PALPATE_VEC3 fall) {
   return left + moved - rules.step * fall;
@@ -207,15 +208,15 @@ PALPATE_FORMULA PALPATE_VEC3 grainSlip(PALPATE_OF(GrainRules) rules, PALPATE_VEC
 // A contact after a substep.
 PALPATE_STRUCT(GrainContact) {
   PALPATE_VEC3 change;  // of the grain's velocity, m/s
-  PALPATE_VEC3 slip;    // so far the two were displaced along each other when the substep began, from where they hold, m
+  PALPATE_VEC3 slip;  // so far the two were displaced along each other when the substep began, from where they hold, m
 };
 PALPATE_SINGLE(GrainContact);
 
-// Of a grain and what it touches: `normal` leads from that to the grain, `overlap` is above 0. `slip` is how far the two
-// are displaced along each other as the substep begins, and `moved` how far the grain will have moved relative to the other
-// in it by itself. Friction holds by what two surfaces are displaced since they met, as a spring does (Cundall, Strack 1979),
-// not by what they move in a substep: that would let every heap creep. It gives way where it would exceed the coefficient
-// times the normal part.
+// Of a grain and what it touches: `normal` leads from that to the grain, `overlap` is above 0. `slip` is how far the
+// two are displaced along each other as the substep begins, and `moved` how far the grain will have moved relative to
+// the other in it by itself. Friction holds by what two surfaces are displaced since they met, as a spring does
+// (Cundall, Strack 1979), not by what they move in a substep: that would let every heap creep. It gives way where it
+// would exceed the coefficient times the normal part.
 PALPATE_FORMULA PALPATE_OF(GrainContact) grainContact(PALPATE_OF(GrainRules) rules, PALPATE_VEC3 normal, Real overlap,
                                                       PALPATE_VEC3 moved, PALPATE_VEC3 slip) {
   PALPATE_VEC3 displaced = slip + moved;

@@ -32,8 +32,8 @@ PALPATE_STRUCT(BodyMeeting) {
 PALPATE_SINGLE(BodyMeeting);
 
 // `offset`: from the point to the place, along the axes of the body.
-PALPATE_FORMULA PALPATE_OF(BodyMeeting) bodyMeeting(PALPATE_OF(BodyPose) pose, PALPATE_VEC3 place, PALPATE_VEC3 offset,
-                                                    Real support, Real volume) {
+PALPATE_FORMULA PALPATE_OF(BodyMeeting)
+    bodyMeeting(PALPATE_OF(BodyPose) pose, PALPATE_VEC3 place, PALPATE_VEC3 offset, Real support, Real volume) {
   PALPATE_OF(BodyMeeting) met;
   met.offset = pose.turn * offset;
   met.arm = place - pose.place - met.offset;
@@ -44,9 +44,10 @@ PALPATE_FORMULA PALPATE_OF(BodyMeeting) bodyMeeting(PALPATE_OF(BodyPose) pose, P
   return met;
 }
 
-// How the velocity of what is within a ball changes, which nothing stays in: it goes outwards by `most` in a step, m, until
-// it is `radius` from the middle, or as far as the ball has grown.
-PALPATE_FORMULA PALPATE_VEC3 pushedOut(PALPATE_OF(BodyPose) pose, PALPATE_VEC3 place, Real radius, Real most, Real step) {
+// How the velocity of what is within a ball changes, which nothing stays in: it goes outwards by `most` in a step, m,
+// until it is `radius` from the middle, or as far as the ball has grown.
+PALPATE_FORMULA PALPATE_VEC3 pushedOut(PALPATE_OF(BodyPose) pose, PALPATE_VEC3 place, Real radius, Real most,
+                                       Real step) {
   const PALPATE_VEC3 away = place - pose.place;
   const Real far = length(away);
   const Real deep = min(min(radius, pose.grown) - far, most);
@@ -64,10 +65,10 @@ PALPATE_STRUCT(ToolSpring) {
 };
 PALPATE_SINGLE(ToolSpring);
 
-// The velocity of the body at the end of a substep, in which the hand goes `handMove` and comes to `stretch` from where the
-// body was as it began. Implicit, so that no mass and no step is too small for the spring.
-PALPATE_FORMULA PALPATE_VEC3 velocityOnSpring(PALPATE_OF(ToolSpring) spring, PALPATE_VEC3 velocity, PALPATE_VEC3 stretch,
-                                              PALPATE_VEC3 handMove) {
+// The velocity of the body at the end of a substep, in which the hand goes `handMove` and comes to `stretch` from where
+// the body was as it began. Implicit, so that no mass and no step is too small for the spring.
+PALPATE_FORMULA PALPATE_VEC3 velocityOnSpring(PALPATE_OF(ToolSpring) spring, PALPATE_VEC3 velocity,
+                                              PALPATE_VEC3 stretch, PALPATE_VEC3 handMove) {
   const Real share =
       spring.damping * spring.step / spring.mass + spring.stiffness * spring.step * spring.step / spring.mass;
   const PALPATE_VEC3 pull = (spring.stiffness * spring.step * stretch + spring.damping * handMove) / spring.mass;

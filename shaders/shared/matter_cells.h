@@ -1,5 +1,5 @@
-// The cells in which particles of matter stand, and those near a place: for the lists of neighbours on the CPU and on the
-// GPU (engine/matter/cell_grid.hpp). x changes first, then y.
+// The cells in which particles of matter stand, and those near a place: for the lists of neighbours on the CPU and on
+// the GPU (engine/matter/cell_grid.hpp). x changes first, then y.
 #ifndef PALPATE_SHARED_MATTER_CELLS_H
 #define PALPATE_SHARED_MATTER_CELLS_H
 #include "shaders/shared/types.h"
@@ -55,7 +55,8 @@ PALPATE_FUNCTION CellAlong cellAlong(int cell, int cells, bool periodic) {
   return along;
 }
 
-// The cells along an axis about `cell` that belong to one image, from `begin` to before `end`; none where they are equal.
+// The cells along an axis about `cell` that belong to one image, from `begin` to before `end`; none where they are
+// equal.
 struct CellRun {
   int begin;
   int end;
@@ -80,7 +81,8 @@ PALPATE_FUNCTION float wrappedAlong(float place, float size, bool periodic) {
 }
 // The place inside of the box that a place beyond a periodic border is the image of.
 PALPATE_FUNCTION vec3 wrapped(MatterCells box, vec3 place) {
-  return vec3(wrappedAlong(place.x, box.size.x, isPeriodic(box, 0)), wrappedAlong(place.y, box.size.y, isPeriodic(box, 1)),
+  return vec3(wrappedAlong(place.x, box.size.x, isPeriodic(box, 0)),
+              wrappedAlong(place.y, box.size.y, isPeriodic(box, 1)),
               wrappedAlong(place.z, box.size.z, isPeriodic(box, 2)));
 }
 

@@ -1,6 +1,7 @@
-// A model that stands still in matter, closed and rigid, as a field on the nodes of a lattice: the share of all weight about
-// a place that lies inside of it (density maps; Koschier, Bender 2017), and how far its surface is. Between nodes both are
-// trilinear, and the slope of the share is that of what is read, so that its pushes are the slope of an energy, too.
+// A model that stands still in matter, closed and rigid, as a field on the nodes of a lattice: the share of all weight
+// about a place that lies inside of it (density maps; Koschier, Bender 2017), and how far its surface is. Between nodes
+// both are trilinear, and the slope of the share is that of what is read, so that its pushes are the slope of an
+// energy, too.
 #ifndef PALPATE_SHARED_MATTER_MODEL_H
 #define PALPATE_SHARED_MATTER_MODEL_H
 #include "shaders/shared/matter.h"
@@ -48,7 +49,8 @@ struct ModelAt {
 
 PALPATE_FUNCTION float between(float a, float b, float part) { return a + part * (b - a); }
 
-// The slope along the three axes, of nodes, and the value. Of four rows along x the beginnings and the ends; y changes first.
+// The slope along the three axes, of nodes, and the value. Of four rows along x the beginnings and the ends; y changes
+// first.
 PALPATE_FUNCTION vec4 trilinear(vec4 begins, vec4 ends, vec3 part) {
   const vec4 steps = ends - begins, rows = begins + part.x * steps;
   const float low = between(rows.x, rows.y, part.y), high = between(rows.z, rows.w, part.y);
@@ -96,8 +98,8 @@ PALPATE_FUNCTION StoppedBall stoppedBall(ModelAt at, float radius, vec3 velocity
   return stopped;
 }
 
-// What the model is to a particle of water, as a wall that is bent: inside stands what is like it, at rest density. Where
-// it meets walls, shares are combined as if they were independent of each other.
+// What the model is to a particle of water, as a wall that is bent: inside stands what is like it, at rest density.
+// Where it meets walls, shares are combined as if they were independent of each other.
 PALPATE_FUNCTION WallEffect modelEffect(WaterRules rules, ModelAt at, WallEffect walls) {
   const float open = 1.0f - walls.sum / rules.wallSum;
   WallEffect effect;

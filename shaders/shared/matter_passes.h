@@ -148,7 +148,7 @@ struct MatterRubArgs {
   PALPATE_ADDRESS(Uints) ids;
   PALPATE_ADDRESS(UVec4s) lists;
   PALPATE_ADDRESS(Uints) listLengths;
-  PALPATE_ADDRESS(UVec4s) contacts;       // by id, two halves: bits of the slip, and with whom
+  PALPATE_ADDRESS(UVec4s) contacts;      // by id, two halves: bits of the slip, and with whom
   PALPATE_ADDRESS(Uints) contactCounts;  // by id, two halves
   PALPATE_ADDRESS(Vec4s) sums;
   PALPATE_ADDRESS(ToolStates) tools;

@@ -1,5 +1,5 @@
-// What a simulation of matter on a GPU knows of itself, in memory there (engine/matter/matter_memory.hpp). Particles stand in
-// slots, in the order of their cells; all that is by slot but the lists has one entry for each.
+// What a simulation of matter on a GPU knows of itself, in memory there (engine/matter/matter_memory.hpp). Particles
+// stand in slots, in the order of their cells; all that is by slot but the lists has one entry for each.
 #ifndef PALPATE_SHARED_MATTER_STATE_H
 #define PALPATE_SHARED_MATTER_STATE_H
 #include "shaders/shared/matter.h"
@@ -16,8 +16,8 @@ const uint kMatterBlock = 256u;
 const uint kListedAtOnce = 4u;
 // Bits of a neighbour's slot; the image of it that is near stands above them.
 const uint kSlotBits = 27u;
-// Particles of a cell that can be put in order. A cell is no wider than lists reach, so that an eighth of it with more than
-// the longest list in it is crowded for sure.
+// Particles of a cell that can be put in order. A cell is no wider than lists reach, so that an eighth of it with more
+// than the longest list in it is crowded for sure.
 const uint kMostInCell = 1040u;
 // Lists that are to be good for some substeps are made as if particles went so much farther in them than they will at
 // their present velocities: these change.

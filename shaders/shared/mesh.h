@@ -67,17 +67,13 @@ PALPATE_FUNCTION vec3 nodePlace(MeshLattice lattice, uvec3 node) {
 PALPATE_FUNCTION uint blockNumber(MeshLattice lattice, uvec3 block) {
   return (block.z * lattice.blocks.y + block.y) * lattice.blocks.x + block.x;
 }
-PALPATE_FUNCTION uint blockCount(MeshLattice lattice) {
-  return lattice.blocks.x * lattice.blocks.y * lattice.blocks.z;
-}
+PALPATE_FUNCTION uint blockCount(MeshLattice lattice) { return lattice.blocks.x * lattice.blocks.y * lattice.blocks.z; }
 PALPATE_FUNCTION uvec3 blockOfNumber(MeshLattice lattice, uint number) {
   const uint row = number / lattice.blocks.x;
   return uvec3(number % lattice.blocks.x, row % lattice.blocks.y, row / lattice.blocks.y);
 }
 // A node's or a cell's place in its block; and back.
-PALPATE_FUNCTION uint inBlock(uvec3 local) {
-  return (local.z * kMeshBlockSide + local.y) * kMeshBlockSide + local.x;
-}
+PALPATE_FUNCTION uint inBlock(uvec3 local) { return (local.z * kMeshBlockSide + local.y) * kMeshBlockSide + local.x; }
 PALPATE_FUNCTION uvec3 localOf(uint place) {
   return uvec3(place % kMeshBlockSide, place / kMeshBlockSide % kMeshBlockSide,
                place / (kMeshBlockSide * kMeshBlockSide));
@@ -98,8 +94,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer MeshFloats {
 // larger where the block is there. "Slots": blocks that are there, in the order of their numbers.
 struct MeshState {
   PALPATE_ADDRESS(Uints) table;
-  PALPATE_ADDRESS(MeshFloats) values;     // kMeshBlockNodes for each slot: negative inside, model units
-  PALPATE_ADDRESS(Uints) vertexStarts;    // for each slot its first vertex; last, how many there are
+  PALPATE_ADDRESS(MeshFloats) values;   // kMeshBlockNodes for each slot: negative inside, model units
+  PALPATE_ADDRESS(Uints) vertexStarts;  // for each slot its first vertex; last, how many there are
   PALPATE_ADDRESS(MeshVertices) vertices;
 };
 PALPATE_SIZE(MeshState, 32);

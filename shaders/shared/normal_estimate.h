@@ -30,8 +30,9 @@ const float kOwnHeight = 0.08f;
 const float kOwnHeightOfNoise = 3.0f;
 const float kSameFace = 0.9f;          // cosine between normals of one face
 const float kLeastEdgeWeight = 1e-6f;  // of the neighbour that speaks the most for a face, below which none does
-// Rounds of one point in one pass. Past it the point is left to the host; reached only where buckets are crowded. Small,
-// since a validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
+// Rounds of one point in one pass. Past it the point is left to the host; reached only where buckets are crowded.
+// Small, since a validated shader searches every buffer in each round, and one software driver stops a shader after
+// 65,535.
 const uint kEstimateWorkBudget = 1024;
 const uint kEdgeWorkBudget = 512;  // for each of three walks, which read more in a round
 
@@ -43,7 +44,8 @@ const uint kNoNeighbour = 0xffffffffu;
 
 struct NormalEstimateArgs {
   CloudView cloud;
-  PALPATE_ADDRESS(Vec4s) planes;      // by the point's id: unit normal of either sign, w the radius it took; zero: left to the host
+  PALPATE_ADDRESS(Vec4s)
+  planes;  // by the point's id: unit normal of either sign, w the radius it took; zero: left to the host
   PALPATE_ADDRESS(Vec2s) fits;        // by id: variance of the neighbours off the plane, and the local spacing squared
   PALPATE_ADDRESS(Vec4s) normals;     // out, by id: that of the plane, or next to an edge that of the point's own face
   PALPATE_ADDRESS(Uints) neighbours;  // out, kGraphSectors ids for each id; kNoNeighbour where there is none

@@ -20,10 +20,10 @@ PALPATE_SIZE(CarriedHead, 16);
 
 struct PatchFetchArgs {
   CloudView cloud;
-  PALPATE_ADDRESS(Vec4s) centre;        // xyz: model units relative to the cloud's origin
+  PALPATE_ADDRESS(Vec4s) centre;          // xyz: model units relative to the cloud's origin
   PALPATE_ADDRESS(FetchedPatch) fetched;  // 2 vec4 per point, as the live cloud has them: position and id, normal
-  PALPATE_ADDRESS(NearPoints) near;     // numbers of the points in reach; for the pass alone
-  float reach;                          // model units
+  PALPATE_ADDRESS(NearPoints) near;       // numbers of the points in reach; for the pass alone
+  float reach;                            // model units
   uint mostCells;
 };
 PALPATE_SIZE(PatchFetchArgs, 88);

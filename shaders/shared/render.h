@@ -15,8 +15,8 @@ const uint kSplatTileHeight = 8;
 const uint kSplatWalkers = 8;
 // Side of the square that a splat covers at most, samples. What is beyond is cut off.
 const uint kMaxSplat = 1024;
-// Tiles of all splats that the lists have room for. Where there are more, in a heap of discs before the eye, each is cut
-// off to a square of this side around its middle.
+// Tiles of all splats that the lists have room for. Where there are more, in a heap of discs before the eye, each is
+// cut off to a square of this side around its middle.
 const uint kMaxShares = 1u << 20;
 const uint kCrowdedSplat = 64;
 // Invocations of a workgroup that picks splats: more share one addition to the global counters.
@@ -51,8 +51,8 @@ const float kHoleDepth = 1;
 const uint kMaxHoleReach_px = 24;
 // Largest window of the smoothing to each side, samples: its trip count is the square of twice this.
 const uint kMostSmooth_px = 16;
-// Deviation in depth within which samples are smoothed together, in usual radii. Larger rounds steps off, smaller leaves
-// the discs' rims.
+// Deviation in depth within which samples are smoothed together, in usual radii. Larger rounds steps off, smaller
+// leaves the discs' rims.
 const float kSmoothBand = 0.25f;
 // The least weight of a fragment, in units of the sums, so that a sample which only such fragments cover keeps its
 // normal and its colour.
@@ -101,9 +101,9 @@ struct RenderOverlays {
   vec3 discNormal;
   float discHalfThickness;
   vec3 arrowFrom;
-  float arrowRadius;  // of the shaft
+  float arrowRadius;    // of the shaft
   vec3 arrowDirection;  // unit
-  float arrowLength;  // with its head
+  float arrowLength;    // with its head
   vec3 brushCenter;
   float brushRadius;  // of a ball that shows as its outline
   vec3 barFrom;
@@ -122,24 +122,24 @@ struct RenderFrame {
   float depthMin;  // of the bounds, for the ramps
   vec3 boundsMax;
   float depthMax;
-  vec3 up;            // unit, along an axis: heights are along it
-  float splatRadius;  // of every point, model units; 0: each has its own
-  float widestSplat;  // largest radius of a disc, model units
-  uint everyPoint;    // not 0: no point is left out where they are finer than samples
-  float usualRadius;  // of discs and gaps: lengths that follow from how far apart points are, model units
-  float sumScale;     // fixed-point unit of the sums of triangles
-  uint count;         // points, or triangles
+  vec3 up;             // unit, along an axis: heights are along it
+  float splatRadius;   // of every point, model units; 0: each has its own
+  float widestSplat;   // largest radius of a disc, model units
+  uint everyPoint;     // not 0: no point is left out where they are finer than samples
+  float usualRadius;   // of discs and gaps: lengths that follow from how far apart points are, model units
+  float sumScale;      // fixed-point unit of the sums of triangles
+  uint count;          // points, or triangles
   uint triangleTiles;  // tiles along each side of the largest triangle
   uint imagePass;
   uint colorBy;
   uint hasColors;
   vec3 material;  // of points without colour, linear light
   uint unused;
-  vec3 backgroundTop;  // linear light
+  vec3 backgroundTop;     // linear light
   float occlusionRadius;  // model units; 0: none
   vec3 backgroundBottom;
   uint holeReach_px;  // radius of the gaps that are closed, samples; 0: none are
-  uint smooth_px;     // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
+  uint smooth_px;  // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
 };
 PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52);
 
@@ -151,8 +151,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Floats { flo
 // What the picking pass finds. Splats are small or large; a large one is also listed by its tiles, the shares.
 struct SplatCounts {
   uint small, large;
-  uint shares;  // may exceed kMaxShares; the list ends there
-  float sumScale;  // fixed-point unit of their sums
+  uint shares;                          // may exceed kMaxShares; the list ends there
+  float sumScale;                       // fixed-point unit of their sums
   uint smallGroups[3], largeGroups[3];  // workgroups that walk them, in each turn
 };
 PALPATE_SIZE(SplatCounts, 40);
@@ -191,7 +191,7 @@ struct TriangleArgs {
   PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(MeshVertices) vertices;
   PALPATE_ADDRESS(Uints) triangles;
-  PALPATE_ADDRESS(Uints) depth;       // as in SplatArgs, and so the sums
+  PALPATE_ADDRESS(Uints) depth;  // as in SplatArgs, and so the sums
   PALPATE_ADDRESS(Uints) normalSums;
   PALPATE_ADDRESS(Uints) colorSums;
 };
@@ -226,9 +226,9 @@ struct ResolveArgs {
   PALPATE_ADDRESS(Uints) source;
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(UVec2s) shaded;
-  PALPATE_ADDRESS(Uints) image;       // one per pixel: RGBA8
+  PALPATE_ADDRESS(Uints) image;        // one per pixel: RGBA8
   PALPATE_ADDRESS(Floats) depthImage;  // one per pixel: the nearest sample's depth, 0 where there is none
-  uvec2 first_px;  // the pixels that are resolved: of a rectangle
+  uvec2 first_px;                      // the pixels that are resolved: of a rectangle
   uvec2 size_px;
 };
 PALPATE_SIZE(ResolveArgs, 64);

@@ -24,9 +24,9 @@ const float kCrowded = 0.4f;
 // as loaded, or stood in the same place, which is less than this many spacings wide.
 const float kComeNearer = 0.75f, kSamePlace = 1e-3f;
 
-// Of the support radius. The neighbourhood of a point is no wider than this, or kNeighbourhoodSpacings of its own target
-// where that is more: far enough for what one tick may tear open, and on ground much denser than the radius is made for
-// not so far that its neighbours are too many to visit.
+// Of the support radius. The neighbourhood of a point is no wider than this, or kNeighbourhoodSpacings of its own
+// target where that is more: far enough for what one tick may tear open, and on ground much denser than the radius is
+// made for not so far that its neighbours are too many to visit.
 const float kLeastNeighbourhood = 0.5f;
 const float kNeighbourhoodSpacings = 8.0f;
 // Of the support radius: how far from a point that the brush has moved others may come because of it, from one to the
@@ -50,8 +50,8 @@ const float kSameSheet = 0.0f;
 const float kFarSheet = -0.5f;
 
 // How much a neighbour counts when the normal of a point is fitted, 0 to 1, from the cosine between the two as they
-// were: wholly along a bent sheet, a little across a right angle, by which a normal may turn at a fresh edge, and not at
-// all from the far sheet of a plate.
+// were: wholly along a bent sheet, a little across a right angle, by which a normal may turn at a fresh edge, and not
+// at all from the far sheet of a plate.
 PALPATE_FUNCTION float fitShare(float cosine) { return max(0.0f, min(1.0f, 0.25f + cosine)); }
 
 // While a ball carves, nothing may stand outside the solid that it cuts, in target spacings. A place is through where
@@ -97,13 +97,12 @@ PALPATE_FORMULA Real bulgeBelow(PALPATE_VEC3 offset, PALPATE_VEC3 normal, PALPAT
 }
 
 // Half way on the curved surface from a point to a neighbour `offset` away: the middle of a cubic that is tangent to
-// the surface at both ends (Vlachos et al. 2001, section 3.1), right to the second order in curvature. At an edge, where
-// the normals of the ends disagree, such a cubic leaves the solid: no more of it than stays within both tangent planes.
-// Relative to the point.
+// the surface at both ends (Vlachos et al. 2001, section 3.1), right to the second order in curvature. At an edge,
+// where the normals of the ends disagree, such a cubic leaves the solid: no more of it than stays within both tangent
+// planes. Relative to the point.
 PALPATE_FORMULA PALPATE_VEC3 halfWay(PALPATE_VEC3 offset, PALPATE_VEC3 normal, PALPATE_VEC3 otherNormal) {
   const PALPATE_VEC3 bulge = Real(0.125) * (dot(offset, otherNormal) * otherNormal - dot(offset, normal) * normal);
-  return Real(0.5) * offset +
-         min(bulgeBelow(offset, normal, bulge), bulgeBelow(-offset, otherNormal, bulge)) * bulge;
+  return Real(0.5) * offset + min(bulgeBelow(offset, normal, bulge), bulgeBelow(-offset, otherNormal, bulge)) * bulge;
 }
 
 // Radius of the neighbourhood that a point with this target examines, `radius` the support radius, model units.

@@ -171,9 +171,8 @@ PALPATE_FORMULA PALPATE_MAT3 sculptedGradient(PALPATE_OF(SoftRules) rules, PALPA
 }
 
 // cellForces() of a cell that was sculpted. `volume`: of what the cube held, m^3.
-PALPATE_FORMULA PALPATE_OF(Corners)
-    sculptedForces(PALPATE_OF(SoftRules) rules, Real volume, PALPATE_OF(CellRest) rest, PALPATE_OF(Corners) moved,
-                   PALPATE_OF(Corners) velocity) {
+PALPATE_FORMULA PALPATE_OF(Corners) sculptedForces(PALPATE_OF(SoftRules) rules, Real volume, PALPATE_OF(CellRest) rest,
+                                                   PALPATE_OF(Corners) moved, PALPATE_OF(Corners) velocity) {
   const PALPATE_MAT3 f = sculptedGradient(rules, rest, moved);
   const PALPATE_MAT3 rate = gradientOf(rules, velocity) * rest.inverse;
   const Real bend = rest.bend * rules.bend;

@@ -75,11 +75,11 @@ struct SoftCellsArgs {
   PALPATE_ADDRESS(SoftSkinCells) skinCells;
   PALPATE_ADDRESS(Vec4s) skin;
   PALPATE_ADDRESS(ToolStates) tools;
-  PALPATE_ADDRESS(Vec4s) sums;      // out: rows of blocks of slots
+  PALPATE_ADDRESS(Vec4s) sums;       // out: rows of blocks of slots
   PALPATE_ADDRESS(CellRests) rests;  // of each slot; without a volume: a cube; nothing where all are
   PALPATE_ADDRESS(Vec4s) present;    // the nodes as they are, for a trial
   uint skinCount;                    // cells with places of the skin
-  uint firstInner;              // slot of the first one without
+  uint firstInner;                   // slot of the first one without
   uint slots;
   uint stride;
   uint blocks;
@@ -153,10 +153,10 @@ struct SoftCarryArgs {
   PALPATE_ADDRESS(Vec4s) nodes;
   PALPATE_ADDRESS(Vec4s) nodeGradients;
   PALPATE_ADDRESS(UVec4s) corners;
-  PALPATE_ADDRESS(Vec4s) rests;        // where each rests, m; bits of the slot of its cell
-  PALPATE_ADDRESS(Vec4s) shares;       // of the cell along each axis; x of the normal at rest
+  PALPATE_ADDRESS(Vec4s) rests;         // where each rests, m; bits of the slot of its cell
+  PALPATE_ADDRESS(Vec4s) shares;        // of the cell along each axis; x of the normal at rest
   PALPATE_ADDRESS(UVec2s) normalRests;  // bits of y and z
-  PALPATE_ADDRESS(Vec4s) positions;    // out, as what follows, as a live cloud has them; bits of the id
+  PALPATE_ADDRESS(Vec4s) positions;     // out, as what follows, as a live cloud has them; bits of the id
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(Vec4s) velocities;  // by id
   uint points;

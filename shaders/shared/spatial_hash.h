@@ -19,14 +19,15 @@ struct CloudView {
 };
 PALPATE_SIZE(CloudView, 56);
 
-// Points that an invocation on a walk over neighbours asks memory for at once: more hide its latency better and take more
-// registers.
+// Points that an invocation on a walk over neighbours asks memory for at once: more hide its latency better and take
+// more registers.
 const uint kWalkedAtOnce = 4;
 
 PALPATE_FUNCTION uint emptyBucket(HashGrid grid) { return grid.bucketMask + 1u; }
 PALPATE_FUNCTION uint bucketOfSlot(HashGrid grid, vec4 position) {
-  return floatBitsToUint(position.w) == kEmptySlot ? emptyBucket(grid)
-                                                   : bucketOf(grid, cellOf(grid, vec3(position.x, position.y, position.z)));
+  return floatBitsToUint(position.w) == kEmptySlot
+             ? emptyBucket(grid)
+             : bucketOf(grid, cellOf(grid, vec3(position.x, position.y, position.z)));
 }
 
 struct HashKeysArgs {

@@ -1,8 +1,8 @@
 // How wide a point's disc must be to close the surface around it.
 //
 // Discs close a surface where each covers its own Voronoi cell. The cell's border lies in the direction u of the
-// tangent plane at min |d|^2 / (2 d . u) over the offsets d to its neighbours; the farthest border in a few directions is
-// the radius. Only neighbours within 63 degrees of a direction count there: beyond a border of the surface there are
+// tangent plane at min |d|^2 / (2 d . u) over the offsets d to its neighbours; the farthest border in a few directions
+// is the radius. Only neighbours within 63 degrees of a direction count there: beyond a border of the surface there are
 // none. That direction is open, as is one whose border is much farther than the others, and the disc does not reach for
 // it. Nothing beyond twice the answer can change it, so that a search may begin close by.
 //
@@ -55,25 +55,25 @@ const uint kSplatEdgeWorkBudget = 800;
 const uint kSplatFewestExamined = 2000, kSplatEdgeFewestExamined = 1600;
 
 struct SplatChangedArgs {
-  CloudView cloud;                    // the points in hash order
-  PALPATE_ADDRESS(Uints) reaches;     // as below
-  PALPATE_ADDRESS(Uints) changed;     // a bit for each bucket: a point in it has come, gone or turned
-  PALPATE_ADDRESS(Uints) list;        // gets the slots of the points, in any order
-  PALPATE_ADDRESS(Uints) count;       // of them: one word
+  CloudView cloud;                 // the points in hash order
+  PALPATE_ADDRESS(Uints) reaches;  // as below
+  PALPATE_ADDRESS(Uints) changed;  // a bit for each bucket: a point in it has come, gone or turned
+  PALPATE_ADDRESS(Uints) list;     // gets the slots of the points, in any order
+  PALPATE_ADDRESS(Uints) count;    // of them: one word
 };
 PALPATE_SIZE(SplatChangedArgs, 88);
 
 struct SplatRadiusArgs {
-  CloudView cloud;                    // the points in hash order
-  PALPATE_ADDRESS(Vec4s) normals;     // by id; the radius goes into w
-  PALPATE_ADDRESS(Uints) clips;       // by id: where a disc is cut off, packHalf2x16 (clipOf in shaders/render/splat.glsl)
-  PALPATE_ADDRESS(Uints) reaches;     // by id: bits of how far the last search went, model units
-  PALPATE_ADDRESS(Uints) list;        // slots of the points to measure, where `onlyListed` is set
-  PALPATE_ADDRESS(Uints) largest;     // bits of the largest radius
-  float spacing;                      // mean, model units
-  float widest;                       // border that is believed, model units
-  uint onlyListed;                    // 0: measures those of all slots
-  uint count;                         // of slots, or of those that are listed
+  CloudView cloud;                 // the points in hash order
+  PALPATE_ADDRESS(Vec4s) normals;  // by id; the radius goes into w
+  PALPATE_ADDRESS(Uints) clips;    // by id: where a disc is cut off, packHalf2x16 (clipOf in shaders/render/splat.glsl)
+  PALPATE_ADDRESS(Uints) reaches;  // by id: bits of how far the last search went, model units
+  PALPATE_ADDRESS(Uints) list;     // slots of the points to measure, where `onlyListed` is set
+  PALPATE_ADDRESS(Uints) largest;  // bits of the largest radius
+  float spacing;                   // mean, model units
+  float widest;                    // border that is believed, model units
+  uint onlyListed;                 // 0: measures those of all slots
+  uint count;                      // of slots, or of those that are listed
 };
 PALPATE_SIZE(SplatRadiusArgs, 112);
 

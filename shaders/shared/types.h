@@ -42,8 +42,8 @@ using glm::floor;
 #define PALPATE_ADDRESS(reference) reference
 #define PALPATE_FUNCTION
 
-// A reference that stands in memory itself says 8, as the addresses there do: glslang aligns the load of an address to what
-// it refers to.
+// A reference that stands in memory itself says 8, as the addresses there do: glslang aligns the load of an address to
+// what it refers to.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Uints { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer UVec2s { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at[]; };

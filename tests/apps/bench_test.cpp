@@ -54,7 +54,8 @@ TEST_CASE("bench share says how long it takes until a press is felt by another h
   const Result share = jsonOf(json)["share"][0];
   CAPTURE(share.dump());
   CHECK(share["felt_ms"]["n"].get<int>() + share["unsteady"].get<int>() + share["not_felt"].get<int>() +
-            share["not_pressed"].get<int>() == 6);
+            share["not_pressed"].get<int>() ==
+        6);
   CHECK(share["felt_ms"]["n"] >= 3);
   CHECK(share["felt_ms"]["min"] > 0);
   CHECK(share["beyond_ms"]["p50"] < share["goal_ms"].get<double>());
@@ -82,7 +83,8 @@ TEST_CASE("each bench shows and takes its own options, and those that are measur
   const Outcome all = palpate("bench --help"), edit = palpate("bench edit --help"),
                 build = palpate("bench build --help");
   CHECK(all.code == 0);
-  for (const char* name : {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "locality", "share"})
+  for (const char* name :
+       {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "locality", "share"})
     CHECK_MESSAGE(says(all.text, std::string("\n  ") + name), name);
   CHECK(says(edit.text, "--touched"));
   for (const char* other : {"--queues", "--lattice", "--raster", "--conditions", "--moved"})

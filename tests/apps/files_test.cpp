@@ -8,7 +8,8 @@ namespace palpate {
 
 TEST_CASE("in the window a file is looked for by folder and format, saved elsewhere, and its mesh is exported") {
   if (!hasDisplay()) return;
-  const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu", R"(
+  const auto played =
+      play("%/ball.ply --size 900x640 --rate 250 --backend cpu", R"(
 0.05 key ctrl+o
 0.10 screenshot %/dialog.png
 0.15 click inner/
@@ -32,13 +33,14 @@ TEST_CASE("in the window a file is looked for by folder and format, saved elsewh
 3.60 click Replace
 3.80 state %/again.json
 4.00 quit
-)", "", [](const std::filesystem::path& folder) {
-    works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
-    std::filesystem::create_directory(folder / "inner");
-    works("make torus -n 3000 --size 40 -o " + (folder / "ring.ply").string());
-    works("convert " + (folder / "ring.ply").string() + " " + (folder / "inner" / "ring.xyz").string());
-    std::ofstream(folder / "inner" / "notes.doc") << "no cloud";
-  });
+)",
+           "", [](const std::filesystem::path& folder) {
+             works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
+             std::filesystem::create_directory(folder / "inner");
+             works("make torus -n 3000 --size 40 -o " + (folder / "ring.ply").string());
+             works("convert " + (folder / "ring.ply").string() + " " + (folder / "inner" / "ring.xyz").string());
+             std::ofstream(folder / "inner" / "notes.doc") << "no cloud";
+           });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const std::string opened = played->state("opened.json")["model"];
   CHECK(opened.ends_with("inner/ring.xyz"));
@@ -57,7 +59,8 @@ TEST_CASE("in the window a file is looked for by folder and format, saved elsewh
 
 TEST_CASE("a place that is picked says which point is there, its normal, its attributes and how stiff it is") {
   if (!hasDisplay()) return;
-  const auto played = play("%/ball.ply --size 480x480 --rate 250 --backend cpu", R"(
+  const auto played = play(
+      "%/ball.ply --size 480x480 --rate 250 --backend cpu", R"(
 0.05 key tab
 0.07 key R
 0.10 key D
@@ -66,20 +69,21 @@ TEST_CASE("a place that is picked says which point is there, its normal, its att
 0.60 button left up
 0.80 state %/picked.json
 0.90 quit
-)", "", [](const std::filesystem::path& folder) {
-    std::ofstream file(folder / "ball.ply");
-    file << "ply\nformat ascii 1.0\nelement vertex 4002\nproperty float x\nproperty float y\nproperty float z\n"
-            "property float nx\nproperty float ny\nproperty float nz\nproperty ushort intensity\nend_header\n";
-    // Evenly on a sphere of 50 about (10, 20, 30); what each is called follows from where it is.
-    const auto write = [&](const DVec3& n) {
-      file << 10 + 50 * n.x << ' ' << 20 + 50 * n.y << ' ' << 30 + 50 * n.z << ' ' << n.x << ' ' << n.y << ' ' << n.z << ' '
-           << static_cast<int>(1000 + 100 * n.y) << '\n';
-    };
-    for (int k = 0; k < 4002; ++k) {
-      const double y = 1 - 2 * (k + 0.5) / 4002, turn = 2.399963 * k, far = std::sqrt(1 - y * y);
-      write({far * std::cos(turn), y, far * std::sin(turn)});
-    }
-  });
+)",
+      "", [](const std::filesystem::path& folder) {
+        std::ofstream file(folder / "ball.ply");
+        file << "ply\nformat ascii 1.0\nelement vertex 4002\nproperty float x\nproperty float y\nproperty float z\n"
+                "property float nx\nproperty float ny\nproperty float nz\nproperty ushort intensity\nend_header\n";
+        // Evenly on a sphere of 50 about (10, 20, 30); what each is called follows from where it is.
+        const auto write = [&](const DVec3& n) {
+          file << 10 + 50 * n.x << ' ' << 20 + 50 * n.y << ' ' << 30 + 50 * n.z << ' ' << n.x << ' ' << n.y << ' '
+               << n.z << ' ' << static_cast<int>(1000 + 100 * n.y) << '\n';
+        };
+        for (int k = 0; k < 4002; ++k) {
+          const double y = 1 - 2 * (k + 0.5) / 4002, turn = 2.399963 * k, far = std::sqrt(1 - y * y);
+          write({far * std::cos(turn), y, far * std::sin(turn)});
+        }
+      });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto picked = played->state("picked.json")["picked"];
   REQUIRE(!picked.is_null());
@@ -112,15 +116,17 @@ TEST_CASE("the file dialogue shows what a format has, and goes to the folders of
 1.50 click Open
 1.80 state %/recent.json
 2.00 quit
-)", "", [](const std::filesystem::path& folder) {
-    works("make sphere -n 2000 --size 40 -o " + (folder / "ball.ply").string());
-    works("make sphere -n 2000 --size 40 -o " + (folder / "ball.pcd").string());
-    works("make sphere -n 2000 --size 40 -o " + (folder / "ball.xyz").string());
-    std::filesystem::create_directories(folder / "lately");
-    works("make torus -n 2000 --size 40 -o " + (folder / "lately" / "ring.xyz").string());
-    std::filesystem::create_directories(folder / "state" / "palpate");
-    std::ofstream(folder / "state" / "palpate" / "recent") << (folder / "lately" / "gone.las").string() << '\n';
-  });
+)",
+                           "", [](const std::filesystem::path& folder) {
+                             works("make sphere -n 2000 --size 40 -o " + (folder / "ball.ply").string());
+                             works("make sphere -n 2000 --size 40 -o " + (folder / "ball.pcd").string());
+                             works("make sphere -n 2000 --size 40 -o " + (folder / "ball.xyz").string());
+                             std::filesystem::create_directories(folder / "lately");
+                             works("make torus -n 2000 --size 40 -o " + (folder / "lately" / "ring.xyz").string());
+                             std::filesystem::create_directories(folder / "state" / "palpate");
+                             std::ofstream(folder / "state" / "palpate" / "recent")
+                                 << (folder / "lately" / "gone.las").string() << '\n';
+                           });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   CHECK(says(played->state("hidden.json")["last_message"], "'ball.xyz' cannot be clicked"));
   CHECK(played->state("filtered.json")["model"].get<std::string>().ends_with("ball.pcd"));
@@ -145,9 +151,10 @@ TEST_CASE("the triangles are exported as each of the formats of meshes") {
 2.20 click OFF (.off)
 2.30 click Export
 2.60 quit
-)", "", [](const std::filesystem::path& folder) {
-    works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
-  });
+)",
+                           "", [](const std::filesystem::path& folder) {
+                             works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
+                           });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   for (const char* name : {"ball-mesh.obj", "ball-mesh.stl", "ball-mesh.off"}) {
     CAPTURE(std::string(name));

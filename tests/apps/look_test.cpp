@@ -145,7 +145,8 @@ TEST_CASE("a few points are discs that can be told apart, and none is cut off") 
       if (!bare)
         for (const char* name : {"nx", "ny", "nz"}) out << "\nproperty float " << name;
       out << "\nend_header\n";
-      for (int i = 0; i < points; ++i) out << 10 * (i % 4) << ' ' << 10 * (i / 4) << ' ' << 3 * (i % 3) << (bare ? "\n" : " 0 0 1\n");
+      for (int i = 0; i < points; ++i)
+        out << 10 * (i % 4) << ' ' << 10 * (i / 4) << ' ' << 3 * (i % 3) << (bare ? "\n" : " 0 0 1\n");
     }
     works("--quiet render " + file + " -o " + image + " --size 200x150 --background 0,0,0");
     const Picture picture(image);

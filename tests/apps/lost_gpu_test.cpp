@@ -29,8 +29,10 @@ TEST_CASE("a program that loses its GPU keeps the trace, says so in one line and
   std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,53\n0.6,0,0,53\n0.8,0,0,47\n120,0,0,47\n";
   const std::string path = "--path " + (folder / "long.csv").string() + " --realtime ";
   // A GPU of its own is given the model's normals in more and shorter pieces.
-  const long prepared = submissionsOf("touch " + model + " --backend vulkan --device sim --quiet --path builtin:press --duration 0.01");
-  for (const std::string& when : {"submit:" + std::to_string(prepared + 200), "fence:" + std::to_string(prepared + 200)})
+  const long prepared =
+      submissionsOf("touch " + model + " --backend vulkan --device sim --quiet --path builtin:press --duration 0.01");
+  for (const std::string& when :
+       {"submit:" + std::to_string(prepared + 200), "fence:" + std::to_string(prepared + 200)})
     for (const std::string& way :
          {std::string("--path builtin:press"), path, path + "--edit push --picture PICTURE --size 160x100"}) {
       CAPTURE(when);

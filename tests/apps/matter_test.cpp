@@ -22,8 +22,8 @@ TEST_CASE("a ball that dives into water is lifted by what it displaces, the same
   std::ofstream(in("tank.json")) << kTank;
   std::ofstream(in("dive.csv")) << "t_s,x,y,z\n0,40,125,40\n0.4,40,40,40\n0.9,40,40,40\n";
   const auto touched = [&](const std::string& options) {
-    works("touch " + in("tank.json") + " --path " + in("dive.csv") + " --backend cpu --trace " + in("t.csv") + " --json " +
-          in("r.json") + " --save " + in("s.ply") + " " + options);
+    works("touch " + in("tank.json") + " --path " + in("dive.csv") + " --backend cpu --trace " + in("t.csv") +
+          " --json " + in("r.json") + " --save " + in("s.ply") + " " + options);
     return contentOf(in("t.csv")) + contentOf(in("s.ply"));
   };
   const std::string first = touched("--log " + in("log"));
@@ -62,8 +62,8 @@ TEST_CASE("both back ends feel the same water") {
   std::ofstream(in("tank.json")) << kTank;
   std::ofstream(in("dive.csv")) << "t_s,x,y,z\n0,40,105,40\n0.1,40,85,40\n";
   const auto touched = [&](const std::string& backend) {
-    works("touch " + in("tank.json") + " --path " + in("dive.csv") + " --backend " + backend + " --trace " + in("t.csv") +
-          " --json " + in("r.json"));
+    works("touch " + in("tank.json") + " --path " + in("dive.csv") + " --backend " + backend + " --trace " +
+          in("t.csv") + " --json " + in("r.json"));
     CHECK(jsonOf(in("r.json"))["backend"] == backend);
     return readTrace(in("t.csv"));
   };
@@ -88,8 +88,9 @@ TEST_CASE("scenes that need no file are told of, drawn and stirred by two hands"
   CHECK(info["bytes"] > 100'000);
   works("render sand --size 200x150 -o " + in("sand.png"));
   CHECK(Picture(in("sand.png")).rgb.size() == 200 * 150 * 3);
-  works("touch dam --path builtin:stir --duration 0.3 --second-device path --second-path builtin:press --second-trace " +
-        in("second.csv") + " --backend cpu --trace " + in("t.csv"));
+  works(
+      "touch dam --path builtin:stir --duration 0.3 --second-device path --second-path builtin:press --second-trace " +
+      in("second.csv") + " --backend cpu --trace " + in("t.csv"));
   CHECK(readTrace(in("t.csv")).size() == 301);
   CHECK(readTrace(in("second.csv")).size() == 301);
 }
@@ -106,8 +107,8 @@ TEST_CASE("a soft body is told of, felt on both back ends, saved as it is dented
   CHECK(info["points"] > 2'000);
   std::ofstream(in("press.csv")) << "t_s,x,y,z\n0,50,31,50\n0.1,50,25,50\n0.15,50,25,50\n";
   const auto touched = [&](const std::string& backend) {
-    works("touch " + in("block.json") + " --path " + in("press.csv") + " --backend " + backend + " --trace " + in("t.csv") +
-          " --json " + in("r.json") + " --save " + in("s.ply") + " --log " + in("log"));
+    works("touch " + in("block.json") + " --path " + in("press.csv") + " --backend " + backend + " --trace " +
+          in("t.csv") + " --json " + in("r.json") + " --save " + in("s.ply") + " --log " + in("log"));
     const auto report = jsonOf(in("r.json"));
     CHECK(report["backend"] == backend);
     CHECK(report["matter"]["kind"] == "soft");
@@ -164,18 +165,21 @@ TEST_CASE(
   CHECK(dented < undone - 0.8f);
 }
 
-TEST_CASE("a soft body on a GPU is sculpted, taken back and replayed, as on the CPU; where shapes are matched the CPU moves it") {
+TEST_CASE(
+    "a soft body on a GPU is sculpted, taken back and replayed, as on the CPU; where shapes are matched the CPU moves "
+    "it") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   std::ofstream(in("block.json")) << R"({"matter": "soft", "box_mm": [100, 80, 100], "fill_mm": [40, 30, 40],
                                          "spacing_mm": 5, "young_Pa": 30000})";
   std::ofstream(in("matched.json")) << R"({"matter": "soft", "box_mm": [100, 80, 100], "fill_mm": [40, 30, 40],
                                            "spacing_mm": 5, "preset": "shape-matching", "stiffness": 0.4})";
-  std::ofstream(in("press.csv")) << "t_s,x,y,z\n0,50,32,50\n0.05,50,26,50\n0.12,50,26,50\n0.14,50,40,50\n0.18,50,40,50\n";
+  std::ofstream(in("press.csv"))
+      << "t_s,x,y,z\n0,50,32,50\n0.05,50,26,50\n0.12,50,26,50\n0.14,50,40,50\n0.18,50,40,50\n";
   const auto top = [&](const std::string& backend, const std::string& more) {
-    const Outcome outcome = palpate("touch " + in("block.json") + " --path " + in("press.csv") + " --backend " + backend +
-                                    " --edit push --tool-radius 10 --tau 0.1 --json " + in("r.json") + " --save " +
-                                    in("s.ply") + " --log " + in("log") + more);
+    const Outcome outcome = palpate("touch " + in("block.json") + " --path " + in("press.csv") + " --backend " +
+                                    backend + " --edit push --tool-radius 10 --tau 0.1 --json " + in("r.json") +
+                                    " --save " + in("s.ply") + " --log " + in("log") + more);
     CHECK_MESSAGE(outcome.code == 0, outcome.text);
     CHECK(outcome.text.find("the body on") == std::string::npos);
     CHECK(jsonOf(in("r.json"))["shape_strokes"] == 1);
@@ -220,7 +224,8 @@ TEST_CASE("what does not go with a scene is refused, and says why") {
 
 TEST_CASE("in the window water moves, is held, begins anew, is saved beside the scene, and takes no tool") {
   if (!hasDisplay()) return;
-  const auto played = play("%/dam.json --size 480x360 --rate 500 --backend cpu", R"(
+  const auto played =
+      play("%/dam.json --size 480x360 --rate 500 --backend cpu", R"(
 0.01 key tab
 0.02 screenshot %/begin.png
 0.30 screenshot %/later.png
@@ -236,10 +241,11 @@ TEST_CASE("in the window water moves, is held, begins anew, is saved beside the 
 0.54 key ctrl+s
 0.80 state %/saved.json
 0.82 quit
-)", "", [](const std::filesystem::path& folder) {
-    std::ofstream(folder / "dam.json")
-        << R"({"matter": "water", "box_mm": [200, 120, 40], "fill_mm": [60, 80, 40], "spacing_mm": 10})";
-  });
+)",
+           "", [](const std::filesystem::path& folder) {
+             std::ofstream(folder / "dam.json")
+                 << R"({"matter": "water", "box_mm": [200, 120, 40], "fill_mm": [60, 80, 40], "spacing_mm": 10})";
+           });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto apart = [&](const char* one, const char* other) {
     const Picture a(played->folder / one), b(played->folder / other);
@@ -264,7 +270,8 @@ TEST_CASE("in the window water moves, is held, begins anew, is saved beside the 
 
 TEST_CASE("in the window gravity, viscosity and gain change while water moves, and what there is not is said") {
   if (!hasDisplay()) return;
-  const auto played = play("%/tank.json --size 640x640 --rate 500 --backend cpu", R"(
+  const auto played =
+      play("%/tank.json --size 640x640 --rate 500 --backend cpu", R"(
 0.01 state %/begin.json
 0.02 set gravity_x_m_s2 -15
 0.03 set viscosity_Pa_s 2
@@ -277,7 +284,8 @@ TEST_CASE("in the window gravity, viscosity and gain change while water moves, a
 0.62 key N
 0.80 state %/reset.json
 0.90 quit
-)", "", [](const std::filesystem::path& folder) { std::ofstream(folder / "tank.json") << kTank; });
+)",
+           "", [](const std::filesystem::path& folder) { std::ofstream(folder / "tank.json") << kTank; });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto begin = played->state("begin.json")["parameters"], set = played->state("set.json")["parameters"];
   CHECK(begin["gravity_x_m_s2"] == 0);
@@ -300,8 +308,8 @@ TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn a
   std::ofstream(in("ring.json")) << R"({"matter": "water", "box_mm": [80, 130, 80], "fill_mm": [80, 30, 80],
     "spacing_mm": 10, "model": "ring.ply", "model_mm": [60, 60, 60], "tool": {"radius_mm": 12, "mass_kg": 0.01}})";
   std::ofstream(in("down.csv")) << "t_s,x,y,z\n0,62,110,40\n0.2,62,40,40\n0.5,62,40,40\n";
-  works("touch " + in("ring.json") + " --path " + in("down.csv") + " --backend cpu --trace " + in("t.csv") + " --json " +
-        in("r.json") + " --save " + in("s.ply") + " --log " + in("log"));
+  works("touch " + in("ring.json") + " --path " + in("down.csv") + " --backend cpu --trace " + in("t.csv") +
+        " --json " + in("r.json") + " --save " + in("s.ply") + " --log " + in("log"));
   const std::vector<Row> rows = readTrace(in("t.csv"));
   CHECK(rows.front().force == DVec3(0));
   CHECK(rows.back().force.y > 0.5);
@@ -337,7 +345,8 @@ TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn a
 
 TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and says which brush it does not take") {
   if (!hasDisplay()) return;
-  const auto played = play("%/block.json --size 480x360 --rate 250 --backend cpu --edit push", R"(
+  const auto played = play(
+      "%/block.json --size 480x360 --rate 250 --backend cpu --edit push", R"(
 0.01 key tab
 0.1 mouse 377 205
 0.8 key space down
@@ -352,11 +361,12 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
 3.1 key 3
 3.3 state %/carve.json
 3.4 quit
-)", "", [](const std::filesystem::path& folder) {
-    std::ofstream(folder / "block.json")
-        << R"({"matter": "soft", "box_mm": [160, 120, 160], "fill_mm": [80, 60, 80], "spacing_mm": 6, "young_Pa": 100000,
+)",
+      "", [](const std::filesystem::path& folder) {
+        std::ofstream(folder / "block.json")
+            << R"({"matter": "soft", "box_mm": [160, 120, 160], "fill_mm": [80, 60, 80], "spacing_mm": 6, "young_Pa": 100000,
                "pinned_mm": [[0, 0, 0], [160, 0.1, 160]]})";
-  });
+      });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   CHECK(played->state("touch.json")["contact"] == true);
   CHECK(played->state("dent.json")["strokes"] == 1);

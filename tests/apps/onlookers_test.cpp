@@ -89,7 +89,8 @@ TEST_CASE(
         "--join seen --as Ada --ros lab",
         "1 key Tab\n2 screenshot %/a.png\n2 state %/a.json\n9 screenshot %/b.png\n9 state %/b.json\n10 quit\n", folder,
         "ada");
-    REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("a.json")) && !cameras->cameras().empty(); }), window.said());
+    REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("a.json")) && !cameras->cameras().empty(); }),
+                    window.said());
     const SeenCamera seen = cameras->cameras().at(0);
     const Result camera = jsonOf(in("a.json"))["camera"];
     CHECK(jsonOf(in("a.json"))["others"]["cameras"].empty());

@@ -10,8 +10,8 @@
 
 #include "engine/core/vec.hpp"
 #include "tests/apps/result.hpp"
-#include "tests/scratch_folder.hpp"
 #include "tests/content_of.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace palpate {
 

@@ -37,9 +37,7 @@ std::size_t Result::size() const { return valueAt(value_).size(); }
 std::string Result::dump() const { return valueAt(value_).dump(); }
 
 bool Result::isText() const { return valueAt(value_).is_string(); }
-bool Result::isLike(bool truth) const {
-  return truth ? valueAt(value_).is_boolean() : valueAt(value_).is_number();
-}
+bool Result::isLike(bool truth) const { return truth ? valueAt(value_).is_boolean() : valueAt(value_).is_number(); }
 std::string Result::text() const { return valueAt(value_).get<std::string>(); }
 bool Result::truth() const { return valueAt(value_).get<bool>(); }
 double Result::number() const {

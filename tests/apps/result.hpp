@@ -18,8 +18,8 @@ namespace palpate {
 template <class T>
 concept PlainValue = std::is_arithmetic_v<T> || std::same_as<T, std::string>;
 
-/// A value of JSON and what stands in it; copies share it. What is asked for and is not there, or is of another kind, is
-/// an exception that fails the test, but for a member of an object: one that is not there is null.
+/// A value of JSON and what stands in it; copies share it. What is asked for and is not there, or is of another kind,
+/// is an exception that fails the test, but for a member of an object: one that is not there is null.
 class Result {
  public:
   Result() = default;  ///< null
@@ -60,15 +60,13 @@ class Result {
   friend bool operator==(const Result& a, const Result& b) { return a.dump() == b.dump(); }
   friend std::partial_ordering operator<=>(const Result& a, const Result& b) { return a.number() <=> b.number(); }
   template <class T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   friend bool operator==(const Result& a, T b) {
     return a.isLike(std::same_as<T, bool>) && a.get<std::conditional_t<std::same_as<T, bool>, bool, double>>() == b;
   }
   template <class T>
-    requires std::is_arithmetic_v<T>
-  friend std::partial_ordering operator<=>(const Result& a, T b) {
-    return a.number() <=> static_cast<double>(b);
-  }
+  requires std::is_arithmetic_v<T>
+  friend std::partial_ordering operator<=>(const Result& a, T b) { return a.number() <=> static_cast<double>(b); }
   friend bool operator==(const Result& a, std::string_view b) { return a.isText() && a.text() == b; }
   template <class T>
   friend bool operator==(const Result& a, const std::vector<T>& b) {

@@ -12,7 +12,8 @@ namespace {
 /// Of the force against stiffness times how deep the hand is, and its way out.
 double worst_N(const std::vector<Row>& rows, const DVec3& out, const std::function<double(const Row&)>& depth_mm) {
   double worst = 0;
-  for (const Row& row : rows) worst = std::max(worst, glm::distance(row.force, kStiffness_N_per_mm * depth_mm(row) * out));
+  for (const Row& row : rows)
+    worst = std::max(worst, glm::distance(row.force, kStiffness_N_per_mm * depth_mm(row) * out));
   return worst;
 }
 
@@ -117,7 +118,8 @@ TEST_CASE("pictures of ROS become a map, which is kept, and are seen in the wind
   const ScratchFolder folder;
   // Slopes in all directions: a camera that may slide along what it sees is not followed.
   const SendingCamera camera(network(), "seen/depth", infoOf(kCamera), [](int) {
-    return pictureOf(kCamera, [](const DVec3& ray) { return 0.5 + 0.03 * std::sin(20 * ray.x) + 0.03 * std::sin(17 * ray.y); });
+    return pictureOf(kCamera,
+                     [](const DVec3& ray) { return 0.5 + 0.03 * std::sin(20 * ray.x) + 0.03 * std::sin(17 * ray.y); });
   });
   const std::string map = (folder / "map.ply").string();
   works("touch ros:/seen/depth/image_raw --fuse on --save " + map + touching(folder.path(), {0, 0, 0.503}, 1));

@@ -15,7 +15,8 @@ TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by n
   const Sending sender([&](int frame, std::int64_t stamp_ns) {
     const DVec3 centre = centre_m(frame);
     SentPoints points = pointsOf(kCamera, [&](const DVec3& ray) {
-      const double a = glm::dot(ray, ray), b = glm::dot(ray, centre), c = glm::dot(centre, centre) - kRadius_m * kRadius_m;
+      const double a = glm::dot(ray, ray), b = glm::dot(ray, centre),
+                   c = glm::dot(centre, centre) - kRadius_m * kRadius_m;
       const double inner = b * b - a * c;
       return inner > 0 ? (b - std::sqrt(inner)) / a : 0;
     });
@@ -24,7 +25,9 @@ TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by n
   });
   const DVec3 hip = centre_m(0) + DVec3(0.02, 0.01, -0.096 + 0.0025);
   works("touch --live ros:/scans" + touching(folder.path(), hip, 3.2));
-  const auto felt_N = [&](const DVec3& centre) { return kStiffness_N_per_mm * 1000 * (kRadius_m - glm::distance(hip, centre)); };
+  const auto felt_N = [&](const DVec3& centre) {
+    return kStiffness_N_per_mm * 1000 * (kRadius_m - glm::distance(hip, centre));
+  };
   const std::vector<Row> rows = readTrace(folder / "t.csv");
   const std::vector<Row> late = between(rows, 2.8, 3.2);
   REQUIRE(late.size() > 100);

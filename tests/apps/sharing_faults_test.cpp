@@ -1,5 +1,5 @@
-// What goes wrong between those who share a model, as a user meets it: hands and servers that are killed or hang, programs of
-// other versions, names that two servers have. Not where palpate was built without DDS.
+// What goes wrong between those who share a model, as a user meets it: hands and servers that are killed or hang,
+// programs of other versions, names that two servers have. Not where palpate was built without DDS.
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -70,7 +70,8 @@ TEST_CASE("a hand that is killed in mid-stroke leaves whole pieces, and the othe
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
   const std::string serve = in("m.ply") + " --name clay --journal " + in("strokes");
-  std::optional<Serving> serving(std::in_place, serve + " --save " + in("end.ply") + " --json " + in("s.json"), folder / "said");
+  std::optional<Serving> serving(std::in_place, serve + " --save " + in("end.ply") + " --json " + in("s.json"),
+                                 folder / "said");
   const std::string joins = "touch --join clay" + domain() + " --backend cpu --realtime ";
   // To and fro over the top, ever deeper, for longer than it lives.
   {
@@ -80,8 +81,9 @@ TEST_CASE("a hand that is killed in mid-stroke leaves whole pieces, and the othe
   }
   RunningProgram killed(joins + "--path " + in("path.csv") + " --edit push", folder / "killed.said");
   REQUIRE(killed.waitFor([&] { return isLargerThan(in("strokes"), 5000); }));
-  RunningProgram other(joins + "--duration 3 --path builtin:slide --edit inflate --save " + in("other.ply") + " --json " + in("o.json"),
-                       folder / "other.said");
+  RunningProgram other(
+      joins + "--duration 3 --path builtin:slide --edit inflate --save " + in("other.ply") + " --json " + in("o.json"),
+      folder / "other.said");
   REQUIRE(other.waitFor([&] { return has(contentOf(folder / "other.said"), "points of"); }));
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   REQUIRE_FALSE(killed.ended());
@@ -102,13 +104,15 @@ TEST_CASE("a hand that is killed in mid-stroke leaves whole pieces, and the othe
   CHECK(pointsOf(in("other.ply")) == pointsOf(in("end.ply")));
   // Each piece is whole in the journal, too: what is served with it again is the same.
   Serving again(serve + " --save " + in("again.ply"), folder / "again.said");
-  CHECK(has(contentOf(folder / "again.said"), "goes on with " + std::to_string(served["pieces"].get<int>()) + " pieces"));
+  CHECK(
+      has(contentOf(folder / "again.said"), "goes on with " + std::to_string(served["pieces"].get<int>()) + " pieces"));
   CHECK_FALSE(has(contentOf(folder / "again.said"), "no whole piece"));
   CHECK(again.program.wait(SIGINT) == 0);
   CHECK(pointsOf(in("again.ply")) == pointsOf(in("end.ply")));
 }
 
-TEST_CASE("where a server hangs the force fades, is gone, and comes back from outside; of what nobody sculpts it stays") {
+TEST_CASE(
+    "where a server hangs the force fades, is gone, and comes back from outside; of what nobody sculpts it stays") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make sphere -n 20000 -o " + in("m.ply"));
@@ -116,8 +120,9 @@ TEST_CASE("where a server hangs the force fades, is gone, and comes back from ou
   Serving still(in("m.ply") + " --name still --read-only --mm-per-unit 1", folder / "still.said");
   // Inside for six seconds, out, and in again.
   constexpr double top = 50;
-  std::ofstream(in("path.csv")) << "t_s,x,y,z\n0,0,0," << top + 3 << "\n0.2,0,0," << top - 2 << "\n6.4,0,0," << top - 2 << "\n6.6,0,0,"
-                                << top + 3 << "\n6.8,0,0," << top - 2 << "\n8.2,0,0," << top - 2 << "\n";
+  std::ofstream(in("path.csv")) << "t_s,x,y,z\n0,0,0," << top + 3 << "\n0.2,0,0," << top - 2 << "\n6.4,0,0," << top - 2
+                                << "\n6.6,0,0," << top + 3 << "\n6.8,0,0," << top - 2 << "\n8.2,0,0," << top - 2
+                                << "\n";
   const auto touches = [&](const std::string& name) {
     return "touch --join " + name + domain() + " --backend cpu --realtime --path " + in("path.csv") + " --trace " +
            in((name + ".csv").c_str()) + " --json " + in((name + ".json").c_str());
@@ -179,7 +184,8 @@ TEST_CASE("a window says what silence does to the force") {
   std::ofstream(in("script.txt")) << "0.5 state " << in("begin.json") << "\n6 state " << in("end.json") << "\n6 quit\n";
   std::future<int> window = std::async(std::launch::async, [&] {
     return std::system(("XDG_STATE_HOME=" + in("home") + " xvfb-run -a " + program() + " view --join clay" + domain() +
-                        " --backend cpu --realtime --size 320x240 --script " + in("script.txt") + " > " + in("view.said") + " 2>&1")
+                        " --backend cpu --realtime --size 320x240 --script " + in("script.txt") + " > " +
+                        in("view.said") + " 2>&1")
                            .c_str());
   });
   CHECK(serving.program.waitFor([&] { return std::filesystem::exists(in("begin.json")); }));
@@ -207,9 +213,11 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
   {
     // A client of the version before: it has topics of its own, and is heard by nobody.
     const sharing::Participant old(NetworkConfig{.domain = ownDomain()}, sharing::versionQos(sharing::kVersion - 1));
-    CHECK(serving.program.waitFor([&] { return has(contentOf(folder / "said"), "another version of palpate " + olderAndThis()); }));
+    CHECK(serving.program.waitFor(
+        [&] { return has(contentOf(folder / "said"), "another version of palpate " + olderAndThis()); }));
   }
-  const Announcement older("older", sharing::kVersion - 1), twin("twins", sharing::kVersion), other("twins", sharing::kVersion);
+  const Announcement older("older", sharing::kVersion - 1), twin("twins", sharing::kVersion),
+      other("twins", sharing::kVersion);
   const Outcome refused = palpate("touch --join older --backend cpu" + domain());
   CHECK(refused.code == 1);
   CHECK(has(refused.text, "is served by another version of palpate " + olderAndThis()));
@@ -225,7 +233,8 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
     if (!session["fits"].get<bool>()) CHECK(session["lost_percent"].is_null());
   }
   CHECK(has(listed.text, "older: 1000 points"));
-  CHECK(has(listed.text, fmt::format("of another version of palpate ({}), and cannot be joined", sharing::kVersion - 1)));
+  CHECK(
+      has(listed.text, fmt::format("of another version of palpate ({}), and cannot be joined", sharing::kVersion - 1)));
   const Outcome both = palpate("touch --join twins --backend cpu" + domain());
   CHECK(both.code == 1);
   CHECK(has(both.text, "two sessions are named 'twins'"));

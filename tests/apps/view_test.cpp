@@ -20,16 +20,17 @@ constexpr const char* kBroken = "ply\nformat ascii 1.0\nelement vertex 3\nproper
 
 TEST_CASE("a script that is wrong is refused with its line before anything is opened") {
   if (!hasDisplay()) return;
-  for (const auto& [line, complaint] : {std::pair{"0.2 resize 640x", "script.txt:2: the width: '640x' is not a number"},
-                                        {"0.2 key nose", "script.txt:2: key: 'nose' is not known; keys are a to z 0 to 9 space escape"},
-                                        {"0.2 press", "script.txt:2: 'press' is none of key"},
-                                        {"0.2 screenshot a.tif", "script.txt:2: a.tif: pictures are written as .png"},
-                                        {"0.2 button left", "script.txt:2: down or up is missing"},
-                                        {"0.2 push 0 2 0 0 0 0", "script.txt:2: the push is 2; it must be between"},
-                                        {"0.2 push 0 0 0 1", "script.txt:2: the turn is missing"},
-                                        {"0.05 quit", "script.txt:2: the time is before that of the line above"},
-                                        {"0.2 click", "script.txt:2: the name is missing"},
-                                        {"0.2 quit now", "script.txt:2: 'now' is more than this event takes"}}) {
+  for (const auto& [line, complaint] :
+       {std::pair{"0.2 resize 640x", "script.txt:2: the width: '640x' is not a number"},
+        {"0.2 key nose", "script.txt:2: key: 'nose' is not known; keys are a to z 0 to 9 space escape"},
+        {"0.2 press", "script.txt:2: 'press' is none of key"},
+        {"0.2 screenshot a.tif", "script.txt:2: a.tif: pictures are written as .png"},
+        {"0.2 button left", "script.txt:2: down or up is missing"},
+        {"0.2 push 0 2 0 0 0 0", "script.txt:2: the push is 2; it must be between"},
+        {"0.2 push 0 0 0 1", "script.txt:2: the turn is missing"},
+        {"0.05 quit", "script.txt:2: the time is before that of the line above"},
+        {"0.2 click", "script.txt:2: the name is missing"},
+        {"0.2 quit now", "script.txt:2: 'now' is more than this event takes"}}) {
     const auto played = play("", std::string("0.1 mouse 1 2\n") + line + "\n");
     CHECK(played->outcome.code == 1);
     CHECK_MESSAGE(played->outcome.text.find(complaint) != std::string::npos, played->outcome.text);

@@ -16,9 +16,9 @@ static float positions[3 * POINTS], normals[3 * POINTS];
 
 typedef struct loop {
   pp_session session;
-  int missed;       /* wakes that came more than a period late */
-  int wrong;        /* forces that are not as they should be */
-  int failed;       /* calls */
+  int missed; /* wakes that came more than a period late */
+  int wrong;  /* forces that are not as they should be */
+  int failed; /* calls */
   pp_contact last;
 } loop;
 

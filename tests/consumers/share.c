@@ -22,7 +22,8 @@ static void expect(pp_status status) {
 
 static pp_cloud ball(void) {
   for (int i = 0; i < POINTS; ++i) {
-    const double z = 1 - (2.0 * i + 1) / POINTS, r = sqrt(1 - z * z), turn = 2 * 3.141592653589793 * i / 1.618033988749895;
+    const double z = 1 - (2.0 * i + 1) / POINTS, r = sqrt(1 - z * z),
+                 turn = 2 * 3.141592653589793 * i / 1.618033988749895;
     const double normal[3] = {r * cos(turn), r * sin(turn), z};
     for (int k = 0; k < 3; ++k) {
       normals[3 * i + k] = (float)normal[k];

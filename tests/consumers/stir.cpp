@@ -19,7 +19,8 @@ int main() try {
   water.setParameter("gain", 2);
   const pp_points box = water.cloud().view();
   const double x = (box.min[0] + box.max[0]) / 2, y = box.max[1], z = (box.min[2] + box.max[2]) / 2;
-  const double one[] = {0, x / 2, y + 30, z, 0.1, x / 2, y - 10, z}, two[] = {0, 3 * x / 2, y + 30, z, 0.1, 3 * x / 2, y + 30, z};
+  const double one[] = {0, x / 2, y + 30, z, 0.1, x / 2, y - 10, z},
+               two[] = {0, 3 * x / 2, y + 30, z, 0.1, 3 * x / 2, y + 30, z};
   const auto ticks = water.touchHands({pp::timedPath(one, 2), pp::timedPath(two, 2)});
   const pp_motion motion = water.motion();
   std::printf("%s: %zu rows, %.3f N and %.3f N, %.2g J\n", pp::version().c_str(), ticks.size(),

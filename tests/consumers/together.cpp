@@ -11,7 +11,8 @@ namespace {
 pp::Cloud hump() {
   std::vector<double> places;
   for (int i = -40; i <= 40; ++i)
-    for (int k = -40; k <= 40; ++k) places.insert(places.end(), {double(i), double(k), 10 * std::exp(-(i * i + k * k) / 400.0)});
+    for (int k = -40; k <= 40; ++k)
+      places.insert(places.end(), {double(i), double(k), 10 * std::exp(-(i * i + k * k) / 400.0)});
   pp_cloud_arrays arrays = pp_default_cloud_arrays();
   arrays.count = places.size() / 3;
   arrays.positions = {places.data(), PP_FLOAT64, 0, 0};
@@ -43,9 +44,11 @@ int main(int, char** words) try {
   const double at[] = {0, 0, 0, 12, 0.1, 0, 0, 7}, beside[] = {0, 4, 0, 12, 0.1, 4, 0, 6};
   one.stroke(pp::timedPath(at, 2));
   two.stroke(pp::timedPath(beside, 2));
-  const bool same = one.settle() && two.settle() && isSame(one.cloud(), server.cloud()) && isSame(two.cloud(), server.cloud());
-  std::printf("%s: %zu session, %llu states of points by %llu hands, %s\n", pp::version().c_str(), pp::surveyNetwork(network, 0.5).size(),
-              static_cast<unsigned long long>(server.info().states), static_cast<unsigned long long>(server.info().sculptors),
+  const bool same =
+      one.settle() && two.settle() && isSame(one.cloud(), server.cloud()) && isSame(two.cloud(), server.cloud());
+  std::printf("%s: %zu session, %llu states of points by %llu hands, %s\n", pp::version().c_str(),
+              pp::surveyNetwork(network, 0.5).size(), static_cast<unsigned long long>(server.info().states),
+              static_cast<unsigned long long>(server.info().sculptors),
               same ? "the same everywhere" : "NOT the same everywhere");
   return same && server.info().sculptors == 2 && two.sharing().received > 0 && one.others().size() <= 1 ? 0 : 1;
 } catch (const pp::Error& error) {

@@ -108,8 +108,9 @@ TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N") {
     int pushes;
   };
   constexpr int kPushes = fewerUnderSanitizers(5'000, 500), kSlowPushes = fewerUnderSanitizers(500, 50);
-  for (const Case& plate : {Case{0.5, kSheetRadius, false, kPushes}, Case{2.1 * kSheetRadius, kSheetRadius, false, kPushes},
-                            Case{0.5, 3 * kSheetRadius, true, kSlowPushes}}) {
+  for (const Case& plate :
+       {Case{0.5, kSheetRadius, false, kPushes}, Case{2.1 * kSheetRadius, kSheetRadius, false, kPushes},
+        Case{0.5, 3 * kSheetRadius, true, kSlowPushes}}) {
     CAPTURE(plate.thickness);
     CAPTURE(plate.radius);
     const PointCloud cloud = sheet(plate.thickness);

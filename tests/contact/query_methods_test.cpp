@@ -131,7 +131,8 @@ PointCloud cloudOf(std::size_t count, const Vec3& at) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all methods feel the same on every shape, and what the reference feels") {
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
+                  "all methods feel the same on every shape, and what the reference feels") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 8'000);
@@ -184,7 +185,8 @@ TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where a gather's ce
   checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, options));
 }
 
-TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all methods feel the same where thousands of points spill from shared memory") {
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
+                  "all methods feel the same where thousands of points spill from shared memory") {
   Scene scene = makeScene("sphere", 20'000);
   scene.radius = 16 * scene.spacing;
   const auto path = leapingPath(scene, 8, 0.2 * scene.radius);
@@ -193,7 +195,8 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all methods feel the same wher
   CHECK(std::ranges::max(fused.contacts, {}, &Contact::neighbours).neighbours > shared::kMostSharedPatch / 2);
 }
 
-TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "where the cloud is thinned, the methods that read buckets thin it the same") {
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
+                  "where the cloud is thinned, the methods that read buckets thin it the same") {
   Scene scene = makeScene("sphere", 100'000);
   scene.radius = 30;
   std::vector<DVec3> path;

@@ -56,8 +56,8 @@ TEST_CASE_FIXTURE(GpuFixture, "sharp with a local radius and friction runs witho
 }
 
 TEST_CASE("every kind of surface is the same on the GPU as in double precision") {
-  // Each is a shader of its own, which a software driver translates for half a minute, so these are every pair of a kind
-  // and an option, and of options. The plain sphere is what contact_step_test touches everything by.
+  // Each is a shader of its own, which a software driver translates for half a minute, so these are every pair of a
+  // kind and an option, and of options. The plain sphere is what contact_step_test touches everything by.
   for (const Way way : {Way{SurfaceKind::sharp, false, 0.3}, Way{SurfaceKind::average, true, 0.3},
                         Way{SurfaceKind::sharp, true, 0, 1.6}, Way{SurfaceKind::average, false, 0, 1.6},
                         Way{SurfaceKind::sphere, true, 0.3, 1.3}})

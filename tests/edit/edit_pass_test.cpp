@@ -61,7 +61,8 @@ class EditFixture : public GpuFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreValidated<EditFixture>, "points in range move as the reference says, the others stay bit by bit") {
+TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
+                  "points in range move as the reference says, the others stay bit by bit") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   for (const BrushOptions options :

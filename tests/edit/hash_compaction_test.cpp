@@ -293,8 +293,7 @@ TEST_CASE("a live cloud whose index follows edits takes less than two thirds as 
   CHECK(ratio < 1.66);
 }
 
-TEST_CASE(
-    "a compaction of a large cloud is made of short slices, or of a few long ones, between which edits go on") {
+TEST_CASE("a compaction of a large cloud is made of short slices, or of a few long ones, between which edits go on") {
   Device device({.gpu = "", .validation = Validation::off});  // times are shown
   const Scene scene = makeScene("sphere", kLarge);
   constexpr std::uint32_t kDefault = 0, kLong = 1 << 15;

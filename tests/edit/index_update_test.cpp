@@ -7,7 +7,8 @@ namespace palpate {
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "after any edit the index holds every point in its bucket and nothing else") {
   const Scene scene = makeScene("sphere", 5'000);
-  for (const BrushKind kind : {BrushKind::push, BrushKind::carve, BrushKind::inflate, BrushKind::smooth, BrushKind::flatten}) {
+  for (const BrushKind kind :
+       {BrushKind::push, BrushKind::carve, BrushKind::inflate, BrushKind::smooth, BrushKind::flatten}) {
     CAPTURE(static_cast<int>(kind));
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
                        brushOf(kind));

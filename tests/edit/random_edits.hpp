@@ -12,9 +12,9 @@ namespace palpate {
 
 /// Points that one edit changes at most: many, so that a bucket gets more at once than it takes.
 inline constexpr std::uint32_t kManyAtOnce = 400;
-/// The same where each access is searched for (GPU-assisted validation). An update compares what arrives in a bucket with
-/// each other, and lavapipe ends the loops of an invocation after 65,535 rounds, searches included: beyond some 150 good
-/// addresses may be called bad, by where buffers happen to stand in memory.
+/// The same where each access is searched for (GPU-assisted validation). An update compares what arrives in a bucket
+/// with each other, and lavapipe ends the loops of an invocation after 65,535 rounds, searches included: beyond some
+/// 150 good addresses may be called bad, by where buffers happen to stand in memory.
 inline constexpr std::uint32_t kFewAtOnce = 100;
 
 /// Edits of every kind, in random order, and what they must leave.

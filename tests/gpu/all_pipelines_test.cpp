@@ -1,5 +1,5 @@
-// Every compute shader of the program becomes a pipeline on the driver at hand, one by one, where its own pass may not be
-// tested: validation looks at each module, and the driver translates it.
+// Every compute shader of the program becomes a pipeline on the driver at hand, one by one, where its own pass may not
+// be tested: validation looks at each module, and the driver translates it.
 #include <string>
 
 #include "engine/gpu/compute_pipeline.hpp"

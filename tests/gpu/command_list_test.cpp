@@ -45,7 +45,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "each command sees what came before it, wi
 
 TEST_CASE("a pass that gives way in between does all its work, and once") {
   Device device({.gpu = "", .validation = Validation::off});  // none does under validation, and
-  device.noteUrgentWork(1);                            // none where nobody touches
+  device.noteUrgentWork(1);                                   // none where nobody touches
   const ComputePipeline sliced{device,
                                shader_code::gpu_add_one,
                                {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs), .sliceThreads = 256}};
@@ -233,7 +233,8 @@ TEST_CASE("a mistake is noticed: the validation that guards the tests speaks up"
     return;
   }
   Device device({.gpu = "", .validation = askedValidation()});
-  const VkBufferCreateInfo empty{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 0, .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
+  const VkBufferCreateInfo empty{
+      .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 0, .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
   VkBuffer buffer = VK_NULL_HANDLE;
   device.vk().vkCreateBuffer(device.handle(), &empty, nullptr, &buffer);
   device.vk().vkDestroyBuffer(device.handle(), buffer, nullptr);

@@ -67,7 +67,8 @@ TEST_CASE("a single queue is shared") {
   CHECK(chooseQueues(families)->shared());
 }
 
-TEST_CASE("background work has a queue of its own where there is one more, and never that of latency unless all share one") {
+TEST_CASE(
+    "background work has a queue of its own where there is one more, and never that of latency unless all share one") {
   struct Case {
     std::vector<VkQueueFamilyProperties> families;
     QueueChoice background;
@@ -108,7 +109,8 @@ TEST_CASE("queues may be arranged to share one, and to go without priorities") {
   CHECK(equal->background == separate->background);
 }
 
-TEST_CASE("the queue of latency goes first, also against other programs where its family is its own, unless none is to") {
+TEST_CASE(
+    "the queue of latency goes first, also against other programs where its family is its own, unless none is to") {
   struct Case {
     std::vector<VkQueueFamilyProperties> families;
     QueueArrangement arrangement;

@@ -36,14 +36,16 @@ ServoResult pressed(double jump, const InformationAge* known, bool isLate = fals
                     PassivityMode passivity = PassivityMode::observe) {
   RisingPlane plane(jump, isLate);
   SimulatedTouch hand(Path({{0, {0, 0, 3}}, {0.5, {0, 0, 3}}, {1, {0, 0, -4}}, {4, {0, 0, -4}}}), {});
-  return ServoLoop(hand, plane, ForceLaw(force, {}), {.duration_s = 4.5, .known = known}, {.passivity = passivity}).run();
+  return ServoLoop(hand, plane, ForceLaw(force, {}), {.duration_s = 4.5, .known = known}, {.passivity = passivity})
+      .run();
 }
 
 double steepest_N(const ServoResult& result, double from_s) {
   double most_N = 0;
   const auto& rows = result.trace().rows;
   for (std::size_t i = 1; i < rows.size(); ++i)
-    if (rows[i].time_s > from_s) most_N = std::max(most_N, glm::length(rows[i].force_N) - glm::length(rows[i - 1].force_N));
+    if (rows[i].time_s > from_s)
+      most_N = std::max(most_N, glm::length(rows[i].force_N) - glm::length(rows[i - 1].force_N));
   return most_N;
 }
 
@@ -69,7 +71,8 @@ TEST_CASE("what others raise under a hand comes slowly, and is not taken for ene
   CHECK(steepest_N(others, 1.5) < 0.065);
   // On a surface at rest nothing differs but how fast the first press may rise.
   CHECK(*rest.counts().leastEnergy_mJ > -1);
-  CHECK(glm::length(rest.trace().rows.back().force_N) == doctest::Approx(glm::length(pressed(0, &still).trace().rows.back().force_N)));
+  CHECK(glm::length(rest.trace().rows.back().force_N) ==
+        doctest::Approx(glm::length(pressed(0, &still).trace().rows.back().force_N)));
 }
 
 TEST_CASE("however others raise a surface, the hand gets no more than it has put in, but for half a millijoule") {
@@ -89,7 +92,8 @@ TEST_CASE("however others raise a surface, the hand gets no more than it has put
       if (isLate) {
         CHECK(*freely.counts().leastEnergy_mJ < -10);
       } else {
-        CHECK(limited.trace().rows.back().hip.z == doctest::Approx(freely.trace().rows.back().hip.z).scale(1).epsilon(0.2));
+        CHECK(limited.trace().rows.back().hip.z ==
+              doctest::Approx(freely.trace().rows.back().hip.z).scale(1).epsilon(0.2));
       }
     }
 }

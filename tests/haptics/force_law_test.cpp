@@ -196,8 +196,8 @@ TEST_CASE("a force that is given is felt as it is, pulls included, within the sa
   DVec3 last(0);
   for (int i = 0; i < 20; ++i) last = felt_N({5, 0, 0});
   CHECK(glm::distance(last, DVec3(2, 0, 0)) < 1e-9);
-  CHECK(felt_N({0.1, 0, 0}) == DVec3(0.1, 0, 0));                             // and falls at once
-  CHECK(felt_N({0.1, 0, 0}, {2000, 0, 0}).x == doctest::Approx(0.05));        // 1 W at 20 m/s
+  CHECK(felt_N({0.1, 0, 0}) == DVec3(0.1, 0, 0));                       // and falls at once
+  CHECK(felt_N({0.1, 0, 0}, {2000, 0, 0}).x == doctest::Approx(0.05));  // 1 W at 20 m/s
   CHECK(felt_N({kNaN, 0, 0}) == DVec3(0));
   CHECK(felt_N({0, kInfinity, 0}) == DVec3(0));
   CHECK(law.update({.proxy = {1, 2, 0}, .valid = true, .force_N = DVec3(1)}, below(1), kTick_s) == DVec3(0));
@@ -229,7 +229,8 @@ TEST_CASE("a law of another program's has the say in contact, knows the usual fo
     DVec3 usual_N{0}, force_N{0.1, 0, -0.2};
     int calls = 0;
   } seen;
-  ForceLaw law({.stiffness_N_per_mm = 0.5, .damping_N_s_per_mm = 0, .maxForce_N = 2, .maxRise_N_per_s = 500}, ModelScale{10});
+  ForceLaw law({.stiffness_N_per_mm = 0.5, .damping_N_s_per_mm = 0, .maxForce_N = 2, .maxRise_N_per_s = 500},
+               ModelScale{10});
   law.setCustom({[](void* user, const Contact&, const Pose&, double, const DVec3& usual_N) noexcept {
                    auto& its = *static_cast<Seen*>(user);
                    its.usual_N = usual_N;
@@ -238,7 +239,7 @@ TEST_CASE("a law of another program's has the say in contact, knows the usual fo
                  },
                  &seen});
   const auto felt_N = [&] { return law.update(onPlane(below(1)), below(1), kTick_s); };
-  CHECK(felt_N() == DVec3(0.1, 0, -0.2));  // pulls as well
+  CHECK(felt_N() == DVec3(0.1, 0, -0.2));                      // pulls as well
   CHECK(glm::distance(seen.usual_N, DVec3(0, 0, 5)) < 1e-12);  // 10 mm at 0.5 N/mm
   seen.force_N = {0, 9, 0};
   CHECK(glm::distance(felt_N(), DVec3(0.1, 0, -0.2)) <= 0.5 + 1e-12);

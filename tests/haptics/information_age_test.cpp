@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "haptics/servo_loop.hpp"
 #include "haptics/devices/path_device.hpp"
+#include "haptics/servo_loop.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 
 namespace palpate {
@@ -27,11 +27,11 @@ TEST_CASE("how much of a force passes at which age and round trip") {
     double roundTrip_s, age_s, share;
   };
   const std::vector<Row> table{
-      {0, 0, 1},          {0, 1, 1},        {0, 1.25, 0.75},    {0, 1.5, 0.5},      {0, 2, 0},       {0, 100, 0},
-      {0.1, 1.25, 1},     {0.1, 1.75, 0.5}, {0.1, 2.25, 0},     {1, 3.5, 1},        {1, 4, 0.5},     {1, 4.5, 0},
-      {2, 6, 1},          {2, 7, 0},        {60, 6.5, 0.5},     {60, 7, 0},         {kInfinity, 3.5, 1}, {kInfinity, 4.5, 0},
-      {kNaN, 3.5, 1},     {kNaN, 4.5, 0},     {-1, 1, 1},         {-1, 2, 0},         {0, -1, 1},      {0, kNaN, 0},
-      {1, kInfinity, 0},
+      {0, 0, 1},   {0, 1, 1},           {0, 1.25, 0.75},     {0, 1.5, 0.5},  {0, 2, 0},
+      {0, 100, 0}, {0.1, 1.25, 1},      {0.1, 1.75, 0.5},    {0.1, 2.25, 0}, {1, 3.5, 1},
+      {1, 4, 0.5}, {1, 4.5, 0},         {2, 6, 1},           {2, 7, 0},      {60, 6.5, 0.5},
+      {60, 7, 0},  {kInfinity, 3.5, 1}, {kInfinity, 4.5, 0}, {kNaN, 3.5, 1}, {kNaN, 4.5, 0},
+      {-1, 1, 1},  {-1, 2, 0},          {0, -1, 1},          {0, kNaN, 0},   {1, kInfinity, 0},
   };
   for (const auto& [roundTrip_s, age_s, share] : table) {
     CAPTURE(roundTrip_s);

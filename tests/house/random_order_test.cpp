@@ -43,7 +43,8 @@ TEST_CASE("no call takes two random numbers, whose order would be the compiler's
   for (const char* folder : {"apps", "engine", "haptics", "tests"})
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(sourceFolder() / folder)) {
       const fs::path& file = entry.path();
-      if ((file.extension() != ".cpp" && file.extension() != ".hpp") || file.filename() == "random_order_test.cpp") continue;
+      if ((file.extension() != ".cpp" && file.extension() != ".hpp") || file.filename() == "random_order_test.cpp")
+        continue;
       std::ifstream in(file);
       const std::string text{std::istreambuf_iterator<char>(in), {}};
       CHECK_MESSAGE(!hasTwoInACall(text), file.string());

@@ -32,7 +32,8 @@ void put(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// Anything but a refusal with the file's name, or that of what it is written to, ends the test, and so does memory beyond what such a file can need.
+/// Anything but a refusal with the file's name, or that of what it is written to, ends the test, and so does memory
+/// beyond what such a file can need.
 void tryOne(const std::filesystem::path& folder, const Specimen& specimen, Damage& damage, Tally& tally) {
   const std::filesystem::path file = folder / specimen.name;
   const std::string text = damage.of(specimen.text, specimen.head);

@@ -77,9 +77,7 @@ class Remarks final : public LogListener {
 };
 
 const std::filesystem::path& livingRoom() {
-  static const std::filesystem::path folder = [] {
-    return modelsFolder() / "rgbd_livingroom_a";
-  }();
+  static const std::filesystem::path folder = [] { return modelsFolder() / "rgbd_livingroom_a"; }();
   return folder;
 }
 

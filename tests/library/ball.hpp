@@ -46,7 +46,9 @@ struct BallArrays {
 #define PP_CHECK_OK(call) CHECK_MESSAGE((call) == PP_OK, std::string(pp_last_error()))
 #define PP_REQUIRE_OK(call) REQUIRE_MESSAGE((call) == PP_OK, std::string(pp_last_error()))
 
-inline bool lastErrorSays(const std::string& words) { return std::string(pp_last_error()).find(words) != std::string::npos; }
+inline bool lastErrorSays(const std::string& words) {
+  return std::string(pp_last_error()).find(words) != std::string::npos;
+}
 
 /// Open for a test's time.
 struct BallCloud {

@@ -117,7 +117,8 @@ TEST_CASE("defaults are written as far as the program knows a struct, and no fur
   CHECK(std::all_of(room.begin() + kOlder, room.end(), [](unsigned char byte) { return byte == 0x5a; }));
   pp_init_session_options(options, sizeof(pp_session_options) + 16);  // a program that is newer
   CHECK(options->rate_Hz == 1000);
-  CHECK(std::all_of(room.begin() + sizeof(pp_session_options), room.end() - 16, [](unsigned char byte) { return byte == 0; }));
+  CHECK(std::all_of(room.begin() + sizeof(pp_session_options), room.end() - 16,
+                    [](unsigned char byte) { return byte == 0; }));
   CHECK(room.back() == 0x5a);
   pp_init_session_options(nullptr, 8);
   CHECK(pp_default_session_options().size == sizeof(pp_session_options));
@@ -166,8 +167,9 @@ TEST_CASE("a file that is there is replaced, or kept where that is asked for") {
 TEST_CASE("a file that lies is refused with its name and line") {
   const ScratchFolder folder;
   const std::string file = (folder / "bad.ply").string();
-  std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
-                         "end_header\n0 0 0\n1 two 3\n";
+  std::ofstream(file)
+      << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+         "end_header\n0 0 0\n1 two 3\n";
   pp_cloud cloud{};
   CHECK(pp_cloud_read(file.c_str(), nullptr, &cloud) == PP_ERROR_FILE);
   CHECK(pp_last_status() == PP_ERROR_FILE);
@@ -182,8 +184,9 @@ TEST_CASE("a file that lies is refused with its name and line") {
 TEST_CASE("attributes that a file has besides are named and shown") {
   const ScratchFolder folder;
   const std::string file = (folder / "scan.ply").string();
-  std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
-                         "property ushort intensity\nend_header\n0 0 0 17\n1 2 3 60000\n";
+  std::ofstream(file)
+      << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+         "property ushort intensity\nend_header\n0 0 0 17\n1 2 3 60000\n";
   pp_cloud cloud{};
   PP_REQUIRE_OK(pp_cloud_read(file.c_str(), nullptr, &cloud));
   std::uint64_t count = 0;
@@ -211,11 +214,10 @@ TEST_CASE("each thread has the words of its own failure") {
 }
 
 TEST_CASE("the version of the header is that of the library, and each status has a name") {
-  const std::string version = std::to_string(PALPATE_VERSION_MAJOR) + "." + std::to_string(PALPATE_VERSION_MINOR) + "." +
-                              std::to_string(PALPATE_VERSION_PATCH);
+  const std::string version = std::to_string(PALPATE_VERSION_MAJOR) + "." + std::to_string(PALPATE_VERSION_MINOR) +
+                              "." + std::to_string(PALPATE_VERSION_PATCH);
   CHECK(pp_version() == version);
-  for (int status = PP_OK; status <= PP_ERROR_BUG; ++status)
-    CHECK(std::string(pp_status_name(status)) != "unknown");
+  for (int status = PP_OK; status <= PP_ERROR_BUG; ++status) CHECK(std::string(pp_status_name(status)) != "unknown");
   CHECK(std::string(pp_status_name(99)) == "unknown");
 }
 

@@ -161,7 +161,8 @@ TEST_CASE("a recorded depth camera is felt frame by frame, begins again, and is 
   std::filesystem::create_directories(folder / "depth");
   for (std::uint32_t i = 0; i < kFrames; ++i)
     writeBytes(folder / "depth" / ("000" + std::to_string(i) + ".png"),
-               greyPng(kWidth, kHeight, std::vector<std::uint16_t>(kWidth * kHeight, static_cast<std::uint16_t>(25'000 - 50 * i))));
+               greyPng(kWidth, kHeight,
+                       std::vector<std::uint16_t>(kWidth * kHeight, static_cast<std::uint16_t>(25'000 - 50 * i))));
   writeBytes(folder / "intrinsics.json", R"({"width": 40, "height": 30, "fx": 100, "fy": 100, "cx": 19.5, "cy": 14.5,
                                              "depth_scale": 50000, "fps": 100})");
   const std::string name = folder.path().string();

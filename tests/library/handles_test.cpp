@@ -15,9 +15,9 @@ TEST_CASE("a handle that is null, closed, of another kind or made up is refused 
     closed = other.cloud;
   }
   pp_points points{};
-  for (const pp_cloud wrong : {pp_cloud{}, closed, pp_cloud{ball.session.id}, pp_cloud{~std::uint64_t{0}}, pp_cloud{1},
-                               pp_cloud{ball.cloud.cloud.id ^ (std::uint64_t{1} << 30)},
-                               pp_cloud{ball.cloud.cloud.id | 0xfff000}}) {
+  for (const pp_cloud wrong :
+       {pp_cloud{}, closed, pp_cloud{ball.session.id}, pp_cloud{~std::uint64_t{0}}, pp_cloud{1},
+        pp_cloud{ball.cloud.cloud.id ^ (std::uint64_t{1} << 30)}, pp_cloud{ball.cloud.cloud.id | 0xfff000}}) {
     CAPTURE(wrong.id);
     CHECK(pp_cloud_view(wrong, &points) == PP_ERROR_HANDLE);
     CHECK(pp_cloud_write(wrong, "/tmp/never.ply", nullptr) == PP_ERROR_HANDLE);

@@ -106,7 +106,8 @@ TEST_CASE("forces can be taken away and a law given, while the hand goes on") {
   Calls calls;
   const OpenBall ball;
   // Once they are back, forces wait until the hand has been outside.
-  const std::vector<double> rows{0, 0, 0, 51, 0.02, 0, 0, 49, 0.5, 0, 0, 49, 0.6, 0, 0, 55, 0.8, 0, 0, 55, 0.9, 0, 0, 49};
+  const std::vector<double> rows{0,   0, 0, 51, 0.02, 0, 0, 49, 0.5, 0, 0, 49,
+                                 0.6, 0, 0, 55, 0.8,  0, 0, 55, 0.9, 0, 0, 49};
   const pp_path path = pathOf(rows, 4);
   pp_live_options options = along(path);
   options.law = ownLaw;

@@ -46,7 +46,8 @@ TEST_CASE("on a GPU two hands are in one water, and its points are seen where th
   PP_REQUIRE_OK(pp_frame_view(later, &after));
   CHECK(after.points.count == before.points.count);
   CHECK(after.t_s == doctest::Approx(0.014));
-  CHECK_FALSE(std::equal(after.points.positions, after.points.positions + 3 * after.points.count, before.points.positions));
+  CHECK_FALSE(
+      std::equal(after.points.positions, after.points.positions + 3 * after.points.count, before.points.positions));
   PP_REQUIRE_OK(pp_frame_close(frame));
   PP_REQUIRE_OK(pp_frame_close(later));
   PP_REQUIRE_OK(pp_session_close(water));

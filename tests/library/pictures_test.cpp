@@ -160,8 +160,9 @@ TEST_CASE("a mesh of the ball is closed, lies on it, and is written") {
   for (std::uint64_t t = 0; t < triangles.count; ++t) {
     const float *a = p + 3 * triangles.triangles[3 * t], *b = p + 3 * triangles.triangles[3 * t + 1],
                 *c = p + 3 * triangles.triangles[3 * t + 2];
-    volume += (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
-               a[2] * (b[0] * c[1] - b[1] * c[0])) / 6.0;
+    volume +=
+        (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])) /
+        6.0;
   }
   CHECK(volume == doctest::Approx(4.0 / 3 * std::numbers::pi * std::pow(kBallRadius, 3)).epsilon(0.02));
   const ScratchFolder folder;
@@ -199,7 +200,8 @@ TEST_CASE("pictures are taken while another thread touches and sculpts on the sa
   std::thread servo([&] {
     pp_contact contact{};
     for (std::size_t i = 0; i < press.size() / 3; ++i) {
-      const pp_pose pose{.t_s = 0.2 * static_cast<double>(i), .hip = {press[3 * i], press[3 * i + 1], press[3 * i + 2]}};
+      const pp_pose pose{.t_s = 0.2 * static_cast<double>(i),
+                         .hip = {press[3 * i], press[3 * i + 1], press[3 * i + 2]}};
       wrong += pp_touch(ball.session, &pose, &contact) != PP_OK;
     }
     done = true;

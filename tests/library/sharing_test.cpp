@@ -9,9 +9,7 @@ namespace palpate {
 
 namespace {
 
-pp_pose poseAt(std::size_t tick, double z) {
-  return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}};
-}
+pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}}; }
 
 }  // namespace
 
@@ -185,7 +183,8 @@ TEST_CASE("a live hand on a joined cloud sculpts it, and who comes later has wha
   PP_CHECK_OK(pp_session_close(late));
 }
 
-TEST_CASE("a server that is gone takes the force of a pulled hand away, and one that is served anew ends its part in words") {
+TEST_CASE(
+    "a server that is gone takes the force of a pulled hand away, and one that is served anew ends its part in words") {
   if (!isBuilt()) return;
   auto serving = std::make_unique<Serving>("brief");
   pp_session_options options = cpuOptions();

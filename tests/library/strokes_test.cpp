@@ -82,8 +82,8 @@ TEST_CASE("a brush that is set sculpts tick by tick, but not where the pose only
   const auto before = placesOf(ball.session);
   for (const std::uint32_t feels : {1u, 0u}) {
     for (std::size_t i = 0; i < path.size() / 3; ++i) {
-      const pp_pose pose{.t_s = 1e-3 * static_cast<double>(i), .hip = {path[3 * i], path[3 * i + 1], path[3 * i + 2]},
-                         .feels = feels};
+      const pp_pose pose{
+          .t_s = 1e-3 * static_cast<double>(i), .hip = {path[3 * i], path[3 * i + 1], path[3 * i + 2]}, .feels = feels};
       pp_contact contact{};
       PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
     }

@@ -9,9 +9,7 @@ namespace palpate {
 
 namespace {
 
-pp_pose poseAt(std::size_t tick, double z) {
-  return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}};
-}
+pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}}; }
 
 }  // namespace
 

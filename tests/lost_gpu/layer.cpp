@@ -3,8 +3,8 @@
 // call. The moment is the submission that PALPATE_LOST_GPU names ("submit:300", "fence:300"), or palpateLoseGpu();
 // "count" takes nothing away and says at the end how many there were. "display" takes nothing away either: the driver
 // is one that calls itself NVIDIA's and does not survive a question about a surface, as that one on an X server without
-// its extension. "minimum" makes the GPU the least that Vulkan lets one be, "minimum:NAME=VALUE,..." that but for what is
-// named (made_up_gpu.hpp).
+// its extension. "minimum" makes the GPU the least that Vulkan lets one be, "minimum:NAME=VALUE,..." that but for what
+// is named (made_up_gpu.hpp).
 //
 // Loader and layer interface: LoaderLayerInterface.md of the Vulkan loader, version 2.
 #include <vulkan/vk_layer.h>
@@ -59,8 +59,7 @@ void readEnvironment() {
   if (!text) return;
   tally.says = std::strcmp(text, "count") == 0;
   failsAtSubmit = std::strncmp(text, "submit:", 7) == 0;
-  if (failsAtSubmit || std::strncmp(text, "fence:", 6) == 0)
-    submissionsLeft = std::atol(std::strchr(text, ':') + 1);
+  if (failsAtSubmit || std::strncmp(text, "fence:", 6) == 0) submissionsLeft = std::atol(std::strchr(text, ':') + 1);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo2* infos, VkFence fence) {
@@ -149,8 +148,7 @@ PFN_vkVoidFunction madeUpCommand(std::string_view wanted) {
     return reinterpret_cast<PFN_vkVoidFunction>(madeUpProperties);
   if (wanted == "vkGetPhysicalDeviceFeatures") return reinterpret_cast<PFN_vkVoidFunction>(madeUpFirstFeatures);
   if (wanted.starts_with("vkGetPhysicalDeviceFeatures2")) return reinterpret_cast<PFN_vkVoidFunction>(madeUpFeatures);
-  if (wanted == "vkGetPhysicalDeviceQueueFamilyProperties")
-    return reinterpret_cast<PFN_vkVoidFunction>(madeUpFamilies);
+  if (wanted == "vkGetPhysicalDeviceQueueFamilyProperties") return reinterpret_cast<PFN_vkVoidFunction>(madeUpFamilies);
   if (wanted == "vkEnumerateDeviceExtensionProperties") return reinterpret_cast<PFN_vkVoidFunction>(madeUpExtensions);
   return nullptr;
 }

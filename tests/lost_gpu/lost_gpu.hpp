@@ -23,8 +23,9 @@ inline const std::string kLeastGpu =
 class LostGpuLayer {
  public:
   /// `when`: "submit:N" or "fence:N", after N submissions of the next device; "count": never, but a program that ends
-  /// says how many it made; "display": never, but a question about a surface ends the program; "minimum:NAME=VALUE,...":
-  /// never, but the GPU is the least that Vulkan lets one be (made_up_gpu.hpp); empty: when takeGpu() is called.
+  /// says how many it made; "display": never, but a question about a surface ends the program;
+  /// "minimum:NAME=VALUE,...": never, but the GPU is the least that Vulkan lets one be (made_up_gpu.hpp); empty: when
+  /// takeGpu() is called.
   explicit LostGpuLayer(const std::string& when = {}) {
     for (const char* file : {kLibrary, "layer.json"})
       REQUIRE_MESSAGE(std::filesystem::exists(folder() / file),

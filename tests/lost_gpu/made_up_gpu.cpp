@@ -149,8 +149,8 @@ bool Gpu::accepts(const VkDeviceCreateInfo& info, std::vector<const char*>& exte
     asked.features = features->features;
   VkPhysicalDeviceFeatures had = asked.features;
   amend(had);
-  const auto* v12 = inChain<VkPhysicalDeviceVulkan12Features>(info.pNext,
-                                                              VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
+  const auto* v12 =
+      inChain<VkPhysicalDeviceVulkan12Features>(info.pNext, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
   const bool wide = v12 && v12->shaderBufferInt64Atomics && !values_.at("shaderBufferInt64Atomics");
   return knowsSubset && !wide && std::memcmp(&had, &asked.features, sizeof had) == 0;
 }

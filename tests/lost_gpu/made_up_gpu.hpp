@@ -12,8 +12,8 @@ namespace madeup {
 
 /// Limits and features by Vulkan's names. All are Vulkan's minimum: none of the features that it leaves to the driver,
 /// one queue that draws but tells no times, no extension but VK_KHR_portability_subset, which a program has to enable
-/// then; but for those that `text` names ("maxPushConstantsSize=256,shaderInt64=1"). What is smaller than the minimum may
-/// be asked for, too. A name that is not known ends the program.
+/// then; but for those that `text` names ("maxPushConstantsSize=256,shaderInt64=1"). What is smaller than the minimum
+/// may be asked for, too. A name that is not known ends the program.
 class Gpu {
  public:
   explicit Gpu(const std::string& text);

@@ -1,5 +1,5 @@
-// A hand in matter that is simulated elsewhere, over a link whose delay is a number: the simulation there, what goes to and
-// fro, and the pond that the hand feels.
+// A hand in matter that is simulated elsewhere, over a link whose delay is a number: the simulation there, what goes to
+// and fro, and the pond that the hand feels.
 #pragma once
 
 #include <algorithm>

@@ -27,7 +27,8 @@ std::vector<Vec3> normalsOf(const std::vector<Vec3>& places, unsigned threads, c
 
 }  // namespace
 
-TEST_CASE("on a ball of particles normals look away from its middle, in it they look up, and all have a length of one") {
+TEST_CASE(
+    "on a ball of particles normals look away from its middle, in it they look up, and all have a length of one") {
   const MatterBox box{.size = Vec3(0.2f)};
   const std::vector<Vec3> places = ball(8);
   const std::vector<Vec3> normals = normalsOf(places, 2, box);

@@ -228,11 +228,9 @@ void checkCohesion(const MatterMaker& make, int steps, double ratio) {
   CHECK(glm::length(spreadOf(*turning).spin - spin) <= 1e-2 * glm::length(spin));
   CHECK(block->impulses().onWalls == DVec3(0));
   double farthest = 0;
-  for (const Vec3& place : block->positionsById())
-    farthest = std::max(farthest, glm::length(DVec3(place) - is.middle));
+  for (const Vec3& place : block->positionsById()) farthest = std::max(farthest, glm::length(DVec3(place) - is.middle));
   CHECK(farthest < 0.0102);  // a corner in the beginning
-  for (int axis = 0; axis < 3; ++axis)
-    CHECK(isWithin(1e-3, spreadOf(*without).width[axis], begin.width[axis]));
+  for (int axis = 0; axis < 3; ++axis) CHECK(isWithin(1e-3, spreadOf(*without).width[axis], begin.width[axis]));
 }
 
 }  // namespace palpate

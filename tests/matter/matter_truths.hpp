@@ -30,8 +30,8 @@ void checkSameBytes(const MatterMaker& one, const MatterMaker& other, Matter mat
 
 /// A long block of water in the air, 1 mm apart, with cohesion.
 MatterScene floatingBlock(double cohesion_N_m);
-/// That block becomes rounder, none of it is lost, and it has the momentum and the angular momentum that it had; without
-/// cohesion it stays as it is. After so many steps its length over its width is at most `ratio`, of 2.
+/// That block becomes rounder, none of it is lost, and it has the momentum and the angular momentum that it had;
+/// without cohesion it stays as it is. After so many steps its length over its width is at most `ratio`, of 2.
 void checkCohesion(const MatterMaker& make, int steps, double ratio);
 
 /// Buoyancy within 3 %, on a ball of that radius; means over some steps after others.
@@ -48,9 +48,9 @@ void checkReactions(const MatterMaker& make, int steps);
 
 /// A grain on a slope of 30 degrees.
 void checkSlope(const MatterMaker& make, double friction);
-/// Surface of a bed, `wide_mm` along z, that has slid in a box tilted by 45 degrees: its slope is pi / 2 times the friction
-/// (Caquot 1934, "Equilibre des massifs a frottement interne": grains that slide at all contacts, and do not turn). It rests
-/// a little steeper, as grains lock, too.
+/// Surface of a bed, `wide_mm` along z, that has slid in a box tilted by 45 degrees: its slope is pi / 2 times the
+/// friction (Caquot 1934, "Equilibre des massifs a frottement interne": grains that slide at all contacts, and do not
+/// turn). It rests a little steeper, as grains lock, too.
 void checkAngleOfRepose(const MatterMaker& make, double friction, double wide_mm, double within_deg);
 /// Does not creep, and keeps its momentum's account.
 void checkHeap(const MatterMaker& make, const DVec3& fill_mm, int falling, int resting);

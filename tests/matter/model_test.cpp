@@ -101,7 +101,8 @@ TEST_CASE("the field of a model says how far its surface is, and how much of it 
     CHECK(here.outwards.x > 0.99f);
     CHECK(here.slope.x > 0);
     const double step = 1e-5;
-    const double slope = static_cast<double>(at(0.04 + far_m - step).share - at(0.04 + far_m + step).share) / (2 * step);
+    const double slope =
+        static_cast<double>(at(0.04 + far_m - step).share - at(0.04 + far_m + step).share) / (2 * step);
     CHECK(isWithin(0.02, here.slope.x, slope));
   }
   CHECK(at(0.04).share > 0.4f);

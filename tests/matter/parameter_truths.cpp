@@ -75,8 +75,11 @@ void checkSoftParameters(const SoftMaker& make, int steps) {
                          .spacing_mm = 5,
                          .viscosity_Pa_s = 3,
                          .friction = 0.3};
-  for (const auto& [name, value] : {std::pair{"young_Pa", 6e4}, {"poisson", 0.2}, {"viscosity_Pa_s", 10.0},
-                                    {"friction", 0.0}, {"gravity_x_m_s2", 4.0}}) {
+  for (const auto& [name, value] : {std::pair{"young_Pa", 6e4},
+                                    {"poisson", 0.2},
+                                    {"viscosity_Pa_s", 10.0},
+                                    {"friction", 0.0},
+                                    {"gravity_x_m_s2", 4.0}}) {
     CAPTURE(name);
     // It stands on its floor, and slides where something pulls it sideways.
     MatterScene begins = soft;

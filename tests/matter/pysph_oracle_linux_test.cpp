@@ -1,4 +1,5 @@
-// A dam that breaks, against another program that has nothing in common with this one: PySPH, where this machine has it.
+// A dam that breaks, against another program that has nothing in common with this one: PySPH, where this machine has
+// it.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

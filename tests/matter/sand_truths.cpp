@@ -69,8 +69,8 @@ void checkAngleOfRepose(const MatterMaker& make, double friction, double wide_mm
   }
   const double angle_deg = 45 - std::atan((count * xy - x * y) / (count * xx - x * x)) * 180 / kPi;
   const double expected_deg = std::atan(kPi / 2 * friction) * 180 / kPi;
-  checkAtMost(fmt::format("angle of repose, friction {:g}, {:.1f} of {:.1f} degrees, away, degrees", friction, angle_deg,
-                          expected_deg),
+  checkAtMost(fmt::format("angle of repose, friction {:g}, {:.1f} of {:.1f} degrees, away, degrees", friction,
+                          angle_deg, expected_deg),
               std::abs(angle_deg - expected_deg), within_deg);
 }
 

@@ -25,7 +25,8 @@ std::vector<Vec3> scattered(std::size_t count, const DVec3& box_mm, double apart
 
 // Where the hand of a tool is after some steps: two beside each other, and the third one nearly where the first one is.
 DVec3 handPlace(std::size_t tool, int step) {
-  return {0.03 + 0.04 * static_cast<double>(tool % 2) + 0.003 * static_cast<double>(tool / 2), 0.05 - 2e-4 * step, 0.035};
+  return {0.03 + 0.04 * static_cast<double>(tool % 2) + 0.003 * static_cast<double>(tool / 2), 0.05 - 2e-4 * step,
+          0.035};
 }
 
 // Without those that are within a ball in the beginning, which would have to grow.

@@ -9,8 +9,8 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/matter/soft_scan.hpp"
 #include "engine/matter/soft_model.hpp"
+#include "engine/matter/soft_scan.hpp"
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"

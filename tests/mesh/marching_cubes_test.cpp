@@ -16,7 +16,8 @@ struct Truth {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "the mesh of a closed shape is closed, turned outwards, and has the shape's handles") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "the mesh of a closed shape is closed, turned outwards, and has the shape's handles") {
   const Truth truths[]{{"sphere", 6000, 2, 4 * 3.14159265358979 / 3 * 125'000},
                        {"torus", 8000, 0, 2 * 3.14159265358979 * 3.14159265358979 * 35 * 225},
                        {"bumpy-sphere", 8000, 2, 0},
@@ -38,7 +39,8 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "the mesh of a closed shape is closed, turned 
     }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "the mesh is that of double precision: the same triangles, vertices in the same places") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "the mesh is that of double precision: the same triangles, vertices in the same places") {
   for (const auto& [name, surface] : kMeshSurfaces)
     for (const char* shape : {"torus", "cube"}) {
       CAPTURE(name);

@@ -97,7 +97,8 @@ void makeSome(World& world) {
   for (std::uint32_t id = 0; id < kPoints; ++id) {
     const PointState from = world.shownOf(id);
     // A hand changes what it sees.
-    if (from.gone() || !world.known.contains(world.grid.keyAt(DVec3(from.position))) || world.random() % 6 != 0) continue;
+    if (from.gone() || !world.known.contains(world.grid.keyAt(DVec3(from.position))) || world.random() % 6 != 0)
+      continue;
     const PointState to = randomPoint(world.random, id);
     changes.push_back({.from = from, .to = to});
     world.own[id] = to;
@@ -142,8 +143,8 @@ TEST_CASE("what was made here is shown over all that comes until what comes has 
         shown += now.size();
       }
       own += world.overlay.own();
-      CHECK(world.overlay.own() ==
-            static_cast<std::size_t>(std::ranges::count_if(world.own, [](const auto& each) { return each.has_value(); })));
+      CHECK(world.overlay.own() == static_cast<std::size_t>(std::ranges::count_if(
+                                       world.own, [](const auto& each) { return each.has_value(); })));
     }
   }
   CHECK(shown > 10'000);
@@ -155,7 +156,11 @@ TEST_CASE("a source has what was made in its next frame, says in which it is, an
   BrickUpdate update;
   Points points;
   for (std::uint32_t i = 0; i < 10; ++i)
-    points.push_back({.position = Vec3(0.1f * static_cast<float>(i) + 0.05f, 0.5f, 0.5f), .id = i, .normal = Vec3(0, 0, 1), .color = 7, .parent = i});
+    points.push_back({.position = Vec3(0.1f * static_cast<float>(i) + 0.05f, 0.5f, 0.5f),
+                      .id = i,
+                      .normal = Vec3(0, 0, 1),
+                      .color = 7,
+                      .parent = i});
   const BrickKey first = BrickGrid::keyOf(IVec3(0)), second = BrickGrid::keyOf(IVec3(1, 0, 0));
   update.bricks = {{first, brickOf(points, source.grid(), first)}, {second, std::make_shared<Brick>()}};
   source.apply(update);
@@ -207,7 +212,8 @@ TEST_CASE("a source has what was made in its next frame, says in which it is, an
 
 TEST_CASE("a point that has come in another brick while an edit was made of it is there once") {
   const BrickGrid grid(1);
-  const BrickKey first = BrickGrid::keyOf(IVec3(0)), second = BrickGrid::keyOf(IVec3(1, 0, 0)), third = BrickGrid::keyOf(IVec3(2, 0, 0));
+  const BrickKey first = BrickGrid::keyOf(IVec3(0)), second = BrickGrid::keyOf(IVec3(1, 0, 0)),
+                 third = BrickGrid::keyOf(IVec3(2, 0, 0));
   const auto at = [](float x) {
     return PointState{.position = Vec3(x, 0.5f, 0.5f), .id = 4, .normal = Vec3(0, 0, 1), .color = 1, .parent = 4};
   };

@@ -138,7 +138,8 @@ TEST_CASE("what was not seen before stands in its place: too far away, beside th
   CHECK(isStill());
   CHECK(std::abs(blended.points.positions[0].z - 0.6f) < 1e-6f);
   DepthFrame nothing = planeFrame(camera, ahead, 0.5);
-  for (const float depth : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+  for (const float depth :
+       {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     std::ranges::fill(nothing.depth_m, depth);
     blended.follow(camera, nothing, planeFrame(camera, ahead, 0.5));
     CHECK(isStill());

@@ -342,7 +342,7 @@ TEST_CASE("a source makes points of the frame that is due, the same bytes for th
   CHECK(source.hasNewer(0.25, 0));
   source.makeFrame(0.25, frame);
   CHECK(frame.size() == 12);
-  CHECK(frame.time_s == 0.25);  // the surface goes on from there to where this frame saw it
+  CHECK(frame.time_s == 0.25);       // the surface goes on from there to where this frame saw it
   CHECK(frame.positions[0].z == 3);  // a metre away from the one before: another surface
   CHECK_FALSE(source.hasNewer(0.34, frame.time_s));
   CHECK(source.hasNewer(0.36, frame.time_s));

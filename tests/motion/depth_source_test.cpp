@@ -76,7 +76,8 @@ TEST_CASE("a sensor's points are the cloud, with their colours, far from zero, t
 }
 
 TEST_CASE("a sensor's points in rows set out from where their rays met the surface before, and get where they are") {
-  // Two rows of two rays see a plane that is nearer by a centimetre in the next frame; the last ray has met nothing before.
+  // Two rows of two rays see a plane that is nearer by a centimetre in the next frame; the last ray has met nothing
+  // before.
   constexpr DepthCamera kRays{.width = 4, .height = 1};
   const auto seen = [](std::uint64_t number, double time_s, double far, std::uint32_t rowLength) {
     DepthFrame frame{.time_s = time_s, .number = number};
@@ -129,7 +130,8 @@ TEST_CASE("more points than there is room for, and points without their normals,
   CHECK_THROWS_AS(DepthPoints().make(kSensor, bare, DVec3(0), points), Error);
 }
 
-TEST_CASE("a live stream that falls silent has no points after the time that its frames are true, until another comes") {
+TEST_CASE(
+    "a live stream that falls silent has no points after the time that its frames are true, until another comes") {
   const auto stream = std::make_shared<Trusted>(kTinyCamera, 3);
   stream->give(tinyFrame(0, 0));
   DepthSource source(playedStream(stream, {.exact = false}));

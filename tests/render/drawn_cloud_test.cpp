@@ -264,7 +264,8 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are pa
   CHECK(colors[0] == shared::kUnpainted);
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "where all points move the drawn cloud takes over a live cloud, in any order, or a frame") {
+TEST_CASE_FIXTURE(DrawnCloudFixture,
+                  "where all points move the drawn cloud takes over a live cloud, in any order, or a frame") {
   for (const std::size_t count : {1, 255, 256, 257, 3000}) {
     CAPTURE(count);
     const PointCloud cloud = strewnCloud(count);
@@ -325,8 +326,8 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame that changes little each dis
   std::size_t wrong = 0, there = 0;
   for (std::size_t k = 0; k < frame.ids.size(); ++k) {
     const std::uint32_t id = frame.ids[k];
-    wrong += positions[id] != Vec4(frame.positions[k], std::bit_cast<float>(id)) ||
-             normals[id] != expectedNormals[k] || clips[id] != expectedClips[k];
+    wrong += positions[id] != Vec4(frame.positions[k], std::bit_cast<float>(id)) || normals[id] != expectedNormals[k] ||
+             clips[id] != expectedClips[k];
   }
   for (const Vec4& position : positions) there += !std::isnan(position.x);
   CHECK(wrong == 0);
@@ -359,7 +360,8 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "where a single point was, and where it has
   }
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "a point keeps its disc next to where that was measured, and has another one farther off") {
+TEST_CASE_FIXTURE(DrawnCloudFixture,
+                  "a point keeps its disc next to where that was measured, and has another one farther off") {
   const PointCloud cloud = strewnCloud(2000);
   const DrawnOptions options{.spacing = 0.1, .edited = true};
   DrawnCloud drawn(device, cloud, options);
@@ -369,7 +371,8 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "a point keeps its disc next to where that 
       frame.positions[id] += way * Vec3(id % 2 == 0 ? 1 : -1, id % 3 == 0 ? 1 : -1, 0);
     drawn.place(frame);
     drawn.closeSurface();
-    CHECK(download<Vec4>(device, drawn.positions(), drawn.count())[7] == Vec4(frame.positions[7], std::bit_cast<float>(7u)));
+    CHECK(download<Vec4>(device, drawn.positions(), drawn.count())[7] ==
+          Vec4(frame.positions[7], std::bit_cast<float>(7u)));
     return download<Vec4>(device, drawn.normals(), drawn.count());
   };
   const auto differing = [](const std::vector<Vec4>& one, const std::vector<Vec4>& other) {

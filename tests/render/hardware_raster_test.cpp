@@ -84,7 +84,8 @@ class HardwareRasterFixture : public PictureFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreValidated<HardwareRasterFixture>, "shapes look the same, even and uneven, with and without colours") {
+TEST_CASE_FIXTURE(CoreValidated<HardwareRasterFixture>,
+                  "shapes look the same, even and uneven, with and without colours") {
   if (!drawsHere()) return;
   for (const char* name : {"sphere", "torus", "cube"})
     for (const double thinning : {1.0, 10.0}) {

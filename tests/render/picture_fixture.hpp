@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-/// Draws clouds on the test GPU. A frame of each size serves all tests of a device: under validation its pipelines take seconds.
+/// Draws clouds on the test GPU. A frame of each size serves all tests of a device: under validation its pipelines take
+/// seconds.
 class PictureFixture : public GpuFixture {
  public:
   using GpuFixture::GpuFixture;

@@ -158,7 +158,8 @@ TEST_CASE("what is held is handed on, sculpted, undone and handed back, and fram
   CHECK(goingOn.playCounts()->played == played);
   CHECK(goingOn.holdFrames() == false);
   until_s = 0.05;
-  for (int guard = 0; guard < 100 && goingOn.playCounts()->played < played + 2; ++guard) goingOn.tickUntil(until_s += 0.02);
+  for (int guard = 0; guard < 100 && goingOn.playCounts()->played < played + 2; ++guard)
+    goingOn.tickUntil(until_s += 0.02);
   CHECK(goingOn.playCounts()->played >= played + 2);
   CHECK(goingOn.isTouching());
 }

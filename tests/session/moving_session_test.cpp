@@ -117,7 +117,8 @@ TEST_CASE("a recorded session with a model that moves is run again with its conf
   const ScratchFolder folder;
   const std::string log = (folder / "log").string();
   const auto cpu = cpuBackend();
-  SessionConfig config = moving({.kind = MotionKind::oscillate, .axis = {0, 0.1, 2}, .amplitude_mm = 1, .frequency_Hz = 5});
+  SessionConfig config =
+      moving({.kind = MotionKind::oscillate, .axis = {0, 0.1, 2}, .amplitude_mm = 1, .frequency_Hz = 5});
   config.model.file = (folder / "model.ply").string();
   Session session(config, sphereModel(), {.backend = *cpu, .threads = 1, .journal = true});
   const ServoResult result = runRecorded(session, log, atRest());

@@ -149,7 +149,8 @@ namespace {
 /// Somebody elsewhere has the water, and it rests.
 class RestingFar final : public FarCloud {
  public:
-  explicit RestingFar(const MatterScene& scene) : source_({.edge = 4 * scene.spacing_mm, .points = 1 << 14, .moves = true}) {
+  explicit RestingFar(const MatterScene& scene)
+      : source_({.edge = 4 * scene.spacing_mm, .points = 1 << 14, .moves = true}) {
     std::map<BrickKey, std::shared_ptr<Brick>> bricks;
     // What is empty is known, too: all of the box, and beyond.
     source_.grid().boxOf(-DVec3(100), scene.box_mm + 100.0).forEach([&](const IVec3& brick) {
@@ -199,7 +200,8 @@ Model joinedPool(const std::string& matter, std::uint64_t standing = 0) {
                           .moves = true,
                           .matter = matter,
                           .standing = standing};
-  const ModelLoading loading{.log = log, .threads = 1, .join = [&](const std::string&, const JoinConfig&, Log&) { return joined; }};
+  const ModelLoading loading{
+      .log = log, .threads = 1, .join = [&](const std::string&, const JoinConfig&, Log&) { return joined; }};
   return loadModel(config, loading);
 }
 
@@ -231,8 +233,9 @@ TEST_CASE("what is joined as water is felt as water, seen as particles, and not 
     if (!contact.fresh || ++answers <= 300) continue;
     mean_N += contact.force_N.value_or(DVec3(0)).y / 200;
   }
-  MESSAGE(fmt::format("held in water that rests, joined at {:g} mm a unit: {:.3f} N of {:.3f} N displaced; {} old answers",
-                      scale, mean_N, expected_N, old));
+  MESSAGE(
+      fmt::format("held in water that rests, joined at {:g} mm a unit: {:.3f} N of {:.3f} N displaced; {} old answers",
+                  scale, mean_N, expected_N, old));
   CHECK(answers == 500);
   CHECK(mean_N > 0.75 * expected_N);
   CHECK(mean_N < 1.25 * expected_N);

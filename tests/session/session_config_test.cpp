@@ -34,13 +34,14 @@ SessionConfig unusual() {
                                .falloff = 3,
                                .color = {1, 2, 255},
                                .keepsDensity = false},
-          .force = {.stiffness_N_per_mm = 0.4, .damping_N_s_per_mm = 0, .maxForce_N = 2, .maxRise_N_per_s = 100, .maxSurfacePower_W = 0.5},
+          .force = {.stiffness_N_per_mm = 0.4,
+                    .damping_N_s_per_mm = 0,
+                    .maxForce_N = 2,
+                    .maxRise_N_per_s = 100,
+                    .maxSurfacePower_W = 0.5},
           .undo = {.undo = 3, .redo = 2, .memory_MiB = 5},
           .hands = {{.device = "sim", .path = "p.csv", .penetration_mm = 1, .fit = WorkspaceFit::identity},
-                    {.device = "dhd:1",
-                     .passivity = PassivityMode::observe,
-                     .ownScheduler = true,
-                     .rumbles = true}},
+                    {.device = "dhd:1", .passivity = PassivityMode::observe, .ownScheduler = true, .rumbles = true}},
           .rate_Hz = 999.5,
           .duration_s = 1.25,
           .realtime = true};
@@ -212,18 +213,16 @@ TEST_CASE("options of the command line, as logs carried them, become the configu
                                              {"--wait", "block"},
                                              {"--tool", "pad"},
                                              {"--tool-axis", "0,1,0.5"}});
-  SessionConfig expected{.model = {.mm_per_unit = 2.5, .normals = NormalSource::estimate},
-                         .backend = {.name = "vulkan", .method = "two-step", .wait = Wait::block, .ahead = false},
-                         .index = {.follow = IndexFollow::rebuild},
-                         .surface = {.kind = SurfaceKind::sphere, .radius_mm = 4},
-                         .tool = {.kind = ToolKind::pad, .axis = {0, 1, 0.5}},
-                         .brush = BrushConfig{.kind = BrushKind::paint,
-                                              .radius_mm = 3,
-                                              .color = {1, 20, 255},
-                                              .keepsDensity = false},
-                         .undo = {.undo = 2},
-                         .rate_Hz = 500,
-                         .realtime = true};
+  SessionConfig expected{
+      .model = {.mm_per_unit = 2.5, .normals = NormalSource::estimate},
+      .backend = {.name = "vulkan", .method = "two-step", .wait = Wait::block, .ahead = false},
+      .index = {.follow = IndexFollow::rebuild},
+      .surface = {.kind = SurfaceKind::sphere, .radius_mm = 4},
+      .tool = {.kind = ToolKind::pad, .axis = {0, 1, 0.5}},
+      .brush = BrushConfig{.kind = BrushKind::paint, .radius_mm = 3, .color = {1, 20, 255}, .keepsDensity = false},
+      .undo = {.undo = 2},
+      .rate_Hz = 500,
+      .realtime = true};
   expected.force.stiffness_N_per_mm = 0.6;
   expected.hands.clear();
   CHECK(config == expected);

@@ -33,7 +33,9 @@ class Collector final : public EditFollower {
   EditBatch& all_;
 };
 
-bool samePoints(const PointCloud& a, const PointCloud& b) { return a.positions == b.positions && a.normals == b.normals; }
+bool samePoints(const PointCloud& a, const PointCloud& b) {
+  return a.positions == b.positions && a.normals == b.normals;
+}
 
 }  // namespace
 
@@ -45,7 +47,8 @@ TEST_CASE("what is felt is the force law's spring on the surface, and nothing is
   const TraceSummary summary = summarize(result.trace());
   CHECK(summary.contactTicks > 80);
   CHECK(summary.faultTicks == 0);
-  CHECK(summary.peakForce_N == doctest::Approx(0.8).epsilon(0.15));  // 1 mm deep at 0.8 N/mm, less what the average sinks
+  CHECK(summary.peakForce_N ==
+        doctest::Approx(0.8).epsilon(0.15));  // 1 mm deep at 0.8 N/mm, less what the average sinks
   CHECK(session.sculpted().edited == 0);
   CHECK(samePoints(session.sculpted().cloud, session.model().cloud));
 }
@@ -73,11 +76,11 @@ TEST_CASE("four hands in one session feel each what it would feel alone") {
 TEST_CASE("what is carved reaches journal and follower alike, and undo leaves the points as they were, bit by bit") {
   const auto cpu = cpuBackend();
   EditBatch followed;
-  Session session(carving(), sphereModel(),
-                  {.backend = *cpu,
-                   .journal = true,
-                   .undo_bytes = 1 << 24,
-                   .follower = [&](const Model&, TouchBackend&) { return std::make_unique<Collector>(followed); }});
+  Session session(
+      carving(), sphereModel(),
+      {.backend = *cpu, .journal = true, .undo_bytes = 1 << 24, .follower = [&](const Model&, TouchBackend&) {
+         return std::make_unique<Collector>(followed);
+       }});
   runAlone(session, strokeFrom({0, 0, 1}, 2));
   session.finish();
   CHECK(session.sculpted().edited > 20);
@@ -131,12 +134,13 @@ TEST_CASE("logs that carried options of the command line run again as they did")
     }
     SessionRecord record = readSessionLog(log);
     const RecordedSession recorded = parseHeader(log, record.text);
-    SessionConfig expected{.model = {.file = "model.ply"},
-                           .backend = {.name = "cpu"},
-                           .surface = {.kind = SurfaceKind::sphere, .friction = 0.2},
-                           .brush = BrushConfig{.kind = BrushKind::carve, .tau_mm = 0.2, .radius_mm = 8, .strength = 0.4},
-                           .undo = {.undo = 1},
-                           .rate_Hz = 200};
+    SessionConfig expected{
+        .model = {.file = "model.ply"},
+        .backend = {.name = "cpu"},
+        .surface = {.kind = SurfaceKind::sphere, .friction = 0.2},
+        .brush = BrushConfig{.kind = BrushKind::carve, .tau_mm = 0.2, .radius_mm = 8, .strength = 0.4},
+        .undo = {.undo = 1},
+        .rate_Hz = 200};
     expected.hands.clear();
     CHECK(recorded.config == expected);
 
@@ -151,8 +155,7 @@ TEST_CASE("logs that carried options of the command line run again as they did")
     const auto cpu = cpuBackend();
     SessionConfig config = recorded.config;
     config.hands = {HandConfig{}};
-    Session session(config, std::move(model),
-                    {.backend = *cpu, .journal = true, .undo_bytes = undoBytes(config.undo)});
+    Session session(config, std::move(model), {.backend = *cpu, .journal = true, .undo_bytes = undoBytes(config.undo)});
     const std::vector<LoggedTick> before = record.ticks;
     ReplayDevice device(std::move(record.ticks), recorded.limits);
     const OpenHand hand{.device = &device, .map = recorded.map, .duration_s = before.back().time_s};

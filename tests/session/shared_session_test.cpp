@@ -1,4 +1,5 @@
-// A session that others have, too, as a session sees it: what it does when they are silent, and when their part is over.
+// A session that others have, too, as a session sees it: what it does when they are silent, and when their part is
+// over.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -151,7 +152,8 @@ TEST_CASE("the others are told of all hands of a session that is felt alone, by 
 TEST_CASE("who is heard feels what a hand alone feels") {
   Others::State others;
   const auto cpu = cpuBackend();
-  Session shared(joined(), sharedSphere(others), {.backend = *cpu}), alone({.backend = {.name = "cpu"}}, sphereModel(), {.backend = *cpu});
+  Session shared(joined(), sharedSphere(others), {.backend = *cpu}),
+      alone({.backend = {.name = "cpu"}}, sphereModel(), {.backend = *cpu});
   Puller one(shared), two(alone);
   for (const double distance : {52.0, 49.5, 48.0, 51.0}) CHECK(one.at(distance, 20) == two.at(distance, 20));
 }

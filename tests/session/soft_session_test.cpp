@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "engine/matter/soft_model.hpp"
 #include "engine/io/ply_writer.hpp"
+#include "engine/matter/soft_model.hpp"
 #include "haptics/session/session.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
@@ -18,11 +18,8 @@ SessionConfig softSession() {
                        .backend = {.name = "cpu"},
                        .force = {.stiffness_N_per_mm = 0.5, .damping_N_s_per_mm = 0},
                        .duration_s = 0.4};
-  config.matter = MatterScene{.matter = Matter::soft,
-                              .box_mm = {100, 100, 100},
-                              .fill_mm = {40, 30, 40},
-                              .spacing_mm = 5,
-                              .viscosity_Pa_s = 3};
+  config.matter = MatterScene{
+      .matter = Matter::soft, .box_mm = {100, 100, 100}, .fill_mm = {40, 30, 40}, .spacing_mm = 5, .viscosity_Pa_s = 3};
   return config;
 }
 

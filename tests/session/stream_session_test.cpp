@@ -66,7 +66,8 @@ TEST_CASE("a world far from zero keeps its detail") {
 }
 
 TEST_CASE(
-    "a hand at rest feels stiffness times the depth of a wall that goes from frame to frame, and nothing once it is gone") {
+    "a hand at rest feels stiffness times the depth of a wall that goes from frame to frame, and nothing once it is "
+    "gone") {
   const ScratchFolder folder;
   writeWall(folder.path());
   const auto cpu = cpuBackend();

@@ -1,5 +1,5 @@
-// A wall before a depth camera that comes nearer and goes again, as a recording of 16 frames, and sessions with it on the
-// CPU.
+// A wall before a depth camera that comes nearer and goes again, as a recording of 16 frames, and sessions with it on
+// the CPU.
 #pragma once
 
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
-// Copies of strokes and results: how many there are, that they count by their numbers whichever way they come, and what they
-// are good for over links that lose.
+// Copies of strokes and results: how many there are, that they count by their numbers whichever way they come, and what
+// they are good for over links that lose.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -157,7 +157,9 @@ TEST_CASE("a piece that comes as a copy alone is taken, once, after the one befo
   CHECK(counts.refused == 0);
 }
 
-TEST_CASE("what a server says comes the reliable way once and as four copies, and copies that come too early ask for nothing") {
+TEST_CASE(
+    "what a server says comes the reliable way once and as four copies, and copies that come too early ask for "
+    "nothing") {
   const PointCloud cloud = flatCloud(1000);
   Served served(cloud, "copied");
   const JoinedCloud joined = joinCloud("copied", {.network = ownNetwork()});
@@ -215,8 +217,8 @@ TEST_CASE("what a server says comes the reliable way once and as four copies, an
 
 namespace {
 
-/// One way of a link, in virtual time: a reliable stream, in order, whose lost messages come again a round trip later, and a
-/// best-effort one. Each loses frames on its own.
+/// One way of a link, in virtual time: a reliable stream, in order, whose lost messages come again a round trip later,
+/// and a best-effort one. Each loses frames on its own.
 template <class Message>
 class LossyWay {
  public:
@@ -254,8 +256,8 @@ struct Told {
   std::vector<PointState> states;
 };
 
-/// From the moment at which one hand changes a point to that at which another one, as far from the server, is offered it, s;
-/// sorted. A change each 10 ms for a second, and then another second without.
+/// From the moment at which one hand changes a point to that at which another one, as far from the server, is offered
+/// it, s; sorted. A change each 10 ms for a second, and then another second without.
 std::vector<double> delaysOver(double trip_s, double loss, bool withCopies) {
   std::mt19937 dice(3);
   std::vector<PointState> points;
@@ -286,7 +288,12 @@ std::vector<double> delaysOver(double trip_s, double loss, bool withCopies) {
   const auto tell = [&](double now_s) {
     Told told;
     server.collect(place, Id{9}, 36, told.states);
-    told.results = {.epoch = asked.epoch, .counter = ++counter, .upTo = place.upTo, .head = server.head(), .digest = server.digest(), .states = {}};
+    told.results = {.epoch = asked.epoch,
+                    .counter = ++counter,
+                    .upTo = place.upTo,
+                    .head = server.head(),
+                    .digest = server.digest(),
+                    .states = {}};
     results.sayReliably(told, now_s);
     resultCopies.add(std::move(told), 100, now_s);
   };
@@ -309,8 +316,10 @@ std::vector<double> delaysOver(double trip_s, double loss, bool withCopies) {
     }
     strokes.arrive(now_s, [&](const StrokePiece& piece) {
       const std::uint64_t last = server.lastOf(Id{1});
-      if (server.take(Id{1}, piece.number, piece.states) == SharedPoints::Taken::early) earlyStrokes.keep(piece.number, last, piece);
-      while (const auto early = earlyStrokes.takeAfter(server.lastOf(Id{1}))) server.take(Id{1}, early->number, early->states);
+      if (server.take(Id{1}, piece.number, piece.states) == SharedPoints::Taken::early)
+        earlyStrokes.keep(piece.number, last, piece);
+      while (const auto early = earlyStrokes.takeAfter(server.lastOf(Id{1})))
+        server.take(Id{1}, early->number, early->states);
     });
     if (server.isBehind(place)) tell(now_s);
     results.arrive(now_s, [&](const Told& told) {
@@ -334,7 +343,9 @@ std::vector<double> delaysOver(double trip_s, double loss, bool withCopies) {
 
 }  // namespace
 
-TEST_CASE("over links that lose, ninety-nine changes of a hundred come within 40 ms beyond the way; without copies they do not") {
+TEST_CASE(
+    "over links that lose, ninety-nine changes of a hundred come within 40 ms beyond the way; without copies they do "
+    "not") {
   for (const double trip_s : {0.1, 0.3, 1.0})
     for (const double loss : {0.01, 0.05}) {
       CAPTURE(trip_s);

@@ -1,5 +1,5 @@
-// Many hands, a server and links that delay, break and lose, all in one thread and from one seed: in the end every point is
-// everywhere as it was changed last, and nothing that one hand alone has done was ever taken from it.
+// Many hands, a server and links that delay, break and lose, all in one thread and from one seed: in the end every
+// point is everywhere as it was changed last, and nothing that one hand alone has done was ever taken from it.
 #include "haptics/sharing/edit_exchange.hpp"
 
 #include <doctest/doctest.h>
@@ -31,7 +31,8 @@ std::vector<PointState> pointsOf(std::uint32_t count) {
 /// What answers a hand: its brush moves points, offers are done some time later.
 class Answering {
  public:
-  /// `cells`: a point that the brush took out of its cell stays; otherwise only one that stands exactly as it was moves.
+  /// `cells`: a point that the brush took out of its cell stays; otherwise only one that stands exactly as it was
+  /// moves.
   Answering(std::vector<PointState> points, bool cells) : points_(std::move(points)), cells_(cells) {}
 
   void brush(std::mt19937& dice) {
@@ -59,8 +60,9 @@ class Answering {
     for (const PointChange& change : offered_) {
       PointState& point = points_[change.to.number()];
       CHECK_FALSE((change.from.gone() && change.to.gone()));
-      const bool stands = point.gone() == change.from.gone() &&
-                          (cells_ ? glm::floor(point.position) == glm::floor(change.from.position) : point == change.from);
+      const bool stands =
+          point.gone() == change.from.gone() &&
+          (cells_ ? glm::floor(point.position) == glm::floor(change.from.position) : point == change.from);
       if (!stands) continue;
       point = change.to;
       batch_.points.push_back(point);
@@ -84,9 +86,8 @@ std::vector<PointState> copyOf(std::span<const PointState> points) { return {poi
 
 // Of points that are not there no more than that.
 bool same(const std::vector<PointState>& a, std::span<const PointState> b) {
-  return std::ranges::equal(a, b, [](const PointState& p, const PointState& q) {
-    return p.gone() && q.gone() ? p.id == q.id : p == q;
-  });
+  return std::ranges::equal(
+      a, b, [](const PointState& p, const PointState& q) { return p.gone() && q.gone() ? p.id == q.id : p == q; });
 }
 
 /// One way of a link: in order, each message some steps later; broken, all that is under way is lost.
@@ -196,7 +197,8 @@ class World {
       resume(client);
       client.lastHeard = now_;
     }
-    while (const StrokePiece* piece = client.exchange.outbox().nextPiece(kAtOnce)) client.strokes.send(*piece, now_, dice_);
+    while (const StrokePiece* piece = client.exchange.outbox().nextPiece(kAtOnce))
+      client.strokes.send(*piece, now_, dice_);
     const auto offer = client.exchange.nextOffer();
     if (!offer.empty() && client.answering.offer(offer)) client.exchange.offered();
   }
@@ -206,8 +208,9 @@ class World {
       client->resumes.arrive(now_, [&](const Resume& asked) {
         Follower& follower = followers_[client->id];
         if (asked.epoch <= follower.asked.epoch) return;
-        follower = {.asked = asked, .place = {.upTo = std::min(asked.upTo, points_.head()),
-                                              .ownUpTo = asked.upTo == 0 ? points_.head() : 0}};
+        follower = {
+            .asked = asked,
+            .place = {.upTo = std::min(asked.upTo, points_.head()), .ownUpTo = asked.upTo == 0 ? points_.head() : 0}};
       });
       client->strokes.arrive(now_, [&](const StrokePiece& piece) {
         if (points_.take(client->id, piece.number, piece.states) == SharedPoints::Taken::taken)
@@ -238,7 +241,8 @@ class World {
   void restart() {
     ++restarts_;
     points_ = SharedPoints(served_);
-    for (const auto& [id, piece] : journal_) REQUIRE(points_.take(id, piece.number, piece.states) == SharedPoints::Taken::taken);
+    for (const auto& [id, piece] : journal_)
+      REQUIRE(points_.take(id, piece.number, piece.states) == SharedPoints::Taken::taken);
     followers_.clear();
     for (auto& client : clients_) {
       client->strokes.cut();
@@ -316,8 +320,12 @@ TEST_CASE("a zero of the other sign is another state, as the digest has it") {
   other.normal.x = -0.0F;
   SharedPoints server(points);
   REQUIRE(server.take(Id{1}, 1, {&other, 1}) == SharedPoints::Taken::taken);
-  CHECK(exchange.hear({.epoch = asked.epoch, .counter = 1, .upTo = 1, .head = 1, .digest = server.digest(), .states = {&other, 1}}) ==
-        EditExchange::Heard::taken);
+  CHECK(exchange.hear({.epoch = asked.epoch,
+                       .counter = 1,
+                       .upTo = 1,
+                       .head = 1,
+                       .digest = server.digest(),
+                       .states = {&other, 1}}) == EditExchange::Heard::taken);
   const auto offer = exchange.nextOffer();
   REQUIRE(offer.size() == 1);
   exchange.offered();
@@ -330,7 +338,8 @@ TEST_CASE("of a point that changes faster than a link carries only the last stat
   SharedPoints points(pointsOf(10));
   const Id maker{1}, follower{2};
   for (std::uint64_t piece = 1; piece <= 1000; ++piece) {
-    const PointState state{.position = Vec3(0, static_cast<float>(piece), 0), .id = 3, .normal = {0, 0, 1}, .parent = 3};
+    const PointState state{
+        .position = Vec3(0, static_cast<float>(piece), 0), .id = 3, .normal = {0, 0, 1}, .parent = 3};
     REQUIRE(points.take(maker, piece, {&state, 1}) == SharedPoints::Taken::taken);
   }
   SharedPoints::Place place;

@@ -1,9 +1,10 @@
-// A program of another maker's DDS (eProsima Fast DDS, with Fast CDR), as those of rmw_fastrtps are: it knows ROS's types by
-// their names alone and shares no code with palpate. On this machine's loopback:
+// A program of another maker's DDS (eProsima Fast DDS, with Fast CDR), as those of rmw_fastrtps are: it knows ROS's
+// types by their names alone and shares no code with palpate. On this machine's loopback:
 //   fastdds_peer hear DOMAIN NAME SECONDS   a line of JSON for each pose, proxy, wrench and cloud of that name
 //   fastdds_peer send DOMAIN TOPIC SECONDS  a PointCloud2 of a square, ten times a second
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -14,7 +15,6 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 
 #include <array>
 #include <chrono>
@@ -171,8 +171,9 @@ std::string inWords(const char* topic, const PointCloud2& cloud) {
       std::memcpy(&place, cloud.data.data() + i * cloud.point_step + 4 * k, 4);
       places.push_back(place);
     }
-  return headOf(topic, cloud.header) + ", \"width\": " + std::to_string(cloud.width) + ", \"height\": " +
-         std::to_string(cloud.height) + ", \"fields\": [" + fields + "], \"numbers\": " + listOf(places) + "}";
+  return headOf(topic, cloud.header) + ", \"width\": " + std::to_string(cloud.width) +
+         ", \"height\": " + std::to_string(cloud.height) + ", \"fields\": [" + fields +
+         "], \"numbers\": " + listOf(places) + "}";
 }
 
 // The loopback alone, where others are asked by their ports: as of programs of ROS that are told LOCALHOST.
@@ -202,7 +203,8 @@ Topic* topicOf(DomainParticipant* participant, const std::string& name) {
 template <class T>
 class Printing : public DataReaderListener {
  public:
-  Printing(DomainParticipant* participant, Subscriber* subscriber, const std::string& name, const char* label, bool isLatched)
+  Printing(DomainParticipant* participant, Subscriber* subscriber, const std::string& name, const char* label,
+           bool isLatched)
       : label_(label) {
     DataReaderQos qos = DATAREADER_QOS_DEFAULT;
     qos.reliability().kind = RELIABLE_RELIABILITY_QOS;
@@ -239,9 +241,14 @@ void hear(DomainParticipant* participant, const std::string& name, double second
 
 // 41 x 31 points 5 mm apart, on z = 2 + x / 4.
 PointCloud2 square() {
-  PointCloud2 cloud{.header = {.sec = 1, .nanosec = 2, .frame_id = "lab"}, .height = 31, .width = 41, .point_step = 16, .row_step = 656};
+  PointCloud2 cloud{.header = {.sec = 1, .nanosec = 2, .frame_id = "lab"},
+                    .height = 31,
+                    .width = 41,
+                    .point_step = 16,
+                    .row_step = 656};
   for (const char* name : {"x", "y", "z"})
-    cloud.fields.push_back({.name = name, .offset = static_cast<std::uint32_t>(4 * cloud.fields.size()), .datatype = 7, .count = 1});
+    cloud.fields.push_back(
+        {.name = name, .offset = static_cast<std::uint32_t>(4 * cloud.fields.size()), .datatype = 7, .count = 1});
   cloud.data.resize(31 * 656);
   for (std::size_t i = 0; i < 31 * 41; ++i) {
     const float x = 0.005f * static_cast<float>(i % 41), y = 0.005f * static_cast<float>(i / 41);

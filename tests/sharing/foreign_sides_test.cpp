@@ -1,4 +1,5 @@
-// Servers and clients that are none of ours: what they say is refused in words, and nothing grows or ends because of it.
+// Servers and clients that are none of ours: what they say is refused in words, and nothing grows or ends because of
+// it.
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -57,7 +58,8 @@ class ForeignServer {
         CHECK(request.count <= kMostRequested);
         if (!blocks) blocks.emplace(participant_, topics_.blocks, reliableQos(false, partitionOf(request.client)));
         for (std::uint32_t i = 0; i < request.count && given < most; ++i, ++given) {
-          std::vector<Point> points(pointsIn(request.first + i, notice.points), Point{.position = {1, 2, 3}, .normal = {0, 0, 1}});
+          std::vector<Point> points(pointsIn(request.first + i, notice.points),
+                                    Point{.position = {1, 2, 3}, .normal = {0, 0, 1}});
           Block block{};
           set(block.session, session);
           block.number = request.first + i;
@@ -110,16 +112,22 @@ TEST_CASE("another version is named, and so are numbers that are no cloud's") {
 }
 
 TEST_CASE("points that are none, too few or too many, and others than were announced, are refused") {
-  CHECK(has(ForeignServer("short").joined([](Block&, std::vector<Point>& points) { points.pop_back(); }), "44 points in place of 45"));
-  CHECK(has(ForeignServer("long").joined([](Block&, std::vector<Point>& points) { points.resize(64); }), "64 points in place of"));
+  CHECK(has(ForeignServer("short").joined([](Block&, std::vector<Point>& points) { points.pop_back(); }),
+            "44 points in place of 45"));
+  CHECK(has(ForeignServer("long").joined([](Block&, std::vector<Point>& points) { points.resize(64); }),
+            "64 points in place of"));
   CHECK(has(ForeignServer("holes").joined([](Block&, std::vector<Point>& points) {
     points[7].position[2] = std::numeric_limits<float>::quiet_NaN();
-  }), "it has no place"));
-  CHECK(has(ForeignServer("spikes").joined([](Block&, std::vector<Point>& points) { points[0].normal[0] = 1e20f; }), "no normal"));
+  }),
+            "it has no place"));
+  CHECK(has(ForeignServer("spikes").joined([](Block&, std::vector<Point>& points) { points[0].normal[0] = 1e20f; }),
+            "no normal"));
   CHECK(has(ForeignServer("others").joined(leave), "not those that were announced"));
   // Blocks of other sessions and beyond the end are nobody's.
-  CHECK(has(ForeignServer("strange").joined([](Block& block, std::vector<Point>&) { block.number += 1'000'000; }), "nothing has come"));
-  CHECK(has(ForeignServer("mixed").joined([](Block& block, std::vector<Point>&) { block.session[3] ^= 1; }), "nothing has come"));
+  CHECK(has(ForeignServer("strange").joined([](Block& block, std::vector<Point>&) { block.number += 1'000'000; }),
+            "nothing has come"));
+  CHECK(has(ForeignServer("mixed").joined([](Block& block, std::vector<Point>&) { block.session[3] ^= 1; }),
+            "nothing has come"));
 }
 
 TEST_CASE("who announces billions of points takes the memory of those alone that come") {
@@ -138,7 +146,8 @@ TEST_CASE("what stands in names goes to no terminal as it is") {
   const auto shown = [](const char* text) { return printable(text); };
   CHECK(shown("Z\u00fcrich \u20ac \U0001F600") == "Z\u00fcrich \u20ac \U0001F600");
   CHECK(shown("\xff\xfe a\x80") == "?? a?");
-  CHECK(shown("\xc2\x9b" "31m") == "??31m");
+  CHECK(shown("\xc2\x9b"
+              "31m") == "??31m");
   CHECK(shown("\xc0\xaf \xe0\x80\xaf \xed\xa0\x80 \xf4\x90\x80\x80 \xf8") == "?? ??? ??? ???? ?");
   CHECK(shown("\xe2\x82") == "??");
   std::string full(199, 'x');
@@ -163,8 +172,13 @@ TEST_CASE("requests that no client of ours makes are counted, and the server goe
       dds_get_publication_matched_status(requests, &status);
       if (status.current_count > 0) break;
     }
-    for (const auto& [first, count] : std::vector<std::array<std::uint32_t, 2>>{
-             {0, 0}, {0, kMostRequested + 1}, {112, 1}, {0, 113}, {0xffffffff, 1}, {1, 0xffffffff}, {0xffffffff, 0xffffffff}}) {
+    for (const auto& [first, count] : std::vector<std::array<std::uint32_t, 2>>{{0, 0},
+                                                                                {0, kMostRequested + 1},
+                                                                                {112, 1},
+                                                                                {0, 113},
+                                                                                {0xffffffff, 1},
+                                                                                {1, 0xffffffff},
+                                                                                {0xffffffff, 0xffffffff}}) {
       Request request{};
       std::memcpy(request.session, notice->session, sizeof request.session);
       request.first = first;

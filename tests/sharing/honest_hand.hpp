@@ -71,8 +71,7 @@ class HonestHand {
  public:
   explicit HonestHand(const std::string& name)
       : joined_(joinCloud(name, {.network = ownNetwork()})),
-        follower_(
-            shareEdits({.session = joined_.session, .cloud = joined_.cloud, .backend = backend_})),
+        follower_(shareEdits({.session = joined_.session, .cloud = joined_.cloud, .backend = backend_})),
         presence_(sharePresence(joined_.session, "honest", joined_.cloud)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 

@@ -104,8 +104,8 @@ Outcome attacked(const std::string& attack, double seconds) {
   MESSAGE(fmt::format(
       "{}: {:.1f} MB at most; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; {} requests, "
       "{} blocks, {} refused, {} sculptors, {} pieces, {} again, {} clients",
-      attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.link.roundTrip_ms.value_or(-1), outcome.hand.sent,
-      outcome.hand.received, outcome.served.requests, outcome.served.blocks, outcome.served.refused,
+      attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.link.roundTrip_ms.value_or(-1),
+      outcome.hand.sent, outcome.hand.received, outcome.served.requests, outcome.served.blocks, outcome.served.refused,
       outcome.served.sculptors, outcome.served.pieces, outcome.served.again, outcome.served.clients));
   CHECK(outcome.hand.delivered);
   CHECK(outcome.hand.same);
@@ -141,7 +141,8 @@ TEST_CASE(
 
 TEST_CASE(
     "hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory") {
-  for (const char* attack : {"hands", "notices", "results", "result-copies"}) CHECK(attacked(attack, 1.5).grown_MB < 15);
+  for (const char* attack : {"hands", "notices", "results", "result-copies"})
+    CHECK(attacked(attack, 1.5).grown_MB < 15);
 }
 
 namespace {
@@ -163,7 +164,8 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
     const DVec3 hip(50, y, 0);
     hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
     source.ask(hands);
-    return source.await(hands, 15);  // up to 64 have their turn first, each of them some milliseconds, ten times that with sanitizers
+    return source.await(
+        hands, 15);  // up to 64 have their turn first, each of them some milliseconds, ten times that with sanitizers
   };
   REQUIRE(comesTo(20));
   HostileSide side(attack, seconds);
@@ -174,9 +176,9 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   CHECK(comesTo(180));
   CHECK_NOTHROW(joined.far->check());
   const NearOutcome outcome{.hand = during, .served = served.end()};
-  MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times anew; {} clients, {} refused", attack,
-                      outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1), outcome.hand.resumed,
-                      outcome.served.near, outcome.served.refused));
+  MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times anew; {} clients, {} refused",
+                      attack, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1),
+                      outcome.hand.resumed, outcome.served.near, outcome.served.refused));
   CHECK(outcome.hand.longestSilent_s < 1);
   return outcome;
 }
@@ -242,9 +244,9 @@ TEST_CASE("readers that have fallen asleep with all that there is on the way to 
   const SharedCounts counts = hand.end();
   CHECK(side.end(SIGKILL) != 0);
   const ServedCounts handed = served.end();
-  MESSAGE(
-      fmt::format("asleep: {:.0f} MB at most, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients",
-                  grown_MB, counts.longestSilent_s, counts.link.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
+  MESSAGE(fmt::format(
+      "asleep: {:.0f} MB at most, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients", grown_MB,
+      counts.longestSilent_s, counts.link.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
   CHECK(counts.same);
   CHECK(counts.longestSilent_s < 2);
   CHECK(grown_MB < 400);

@@ -154,10 +154,10 @@ class HostileSide {
         {"stroke-copies", [&] { stroke(writers_.strokeCopies, idNumber(1), ++number_, true); }},
         {"sculptors", [&] { stroke(writers_.strokes, idNumber(++number_), 1, true); }},
         {"bad-strokes", [&] { stroke(writers_.strokes, idNumber(roll() % kManyIds), any64(), roll() % 2 == 0); }},
-            {"bad-stroke-copies",
-             [&] { stroke(writers_.strokeCopies, idNumber(roll() % kManyIds), roll() % 2 ? 1 : any64(), false); }},
+        {"bad-stroke-copies",
+         [&] { stroke(writers_.strokeCopies, idNumber(roll() % kManyIds), roll() % 2 ? 1 : any64(), false); }},
         {"results", [&] { result(false); }},
-            {"result-copies", [&] { result(true); }},
+        {"result-copies", [&] { result(true); }},
         {"hands", [&] { hand(); }},
         {"one-near", [&] { near(idNumber(1)); }},
         {"nears", [&] { near(idNumber(roll() % kManyIds)); }},
@@ -253,7 +253,8 @@ class HostileSide {
     if (!victim_) return;
     std::uint8_t partition[16];
     set(partition, *victim_);
-    if (!results_ && isCopy) results_.emplace(participant_, topics_.resultCopies, bestEffortQos(partitionOf(partition)));
+    if (!results_ && isCopy)
+      results_.emplace(participant_, topics_.resultCopies, bestEffortQos(partitionOf(partition)));
     if (!results_) results_.emplace(participant_, topics_.results, reliableQos(false, partitionOf(partition)));
     std::vector<State> states(1 + roll() % kStates);
     for (State& state : states)

@@ -9,8 +9,8 @@
 #include <random>
 
 #include "engine/motion/brick_source.hpp"
-#include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/ros_intake.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
@@ -188,12 +188,13 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
                                 resume.epoch = mutant.roll() % 100;
                                 resume.upTo = mutant.roll() % 1000;
                               });
-  mutant.write<sharing::Hand>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes, [&](sharing::Hand& shown) {
-    id(shown.client);
-    put(shown.name, "mutant");
-    shown.which = static_cast<std::uint8_t>(mutant.roll());
-    shown.number = mutant.roll();
-  });
+  mutant.write<sharing::Hand>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes,
+                              [&](sharing::Hand& shown) {
+                                id(shown.client);
+                                put(shown.name, "mutant");
+                                shown.which = static_cast<std::uint8_t>(mutant.roll());
+                                shown.number = mutant.roll();
+                              });
   std::size_t cameras = 0;
   mutant.write<Camera>(palpate_sharing_Camera_desc, topics.cameras, bestEffortQos(), kTimes, [&](Camera& camera) {
     id(camera.client);
@@ -232,8 +233,10 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     result.states._buffer = states.data();
     result.states._length = result.states._maximum = static_cast<std::uint32_t>(states.size());
   };
-  mutant.write<Result>(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes, answer);
-  mutant.write<Result>(palpate_sharing_Result_desc, topics.resultCopies, bestEffortQos(partitionOf(partition)), kTimes, answer);
+  mutant.write<Result>(palpate_sharing_Result_desc, topics.results, reliableQos(false, partitionOf(partition)), kTimes,
+                       answer);
+  mutant.write<Result>(palpate_sharing_Result_desc, topics.resultCopies, bestEffortQos(partitionOf(partition)), kTimes,
+                       answer);
   honest->show(CameraPlace{.position = DVec3(1, 2, 3), .fovY_rad = 1});
   bool isSeen = false;
   for (const Stopwatch since; !isSeen && since.elapsed_s() < 10;
@@ -332,8 +335,8 @@ TEST_CASE("who is near his hand goes on amid questions, facts and bricks that ar
     });
     if (!asked) continue;
     ++rounds;
-    mutant.write<Bricks>(palpate_sharing_Bricks_desc, topics.bricks, reliableQos(false, partitionOf(asked->client)), 200,
-                         [&](Bricks& bricks) {
+    mutant.write<Bricks>(palpate_sharing_Bricks_desc, topics.bricks, reliableQos(false, partitionOf(asked->client)),
+                         200, [&](Bricks& bricks) {
                            const auto give = [](auto& to, auto& from) {
                              to._buffer = &from;
                              to._length = to._maximum = 1;

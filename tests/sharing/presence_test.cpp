@@ -251,8 +251,7 @@ TEST_CASE("all hands of who is near, of who has all points and of who feels alon
     // Those of which nothing more is said are gone, for each of the others.
     CHECK(within(5, [&] {
       ada.movesHands({handAt(1), handAt(2)});
-      return ada.presence->hands().empty() && bert.presence->hands().size() == 2 &&
-             carla.presence->hands().size() == 2;
+      return ada.presence->hands().empty() && bert.presence->hands().size() == 2 && carla.presence->hands().size() == 2;
     }));
     // A hand less is one less.
     CHECK(within(5, [&] {

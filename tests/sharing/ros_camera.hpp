@@ -63,7 +63,8 @@ struct SentPoints {
   void write(const sharing::RosPublisher<sharing::RosPointCloud2>& publisher) {
     std::string names[] = {"x", "y", "z"};
     sharing::RosPointField fields[3];
-    for (std::uint32_t k = 0; k < 3; ++k) fields[k] = {.name = names[k].data(), .offset = 4 * k, .datatype = 7, .count = 1};
+    for (std::uint32_t k = 0; k < 3; ++k)
+      fields[k] = {.name = names[k].data(), .offset = 4 * k, .datatype = 7, .count = 1};
     sharing::RosPointCloud2 cloud{};
     sharing::setStamp(cloud.header, stamp_ns);
     cloud.header.frame_id = frame.data();
@@ -72,7 +73,10 @@ struct SentPoints {
     cloud.point_step = sizeof(Vec3);
     cloud.row_step = width * cloud.point_step;
     const auto bytes = static_cast<std::uint32_t>(places.size() * sizeof(Vec3));
-    cloud.data = {._maximum = bytes, ._length = bytes, ._buffer = reinterpret_cast<std::uint8_t*>(places.data()), ._release = false};
+    cloud.data = {._maximum = bytes,
+                  ._length = bytes,
+                  ._buffer = reinterpret_cast<std::uint8_t*>(places.data()),
+                  ._release = false};
     publisher.write(cloud);
   }
 };

@@ -1,5 +1,5 @@
-// Topics of ROS as frames, on the network of this machine: pictures with their camera, points with and without rows, and
-// what is none of that.
+// Topics of ROS as frames, on the network of this machine: pictures with their camera, points with and without rows,
+// and what is none of that.
 #include <doctest/doctest.h>
 
 #include <atomic>

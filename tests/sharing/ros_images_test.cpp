@@ -1,5 +1,5 @@
-// Pictures of depth and their camera without a network: depths in either encoding and order of bytes, what is no camera,
-// and what lies.
+// Pictures of depth and their camera without a network: depths in either encoding and order of bytes, what is no
+// camera, and what lies.
 #include "haptics/sharing/ros_images.hpp"
 
 #include <doctest/doctest.h>
@@ -106,7 +106,8 @@ TEST_CASE("a picture that contradicts itself, or the camera, is refused in words
   CHECK(spoiled([](Picture& p) { p.says.step = kMost; }).find("bytes are announced") != std::string::npos);
   CHECK(spoiled([](Picture& p) { p.says.width = kMost; }) ==
         "an Image of 4294967295 x 2 pixels has come, and the camera has 3 x 2");
-  CHECK(spoiled([](Picture& p) { p.says.height = 3; }) == "an Image of 3 x 3 pixels has come, and the camera has 3 x 2");
+  CHECK(spoiled([](Picture& p) { p.says.height = 3; }) ==
+        "an Image of 3 x 3 pixels has come, and the camera has 3 x 2");
   CHECK(spoiled([](Picture& p) { p.data.clear(); }, "32FC1").find("and 0 there") != std::string::npos);
   CHECK(spoiled([](Picture& p) { p.says.encoding = "rgb8\x1b"; }) ==
         "an Image of depth is 16UC1 (millimetres) or 32FC1 (metres), and this one is 'rgb8?'");
@@ -213,7 +214,8 @@ TEST_CASE("normals of a grid stand on the surface that it saw, face the sensor, 
     else
       CHECK(glm::distance(DVec3(normals[i]), upright) < 1e-4);
   }
-  const std::vector<Vec3> alone = gridNormals(std::span(places).first(1), {.width = 8, .height = 6, .cells = std::span(cells).first(1)});
+  const std::vector<Vec3> alone =
+      gridNormals(std::span(places).first(1), {.width = 8, .height = 6, .cells = std::span(cells).first(1)});
   CHECK(alone[0] == Vec3(0));
   CHECK_THROWS_AS(gridNormals(places, {.width = 3, .height = 2, .cells = cells}), Error);
 }

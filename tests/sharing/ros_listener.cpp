@@ -1,5 +1,5 @@
-// Hears a hand and a cloud of palpate, as a program of ROS would, so that somebody has it sent over the network, and says
-// how long poses were on their way:
+// Hears a hand and a cloud of palpate, as a program of ROS would, so that somebody has it sent over the network, and
+// says how long poses were on their way:
 //   ros_listener DOMAIN NAME SECONDS
 #include <algorithm>
 #include <chrono>

@@ -170,7 +170,9 @@ TEST_CASE("a recording that begins again is heard as it goes then") {
     for (double t = from_s; t < to_s; t += 0.01)
       CHECK(tree.add(transform("map", "arm", {t, 0, 0}, DQuat(1, 0, 0, 0), static_cast<std::int64_t>(1e9 * t)), false));
   };
-  const auto placeAt = [&](double t) { return tree.find("arm", "map", static_cast<std::int64_t>(1e9 * t)).toWorld(DVec3(0)).x; };
+  const auto placeAt = [&](double t) {
+    return tree.find("arm", "map", static_cast<std::int64_t>(1e9 * t)).toWorld(DVec3(0)).x;
+  };
   play(0, 60);
   CHECK(placeAt(55) == doctest::Approx(55).epsilon(0.001));
   play(1, 2);

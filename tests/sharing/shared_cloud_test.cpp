@@ -1,4 +1,5 @@
-// A cloud that is served and joined within this machine: its bits, its counts, and what hostile or foreign sides do to it.
+// A cloud that is served and joined within this machine: its bits, its counts, and what hostile or foreign sides do to
+// it.
 #include "haptics/sharing/shared_cloud.hpp"
 
 #include <doctest/doctest.h>
@@ -63,7 +64,8 @@ TEST_CASE("several join at once, each gets all, and nobody more than what was as
   Served served(cloud, "shared");
   std::vector<std::jthread> clients;
   std::array<JoinedCloud, 4> joined;
-  for (JoinedCloud& one : joined) clients.emplace_back([&one] { one = joinCloud("shared", {.network = ownNetwork()}); });
+  for (JoinedCloud& one : joined)
+    clients.emplace_back([&one] { one = joinCloud("shared", {.network = ownNetwork()}); });
   clients.clear();
   for (const JoinedCloud& one : joined) checkSame(one.cloud, cloud);
   const ServedCounts counts = served.end();

@@ -17,7 +17,8 @@ namespace palpate {
 namespace {
 
 // All bricks of a cloud.
-BrickUpdate bricksOf(const std::vector<PointState>& points, const BrickGrid& grid, const DVec3& low, const DVec3& high) {
+BrickUpdate bricksOf(const std::vector<PointState>& points, const BrickGrid& grid, const DVec3& low,
+                     const DVec3& high) {
   std::map<BrickKey, std::shared_ptr<Brick>> all;
   grid.boxOf(low, high).forEach([&](const IVec3& at) { all[BrickGrid::keyOf(at)] = std::make_shared<Brick>(); });
   for (const PointState& point : points) {
@@ -69,8 +70,8 @@ TEST_CASE("in virtual time each brush makes of the points around a hand what it 
   const Scene scene = makeScene("bumpy-sphere", 20'000, DVec3(3e5, -1e5, 2e4));
   const Bounds box = boundsOf(scene.cloud);
   for (const double widening : {1.0, 1.6})
-    for (const BrushKind kind : {BrushKind::push, BrushKind::carve, BrushKind::inflate, BrushKind::smooth, BrushKind::grab,
-                                 BrushKind::flatten}) {
+    for (const BrushKind kind : {BrushKind::push, BrushKind::carve, BrushKind::inflate, BrushKind::smooth,
+                                 BrushKind::grab, BrushKind::flatten}) {
       CAPTURE(static_cast<int>(kind));
       CAPTURE(widening);
       const BrushOptions brush{.kind = kind, .tau = 0.2, .beta = 0.5, .radius = 6, .keepsDensity = false};
@@ -168,8 +169,7 @@ TEST_CASE("a hand that does not sculpt, has no brush, or feels what is not known
   hand.source.takeMade(made);
   CHECK(made.empty());
   hand.touch->setBrush(brush);
-  for (int i = 0; i < 60; ++i)
-    hand.touch->query({.time_s = 1 + 1e-3 * i, .hip = DVec3(0, 0, 51 - 0.05 * i)}, 0);
+  for (int i = 0; i < 60; ++i) hand.touch->query({.time_s = 1 + 1e-3 * i, .hip = DVec3(0, 0, 51 - 0.05 * i)}, 0);
   hand.touch->finish();
   hand.source.takeMade(made);
   CHECK(made.size() > 30);

@@ -206,7 +206,8 @@ TEST_CASE("what was waited for is in the frame of its time, whatever goes meanwh
   CHECK_FALSE(source.covers(frame.time_s, DVec3(0.4), DVec3(0.6)));
 }
 
-TEST_CASE("a brick that comes with other points changes what a hand feels where the hand reaches it, and nowhere else") {
+TEST_CASE(
+    "a brick that comes with other points changes what a hand feels where the hand reaches it, and nowhere else") {
   BrickSource source({.edge = 1, .points = 10});
   const auto brickAt = [](int x, float height) {
     auto brick = std::make_shared<Brick>();

@@ -154,13 +154,9 @@ TEST_CASE("against the clock frames come between ticks on the CPU, one after ano
   CHECK(touch.indexWork().built >= static_cast<std::uint64_t>(frames - 1));
 }
 
-TEST_CASE("frames that are old are felt where the surface is by now on the CPU") {
-  checkOldFrames(makeCpu);
-}
+TEST_CASE("frames that are old are felt where the surface is by now on the CPU") { checkOldFrames(makeCpu); }
 
-TEST_CASE("where frames stop coming the surface stands still after a while on the CPU") {
-  checkStoppedFrames(makeCpu);
-}
+TEST_CASE("where frames stop coming the surface stands still after a while on the CPU") { checkStoppedFrames(makeCpu); }
 
 TEST_CASE("a proxy is carried along by a surface that slides, and dragged by the relative way alone on the CPU") {
   checkCarriedProxy(makeCpu);
@@ -170,13 +166,9 @@ TEST_CASE("a sheet that comes at half a metre per second lets no stylus through,
   checkFastSheet(makeCpu);
 }
 
-TEST_CASE("an object that leaves is felt no more, from that tick on on the CPU") {
-  checkLeaving(makeCpu);
-}
+TEST_CASE("an object that leaves is felt no more, from that tick on on the CPU") { checkLeaving(makeCpu); }
 
-TEST_CASE("a frame with holes is felt as the points that it has on the CPU") {
-  checkHoles(makeCpu);
-}
+TEST_CASE("a frame with holes is felt as the points that it has on the CPU") { checkHoles(makeCpu); }
 
 TEST_CASE("a wall that steps by a millimetre before a depth camera is felt as a ramp on the CPU") {
   checkStepIsRamp(makeCpuOnStream);
@@ -186,8 +178,6 @@ TEST_CASE("a wall that comes before a depth camera lets no stylus through on the
   checkComingWall(makeCpuOnStream);
 }
 
-TEST_CASE("a wall that leaves a depth camera's view is felt no more on the CPU") {
-  checkLeavingWall(makeCpuOnStream);
-}
+TEST_CASE("a wall that leaves a depth camera's view is felt no more on the CPU") { checkLeavingWall(makeCpuOnStream); }
 
 }  // namespace palpate

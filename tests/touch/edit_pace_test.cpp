@@ -4,7 +4,8 @@
 
 namespace palpate {
 
-TEST_CASE("edits in time never rest; a slow one rests as long as it took, the next twice that, and one in time ends it") {
+TEST_CASE(
+    "edits in time never rest; a slow one rests as long as it took, the next twice that, and one in time ends it") {
   EditPace pace(0.02);
   CHECK(pace.mayEdit(0));
   pace.took(0, 0.019);

@@ -27,7 +27,8 @@ Pose awayAt(double time_s) { return {.time_s = time_s, .hip = {0, 0, 0.5}}; }
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "depth frames are felt while they fuse on the GPU, and what is taken away is felt no more") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "depth frames are felt while they fuse on the GPU, and what is taken away is felt no more") {
   checkFusedTouch([this](TableStream& stream, double radius) {
     return FusedTouch{.backend = fusedTouch(device, stream.fused(smallMap(60'000)), radius), .source = nullptr};
   });

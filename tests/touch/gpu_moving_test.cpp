@@ -236,14 +236,16 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "where frames stop coming the surface stands s
   });
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a proxy is carried along by a surface that slides, and dragged by the relative way alone") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "a proxy is carried along by a surface that slides, and dragged by the relative way alone") {
   checkCarriedProxy([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a sheet that comes at half a metre per second lets no stylus through, from either face") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "a sheet that comes at half a metre per second lets no stylus through, from either face") {
   checkFastSheet([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});

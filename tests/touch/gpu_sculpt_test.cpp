@@ -49,7 +49,8 @@ Played play(TouchBackend& touch, const PointCloud& before, const std::vector<Pos
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "every brush leaves on the GPU what it leaves on the CPU: a whole surface in one place") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "every brush leaves on the GPU what it leaves on the CPU: a whole surface in one place") {
   const Scene scene = makeScene("sphere", 12'000);
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);

@@ -1,5 +1,5 @@
-// What stands between hands and a simulation, with one whose answers are known: which steps it takes, where hands are in
-// each, and what is felt of an answer that has grown old.
+// What stands between hands and a simulation, with one whose answers are known: which steps it takes, where hands are
+// in each, and what is felt of an answer that has grown old.
 #include "engine/touch/matter_steps.hpp"
 
 #include <doctest/doctest.h>
@@ -32,7 +32,8 @@ struct Told {
 // Says the same of its tools at each step.
 class ToldSimulation final : public MatterSimulation {
  public:
-  ToldSimulation(const MatterScene& scene, Told& told) : MatterSimulation(scene, {.tools = 1}, {Vec3(0.01f)}), told_(told) {
+  ToldSimulation(const MatterScene& scene, Told& told)
+      : MatterSimulation(scene, {.tools = 1}, {Vec3(0.01f)}), told_(told) {
     reset();
   }
   std::optional<double> gpuTime_us() const override { return std::nullopt; }
@@ -145,8 +146,8 @@ TEST_CASE("between two questions hands go straight on, step by step, and turn as
     const HandPose& there = told.to[static_cast<std::size_t>(k)];
     CHECK(glm::distance(there.place_m, DVec3(1 + k, 2 * k, 0)) < 1e-12);
     CHECK(there.orientation.y == doctest::Approx(std::sin(0.1 * k)));
-    CHECK(glm::distance(told.from[static_cast<std::size_t>(k)].place_m, told.to[static_cast<std::size_t>(k - 1)].place_m) <
-          1e-12);
+    CHECK(glm::distance(told.from[static_cast<std::size_t>(k)].place_m,
+                        told.to[static_cast<std::size_t>(k - 1)].place_m) < 1e-12);
   }
   steps.goTo(at(0.0041, {9, 9, 9}));  // not a step later
   CHECK(told.to.size() == 5);

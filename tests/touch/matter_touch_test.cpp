@@ -122,7 +122,8 @@ TEST_CASE("the same poses give the same bytes for any number of threads, and at 
   }
 }
 
-TEST_CASE("a scene that is held moves nothing and is felt by nobody; it goes on, and begins again, when it is told to") {
+TEST_CASE(
+    "a scene that is held moves nothing and is felt by nobody; it goes on, and begins again, when it is told to") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene);
   played(touch, 1000, 0.3);
@@ -212,7 +213,9 @@ TEST_CASE("a simulation that fails gives no answer until it is reset") {
   MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};
   scene.tool = usualTool(scene);
   MatterTouch touch = touched(scene);
-  const auto beat = [&](int k) { return touch.query({.time_s = 1e-3 * k, .hip = {8, 8 + (k % 4 < 2 ? 8 : -8), 8}}, 0); };
+  const auto beat = [&](int k) {
+    return touch.query({.time_s = 1e-3 * k, .hip = {8, 8 + (k % 4 < 2 ? 8 : -8), 8}}, 0);
+  };
   int k = 0;
   while (k < 1000 && touch.simulation()->failure().empty()) beat(k++);
   REQUIRE(touch.simulation()->failure() == "has diverged");
@@ -301,7 +304,8 @@ TEST_CASE("against the clock no tick waits past its budget, and an old answer fa
   touch.finish();
 }
 
-TEST_CASE("whoever waits for a simulation that nobody has asked waits for nothing, and one that was asked is waited for") {
+TEST_CASE(
+    "whoever waits for a simulation that nobody has asked waits for nothing, and one that was asked is waited for") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene, {.realtime = true});
   touch.finish();

@@ -150,7 +150,8 @@ inline bool sameAnswer(const Contact& a, const Contact& b) {
          a.fresh == b.fresh && a.neighbours == b.neighbours;
 }
 
-/// Against the clock, on a sphere of radius 50 whose next frame, which rises to the stylus, is made only when it is let go.
+/// Against the clock, on a sphere of radius 50 whose next frame, which rises to the stylus, is made only when it is let
+/// go.
 inline void checkNoTickWaits(auto& touch, HeldSource& source) {
   CloudFrame frame;
   CHECK(touch.takeFrame(frame));
@@ -209,8 +210,8 @@ inline void checkStoppedFrames(const MakeTouch& make) {
   }
 }
 
-/// Friction is a matter of the relative slide: a hand at rest on a plane that is drawn away below it is dragged as far as
-/// the cone lets it, one that goes along with it is not dragged at all.
+/// Friction is a matter of the relative slide: a hand at rest on a plane that is drawn away below it is dragged as far
+/// as the cone lets it, one that goes along with it is not dragged at all.
 inline void checkCarriedProxy(const MakeTouch& make) {
   const Scene scene = makeScene("plane", 20'000);
   constexpr double kSpeed = 100, kFriction = 0.5, kDepth = 1;

@@ -50,8 +50,7 @@ class Offering {
       named[point.number()] = true;
       PointChange change{point, point};
       if (point.gone() || dice_() % 5 == 0) change.to.id ^= PointState::kGone;
-      if (!change.to.gone())
-        change.to.position += Vec3(to(dice_), to(dice_), to(dice_));
+      if (!change.to.gone()) change.to.position += Vec3(to(dice_), to(dice_), to(dice_));
       changes.push_back(change);
     }
     return offerThese(changes);
@@ -80,8 +79,8 @@ class Offering {
   std::size_t offers() const { return offers_; }
   std::size_t reports() const { return reports_; }
   std::size_t parts() const { return parts_; }
-  std::size_t taken() const { return taken_; }      ///< changes that were carried out
-  std::size_t left() const { return left_; }        ///< and that were not
+  std::size_t taken() const { return taken_; }  ///< changes that were carried out
+  std::size_t left() const { return left_; }    ///< and that were not
   std::size_t lastTaken() const { return lastTaken_; }
 
  private:
@@ -92,8 +91,7 @@ class Offering {
     lastTaken_ = states.size();
     taken_ += states.size();
     left_ += offered_.size() - states.size();
-    for (const PointState& state : states)
-      CHECK(std::ranges::count(offered_, state, &PointChange::to) == 1);
+    for (const PointState& state : states) CHECK(std::ranges::count(offered_, state, &PointChange::to) == 1);
   }
 
   TouchBackend& touch_;

@@ -162,12 +162,14 @@ TEST_CASE("without a patch nothing is felt before the first answer, and nothing 
   CHECK_FALSE(patch.isAhead());
 }
 
-TEST_CASE_FIXTURE(PressedSphere, "a patch of points that move goes on from its time with the velocity that was felt last") {
+TEST_CASE_FIXTURE(PressedSphere,
+                  "a patch of points that move goes on from its time with the velocity that was felt last") {
   const double deep = spring(pressed, {.hip = {0, 0, 49.5}});
   const DVec3 velocity(40, 0, 100);
   pressed.velocity = velocity;
   const double asked_s = 0.003, points_s = 0.002;  // the frame was a millisecond old
-  patch.take({.centre = Vec3(pressed.proxy), .reach = kReach * scene.radius, .points = points}, {}, {.true_s = points_s});
+  patch.take({.centre = Vec3(pressed.proxy), .reach = kReach * scene.radius, .points = points}, {},
+             {.true_s = points_s});
   // As the surface was then, the hand 0.5 mm deep.
   const DVec3 moved = (asked_s - points_s) * velocity;
   Contact felt = pressed;

@@ -45,8 +45,8 @@ TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that sh
   CHECK(summary.faultTicks == 0);
   CHECK(summary.contactTicks > 0);
   MESSAGE(result.trace().missedTicks << " of 3000 ticks missed; half of the steps took "
-                                   << result.step_us.quantile_us(0.5) << " us or less, 95 of 100 "
-                                   << result.step_us.quantile_us(0.95));
+                                     << result.step_us.quantile_us(0.5) << " us or less, 95 of 100 "
+                                     << result.step_us.quantile_us(0.95));
   constexpr double kShort_us = 30'000;  // of 3 s, that the servo thread had no core
   const std::uint64_t missedIdly = before.missed + after.missed;
   if (!result.realtimePriority || missedIdly > 10 || result.scheduling.waited_us > kShort_us) {

@@ -27,7 +27,8 @@ inline MatterScene softBlock() {
 }
 
 /// Makes what moves a body.
-using BodyMaker = std::function<std::unique_ptr<MatterSimulation>(const MatterScene& scene, const MatterOptions& matter)>;
+using BodyMaker =
+    std::function<std::unique_ptr<MatterSimulation>(const MatterScene& scene, const MatterOptions& matter)>;
 
 struct SoftTouching {
   SoftTouchOptions touch;
@@ -53,11 +54,10 @@ class SoftScene {
     matter.soft = model_;
     double reach = 0;
     for (const ToolPoint& point : options.touch.tools.front().points) reach = std::max(reach, glm::length(point.place));
-    auto source = std::make_unique<SoftSource>(options.body(scene, matter),
-                                               SoftSourceOptions{.points = cloud_.size(),
-                                                                 .radius = radius_,
-                                                                 .toolReach = reach,
-                                                                 .mostAtOnce = options.realtime ? 4u : 0u});
+    auto source = std::make_unique<SoftSource>(
+        options.body(scene, matter),
+        SoftSourceOptions{
+            .points = cloud_.size(), .radius = radius_, .toolReach = reach, .mostAtOnce = options.realtime ? 4u : 0u});
     source_ = source.get();
     auto surface = make(cloud_, *source, radius_, options.touch);
     touch_ = std::make_unique<SoftTouch>(std::move(source), std::move(surface), options.touch);

@@ -15,8 +15,8 @@ namespace {
 std::unique_ptr<TouchBackend> onCpu(const PointCloud& cloud, CloudSource& source, double radius,
                                     const SoftTouchOptions& touch) {
   return std::make_unique<CpuTouch>(
-      cloud,
-      CpuTouchOptions{.radius = radius, .friction = touch.friction, .tools = touch.tools, .threads = 1, .source = &source});
+      cloud, CpuTouchOptions{
+                 .radius = radius, .friction = touch.friction, .tools = touch.tools, .threads = 1, .source = &source});
 }
 
 SoftScene touched(const MatterScene& scene, const SoftTouching& options = {}) { return {scene, options, onCpu}; }
@@ -46,7 +46,7 @@ TEST_CASE("a flat plate that covers a bar feels it as stiff as E A / L") {
     double force_N = 0, way = 0;
     for (int k = 0; k < 1200; ++k) {
       const double time_s = begin_s + 1e-3 * k;
-      const double y = 60 - depth + 2 * std::max(0.0, 1 - 1e-3 * k / 0.3) ;
+      const double y = 60 - depth + 2 * std::max(0.0, 1 - 1e-3 * k / 0.3);
       bar.touch().query({.time_s = time_s, .hip = {50, y, 50}}, 0);
     }
     for (const PointContact& point : bar.touch().points(0)) {
@@ -64,7 +64,8 @@ TEST_CASE("a flat plate that covers a bar feels it as stiff as E A / L") {
   CHECK(felt_N_per_mm == doctest::Approx(stiffness_N_per_mm).epsilon(0.05));
 }
 
-TEST_CASE("the deeper a hand goes the more it feels, less than from a rigid cloud, and all is as it was when it has gone") {
+TEST_CASE(
+    "the deeper a hand goes the more it feels, less than from a rigid cloud, and all is as it was when it has gone") {
   SoftScene block = touched(softBlock());
   for (int k = 0; k < 500; ++k) block.touch().query({.time_s = 1e-3 * k, .hip = atDepth(-10)}, 0);
   const PointCloud before = block.points();
@@ -91,8 +92,7 @@ TEST_CASE("the deeper a hand goes the more it feels, less than from a rigid clou
   CHECK(deepest > 2);
   for (int k = 0; k < 2500; ++k) block.touch().query({.time_s = 1.8 + 1e-3 * k, .hip = atDepth(-10)}, 0);
   const PointCloud after = block.points();
-  for (std::size_t i = 0; i < after.size(); ++i)
-    CHECK(glm::distance(after.positions[i], before.positions[i]) < 0.1f);
+  for (std::size_t i = 0; i < after.size(); ++i) CHECK(glm::distance(after.positions[i], before.positions[i]) < 0.1f);
 }
 
 TEST_CASE("what the hand feels is what the body gets, and no momentum is lost between them") {
@@ -215,8 +215,7 @@ TEST_CASE("two hands press one body: each feels the other, and both are what the
     felt += 1e-3 * (first + springs[1].add(answers[1], poses[1].hip, 1e-3));
     poses[1].hip.y = 60;
     const Contact single = alone.touch().ask(poses, 0)[0];
-    if (single.touching)
-      apart_N = std::max(apart_N, glm::distance(first, 0.5 * (single.proxy - poses[0].hip)));
+    if (single.touching) apart_N = std::max(apart_N, glm::distance(first, 0.5 * (single.proxy - poses[0].hip)));
   }
   CHECK(std::abs(both.world().impulses().onTools.y - felt.y) < 0.01 * felt.y);
   CHECK(apart_N > 0.02);
@@ -274,7 +273,9 @@ TEST_CASE("where points are older than the tick the surface gives way as the bod
   const SoftTouching options;
   SoftScene block = touched(softBlock(), options);
   int k = 0;
-  const auto ask = [&](double depth) { return block.touch().query({.time_s = 2.5e-4 * k++, .hip = atDepth(depth)}, 0); };
+  const auto ask = [&](double depth) {
+    return block.touch().query({.time_s = 2.5e-4 * k++, .hip = atDepth(depth)}, 0);
+  };
   for (int i = 0; i < 800; ++i) ask(-2 + 6.0 * std::min(1.0, i / 400.0));
   while (k % 4 != 0) ask(4);
   const Contact fresh = ask(4);
@@ -289,7 +290,8 @@ TEST_CASE("where points are older than the tick the surface gives way as the bod
   auto& world = const_cast<MatterSimulation&>(block.world());
   const double own = world.localCompliance_m_N(1e-3 * fresh.proxy, 0.5e-3 * block.radius(), {0, -1, 0}) * 1e3;
   CHECK(block.source().compliance(0) == doctest::Approx(own).epsilon(0.05));
-  CHECK(block.source().compliance(0) != SoftScene(softBlock(), options, onCpu).source().compliance(0));  // a half-space's
+  CHECK(block.source().compliance(0) !=
+        SoftScene(softBlock(), options, onCpu).source().compliance(0));  // a half-space's
   // What draws back finds the surface where it was.
   const Contact back = ask(3.5);
   CHECK(back.proxy.y == doctest::Approx(fresh.proxy.y).epsilon(1e-4));
@@ -303,7 +305,8 @@ TEST_CASE("where several steps come at once the body is asked, too, how far it g
   CHECK(block.source().compliance(0) != halfSpace);
 }
 
-TEST_CASE("against the clock nobody waits for a step, what is too slow is left out, and the body is pressed all the same") {
+TEST_CASE(
+    "against the clock nobody waits for a step, what is too slow is left out, and the body is pressed all the same") {
   SoftTouching options;
   options.realtime = true;
   SoftScene block = touched(softBlock(), options);

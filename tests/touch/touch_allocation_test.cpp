@@ -96,7 +96,8 @@ TEST_CASE("no tick on a soft body allocates memory on the thread that asks again
   SoftScene block(softBlock(), options,
                   [](const PointCloud& cloud, CloudSource& source, double radius, const SoftTouchOptions& touch) {
                     return std::make_unique<CpuTouch>(
-                        cloud, CpuTouchOptions{.radius = radius, .tools = touch.tools, .threads = 1, .source = &source});
+                        cloud,
+                        CpuTouchOptions{.radius = radius, .tools = touch.tools, .threads = 1, .source = &source});
                   });
   std::size_t touched = 0;
   const auto ask = [&](int i) {

@@ -125,7 +125,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one p
 TEST_CASE("late answers are bridged by the patch, which follows the hand over the surface as the GPU would") {
   const Scene scene = makeScene("sphere", 20'000);
   Device device(
-      {.gpu = "", .validation = Validation::off});  // GPU-assisted validation waits at every submission: nothing is ever late
+      {.gpu = "",
+       .validation = Validation::off});  // GPU-assisted validation waits at every submission: nothing is ever late
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .wait = Wait::block});
   ContactReference reference(scene.cloud, scene.radius);
   constexpr double kTime_us = 1e7, kNoTime_us = 1;

@@ -35,17 +35,17 @@ PP_API pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays
 
 typedef struct pp_stream_options {
   uint32_t size;
-  uint32_t loop;          /* 1: after the last frame it begins again */
-  uint32_t fuse;          /* 1: frames become one map; 0: the newest one is the cloud */
+  uint32_t loop; /* 1: after the last frame it begins again */
+  uint32_t fuse; /* 1: frames become one map; 0: the newest one is the cloud */
   uint32_t reserved;
   double speed;           /* seconds of the recording in one of the session's */
   double depth_scale;     /* depth values per metre; 0: as the folder says */
   const char* intrinsics; /* a JSON file; null: as the folder says */
 } pp_stream_options;
 PP_OPTIONS(stream_options)
-/* A recorded depth camera: a folder as the TUM benchmark or Redwood lay it out, whose points are in metres. Each frame is
- * felt once its time has come, and none is left out; a session begins with the first one, and a live session does. It
- * cannot be sculpted. Options may be null. */
+/* A recorded depth camera: a folder as the TUM benchmark or Redwood lay it out, whose points are in metres. Each frame
+ * is felt once its time has come, and none is left out; a session begins with the first one, and a live session does.
+ * It cannot be sculpted. Options may be null. */
 PP_API pp_status pp_session_open_stream(const char* folder, const pp_stream_options* stream,
                                         const pp_session_options* options, pp_session* session);
 

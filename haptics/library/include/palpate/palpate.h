@@ -13,8 +13,8 @@
  * one thread may call pp_touch(), pp_touch_hands() and pp_touch_lift() (its servo thread) while another one looks:
  * pp_session_follow(), pp_session_render(), pp_session_mesh(), pp_session_get_info(), pp_session_frame(), what governs
  * matter (pp_session_hold() and those after it), pp_session_get_sharing(), pp_session_others(), pp_session_cameras(),
- * pp_session_show_camera(), pp_live_take(), pp_live_get_state(). All other calls want it for themselves, as all calls on a
- * pp_matter do. A pp_server is for any number of threads. Two calls that do not go together: the later one gives
+ * pp_session_show_camera(), pp_live_take(), pp_live_get_state(). All other calls want it for themselves, as all calls
+ * on a pp_matter do. A pp_server is for any number of threads. Two calls that do not go together: the later one gives
  * PP_ERROR_THREAD and does nothing.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. That is
@@ -37,12 +37,12 @@
 #define PP_API __attribute__((visibility("default")))
 #endif
 
-#define PP_OPTIONS(name)                                      \
+#define PP_OPTIONS(name)                                         \
   PP_API void pp_init_##name(pp_##name* options, uint32_t size); \
-  static inline pp_##name pp_default_##name(void) {           \
-    pp_##name options;                                        \
-    pp_init_##name(&options, (uint32_t)sizeof options);       \
-    return options;                                           \
+  static inline pp_##name pp_default_##name(void) {              \
+    pp_##name options;                                           \
+    pp_init_##name(&options, (uint32_t)sizeof options);          \
+    return options;                                              \
   }
 
 #ifdef __cplusplus
@@ -72,18 +72,20 @@ PP_API const char* pp_version(void);
 /* "argument", "file"; "unknown" for a number that is no status. */
 PP_API const char* pp_status_name(int status);
 
-/* Of the last call of this thread that failed; PP_OK and empty before one has. The text stays until another one fails. */
+/* Of the last call of this thread that failed; PP_OK and empty before one has. The text stays until another one fails.
+ */
 PP_API pp_status pp_last_status(void);
 PP_API const char* pp_last_error(void);
 /* Where it was about a file: its name, and the line, or 0 where none is known. */
 PP_API const char* pp_last_error_file(void);
 PP_API uint64_t pp_last_error_line(void);
 
-/* Remarks, one line each without its end. On any thread of the call, session or server that it was given to, until that is
- * over. What it calls of sessions, matter and servers gives PP_ERROR_STATE. */
+/* Remarks, one line each without its end. On any thread of the call, session or server that it was given to, until that
+ * is over. What it calls of sessions, matter and servers gives PP_ERROR_STATE. */
 typedef void (*pp_log_function)(void* user, const char* line);
 
-/* --- Clouds: points with normals and colours, never changed once they are made. ------------------------------------ */
+/* --- Clouds: points with normals and colours, never changed once they are made. ------------------------------------
+ */
 
 typedef struct pp_cloud {
   uint64_t id; /* 0 is null */
@@ -102,10 +104,10 @@ typedef struct pp_rows {
 typedef struct pp_cloud_arrays {
   uint32_t size; /* bytes of this struct */
   uint32_t reserved;
-  uint64_t count;      /* points */
-  pp_rows positions;   /* x y z, PP_FLOAT32 or PP_FLOAT64; doubles keep their precision */
-  pp_rows normals;     /* PP_FLOAT32 or PP_FLOAT64; made unit length */
-  pp_rows colors;      /* red green blue: PP_UINT8 0 to 255, PP_UINT16 0 to 65535, PP_FLOAT32 and PP_FLOAT64 0 to 1 */
+  uint64_t count;    /* points */
+  pp_rows positions; /* x y z, PP_FLOAT32 or PP_FLOAT64; doubles keep their precision */
+  pp_rows normals;   /* PP_FLOAT32 or PP_FLOAT64; made unit length */
+  pp_rows colors;    /* red green blue: PP_UINT8 0 to 255, PP_UINT16 0 to 65535, PP_FLOAT32 and PP_FLOAT64 0 to 1 */
 } pp_cloud_arrays;
 PP_OPTIONS(cloud_arrays)
 /* Copies the arrays. */
@@ -113,7 +115,7 @@ PP_API pp_status pp_cloud_create(const pp_cloud_arrays* arrays, pp_cloud* cloud)
 
 typedef struct pp_read_options {
   uint32_t size;
-  uint32_t all_points;        /* 1: of a reconstruction also those that its own measures tell to be unreliable */
+  uint32_t all_points;         /* 1: of a reconstruction also those that its own measures tell to be unreliable */
   uint32_t normals_from_faces; /* 1: area-weighted, in place of any that the file gives */
   uint32_t reserved;
   pp_log_function log; /* hears what is not kept of the file; null: nobody */
@@ -160,7 +162,8 @@ PP_API pp_status pp_cloud_attribute_count(pp_cloud cloud, uint64_t* count);
 PP_API pp_status pp_cloud_get_attribute(pp_cloud cloud, uint64_t index, pp_attribute* attribute);
 PP_API pp_status pp_cloud_close(pp_cloud cloud);
 
-/* --- GPUs. --------------------------------------------------------------------------------------------------------- */
+/* --- GPUs. ---------------------------------------------------------------------------------------------------------
+ */
 
 /* Those that Vulkan has here, software drivers among them; 0 where there is no Vulkan. */
 PP_API pp_status pp_gpu_count(uint32_t* count);
@@ -169,7 +172,8 @@ PP_API pp_status pp_gpu_name(uint32_t index, char* name, uint64_t capacity);
 
 #include <palpate/vulkan.h>
 
-/* --- Sessions: a cloud that is felt, seen and sculpted. ------------------------------------------------------------ */
+/* --- Sessions: a cloud that is felt, seen and sculpted. ------------------------------------------------------------
+ */
 
 typedef struct pp_session {
   uint64_t id; /* 0 is null */
@@ -178,8 +182,8 @@ typedef struct pp_session {
 /* Where a hand is, and when. */
 typedef struct pp_pose {
   double t_s;
-  double hip[3];    /* haptic interface point, model units */
-  uint32_t feels;   /* 1: only feels, although the session has a brush */
+  double hip[3];  /* haptic interface point, model units */
+  uint32_t feels; /* 1: only feels, although the session has a brush */
   uint32_t reserved;
 } pp_pose;
 
@@ -208,10 +212,11 @@ typedef struct pp_tick {
   uint8_t contact, fresh, valid, reserved;
 } pp_tick;
 
-/* A force law of your own, in C or anything that compiles to it: writes the force on the hand, N, of one tick of contact.
- * contact->force_N is that of palpate's own spring and damper. Limits of size and rise still act on what it writes. On the
- * servo thread, each tick: it allocates nothing, waits for nobody and throws nothing. */
-typedef void (*pp_force_law)(void* user, const pp_pose* pose, const pp_contact* contact, double dt_s, double force_N[3]);
+/* A force law of your own, in C or anything that compiles to it: writes the force on the hand, N, of one tick of
+ * contact. contact->force_N is that of palpate's own spring and damper. Limits of size and rise still act on what it
+ * writes. On the servo thread, each tick: it allocates nothing, waits for nobody and throws nothing. */
+typedef void (*pp_force_law)(void* user, const pp_pose* pose, const pp_contact* contact, double dt_s,
+                             double force_N[3]);
 
 /* What the points define, and how it is felt. */
 typedef struct pp_feel {
@@ -249,12 +254,12 @@ typedef struct pp_session_options {
   uint32_t reserved;
   double rate_Hz;      /* ticks per second */
   const pp_feel* feel; /* null: pp_default_feel() */
-  double budget_us;   /* pp_touch(): how long an answer may take before the last one bridges it; 0: as long as it takes */
+  double budget_us; /* pp_touch(): how long an answer may take before the last one bridges it; 0: as long as it takes */
   double undo_memory_MiB; /* for strokes that can be taken back; past it the oldest are forgotten */
-  pp_force_law law;   /* null: spring and damper */
+  pp_force_law law;       /* null: spring and damper */
   void* law_user;
   const char* law_library; /* "libmine.so:function": a force law that is loaded, in place of `law` */
-  pp_log_function log; /* hears remarks; null: nobody. Until the session is closed. */
+  pp_log_function log;     /* hears remarks; null: nobody. Until the session is closed. */
   void* log_user;
   uint32_t hands; /* that touch at the same time, 1 to PP_MOST_HANDS; the first one sculpts, the others feel; 0: 1 */
   uint32_t reserved2;
@@ -275,16 +280,16 @@ PP_API pp_status pp_session_close(pp_session session);
 
 typedef struct pp_session_info {
   uint32_t size;
-  uint32_t live;             /* 1: pp_live_start() has begun, and it has not ended */
-  uint64_t points;           /* that the cloud had */
+  uint32_t live;   /* 1: pp_live_start() has begun, and it has not ended */
+  uint64_t points; /* that the cloud had */
   double mm_per_unit;
-  double spacing_mm;         /* mean, of neighbouring points */
-  double radius_mm;          /* support radius */
+  double spacing_mm; /* mean, of neighbouring points */
+  double radius_mm;  /* support radius */
   double rate_Hz;
   uint64_t undoable, redoable; /* strokes */
-  uint64_t edits;            /* states of points, that brushes have made so far and that have been taken in */
-  char backend[16];          /* "vulkan" or "cpu" */
-  char machine[112];         /* that answers, in words; cut off */
+  uint64_t edits;              /* states of points, that brushes have made so far and that have been taken in */
+  char backend[16];            /* "vulkan" or "cpu" */
+  char machine[112];           /* that answers, in words; cut off */
 } pp_session_info;
 PP_OPTIONS(session_info)
 PP_API pp_status pp_session_get_info(pp_session session, pp_session_info* info);
@@ -298,7 +303,7 @@ typedef struct pp_path {
   uint32_t reserved;
   uint64_t rows;
   const void* data;
-  int64_t stride;   /* bytes from a row to the next; 0: the rows follow one another */
+  int64_t stride; /* bytes from a row to the next; 0: the rows follow one another */
 } pp_path;
 PP_OPTIONS(path)
 /* How many ticks a path takes at the session's rate. Where there are several hands, the longest of their paths counts.
@@ -310,9 +315,9 @@ PP_API pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t
 PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity,
                                   uint64_t* count);
 
-/* One tick, for a servo loop of your own. The first one after any other call begins a new contact and may take long; those
- * after it allocate nothing while nothing is edited, and with a budget take no longer than that by much. PP_OK also where
- * contact->valid is 0. */
+/* One tick, for a servo loop of your own. The first one after any other call begins a new contact and may take long;
+ * those after it allocate nothing while nothing is edited, and with a budget take no longer than that by much. PP_OK
+ * also where contact->valid is 0. */
 PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
 /* The same for all hands of a session at once: `poses`, `contacts` and the others have `hands` of them, all of the same
  * time, that of the first one. `turns`: of each hand's tool, unit quaternions w x y z; null: none is turned.
@@ -325,18 +330,18 @@ PP_API pp_status pp_touch_lift(pp_session session);
 /* A brush changes the points that it reaches while the hand is deeper than tau_mm. */
 typedef struct pp_brush {
   uint32_t size;
-  uint32_t falloff;  /* towards the rim: (1 - r^2)^falloff; 0 to 16 */
-  const char* kind;  /* push carve inflate smooth grab paint flatten; null: push */
-  double tau_mm;     /* how deep a hand may stand before the surface yields */
-  double beta;       /* push: share of the way to its target that a point goes in one tick, 0 to 1 */
+  uint32_t falloff; /* towards the rim: (1 - r^2)^falloff; 0 to 16 */
+  const char* kind; /* push carve inflate smooth grab paint flatten; null: push */
+  double tau_mm;    /* how deep a hand may stand before the surface yields */
+  double beta;      /* push: share of the way to its target that a point goes in one tick, 0 to 1 */
   double radius_mm;
-  double strength;   /* the others: how much of its effect a brush has in one tick, 0 to 1 */
-  uint8_t color[4];  /* paint: red green blue; the fourth is not used */
+  double strength;        /* the others: how much of its effect a brush has in one tick, 0 to 1 */
+  uint8_t color[4];       /* paint: red green blue; the fourth is not used */
   uint32_t keeps_density; /* 1: points come and go where the surface is stretched or crowded */
 } pp_brush;
 PP_OPTIONS(brush)
-/* What pp_touch() and a live hand sculpt with from now on; null: they only feel. The first brush of a session builds the
- * index again, so that points can come and go. */
+/* What pp_touch() and a live hand sculpt with from now on; null: they only feel. The first brush of a session builds
+ * the index again, so that points can come and go. */
 PP_API pp_status pp_session_set_brush(pp_session session, const pp_brush* brush);
 PP_API pp_status pp_session_set_feel(pp_session session, const pp_feel* feel);
 /* pp_session_touch() with a brush, for this one path. A stroke is all that is done in one contact. */
@@ -354,31 +359,33 @@ PP_API pp_status pp_session_touch_hands(pp_session session, const pp_path* const
 PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done);
 PP_API pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done);
 /* Takes in what pp_touch() with a budget, or a live hand, has done to the points: some thirty times a second, or edits
- * are left out once too many wait. Pictures and pp_live_take() do it, too. Of a session that was joined the others hear of
- * it then; PP_ERROR_NETWORK where this hand's part in that has ended. */
+ * are left out once too many wait. Pictures and pp_live_take() do it, too. Of a session that was joined the others hear
+ * of it then; PP_ERROR_NETWORK where this hand's part in that has ended. */
 PP_API pp_status pp_session_follow(pp_session session);
 /* The points as they are, as a cloud of its own. */
 PP_API pp_status pp_session_cloud(pp_session session, pp_cloud* cloud);
 
 typedef struct pp_picture_options {
   uint32_t size;
-  uint32_t width, height; /* pixels */
-  uint32_t samples;       /* of a pixel: 1 or 4 */
+  uint32_t width, height;                               /* pixels */
+  uint32_t samples;                                     /* of a pixel: 1 or 4 */
   uint32_t has_eye, has_target, has_up, has_background; /* 1: the next ones are given; 0: as fits the model */
-  double eye[3], target[3], up[3]; /* model units */
-  double fov_deg;         /* vertical, 1 to 170 */
-  const char* color;      /* "rgb", "normal", "depth" or "height"; null: rgb */
-  uint8_t background[4];  /* red green blue; the fourth is not used */
+  double eye[3], target[3], up[3];                      /* model units */
+  double fov_deg;                                       /* vertical, 1 to 170 */
+  const char* color;                                    /* "rgb", "normal", "depth" or "height"; null: rgb */
+  uint8_t background[4];                                /* red green blue; the fourth is not used */
   uint32_t reserved;
 } pp_picture_options;
 PP_OPTIONS(picture_options)
-/* Draws the points as they are into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` says how many there is room
- * for. On the GPU that answers; for a session on the CPU on the best that there is. Options may be null. */
-PP_API pp_status pp_session_render(pp_session session, const pp_picture_options* options, uint8_t* rgba, uint64_t bytes);
+/* Draws the points as they are into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` says how many there is
+ * room for. On the GPU that answers; for a session on the CPU on the best that there is. Options may be null. */
+PP_API pp_status pp_session_render(pp_session session, const pp_picture_options* options, uint8_t* rgba,
+                                   uint64_t bytes);
 /* Writes a picture of such rows, as .png or .jpg. */
 PP_API pp_status pp_image_write(const char* file, const uint8_t* rgba, uint32_t width, uint32_t height);
 
-/* --- Meshes. ------------------------------------------------------------------------------------------------------- */
+/* --- Meshes. -------------------------------------------------------------------------------------------------------
+ */
 
 typedef struct pp_mesh {
   uint64_t id; /* 0 is null */
@@ -391,7 +398,8 @@ typedef struct pp_mesh_options {
   double radius_mm;    /* support radius; 0: by the spacing of the points */
 } pp_mesh_options;
 PP_OPTIONS(mesh_options)
-/* Triangles around the points as they are, by marching cubes on a GPU, as for pp_session_render(). Options may be null. */
+/* Triangles around the points as they are, by marching cubes on a GPU, as for pp_session_render(). Options may be null.
+ */
 PP_API pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp_mesh* mesh);
 
 typedef struct pp_triangles {
@@ -406,7 +414,8 @@ PP_API pp_status pp_mesh_view(pp_mesh mesh, pp_triangles* triangles);
 PP_API pp_status pp_mesh_write(pp_mesh mesh, const char* file, const pp_write_options* options);
 PP_API pp_status pp_mesh_close(pp_mesh mesh);
 
-/* --- Live: a servo thread of palpate's own, with a haptic device. -------------------------------------------------- */
+/* --- Live: a servo thread of palpate's own, with a haptic device. --------------------------------------------------
+ */
 
 typedef struct pp_live_options {
   uint32_t size;
@@ -423,8 +432,8 @@ typedef struct pp_live_options {
   const struct pp_live_options* next;
 } pp_live_options;
 PP_OPTIONS(live_options)
-/* Begins ticks against the wall clock, on a thread of their own. Until pp_live_stop() a session does what looks at it, and
- * nothing else. Options may be null. */
+/* Begins ticks against the wall clock, on a thread of their own. Until pp_live_stop() a session does what looks at it,
+ * and nothing else. Options may be null. */
 PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
 /* Where there are several hands, `capacity` and `count` are of rows, as of pp_session_touch_hands(), of whole ticks.
  * Copies the ticks since the last call, as many as there is room for, and takes in what was done to the points. Ticks

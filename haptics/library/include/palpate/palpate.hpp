@@ -1,6 +1,6 @@
-// palpate: feel, see and sculpt point clouds in real time. The C interface (palpate.h, which says the units, threads and
-// the meaning of every option) with lifetimes and exceptions; C++17, header-only, so that it is compiled into your program
-// and only the C interface crosses to the library.
+// palpate: feel, see and sculpt point clouds in real time. The C interface (palpate.h, which says the units, threads
+// and the meaning of every option) with lifetimes and exceptions; C++17, header-only, so that it is compiled into your
+// program and only the C interface crosses to the library.
 #ifndef PALPATE_HPP
 #define PALPATE_HPP
 
@@ -213,7 +213,8 @@ class Matter : public detail::Owned<pp_matter, pp_matter_close> {
 };
 
 /// The sessions that are served on a network (pp_network_survey()).
-inline std::vector<pp_seen_session> surveyNetwork(const pp_network& network = pp_default_network(), double seconds = 2) {
+inline std::vector<pp_seen_session> surveyNetwork(const pp_network& network = pp_default_network(),
+                                                  double seconds = 2) {
   std::vector<pp_seen_session> sessions(256);
   std::uint64_t count = 0;
   check(pp_network_survey(&network, seconds, sessions.data(), sessions.size(), &count));
