@@ -24,6 +24,7 @@ inline Device& plainDevice() {
 
 /// Without GPU-assisted validation, which makes a search of every access of a shader.
 inline Device& coreValidatedDevice() {
+  if (askedValidation() != Validation::full) return validatedDevice();  // its pipelines are there already
   static Device& device = makeUntilEnd<Device>(DeviceOptions{.gpu = "", .validation = askedCoreValidation()});
   return device;
 }

@@ -1,140 +1,85 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds with warnings as errors, and runs every test headless: what needs a GPU with validation
-# on lavapipe, or on the GPU that PALPATE_GPU names, and what runs on the CPU alone without Vulkan, under AddressSanitizer
-# and UBSan, the servo loop under ThreadSanitizer, too. On lavapipe GPU passes run again with one driver thread, which
-# orders atomics differently, and subgroups of four in place of eight, between which a barrier is missed sooner (without
-# validation, which the first leg has), and on another driver and under another validation layer, where those can be had. A leg that fails hides none behind it: all run, and the last lines name what
-# failed. Where third_party/windows.sh has been, some tests run as programs for Windows, too, under wine; what is skipped
-# is said, and so is what is held against the wall clock and passed only when it had the machine to itself.
+# Installs what is missing, builds, and runs the tests without a display, on lavapipe or on the GPU that PALPATE_GPU names.
+#   bash tests/run.sh              the quick tier: what every change runs
+#   bash tests/run.sh --full       the quick tier and all other legs
+#   bash tests/run.sh --leg NAME   one leg; --list names them
+#   bash tests/run.sh --ci         the quick tier, then other legs in turn while less than 25 minutes have passed
 set -euo pipefail
 cd "$(dirname "$0")/.."
+export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_RESULTS=$PWD/build/tests/cases
 
-bash third_party/install.sh
-export PALPATE_GPU=${PALPATE_GPU:-llvmpipe}
-
-failed=()
-skipped=()
-alone=()
-around=()  # what the tests' own programs are started by
-
-leg() {  # NAME COMMAND...: whatever comes of it, the next one follows
-  local name=$1 begin=$SECONDS
-  shift
-  printf '\n== %s\n' "$name"
-  if "$@"; then
-    printf '== %s: passed in %d s\n' "$name" $((SECONDS - begin))
-  else
-    failed+=("$name")
-    return 1
-  fi
+legs=(address truths searched one_thread links thread swiftshader layer lint fuzz windows arm64)
+build() { cmake --preset "$1" > /dev/null && cmake --build --preset "$1" --target "${@:2}"; }  # PRESET TARGETS...
+tests() {  # PRESET [CTEST OPTIONS...]: two places for each entry and one for what sleeps (tests/CMakeLists.txt)
+  ctest --preset "$1" -j $((2 * $(nproc) + 1)) --no-tests=error "${@:2}"
 }
+release() { build release palpate all_tests && PALPATE_TESTS_VALIDATE=${validate:-core} tests release "$@"; }
+skip() { echo "skipped: $*"; return 77; }
+drivers() { drivers=$(bash third_party/drivers.sh 2>&1) || skip "$drivers"; }
 
-build() {  # PRESET [OPTIONS...]
-  cmake --preset "$1" > /dev/null && cmake --build --preset "$@"
+quick() { release -LE '^links$'; }
+address() { build asan all_tests && tests asan; }                          # AddressSanitizer and UBSan, without Vulkan
+truths() { PALPATE_TESTS_ONLY=full release -L '^(host|gpu|program)$'; }    # figures that take minutes
+searched() { validate=full release -L '^gpu$'; }                           # GPU-assisted validation of every access
+one_thread() { LP_NUM_THREADS=1 LP_NATIVE_VECTOR_WIDTH=128 validate=0 release -L '^gpu$'; }  # and subgroups of four
+links() { release -L '^links$'; }                                          # that delay, lose and reorder
+thread() { build tsan tests_haptics tests_core && tests tsan -R '^(haptics\.|core\.latest_value$)'; }
+portable() { PALPATE_TESTS_ONLY=portable release -L '^gpu$'; }
+swiftshader() { drivers && VK_DRIVER_FILES=$drivers/swiftshader.json PALPATE_GPU=SwiftShader validate=0 portable; }
+layer() { drivers && VK_LAYER_PATH=$drivers portable; }                    # a current validation layer
+lint() { bash tests/lint.sh; }
+fuzz() { build asan tests_io && PALPATE_FUZZ_S=600 build/asan/tests_io --source-file='*reader_fuzz*'; }
+windows() {
+  local missing
+  missing=$(bash third_party/windows.sh --check 2>&1) || { skip "$missing"; return; }
+  build release palpate && build windows palpate all_tests && xvfb-run -a bash third_party/wine.sh wineboot > /dev/null
+  PALPATE_TESTS_VALIDATE=0 xvfb-run -a ctest --preset windows -j 2 -R '^(core|io|haptics|session|gpu)\.' &&
+    bash tests/windows_session.sh
 }
+arm64() { bash third_party/install.sh --arm64 && bash third_party/arm64.sh; }
 
-tests() {  # NAME PRESET [OPTIONS...]: where they were built, and with the names of those that failed
-  local name=$1 preset=$2 log="build/$2/Testing/Temporary/LastTestsFailed.log" names late
-  shift 2
-  case " $built " in
-    *" $preset "*) ;;
-    *) failed+=("$name: not run, not built"); return ;;
-  esac
-  rm -f "$log"
-  leg "$name" "${around[@]}" ctest --preset "$preset" -j 2 --no-tests=error "$@" && return
-  [ -s "$log" ] || return 0
-  names=$(sed 's/^[0-9]*://' "$log")
-  # A machine that stands still for a moment fails what is held against the wall clock; nothing else is tried twice.
-  late=$(ctest --preset "$preset" -N -L '^clock$' | sed -n 's/^ *Test *#[0-9]*: //p') || true
-  if [ -z "$(grep -vxF "$late" <<< "$names")" ] &&
-    "${around[@]}" ctest --preset "$preset" "$@" -R "^($(paste -sd '|' <<< "${names//./\\.}"))\$"; then
-    unset 'failed[-1]'
-    alone+=("$name: $(paste -sd ' ' <<< "$names")")
-  else
-    failed[-1]="$name: $(paste -sd ' ' <<< "$names")"
-  fi
+rows=() failed=
+run() {  # LEG: whatever comes of it, the next one follows
+  local leg=$1 begin=$SECONDS code=0 log=build/tests/$1.log result=passed
+  mkdir -p build/tests && rm -f "$PALPATE_TESTS_RESULTS"
+  printf '\n== %s\n' "$leg"
+  "$leg" 2>&1 | tee "$log" || code=${PIPESTATUS[0]}
+  cp "$PALPATE_TESTS_RESULTS" "build/tests/$leg.cases" 2> /dev/null || : > "build/tests/$leg.cases"
+  case $code in 0) ;; 77) result=skipped ;; *) result=FAILED failed+=" $leg" ;; esac
+  rows+=("$(awk -F '\t' -v leg="$leg" -v result="$result" -v s=$((SECONDS - begin)) '
+    $1 == "passed" || $1 == "failed" { ++cases } $1 == "skipped" { ++skips }
+    END { printf "%-12s %-8s %5d cases %5d s %4d skipped", leg, result, cases, s, skips }' "build/tests/$leg.cases")")
 }
-
-wait_beside() {  # NAME PRESET OPTIONS...: begins what waits for most of its time (label waits), which costs those beside it little
-  beside=("$@")
-  beside_job=
-  case " $built " in *" $2 "*) ;; *) return 0 ;; esac
-  beside_words=$(mktemp)
-  # In a folder of its own: two runs of ctest in one would write each over what the other one says.
-  rm -f "build/$2/tests/Testing/Temporary/LastTestsFailed.log"
-  ctest --test-dir "build/$2/tests" -j 2 --no-tests=error --output-on-failure "${@:3}" > "$beside_words" 2>&1 &
-  beside_job=$!
-  trap 'kill "$beside_job" 2> /dev/null || true' EXIT
-}
-
-waited() {  # what came of it; whatever it is, it waited for a clock, so what failed has a second try, by itself
-  local name="waiting, beside what is tried ${beside[0]}" preset=${beside[1]} again=("${beside[@]:2}") names
-  if [ -z "$beside_job" ]; then
-    failed+=("$name: not run, not built")
-  elif leg "$name" waited_well; then
-    rm -f "$beside_words"
-  else
-    unset 'failed[-1]'
-    names=$(sed 's/^[0-9]*://' "build/$preset/tests/Testing/Temporary/LastTestsFailed.log" 2> /dev/null) || true
-    [ -z "$names" ] || again=(-R "^($(paste -sd '|' <<< "${names//./\\.}"))\$")
-    local failures=${#failed[@]}
-    tests "waiting, ${beside[0]}" "$preset" "${again[@]}"
-    [ ${#failed[@]} -ne "$failures" ] || alone+=("$name${names:+: $(paste -sd ' ' <<< "$names")}")
-  fi
-}
-
-waited_well() {
-  local code=0
-  wait "$beside_job" || code=$?
-  trap - EXIT
-  cat "$beside_words"
-  return $code
-}
-
-built=
-leg 'build' build dev --target palpate gpu_tests && built+=' dev'
-wait_beside 'with a GPU' dev -LE '^host$' -L '^waits$'
-tests 'with a GPU' dev -LE '^(host|waits)$'
-waited
-leg 'build without Vulkan, for AddressSanitizer and UBSan' build asan --target host_tests && built+=' asan'
-sanitized='without Vulkan, under AddressSanitizer and UBSan'
-wait_beside "$sanitized" asan -L '^waits$'
-tests "$sanitized" asan -L '^host$' -LE '^waits$'
-waited
-leg 'build for ThreadSanitizer' build tsan --target tests_haptics tests_core && built+=' tsan'
-tests 'under ThreadSanitizer' tsan -R '^(haptics\.|core\.latest_value$)'
-if [ "$PALPATE_GPU" = llvmpipe ]; then
-  LP_NUM_THREADS=1 LP_NATIVE_VECTOR_WIDTH=128 PALPATE_TESTS_VALIDATE=0 \
-    tests 'with one driver thread and subgroups of four' dev -C portable \
-    -R '^(spatial|contact|edit|mesh|motion_gpu)\.(gpu|hash_compaction)$|^matter_gpu\.portable$'
-  # A third driver and a current layer judge what the packaged ones let pass.
-  if drivers=$(bash third_party/drivers.sh); then
-    VK_DRIVER_FILES=$drivers/swiftshader.json PALPATE_GPU=SwiftShader PALPATE_TESTS_VALIDATE=0 \
-      tests 'on SwiftShader' dev -C portable -L '^portable$'
-    VK_LAYER_PATH=$drivers PALPATE_TESTS_VALIDATE=core \
-      tests 'under a current validation layer' dev -C portable -L '^portable$'
-  else
-    skipped+=('on SwiftShader, and under a current validation layer: third_party/drivers.sh gave none')
-  fi
-fi
-
-if missing=$(bash third_party/windows.sh --check 2>&1); then
-  leg 'build for Windows' build windows --target palpate windows_tests && built+=' windows'
-  xvfb-run -a bash third_party/wine.sh wineboot > /dev/null  # its own folder is made by one program, not by several at once
-  around=(xvfb-run -a)
-  PALPATE_TESTS_VALIDATE=0 tests 'for Windows, under wine' windows -R '^(core|io|haptics|session|gpu)\.' \
-    -E '^gpu\.command_list$'  # which has a validation of its own
-  leg 'a session for Windows, under wine' bash tests/windows_session.sh || true
-else
-  skipped+=("for Windows: $missing")
-fi
-
-echo
-[ ${#skipped[@]} -eq 0 ] || printf 'run.sh: skipped: %s\n' "${skipped[@]}"
-[ ${#alone[@]} -eq 0 ] || printf 'run.sh: passed at the second try, alone: %s\n' "${alone[@]}"
-if [ ${#failed[@]} -eq 0 ]; then
+summary() {
+  local leg
+  printf '\n%s\n' "${rows[@]}"
+  for leg in "$@"; do
+    grep -h '^ *second try: \|^skipped: \|(Failed)$\|(Timeout)$\|^.*[.a-z]*:[0-9]*: ERROR:' "build/tests/$leg.log" | sort -u | head -40 | sed "s/^/$leg: /" || true
+    awk -F '\t' '$1 == "skipped" { print $5 ": " $6 }' "build/tests/$leg.cases" | sort -u | sed "s/^/$leg: /"
+  done
+  echo 'The ten dearest cases, in seconds of a core (budget: 2, for whole programs 10):'
+  awk -F '\t' '$1 != "skipped"' build/tests/quick.cases 2> /dev/null | sort -t "$(printf '\t')" -k 2,2nr | head -n 10 | cut -f 2,5,6
+  [ -z "$failed" ] || { echo "run.sh: failed:$failed"; exit 1; }
   echo "run.sh: every leg passed, in $SECONDS s"
-else
-  printf 'run.sh: failed: %s\n' "${failed[@]}"
-  exit 1
+}
+
+case "${1:-}" in
+  '') chosen=(quick) ;;
+  --full) chosen=(quick "${legs[@]}") ;;
+  --leg) chosen=("${2:?run.sh: --leg takes a name: quick ${legs[*]}}") ;;
+  --ci) chosen=(quick) ;;
+  --list) printf '%s\n' quick "${legs[@]}"; exit ;;
+  *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+esac
+bash third_party/install.sh
+for leg in "${chosen[@]}"; do run "$leg"; done
+if [ "${1:-}" = --ci ]; then
+  first=$(git rev-list --count HEAD)
+  for k in "${!legs[@]}"; do
+    [ "$SECONDS" -lt 1500 ] || break
+    leg=${legs[(first + k) % ${#legs[@]}]}
+    run "$leg"
+    chosen+=("$leg")
+  done
 fi
+summary "${chosen[@]}"

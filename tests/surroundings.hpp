@@ -21,6 +21,9 @@ class Variable {
 /// Where the program lies that is running.
 std::filesystem::path programFolder();
 
+/// Processor time that this process has taken, and those that it began and waited for.
+double processorSeconds();
+
 /// What the file of a library is called that is loaded while a program runs.
 std::string libraryFileName(const std::string& name);
 

@@ -1,6 +1,7 @@
 #include <windows.h>
 
 #include <cstdlib>
+#include <ctime>
 
 #include "tests/surroundings.hpp"
 
@@ -14,6 +15,10 @@ std::filesystem::path programFolder() {
   wchar_t program[MAX_PATH]{};
   ::GetModuleFileNameW(nullptr, program, MAX_PATH - 1);
   return std::filesystem::path(program).parent_path();
+}
+
+double processorSeconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;  // the time on the wall here, of this process alone
 }
 
 std::string libraryFileName(const std::string& name) { return "lib" + name + ".dll"; }

@@ -10,7 +10,7 @@ if [ -z "${DISPLAY:-}" ]; then exec xvfb-run -a bash tests/windows_session.sh; f
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 export LC_ALL=C.UTF-8 PALPATE_GPU=${PALPATE_GPU:-llvmpipe}
-linux=$PWD/build/dev/palpate windows=(bash "$PWD/third_party/wine.sh" "$PWD/build/windows/palpate.exe")
+linux=$PWD/build/release/palpate windows=(bash "$PWD/third_party/wine.sh" "$PWD/build/windows/palpate.exe")
 
 # Numbers that differ by more than a millionth of the larger one, and of 1.
 differences() {  # FILE FILE

@@ -57,5 +57,5 @@ esac
 
 build_libraries
 cmake --preset arm64
-cmake --build --preset arm64 --target host_tests
+cmake --build --preset arm64 --target all_tests
 ctest --preset arm64 -L host

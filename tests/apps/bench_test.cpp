@@ -5,6 +5,7 @@
 #include <set>
 
 #include "tests/apps/program.hpp"
+#include "tests/labels.hpp"
 #include "tests/own_domain.hpp"
 #include "tests/says.hpp"
 
@@ -40,7 +41,7 @@ TEST_CASE("bench measures every job by every way of the back ends that are asked
   CHECK(std::filesystem::file_size(plot) > 20'000);
 }
 
-TEST_CASE("bench share says how long it takes until a press is felt by another hand") {
+TEST_CASE("bench share says how long it takes until a press is felt by another hand" * kClock) {
   const ScratchFolder folder;
   const std::string domain = " --domain " + std::to_string(ownDomain());
   if (palpate("doctor --network" + domain).code != 0) {
@@ -243,7 +244,7 @@ TEST_CASE("bench edit tells what compactions cost where there are few spare slot
   CHECK(outcome.text.find("step that compacts") != std::string::npos);
 }
 
-TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured") {
+TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured" * kClock) {
   const ScratchFolder folder;
   const std::string json = (folder / "s.json").string();
   // The fastest rate at which this machine sculpts at all; there are as many ticks for it at any.
@@ -316,7 +317,7 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
   for (const std::string& pass : passes[0]) {
     CAPTURE(pass);
     CHECK(splat["costs"][0]["longest_workgroup_us"][pass] > 0);
-    CHECK(splat["costs"][0]["longest_workgroup_us"][pass] < 1e6);
+    CHECK(splat["costs"][0]["longest_workgroup_us"][pass] < 1e7);
   }
   REQUIRE(splat["qualities"].size() == 4 * 2 * 2);  // shapes, conditions and rasterisers
   for (const auto& quality : splat["qualities"]) {

@@ -1,3 +1,4 @@
+// ctest: alone
 // palpate bench coexist: touch and pictures at once. What it counts, never how fast.
 #include "tests/apps/program.hpp"
 

@@ -3,6 +3,7 @@
 
 #include "tests/apps/running_program.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
+#include "tests/labels.hpp"
 #include "tests/says.hpp"
 
 namespace palpate {
@@ -45,7 +46,7 @@ Compared compare(const std::vector<Row>& a, const std::vector<Row>& b) {
 
 }  // namespace
 
-TEST_CASE("the loop through a driver feels what the simulated Touch feels, and its log runs again") {
+TEST_CASE("the loop through a driver feels what the simulated Touch feels, and its log runs again" * kClock) {
   const Scene scene;
   const FakeDriver driver("fake_hd", "hurry\nskip 1\nlead 0.5", kHand);
   const std::string hand = (driver.folder() / "hand.csv").string();
@@ -70,7 +71,7 @@ TEST_CASE("the loop through a driver feels what the simulated Touch feels, and i
   if (missed == 0) CHECK(compare(held, readTrace(scene.folder / "again.csv")).worst_N <= 1e-9);
 }
 
-TEST_CASE("button 1 of a stylus sculpts") {
+TEST_CASE("button 1 of a stylus sculpts" * kClock) {
   const Scene scene;
   std::string script = "hurry\nlead 0.5";
   bool pressed = false;
@@ -88,7 +89,7 @@ TEST_CASE("button 1 of a stylus sculpts") {
 
 TEST_CASE("a device that fails in mid-touch leaves the trace, no force, and the driver's reason") {
   const Scene scene;
-  const FakeDriver driver("fake_hd", "hurry\nlead 0.5\nfault error 770 0.95", kHand);
+  const FakeDriver driver("fake_hd", "hurry\nlead 0.5\nfault error 770 1.35", kHand);
   const Outcome outcome = palpate(scene.held("--trace " + scene.file("t.csv")));
   CHECK(outcome.code == 1);
   CHECK(says(outcome.text, "palpate: Touch: no communication with the device (0x0302); check cable and power"));
@@ -114,7 +115,7 @@ TEST_CASE("a session that is interrupted or that crashes leaves no force behind"
   CHECK(driver.lastForce_N() == DVec3(0));
 }
 
-TEST_CASE("a Force Dimension is felt through its own library") {
+TEST_CASE("a Force Dimension is felt through its own library" * kClock) {
   const Scene scene;
   const FakeDriver driver("fake_dhd", "hurry\nlead 0.5", kHand);
   works(scene.held("--json " + scene.file("out.json"), "dhd"));
@@ -269,7 +270,7 @@ TEST_CASE("a 3D mouse is listed by doctor, with what to do where it cannot be op
   }
 }
 
-TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes back") {
+TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes back" * kClock) {
   const Scene scene;
   // Away from the user, as hard as it goes: the thirteen bytes of translation and rotation in one report.
   const std::string push = "1 0 0 a2 fe 0 0 0 0 0 0 0 0\n";

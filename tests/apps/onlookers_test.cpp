@@ -105,15 +105,17 @@ TEST_CASE(
     CHECK(glm::distance(seen.place.turn * DVec3(0, 0, 1), glm::normalize(target - eye)) < 1e-5);
     CHECK(glm::dot(seen.place.turn * DVec3(0, 1, 0), vector(camera["up"])) < -0.5);  // down
     int heard = 0;
-    CHECK(comesTrue([&] {
-      poses.take([&](const sharing::RosPoseStamped& pose) {
-        ++heard;
-        CHECK(glm::distance(DVec3(pose.pose.position.x, pose.pose.position.y, pose.pose.position.z), eye * 2e-3) <
-              1e-6);
-        CHECK(std::abs(pose.pose.orientation.w) == doctest::Approx(std::abs(seen.place.turn.w)).epsilon(1e-4));
-      });
-      return heard > 0;
-    }));
+    CHECK(comesTrue(
+        [&] {
+          poses.take([&](const sharing::RosPoseStamped& pose) {
+            ++heard;
+            CHECK(glm::distance(DVec3(pose.pose.position.x, pose.pose.position.y, pose.pose.position.z), eye * 2e-3) <
+                  1e-6);
+            CHECK(std::abs(pose.pose.orientation.w) == doctest::Approx(std::abs(seen.place.turn.w)).epsilon(1e-4));
+          });
+          return heard > 0;
+        },
+        30));
     // One who looks at the model from beside it, before the window's eyes.
     const DVec3 middle = joined.cloud.origin + boundsOf(joined.cloud).center();
     cameras->show(
@@ -128,9 +130,9 @@ TEST_CASE(
     CHECK(window.end() == 0);
     CHECK(differing(Picture(in("a.png")), Picture(in("b.png"))) > 200);
   }
-  works("touch --join seen --backend cpu --realtime --duration 1" + domain() + " --json " + in("t.json"));
+  works("touch --join seen --backend cpu --realtime --duration 3" + domain() + " --json " + in("t.json"));
   CHECK(jsonOf(in("t.json"))["cameras"] == 1);
-  CHECK(comesTrue([&] { return cameras->cameras().empty(); }));
+  CHECK(comesTrue([&] { return cameras->cameras().empty(); }, 30));
   {
     Window hidden("--join seen --as Bert --hide-camera", "1 state %/h.json\n4 state %/i.json\n4 quit\n", folder,
                   "bert");

@@ -4,6 +4,7 @@
 
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/running_program.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
 
@@ -207,7 +208,7 @@ TEST_CASE("real time ends by itself and reports its ticks") {
 
 // A software driver would translate the shaders in its first ticks, for ten seconds, and leave the hand without a
 // force.
-TEST_CASE("a session in real time begins when the driver has translated every shader") {
+TEST_CASE("a session in real time begins when the driver has translated every shader" * kClock) {
   if (std::getenv("PALPATE_GPU") == nullptr || std::string(std::getenv("PALPATE_GPU")) != "llvmpipe") {
     MESSAGE("skipped: for lavapipe, which PALPATE_GPU does not name");
     return;

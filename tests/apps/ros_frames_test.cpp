@@ -2,6 +2,7 @@
 #include "haptics/sharing/ros_tf.hpp"
 #include "tests/apps/ros_touching.hpp"
 #include "tests/apps/window_play.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
 
@@ -19,7 +20,7 @@ double worst_N(const std::vector<Row>& rows, const DVec3& out, const std::functi
 
 }  // namespace
 
-TEST_CASE("a plane that a depth camera of ROS sees is felt where it is, in either encoding, and drawn") {
+TEST_CASE("a plane that a depth camera of ROS sees is felt where it is, in either encoding, and drawn" * kClock) {
   const DVec3 out = glm::normalize(DVec3(0.15, -0.1, -1));
   const double away_m = -glm::dot(out, DVec3(0, 0, 0.5));
   for (const bool isWhole : {false, true}) {
@@ -77,7 +78,7 @@ TEST_CASE("what a camera sees has the colours of the topic that is named") {
   CHECK(redOf("") == 0);
 }
 
-TEST_CASE("what a camera sees is felt in the frame that is asked for, and a cloud is converted into it") {
+TEST_CASE("what a camera sees is felt in the frame that is asked for, and a cloud is converted into it" * kClock) {
   const ScratchFolder folder;
   const SendingCamera camera(network(), "placed/depth", infoOf(kCamera),
                              [](int) { return pictureOf(kCamera, [](const DVec3&) { return 0.5; }); });
@@ -114,7 +115,7 @@ TEST_CASE("what a camera sees is felt in the frame that is asked for, and a clou
   CHECK(lonely.text.find("nothing that is heard on /tf_static and /tf leads to 'mars'") != std::string::npos);
 }
 
-TEST_CASE("pictures of ROS become a map, which is kept, and are seen in the window as they come") {
+TEST_CASE("pictures of ROS become a map, which is kept, and are seen in the window as they come" * kClock) {
   const ScratchFolder folder;
   // Slopes in all directions: a camera that may slide along what it sees is not followed.
   const SendingCamera camera(network(), "seen/depth", infoOf(kCamera), [](int) {

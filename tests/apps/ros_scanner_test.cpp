@@ -1,11 +1,12 @@
 // Scanners and cameras of ROS that move, fall silent, lie, or are none, as a user meets them.
 #include "tests/apps/ros_touching.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
 
 using namespace sharing;
 
-TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by now") {
+TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by now" * kClock) {
   const ScratchFolder folder;
   const Participant participant = rosParticipant(network());
   const RosPublisher<RosPointCloud2> scans(participant, "rt/scans", RosDelivery::bestEffort);
@@ -49,7 +50,8 @@ TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by n
   CHECK(most_N < 0.08);
 }
 
-TEST_CASE("a camera of ROS that sends nothing any more but lies is said, and after three seconds nothing is felt") {
+TEST_CASE("a camera of ROS that sends nothing any more but lies is said, and after three seconds nothing is felt" *
+          kClock) {
   const ScratchFolder folder;
   const SendingCamera camera(network(), "failing/depth", infoOf(kCamera), [&](int frame) {
     SentPicture picture = pictureOf(kCamera, [](const DVec3&) { return 0.5; });

@@ -9,6 +9,7 @@
 #include "haptics/sharing/version_watch.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/window_play.hpp"
+#include "tests/labels.hpp"
 #include "tests/own_domain.hpp"
 
 namespace palpate {
@@ -112,7 +113,8 @@ TEST_CASE("a hand that is killed in mid-stroke leaves whole pieces, and the othe
 }
 
 TEST_CASE(
-    "where a server hangs the force fades, is gone, and comes back from outside; of what nobody sculpts it stays") {
+    "where a server hangs the force fades, is gone, and comes back from outside; of what nobody sculpts it stays" *
+    kClock) {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
   works("make sphere -n 20000 -o " + in("m.ply"));

@@ -8,8 +8,8 @@
 #include "engine/contact/contact_reference.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/contact/sheet.hpp"
+#include "tests/labels.hpp"
 #include "tests/scenes.hpp"
-#include "tests/under_sanitizers.hpp"
 
 namespace palpate {
 
@@ -100,17 +100,17 @@ TEST_CASE("a thin plate and a single sheet are felt at both faces, each time the
     }
 }
 
-TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N") {
+TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N" * kMoreInFull) {
   constexpr double kDeepest = 3.3 / 0.8;  // mm, at 0.8 N/mm
   struct Case {
     double thickness, radius;
     bool localRadius;
     int pushes;
   };
-  constexpr int kPushes = fewerUnderSanitizers(5'000, 500), kSlowPushes = fewerUnderSanitizers(500, 50);
+  const int pushes = byTier(500, 5'000), slowPushes = byTier(50, 500);
   for (const Case& plate :
-       {Case{0.5, kSheetRadius, false, kPushes}, Case{2.1 * kSheetRadius, kSheetRadius, false, kPushes},
-        Case{0.5, 3 * kSheetRadius, true, kSlowPushes}}) {
+       {Case{0.5, kSheetRadius, false, pushes}, Case{2.1 * kSheetRadius, kSheetRadius, false, pushes},
+        Case{0.5, 3 * kSheetRadius, true, slowPushes}}) {
     CAPTURE(plate.thickness);
     CAPTURE(plate.radius);
     const PointCloud cloud = sheet(plate.thickness);

@@ -9,7 +9,7 @@
 
 #include "engine/edit/placed_brush.hpp"
 #include "shaders/shared/edit.h"
-#include "tests/edit/brush_probe.h"
+#include "tests/edit_gpu/brush_probe.h"
 
 namespace palpate {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "tests/edit/edited_scene.hpp"
+#include "tests/edit_gpu/edited_scene.hpp"
 
 namespace palpate {
 

@@ -13,8 +13,11 @@
 #include "shaders/test_shaders.hpp"
 #include "tests/gpu/add_one.h"
 #include "tests/gpu/host_program.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -153,5 +156,7 @@ TEST_CASE("queues that are lent serve whom they were lent for, and who has none 
   host.throughput = {queue(4), 1};
   CHECK_FALSE(rolesOf(host, families).draws);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

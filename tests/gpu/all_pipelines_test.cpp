@@ -5,8 +5,11 @@
 #include "engine/gpu/compute_pipeline.hpp"
 #include "shaders/compiled.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -60,5 +63,7 @@ TEST_CASE_FIXTURE(AllPipelinesFixture, "every compute shader becomes a pipeline"
   }
   CHECK(count > 60);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -8,8 +8,11 @@
 #include "shaders/test_shaders.hpp"
 #include "tests/gpu/add_one.h"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -278,5 +281,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "a device knows how much memory its buffer
   }
   CHECK(device.allocatedBytes() == before);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

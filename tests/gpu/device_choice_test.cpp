@@ -6,8 +6,11 @@
 #include <array>
 
 #include "engine/gpu/command_list.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -174,5 +177,7 @@ TEST_CASE("a grid past one axis goes to a second, covers all groups and wastes l
   }
   CHECK_THROWS_AS(groupGrid(5'000'000'000ull, 65'535), GpuError);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -4,8 +4,11 @@
 #include "engine/gpu/transfer.hpp"
 #include "shaders/test_shaders.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 TEST_CASE_FIXTURE(GpuFixture, "a shader reads the numbers that C++ wrote, field by field") {
   shared::LayoutPattern pattern{.a = 1,
@@ -33,5 +36,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a shader reads the numbers that C++ wrote, field 
   const auto numbers = download<float>(device, output, 33);
   for (int i = 0; i < 33; ++i) CHECK(numbers[static_cast<std::size_t>(i)] == 3.0f * static_cast<float>(i + 1));
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -37,11 +37,11 @@ std::unique_ptr<UhidMouse> plugIn(HidTransport& transport) {
         return true;
     return false;
   };
-  if (!comesTrue(hasNode, 5)) {
+  if (!comesTrue(hasNode, 10)) {
     MESSAGE("skipped: the kernel made a virtual 3D mouse, but no /dev/hidraw for it");
     return nullptr;
   }
-  CHECK(comesTrue([&] { return find(transport).has_value(); }, 5));
+  CHECK(comesTrue([&] { return find(transport).has_value(); }, 30));
   return mouse;
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("a report reaches the device, by the usual way and by that of a signal
   std::array<std::uint8_t, 64> report;
   CHECK(opening.connection->read(report, 20) == std::size_t{0});
   CHECK(mouse->report({2, 1, 2, 3, 4, 5, 6}));
-  CHECK(opening.connection->read(report, 1000) == std::size_t{7});
+  CHECK(opening.connection->read(report, 30'000) == std::size_t{7});
   CHECK(report[0] == 2);
   CHECK(report[6] == 6);
 }

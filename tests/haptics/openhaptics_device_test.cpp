@@ -129,7 +129,7 @@ TEST_CASE("a driver that cannot open the device says why") {
 
 TEST_CASE("a stylus that needs its inkwell is waited for") {
   std::vector<std::string> words;
-  const OpenHapticsOptions options{.calibrationPatience_s = 5,
+  const OpenHapticsOptions options{.calibrationPatience_s = 30,
                                    .say = [&](const std::string& text) { words.push_back(text); }};
   SUBCASE("until it is there") {
     const FakeDriver driver("fake_hd", "fault calibration 5");

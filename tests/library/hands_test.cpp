@@ -189,8 +189,9 @@ TEST_CASE("live hands have a row each in every tick, in step") {
   other.next = nullptr;
   PP_REQUIRE_OK(pp_live_start(two.session, &options));
   std::vector<pp_tick> all;
+  const auto arePressed = [&] { return all[all.size() - 2].force_N[2] > 0.5 && all.back().force_N[0] < -1; };
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (all.size() < 300 && std::chrono::steady_clock::now() < end) {
+  while ((all.size() < 300 || !arePressed()) && std::chrono::steady_clock::now() < end) {
     std::vector<pp_tick> ticks(33);  // odd: the last row stays free
     std::uint64_t count = 0;
     PP_REQUIRE_OK(pp_live_take(two.session, ticks.data(), ticks.size(), &count));

@@ -43,7 +43,15 @@ TEST_CASE("a live hand follows its path against the clock, and its ticks come in
   pp_session_info info = pp_default_session_info();
   PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
   CHECK(info.live == 1);
-  const auto ticks = takeTicks(ball.session, 150);
+  const auto isPressed = [](const pp_tick& tick) {
+    return tick.contact == 1 && tick.force_N[2] == doctest::Approx(0.8 * tick.penetration_mm).epsilon(0.01);
+  };
+  auto ticks = takeTicks(ball.session, 150);
+  // Behind a moment at which the machine stood still the force comes back with time.
+  for (int i = 0; i < 100 && !(ticks.size() >= 150 && isPressed(ticks.back())); ++i) {
+    const auto more = takeTicks(ball.session, 50);
+    ticks.insert(ticks.end(), more.begin(), more.end());
+  }
   REQUIRE(ticks.size() >= 150);
   for (std::size_t i = 1; i < ticks.size(); ++i) CHECK(ticks[i].t_s > ticks[i - 1].t_s);
   const pp_tick& last = ticks.back();
@@ -91,11 +99,11 @@ TEST_CASE("a live hand sculpts with the brush that was set, and all of it can be
   pp_brush brush = pp_default_brush();
   brush.radius_mm = 5;
   PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
-  const std::vector<double> rows{0, 0, 0, 52, 0.1, 0, 0, 46, 0.3, 0, 0, 46, 0.4, 0, 0, 60};
+  const std::vector<double> rows{0, 0, 0, 52, 0.1, 0, 0, 46, 0.8, 0, 0, 46, 0.9, 0, 0, 60};
   const pp_path path = pathOf(rows, 4);
   const pp_live_options options = along(path);
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));
-  takeTicks(ball.session, 250);
+  takeTicks(ball.session, 500);
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   CHECK(placesOf(ball.session) != before);
   PP_REQUIRE_OK(pp_session_undo(ball.session, 100, nullptr));
@@ -105,9 +113,13 @@ TEST_CASE("a live hand sculpts with the brush that was set, and all of it can be
 TEST_CASE("forces can be taken away and a law given, while the hand goes on") {
   Calls calls;
   const OpenBall ball;
-  // Once they are back, forces wait until the hand has been outside.
-  const std::vector<double> rows{0,   0, 0, 51, 0.02, 0, 0, 49, 0.5, 0, 0, 49,
-                                 0.6, 0, 0, 55, 0.8,  0, 0, 55, 0.9, 0, 0, 49};
+  // Once they are back, forces wait until the hand has been outside: it goes in and out.
+  std::vector<double> rows{0, 0, 0, 51};
+  for (int i = 0; i < 60; ++i) {
+    const double begin_s = 0.9 * i;
+    rows.insert(rows.end(),
+                {begin_s + 0.02, 0, 0, 49, begin_s + 0.5, 0, 0, 49, begin_s + 0.6, 0, 0, 55, begin_s + 0.8, 0, 0, 55});
+  }
   const pp_path path = pathOf(rows, 4);
   pp_live_options options = along(path);
   options.law = ownLaw;
@@ -116,10 +128,11 @@ TEST_CASE("forces can be taken away and a law given, while the hand goes on") {
   PP_REQUIRE_OK(pp_live_start(ball.session, &options));
   const auto without = takeTicks(ball.session, 60, 8);
   CHECK(std::ranges::all_of(without, [](const pp_tick& tick) { return lengthOf(tick.force_N) == 0; }));
-  CHECK(without.back().contact == 1);
+  CHECK(std::ranges::any_of(without, [](const pp_tick& tick) { return tick.contact == 1; }));
   PP_REQUIRE_OK(pp_live_set_forces(ball.session, 1));
   double most_N = 0;
-  for (const pp_tick& tick : takeTicks(ball.session, 900)) most_N = std::max(most_N, tick.force_N[0]);
+  for (int i = 0; i < 15 && most_N < 1.24; ++i)
+    for (const pp_tick& tick : takeTicks(ball.session, 900)) most_N = std::max(most_N, tick.force_N[0]);
   CHECK(most_N == doctest::Approx(1.25));
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   CHECK(calls.count > 100);

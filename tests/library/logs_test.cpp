@@ -174,7 +174,15 @@ TEST_CASE("a live session is recorded until it is stopped, and run again as far 
   PP_REQUIRE_OK(pp_session_record(ball.session, file.string().c_str()));
   PP_REQUIRE_OK(pp_live_start(ball.session, &live));
   CHECK(pp_session_record(ball.session, file.string().c_str()) == PP_ERROR_STATE);
-  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  std::uint64_t taken = 0;
+  for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+       taken < 100 && std::chrono::steady_clock::now() < end;) {
+    std::vector<pp_tick> ticks(256);
+    std::uint64_t count = 0;
+    PP_REQUIRE_OK(pp_live_take(ball.session, ticks.data(), ticks.size(), &count));
+    taken += count;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   const ReadLog log(file);
   CHECK(log.content.ended == 1);

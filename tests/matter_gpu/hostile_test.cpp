@@ -1,7 +1,10 @@
 // States that nobody wants to simulate, on the GPU.
+#include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle at all, and a single one, are simulated as well") {
   checkFewParticles(onGpu(device));
@@ -25,5 +28,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a simulation that diverges says so
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a hand that jumps gives a bounded force or ends the simulation") {
   checkJumpingHand(onGpu(device), 60);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -3,9 +3,12 @@
 #include <random>
 
 #include "engine/core/named_values.hpp"
+#include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -169,5 +172,7 @@ TEST_CASE_FIXTURE(GpuFixture, "more neighbours than a list holds are a state: no
     CHECK(world->state() == MatterState::running);
   }
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -3,11 +3,14 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/matter/soft_scan.hpp"
+#include "tests/labels.hpp"
 #include "tests/matter/press_truths.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -122,5 +125,7 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU presses that are no numbers or that pu
 TEST_CASE_FIXTURE(GpuFixture, "the same GPU gives presses the same bytes every time") {
   checkSamePressedBytes(softOnGpu(device), softOnGpu(device), 15);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -2,11 +2,14 @@
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_sculpture.hpp"
 #include "engine/matter/soft_world.hpp"
+#include "tests/labels.hpp"
 #include "tests/matter/press_truths.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -169,5 +172,7 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU a body that balls touch is not sculpte
   scene.tool = {.radius_mm = 8, .mass_kg = 0.01};
   CHECK(GpuSoftWorld(device, device.latencyQueue(), scene, {.tools = 1}).sculpture() == nullptr);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

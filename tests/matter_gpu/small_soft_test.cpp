@@ -13,10 +13,13 @@
 #include "engine/matter/soft_scan.hpp"
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_world.hpp"
+#include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -296,5 +299,7 @@ TEST_CASE("no place of the skin is farther beyond the corners of its cell than t
     CHECK(farthest > 0.9f * beyond);
   }
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -8,9 +8,12 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/core/error.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 #include "tests/motion_gpu/fused_cloud.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -225,5 +228,7 @@ TEST_CASE_FIXTURE(FusionFixture, "what does not fit is refused before any memory
   FusionOptions none = smallMap(0);
   refuses(smallCamera(), none, 1000);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

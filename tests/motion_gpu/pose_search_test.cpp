@@ -5,9 +5,12 @@
 #include "engine/motion/pixel_surface.hpp"
 #include "engine/motion/pose_search_pass.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 #include "tests/motion_gpu/fused_cloud.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -90,5 +93,7 @@ TEST_CASE_FIXTURE(PoseFixture, "the same frame gives the same pose; a plane, and
   const IcpResult none = onPlane.find(flat.put(smallCamera(), nothing, expected), expected, DVec3(0));
   CHECK_MESSAGE(none.state == IcpState::tooFewMatches, none.why());
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -7,9 +7,12 @@
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "shaders/shared/brush.h"
+#include "tests/labels.hpp"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -387,5 +390,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
   CHECK(differing(placed(0.003f), measured) == 0);
   CHECK(differing(placed(0.005f), measured) > cloud.size() / 2);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

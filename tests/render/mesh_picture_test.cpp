@@ -3,9 +3,12 @@
 #include <numbers>
 
 #include "engine/gpu/transfer.hpp"
+#include "tests/labels.hpp"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -128,5 +131,7 @@ TEST_CASE_FIXTURE(MeshPictureFixture, "no triangle, and triangles without a plac
   none.triangles.push_back({0, 1, 2});
   CHECK(std::ranges::all_of(draw(none, camera_, {}).depth.depth, [](float depth) { return depth == 0; }));
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

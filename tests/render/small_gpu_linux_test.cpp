@@ -1,10 +1,13 @@
 // Pictures on a GPU whose workgroups are small.
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
+#include "tests/labels.hpp"
 #include "tests/lost_gpu/lost_gpu.hpp"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -36,5 +39,7 @@ TEST_CASE("a GPU whose workgroups are small draws the same picture") {
   CHECK(pictureOf(small).rgba == expected.rgba);
   CHECK(small.instance().messages().take().empty());
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

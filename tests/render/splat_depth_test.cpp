@@ -2,9 +2,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "tests/labels.hpp"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -184,5 +187,7 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "discs on edge stay thin") {
   camera.eye = {0, 0, 3};
   CHECK(checkDepth(cloud, camera, 0.15, 160, 120) > 0);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -4,9 +4,12 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
+#include "tests/labels.hpp"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -166,5 +169,7 @@ TEST_CASE_FIXTURE(SplatPickFixture, "a heap of discs that fill the picture is cu
   CHECK(covered(1) == kSide * kSide);
   CHECK(covered(2100) == shared::kCrowdedSplat * shared::kCrowdedSplat);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

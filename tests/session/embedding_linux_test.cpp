@@ -36,7 +36,7 @@ TEST_CASE("the README shows the program that is tested") {
     MESSAGE("skipped: the sources are not at " << top.string());
     return;
   }
-  CHECK(contentOf(top / "README.md").find(contentOf(top / "tests/session/embedding.cpp")) != std::string::npos);
+  CHECK(contentOf(top / "README.md").find(contentOf(top / "tests/programs/embedding.cpp")) != std::string::npos);
 }
 
 }  // namespace palpate

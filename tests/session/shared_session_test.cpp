@@ -1,3 +1,4 @@
+// ctest: waits
 // A session that others have, too, as a session sees it: what it does when they are silent, and when their part is
 // over.
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// ctest: waits
 // Copies of strokes and results: how many there are, that they count by their numbers whichever way they come, and what
 // they are good for over links that lose.
 #include <doctest/doctest.h>

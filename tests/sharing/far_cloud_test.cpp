@@ -1,3 +1,4 @@
+// ctest: waits
 // The points around hands over a network of this machine: still, sculpted by others, moving; and what becomes of a
 // server that dies, or is none of ours.
 #include <doctest/doctest.h>
@@ -14,6 +15,7 @@
 
 #include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/messages.hpp"
+#include "tests/labels.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
@@ -123,11 +125,11 @@ TEST_CASE("who joins near a hand has the points around it, follows it, and few o
     for (const DVec3& hip : {DVec3(20, 20, 0.5), DVec3(60, 20, 0.5), DVec3(150, 160, 0.5)}) {
       const HandReaches hands = handAt(hip);
       source.ask(hands);
-      REQUIRE(source.await(hands, 5));
+      REQUIRE(source.await(hands, 30));
       CHECK(around(source, hip, frame) == 25);  // of a square lattice within 2.96 of one of its points
     }
     CHECK(source.known().points < 30'000);
-    CHECK(within(3, [&] { return joined.far->counts().roundTrip_ms.has_value(); }));
+    CHECK(within(30, [&] { return joined.far->counts().roundTrip_ms.has_value(); }));
     CHECK(joined.far->known().share() == 1);
     CHECK(joined.far->counts().resumed == 0);
   }
@@ -147,7 +149,7 @@ TEST_CASE("requests that no client makes are counted, and change nothing") {
     const Writer<Near> nears(participant, topics.nears, bestEffortQos());
     const Reader<Facts> facts(participant, topics.facts, reliableQos(true));
     std::optional<Facts> heard;
-    REQUIRE(within(3, [&] {
+    REQUIRE(within(30, [&] {
       facts.take([&](const Facts& one) { heard = one; });
       return heard.has_value();
     }));
@@ -174,7 +176,7 @@ TEST_CASE("requests that no client makes are counted, and change nothing") {
   }
   const HandReaches hands = handAt(DVec3(50, 50, 1));
   joined.far->source().ask(hands);
-  CHECK(joined.far->source().await(hands, 5));
+  CHECK(joined.far->source().await(hands, 30));
   const ServedCounts counts = served.end();
   CHECK(counts.refused >= 4);
   CHECK(counts.refused <= 20);
@@ -290,13 +292,13 @@ TEST_CASE(
   const auto areTold = [&](std::size_t times) {
     return std::ranges::all_of(lines, [&](const Lines& each) { return each.restarts().size() == times; });
   };
-  REQUIRE(within(5, [&] { return areTold(1); }));
+  REQUIRE(within(30, [&] { return areTold(1); }));
   for (const Lines& each : lines) {
     CHECK(each.restarts()[0].find("'begins anew'") != std::string::npos);
     CHECK(each.restarts()[0].find("it has diverged?[2J") != std::string::npos);
   }
   restarted(6, "has burst");
-  REQUIRE(within(5, [&] { return areTold(2); }));
+  REQUIRE(within(30, [&] { return areTold(2); }));
   for (const Lines& each : lines) CHECK(each.restarts()[1].find("2 times: it has burst") != std::string::npos);
   for (const JoinedCloud& each : joined) CHECK(each.far->counts().restarts == 3);
   Lines late;
@@ -315,8 +317,9 @@ TEST_CASE(
     restarted(count, "is in a hurry");
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  CHECK(lines[0].restarts().size() > 2);
-  CHECK(lines[0].restarts().size() <= 2 + 5);
+  const auto told = static_cast<double>(lines[0].restarts().size());
+  CHECK(told <= 3 + 2 * since.elapsed_s());
+  CHECK(within(30, [&] { return lines[0].restarts().size() > 2; }));
   joined = {};
   served.end();
 }
@@ -335,7 +338,7 @@ TEST_CASE("hands that are farther than anything is do not press what moves") {
   const Writer<sharing::Hand> hands(participant, topics.hands, bestEffortQos());
   const Reader<Facts> facts(participant, topics.facts, reliableQos(true));
   std::optional<Facts> heard;
-  REQUIRE(within(3, [&] {
+  REQUIRE(within(30, [&] {
     facts.take([&](const Facts& one) { heard = one; });
     return heard.has_value();
   }));
@@ -351,7 +354,7 @@ TEST_CASE("hands that are farther than anything is do not press what moves") {
     hands.write(hand);
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK(within(5, [&] {
+  CHECK(within(30, [&] {
     send("far a", 1e30, 0);
     send("far b", 0, 1e10);
     send("far c", nan, 0);
@@ -372,7 +375,7 @@ TEST_CASE("a motion that fails ends what serves it, in its words") {
               .sculptable = false,
               .motion = [](double, std::span<const SeenHand>, CloudFrame&) -> bool { throw Error("it has burst"); }});
   const std::atomic<bool> stop = false;
-  CHECK_THROWS_WITH(server.serve(stop, 5), doctest::Contains("it has burst"));
+  CHECK_THROWS_WITH(server.serve(stop, 30), doctest::Contains("it has burst"));
 }
 
 TEST_CASE(
@@ -382,16 +385,16 @@ TEST_CASE(
   const JoinedCloud joined = joinNear("again");
   BrickSource& source = joined.far->source();
   source.ask(handAt(DVec3(30, 30, 0)));
-  REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 5));
+  REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 30));
   served.reset();
-  CHECK(within(6, [&] { return joined.far->known().share() == 0; }));
+  CHECK(within(30, [&] { return joined.far->known().share() == 0; }));
   // What is known is still there.
   CHECK(source.await(handAt(DVec3(30, 30, 0)), 0));
   CHECK_FALSE(source.await(handAt(DVec3(190, 190, 0)), 0));
   served.emplace(cloud, "again");
   source.ask(handAt(DVec3(190, 190, 0)));
-  CHECK(source.await(handAt(DVec3(190, 190, 0)), 8));
-  CHECK(within(3, [&] { return joined.far->known().share() == 1; }));
+  CHECK(source.await(handAt(DVec3(190, 190, 0)), 30));
+  CHECK(within(30, [&] { return joined.far->known().share() == 1; }));
   CHECK(joined.far->counts().servers == 2);
   CHECK(joined.far->counts().longestSilent_s > 3);
   CHECK_NOTHROW(joined.far->check());
@@ -416,10 +419,10 @@ TEST_CASE("who was near his hand before a server was started again with its jour
   BrickSource& source = joined.far->source();
   const auto comesTo = [&](const DVec3& hip) {
     source.ask(handAt(hip));
-    return source.await(handAt(hip), 5);
+    return source.await(handAt(hip), 30);
   };
   for (const double x : {20.0, 100.0, 180.0}) REQUIRE(comesTo(DVec3(x, 20, 0)));
-  CHECK(within(2, [&] { return joined.far->counts().samples > 256; }));  // more than the new one sends at once
+  CHECK(within(30, [&] { return joined.far->counts().samples > 256; }));  // more than the new one sends at once
   served.reset();
   served.emplace(cloud, "journal", ServedMotion{}, folder / "strokes");
   CHECK(comesTo(DVec3(100, 180, 0)));
@@ -480,7 +483,7 @@ class AskingListener final : public LogListener {
       far->counts();
       answer.set_value();
     });
-    answered_ += answered.wait_for(std::chrono::seconds(1)) == std::future_status::ready;
+    answered_ += answered.wait_for(std::chrono::seconds(30)) == std::future_status::ready;
   }
   void progressed(std::string_view, double) override {}
   void about(const FarCloud* far) { far_ = far; }
@@ -502,16 +505,16 @@ TEST_CASE("a sample that is no piece of the cloud is no more than one that is mi
   const JoinedCloud joined = joinNear("forged");
   BrickSource& source = joined.far->source();
   source.ask(handAt(DVec3(30, 30, 0)));
-  REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 5));
+  REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 30));
   Forger forger;
-  CHECK(forger.forge(5, [&] { return joined.far->counts().resumed >= 3; }));
+  CHECK(forger.forge(30, [&] { return joined.far->counts().resumed >= 3; }));
   CHECK_NOTHROW(joined.far->check());
   source.ask(handAt(DVec3(170, 170, 0)));
-  CHECK(source.await(handAt(DVec3(170, 170, 0)), 5));
+  CHECK(source.await(handAt(DVec3(170, 170, 0)), 30));
   CHECK_NOTHROW(joined.far->check());
   CHECK(joined.far->known().isTrue());
   served.reset();
-  CHECK(forger.forge(10, [&] { return !joined.far->known().isTrue(); }));
+  CHECK(forger.forge(30, [&] { return !joined.far->known().isTrue(); }));
   CHECK_THROWS_WITH_AS(joined.far->check(), doctest::Contains("a brick has no such place"), NetworkError);
 }
 
@@ -521,10 +524,10 @@ TEST_CASE("what another hand does within reach of who is near his is a change un
   const JoinedCloud joined = joinNear("changed");
   BrickSource& source = joined.far->source();
   source.ask(handAt(DVec3(50, 50, 0)));
-  REQUIRE(source.await(handAt(DVec3(50, 50, 0)), 5));
+  REQUIRE(source.await(handAt(DVec3(50, 50, 0)), 30));
   CHECK_FALSE(within(0.5, [&] { return joined.far->known().isChanging(); }));
   HonestHand other("changed");
-  CHECK(within(8, [&] { return joined.far->known().isChanging(); }));
+  CHECK(within(30, [&] { return joined.far->known().isChanging(); }));
   other.end();
 }
 
@@ -536,10 +539,10 @@ TEST_CASE("who listens to what is said of a silent server may ask meanwhile how 
   std::optional<ServedSquare> served(std::in_place, cloud, "silent");
   {
     const JoinedCloud joined = joinNear("silent", &log);
-    REQUIRE(within(3, [&] { return joined.far->counts().answered > 0; }));
+    REQUIRE(within(30, [&] { return joined.far->counts().answered > 0; }));
     listener.about(joined.far.get());
     served.reset();
-    CHECK(within(6, [&] { return listener.answered() > 0; }));
+    CHECK(within(30, [&] { return listener.answered() > 0; }));
     listener.about(nullptr);
     listener.wait();
   }
@@ -564,7 +567,7 @@ class NearSculptor {
     hip_ = hip;
     const HandReaches hands = handAt(hip);
     source().ask(hands);
-    return source().await(hands, 5);
+    return source().await(hands, 30);
   }
   /// Those that stand within the room.
   std::vector<PointState> points() const {
@@ -622,11 +625,11 @@ TEST_CASE("what several hands near their points make of them is the server's and
     first.edit();
     REQUIRE(first.comesTo(place));
     for (const NearSculptor* hand : all) {
-      CHECK(within(5, [&] { return hand->far().counts().delivered; }));
+      CHECK(within(30, [&] { return hand->far().counts().delivered; }));
       sent += hand->far().counts().sent;
       CHECK(hand->far().counts().resent == 0);
     }
-    CHECK(within(5, [&] {
+    CHECK(within(30, [&] {
       first.comesTo(place);
       second.comesTo(place);
       return first.source().known().own + second.source().known().own == 0 &&
@@ -660,7 +663,7 @@ TEST_CASE("what several hands near their points make of them is the server's and
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a hand near its points that goes on and on in one place is heard all the while") {
+TEST_CASE("a hand near its points that goes on and on in one place is heard all the while" * kClock) {
   const PointCloud cloud = square();
   ServedSquare served(cloud, "on and on");
   NearSculptor hand("on and on", 4);
@@ -678,7 +681,7 @@ TEST_CASE("a hand near its points that goes on and on in one place is heard all 
     }
     hand.source().make(changes);
   }
-  CHECK(within(5, [&] { return hand.far().counts().delivered; }));
+  CHECK(within(30, [&] { return hand.far().counts().delivered; }));
   CHECK(hand.far().counts().resent == 0);
   CHECK_NOTHROW(hand.far().check());
 }
@@ -692,7 +695,7 @@ TEST_CASE(
   const DVec3 place(100, 100, 0);
   REQUIRE(hand.comesTo(place));
   hand.edit();
-  CHECK(within(5, [&] { return hand.far().counts().delivered; }));
+  CHECK(within(30, [&] { return hand.far().counts().delivered; }));
   served.reset();
   for (int i = 0; i < 5; ++i) hand.edit();
   CHECK_FALSE(within(0.2, [&] { return hand.far().counts().delivered; }));
@@ -702,7 +705,7 @@ TEST_CASE(
     hand.comesTo(place);
     return hand.far().counts().delivered;
   }));
-  CHECK(within(5, [&] { return hand.source().known().own == 0; }));
+  CHECK(within(30, [&] { return hand.source().known().own == 0; }));
   CHECK(std::ranges::equal(hand.points(), made, isSamePoint));
   CHECK_NOTHROW(hand.far().check());
   const std::uint64_t sent = hand.far().counts().sent;

@@ -1,3 +1,4 @@
+// ctest: waits
 // Servers and clients that are none of ours: what they say is refused in words, and nothing grows or ends because of
 // it.
 #include <doctest/doctest.h>

@@ -14,6 +14,7 @@
 #include "engine/motion/brick_source.hpp"
 #include "haptics/sharing/far_link.hpp"
 #include "haptics/sharing/joined_session.hpp"
+#include "tests/labels.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -88,8 +89,11 @@ Outcome attacked(const std::string& attack, double seconds) {
   Outcome outcome;
   const double before_MB = allocated_MB();
   HostileSide side(attack, seconds);
-  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 12;
+  double stood_s = 0, last_s = 0;  // the machine itself, at most
+  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 30;
        std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    stood_s = std::max(stood_s, since.elapsed_s() - last_s);
+    last_s = since.elapsed_s();
     outcome.grown_MB = std::max(outcome.grown_MB, allocated_MB() - before_MB);
     for (const SeenHand& other : hand.others()) {
       CHECK(glm::length(other.place.position) < 1e12);  // no hand that nothing could draw
@@ -110,14 +114,14 @@ Outcome attacked(const std::string& attack, double seconds) {
   CHECK(outcome.hand.delivered);
   CHECK(outcome.hand.same);
   CHECK(outcome.hand.sent > 50);
-  CHECK(outcome.hand.longestSilent_s < 2.9);  // beyond which the force would fade
+  CHECK(outcome.hand.longestSilent_s < 2.9 + stood_s);  // beyond which the force would fade
   CHECK(outcome.grown_MB < 60);
   return outcome;
 }
 
 }  // namespace
 
-TEST_CASE("who asks for everything again and again, in the name of ten thousand, keeps nobody else waiting") {
+TEST_CASE("who asks for everything again and again, in the name of ten thousand, keeps nobody else waiting" * kClock) {
   const Outcome requests = attacked("requests", 1.5);
   CHECK(requests.served.refused > 1000);
   CHECK(requests.served.clients < 100);
@@ -165,12 +169,16 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
     hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
     source.ask(hands);
     return source.await(
-        hands, 15);  // up to 64 have their turn first, each of them some milliseconds, ten times that with sanitizers
+        hands, 30);  // up to 64 have their turn first, each of them some milliseconds, ten times that with sanitizers
   };
   REQUIRE(comesTo(20));
   HostileSide side(attack, seconds);
-  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 12;)
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  double stood_s = 0, last_s = 0;  // the machine itself, at most
+  for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 30;
+       std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+    stood_s = std::max(stood_s, since.elapsed_s() - last_s);
+    last_s = since.elapsed_s();
+  }
   CHECK(side.end(SIGKILL) == 0);
   const FarCounts during = joined.far->counts();
   CHECK(comesTo(180));
@@ -179,17 +187,17 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times anew; {} clients, {} refused",
                       attack, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1),
                       outcome.hand.resumed, outcome.served.near, outcome.served.refused));
-  CHECK(outcome.hand.longestSilent_s < 1);
+  CHECK(outcome.hand.longestSilent_s < 1 + stood_s);
   return outcome;
 }
 
 }  // namespace
 
-TEST_CASE("who asks for all that is around eight hands again and again keeps nobody waiting") {
+TEST_CASE("who asks for all that is around eight hands again and again keeps nobody waiting" * kClock) {
   attackedNear("one-near", 1);
 }
 
-TEST_CASE("of ten thousand who are near their hands as many as there is room for take nobody's place") {
+TEST_CASE("of ten thousand who are near their hands as many as there is room for take nobody's place" * kClock) {
   const NearOutcome many = attackedNear("nears", 1);
   CHECK(many.served.near <= 64);
   CHECK(many.served.refused > 1000);
@@ -199,7 +207,7 @@ TEST_CASE("bricks that no server gives end nobody's part near his hand") {
   CHECK(attackedNear("bricks", 1).hand.resumed > 10);
 }
 
-TEST_CASE("facts of ever new sessions keep nobody waiting") { attackedNear("facts", 1); }
+TEST_CASE("facts of ever new sessions keep nobody waiting" * kClock) { attackedNear("facts", 1); }
 
 TEST_CASE("facts of thousands of sessions do not hide those of the one that is joined, which come after them") {
   const JoinedSession session(ownNetwork(), sharing::freshId(), sharing::freshId());
@@ -229,7 +237,7 @@ TEST_CASE("bytes that are no samples of ours are no more than noise") {
   attacked("bytes", 2);
 }
 
-TEST_CASE("readers that have fallen asleep with all that there is on the way to them hold up nobody") {
+TEST_CASE("readers that have fallen asleep with all that there is on the way to them hold up nobody" * kClock) {
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "attacked");
   HonestHand hand("attacked");

@@ -1,3 +1,4 @@
+// ctest: waits
 // Who takes part in a session, with hands and with cameras, over a network of this machine.
 #include <doctest/doctest.h>
 
@@ -14,6 +15,7 @@
 #include "engine/core/clock.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/presence.hpp"
+#include "tests/labels.hpp"
 #include "tests/sharing/own_network.hpp"
 
 namespace palpate {
@@ -108,19 +110,22 @@ TEST_CASE("cameras are seen where they are, follow, stay seen while they stand, 
   CHECK(ada.presence->cameras().at(0).number != seen.number);
   // Longer than a silent one is kept.
   std::this_thread::sleep_for(std::chrono::milliseconds(3500));
-  REQUIRE(bert.sees(3, 0));
-  CHECK(bert.presence->cameras().at(0).age_s < 2);
+  CHECK(within(30, [&] {
+    const auto cameras = bert.presence->cameras();
+    return cameras.size() == 1 && glm::distance(cameras[0].place.position, cameraAt(3).position) < 1e-9 &&
+           cameras[0].age_s < 2;
+  }));
   // Who comes later sees it, too.
   const Looking carla("looked at", "");
   CHECK(carla.sees(3));
   ada.presence->show(std::nullopt);
-  CHECK(within(5, [&] { return bert.presence->cameras().empty(); }));
+  CHECK(within(30, [&] { return bert.presence->cameras().empty(); }));
   std::this_thread::sleep_for(std::chrono::milliseconds(700));
   CHECK(bert.presence->cameras().empty());
   CHECK_THROWS_AS(ada.presence->show(CameraPlace{.fovY_rad = 4}), UsageError);
 }
 
-TEST_CASE("a camera that moves a thousand times a second is heard thirty times, and one that stands twice") {
+TEST_CASE("a camera that moves a thousand times a second is heard thirty times, and one that stands twice" * kClock) {
   const PointCloud cloud = threePoints();
   Served served(cloud, "shaken");
   const Looking ada("shaken", "Ada");
@@ -189,7 +194,7 @@ TEST_CASE(
   CHECK(isCamera(ada.presence->cameras().at(0).place));
   REQUIRE(isSeen(good(), 10));
   CHECK(ada.presence->cameras().at(0).name == "a?[31mb");
-  REQUIRE(within(5, [&] { return ada.presence->cameras().empty(); }));
+  REQUIRE(within(30, [&] { return ada.presence->cameras().empty(); }));
   const auto spoilt = [&](const std::function<void(Camera&)>& spoil) {
     Camera camera = good();
     spoil(camera);
@@ -206,16 +211,18 @@ TEST_CASE(
   CHECK_FALSE(spoilt([](Camera& camera) { camera.aspect = -1; }));
   CHECK_FALSE(spoilt([](Camera& camera) { camera.session[3] ^= 1; }));
   CHECK_FALSE(spoilt([&](Camera& camera) { set(camera.client, ada.joined.session->client); }));
-  REQUIRE(isSeen(good(), 5));
-  // One after the other, so that none is lost for another one's sake.
-  for (std::uint32_t i = 0; i < 600; ++i) {
-    Camera camera = good();
-    camera.client[1] = static_cast<std::uint8_t>(i);
-    camera.client[2] = static_cast<std::uint8_t>(i >> 8);
-    writer.write(camera);
-    if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  CHECK(within(5, [&] { return ada.presence->cameras().size() == 256; }));
+  REQUIRE(isSeen(good(), 30));
+  // One after the other, so that none is lost for another one's sake; and again, since the silent ones go.
+  CHECK(within(30, [&] {
+    for (std::uint32_t i = 0; i < 600; ++i) {
+      Camera camera = good();
+      camera.client[1] = static_cast<std::uint8_t>(i);
+      camera.client[2] = static_cast<std::uint8_t>(i >> 8);
+      writer.write(camera);
+      if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return ada.presence->cameras().size() == 256;
+  }));
   CHECK(ada.presence->cameras().size() <= 256);
 }
 
@@ -249,12 +256,12 @@ TEST_CASE("all hands of who is near, of who has all points and of who feels alon
     }
     CHECK(numbers.size() == 4);
     // Those of which nothing more is said are gone, for each of the others.
-    CHECK(within(5, [&] {
+    CHECK(within(30, [&] {
       ada.movesHands({handAt(1), handAt(2)});
       return ada.presence->hands().empty() && bert.presence->hands().size() == 2 && carla.presence->hands().size() == 2;
     }));
     // A hand less is one less.
-    CHECK(within(5, [&] {
+    CHECK(within(30, [&] {
       ada.movesHands({handAt(7)});
       return bert.presence->hands().size() == 1 && bert.seesHand("Ada", 7);
     }));
@@ -291,9 +298,12 @@ TEST_CASE(
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kShort_s = 0.3;
   REQUIRE(isSeen([](Hand&) {}, 10));
-  REQUIRE(within(5, [&] { return ada.presence->hands().size() == 1 && bert.presence->hands().size() == 1; }));
+  REQUIRE(within(30, [&] {
+    writer->write(good());
+    return ada.presence->hands().size() == 1 && bert.presence->hands().size() == 1;
+  }));
   CHECK(ada.presence->hands().at(0).name == "a?[31mb");
-  REQUIRE(within(5, [&] { return ada.presence->hands().empty() && bert.presence->hands().empty(); }));
+  REQUIRE(within(30, [&] { return ada.presence->hands().empty() && bert.presence->hands().empty(); }));
   CHECK_FALSE(isSeen([&](Hand& hand) { hand.position[1] = kNan; }, kShort_s));
   CHECK_FALSE(isSeen([&](Hand& hand) { hand.proxy[2] = kNan; }, kShort_s));
   CHECK_FALSE(isSeen([](Hand& hand) { hand.position[0] = 1e300; }, kShort_s));
@@ -310,17 +320,20 @@ TEST_CASE(
     return false;
   });
   CHECK(most == 1);
-  CHECK(within(5, [&] { return ada.presence->hands().empty(); }));
-  // One after the other, so that none is lost for another one's sake.
-  for (std::uint32_t i = 0; i < 4800; ++i) {
-    Hand hand = good();
-    hand.client[1] = static_cast<std::uint8_t>(i / 8);
-    hand.client[2] = static_cast<std::uint8_t>(i / 8 >> 8);
-    hand.which = i % 8;
-    writer->write(hand);
-    if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    most = std::max(most, ada.presence->hands().size());
-  }
+  CHECK(within(30, [&] { return ada.presence->hands().empty(); }));
+  // One after the other, so that none is lost for another one's sake; and again, since the silent ones go.
+  CHECK(within(30, [&] {
+    for (std::uint32_t i = 0; i < 4800; ++i) {
+      Hand hand = good();
+      hand.client[1] = static_cast<std::uint8_t>(i / 8);
+      hand.client[2] = static_cast<std::uint8_t>(i / 8 >> 8);
+      hand.which = i % 8;
+      writer->write(hand);
+      if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      most = std::max(most, ada.presence->hands().size());
+    }
+    return most >= 256;
+  }));
   CHECK(most == 256);
   // Whoever is honest is seen again once that one is gone.
   writer.reset();

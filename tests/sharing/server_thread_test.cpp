@@ -1,3 +1,4 @@
+// ctest: waits
 // A server on a thread of its own: looked at while it serves, ended while it is looked at.
 #include "haptics/sharing/server_thread.hpp"
 

@@ -1,3 +1,4 @@
+// ctest: waits
 // A cloud that is served and joined within this machine: its bits, its counts, and what hostile or foreign sides do to
 // it.
 #include "haptics/sharing/shared_cloud.hpp"

@@ -10,6 +10,7 @@
 #include "engine/core/error.hpp"
 #include "engine/touch/brick_touch.hpp"
 #include "engine/touch/cpu_touch.hpp"
+#include "tests/labels.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -103,7 +104,8 @@ TEST_CASE("in virtual time each brush makes of the points around a hand what it 
     }
 }
 
-TEST_CASE("against the clock an edit waits until the last one is felt, so that a brush goes no deeper than the hand") {
+TEST_CASE("against the clock an edit waits until the last one is felt, so that a brush goes no deeper than the hand" *
+          kClock) {
   const Scene scene = makeScene("sphere", 20'000);
   const BrushOptions brush{.kind = BrushKind::push, .tau = 0.2, .beta = 1, .radius = 6, .keepsDensity = false};
   Hand hand(scene, brush);

@@ -139,7 +139,7 @@ TEST_CASE("against the clock frames come between ticks on the CPU, one after ano
   CloudFrame frame;
   double last_s = -1, latest_s = 0;
   int frames = 0;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 300 || (frames <= 20 && i < 20'000); ++i) {
     latest_s = kTick_s * i;
     CHECK(touch.query({.time_s = latest_s, .hip = {0, 0, 50.5}}, 800).valid);
     touch.prepare();

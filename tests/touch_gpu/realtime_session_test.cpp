@@ -1,3 +1,4 @@
+// ctest: alone
 // A session against the wall clock: whatever the GPU does, every tick has an answer, and says where it comes from.
 #include <algorithm>
 
@@ -6,6 +7,7 @@
 #include "haptics/pace_check.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -30,7 +32,7 @@ TEST_CASE("every tick in real time has a valid answer, and is fresh or bridged, 
 }
 
 // Measured in every case; held against the clock where the machine would have let an idle loop keep to it.
-TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that shares our cores") {
+TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that shares our cores" * kClock) {
   const Scene scene = makeScene("sphere", 100'000);
   Device device({.gpu = "", .validation = Validation::off});
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});

@@ -1,7 +1,7 @@
 // Meshes from the GPU: closed where the shape is, the same as in double precision, and right about the shape.
 #include "engine/mesh/marching_cubes.hpp"
 
-#include "tests/mesh/mesh_scenes.hpp"
+#include "tests/mesh_gpu/mesh_scenes.hpp"
 
 namespace palpate {
 

@@ -2,7 +2,7 @@
 
 #include "engine/mesh/marching_cubes.hpp"
 #include "tests/gpu_fixture.hpp"
-#include "tests/mesh/mesh_reference.hpp"
+#include "tests/mesh_gpu/mesh_reference.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {

@@ -4,8 +4,11 @@
 #include "shaders/test_shaders.hpp"
 #include "tests/edit/brush_questions.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 TEST_CASE_FIXTURE(GpuFixture, "the GPU does what double does, with every brush") {
   constexpr double kSignedDistance = 0.3;
@@ -29,5 +32,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the GPU does what double does, with every brush")
   device.latencyQueue().run(list);
   checkAgree(questions, download<shared::BrushAnswer>(device, output, asked.size()), kSignedDistance);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

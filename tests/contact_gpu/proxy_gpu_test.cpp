@@ -8,8 +8,11 @@
 #include "engine/core/clock.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/contact/sheet.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 TEST_CASE("the GPU feels both faces of sheets as double precision does, their edges and friction included") {
   Device device({.gpu = "", .validation = Validation::off});  // surfaces_gpu_test.cpp runs the same shader with it
@@ -56,5 +59,7 @@ TEST_CASE("a hand that leaps farther than single precision counts neither stops 
   }
   touch.finish();
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

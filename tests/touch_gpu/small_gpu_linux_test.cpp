@@ -7,8 +7,11 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/says.hpp"
 #include "tests/scenes.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -77,5 +80,7 @@ TEST_CASE("the smallest GPU that palpate takes feels and sculpts what every GPU 
   small.waitIdle();
   CHECK(small.instance().messages().take().empty());
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/cpu_hash.hpp"
 #include "shaders/shared/edit.h"
-#include "tests/edit/edited_scene.hpp"
+#include "tests/edit_gpu/edited_scene.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 

@@ -8,8 +8,11 @@
 #include "engine/spatial/look_back_sort.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -185,5 +188,7 @@ TEST_CASE("the CPU hash finds the neighbours that brute force finds, each once")
     }
   }
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

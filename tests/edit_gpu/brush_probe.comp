@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference : require
 layout(buffer_reference) buffer BrushQuestions;
 layout(buffer_reference) buffer BrushAnswers;
-#include "tests/edit/brush_probe.h"
+#include "tests/edit_gpu/brush_probe.h"
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer BrushQuestions { BrushQuestion at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer BrushAnswers { BrushAnswer at[]; };
 #include "shaders/lib/index.glsl"

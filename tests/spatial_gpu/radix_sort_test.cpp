@@ -8,8 +8,11 @@
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/look_back_sort.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -145,5 +148,7 @@ TEST_CASE("digits cover the key's bits without a gap, none longer than eight") {
 }
 
 TEST_CASE_FIXTURE(RadixSortFixture, "a million pairs") { checkSorts(randomWords(1'000'003, 1), 21); }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

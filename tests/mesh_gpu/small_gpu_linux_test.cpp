@@ -2,9 +2,12 @@
 #include "engine/mesh/marching_cubes.hpp"
 
 #include "tests/lost_gpu/lost_gpu.hpp"
-#include "tests/mesh/mesh_scenes.hpp"
+#include "tests/mesh_gpu/mesh_scenes.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 TEST_CASE("a GPU whose workgroups are small makes the same mesh") {
   const MeshScene scene = meshScene("torus", 8000, {.lattice = 32});
@@ -22,5 +25,7 @@ TEST_CASE("a GPU whose workgroups are small makes the same mesh") {
   small.waitIdle();
   CHECK(small.instance().messages().take().empty());
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

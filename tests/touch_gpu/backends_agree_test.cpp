@@ -5,8 +5,11 @@
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -102,5 +105,7 @@ TEST_CASE_FIXTURE(BackendsFixture, "a press that sculpts feels the same on both,
   CHECK(outcome.movedOnCpu > 50);
   CHECK(worstDistance(outcome.onGpu, outcome.onCpu) < 1e-3 * scene.radius);
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

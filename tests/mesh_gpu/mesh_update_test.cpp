@@ -1,9 +1,12 @@
 // A mesh that follows edits is the one that a build from nothing makes, bit by bit.
 #include <random>
 
-#include "tests/mesh/mesh_scenes.hpp"
+#include "tests/mesh_gpu/mesh_scenes.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -121,5 +124,7 @@ TEST_CASE_FIXTURE(GpuFixture, "everything may go, and come back") {
   cubes.update(back);
   CHECK(sameBits(cubes.download(), before));
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

@@ -1,7 +1,7 @@
 // Input at the edges: none, hardly any, everything in one place, far away, open, exactly on the lattice.
 #include "engine/gpu/device.hpp"
 #include "engine/mesh/mesh_memory.hpp"
-#include "tests/mesh/mesh_scenes.hpp"
+#include "tests/mesh_gpu/mesh_scenes.hpp"
 
 namespace palpate {
 

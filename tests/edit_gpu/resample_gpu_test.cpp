@@ -1,11 +1,14 @@
 // Points come and go on the GPU as engine/edit/resampling.hpp says.
-#include "tests/edit/edited_scene.hpp"
+#include "tests/edit_gpu/edited_scene.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 
 #include <functional>
 #include <random>
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
@@ -102,5 +105,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a gap that an edit has torn closes, and what come
       if (otherId != id) CHECK(glm::distance(point.position, other.position) > 0.65f);
   }
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

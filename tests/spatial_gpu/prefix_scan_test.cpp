@@ -5,8 +5,11 @@
 
 #include "engine/gpu/transfer.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
+
+TEST_SUITE_BEGIN(kPortable);
 
 TEST_CASE_FIXTURE(GpuFixture, "the exclusive prefix sum of any count equals the one on the CPU") {
   const PrefixScan scan(device);
@@ -56,5 +59,7 @@ TEST_CASE_FIXTURE(GpuFixture, "several arrays are summed side by side, each for 
     for (std::size_t k = 0; k < 3; ++k) CHECK(download<std::uint32_t>(device, data[k], count) == expected[k]);
   }
 }
+
+TEST_SUITE_END();
 
 }  // namespace palpate

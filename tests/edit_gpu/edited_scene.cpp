@@ -1,4 +1,4 @@
-#include "tests/edit/edited_scene.hpp"
+#include "tests/edit_gpu/edited_scene.hpp"
 
 #include <bit>
 

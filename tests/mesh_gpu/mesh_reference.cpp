@@ -1,4 +1,4 @@
-#include "tests/mesh/mesh_reference.hpp"
+#include "tests/mesh_gpu/mesh_reference.hpp"
 
 #include <algorithm>
 #include <array>

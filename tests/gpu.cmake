@@ -1,0 +1,43 @@
+# Rooms on the GPU, and the program as a whole.
+set(room_label gpu)
+palpate_shaders(test_shaders gpu/shared_layout.comp gpu/add_one.comp edit_gpu/brush_probe.comp)
+palpate_tests(gpu LINKS palpate::spatial palpate::gpu palpate::test_shaders)
+palpate_tests(spatial_gpu LINKS palpate::spatial)
+palpate_tests(contact_gpu LINKS palpate::touch)
+palpate_tests(matter_gpu LINKS palpate::matter_gpu WITH ${matter_truths})
+palpate_tests(motion_gpu LINKS palpate::motion_gpu)
+palpate_tests(edit_gpu LINKS palpate::edit palpate::test_shaders WITH edit_gpu/edited_scene.cpp)
+palpate_tests(mesh_gpu LINKS palpate::mesh WITH mesh_gpu/mesh_reference.cpp)
+palpate_tests(touch_gpu LINKS palpate::touch palpate::matter_gpu palpate::render palpate::haptics)
+palpate_tests(render LINKS palpate::render third_party::stb WITH render/splat_radius_reference.cpp)
+if(TARGET palpate_library)
+  palpate_tests(library_gpu LINKS ${library_links} third_party::volk)
+endif()
+
+# A layer that takes the GPU away when it is told to, or makes it a small one; beside the test programs.
+add_library(palpate_lost_gpu MODULE lost_gpu/layer.cpp lost_gpu/made_up_gpu.cpp)
+target_include_directories(palpate_lost_gpu PRIVATE ${PROJECT_SOURCE_DIR})
+target_link_libraries(palpate_lost_gpu PRIVATE palpate_build_options)
+set(lost_gpu_folder ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/lost_gpu)
+set_target_properties(palpate_lost_gpu PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${lost_gpu_folder})
+set(lost_gpu_library ./libpalpate_lost_gpu.so)
+configure_file(lost_gpu/layer.json.in ${lost_gpu_folder}/layer.json @ONLY)
+add_dependencies(all_tests palpate_lost_gpu)
+
+if(PALPATE_HAS_CUDA)
+  set(room_label cuda)
+  palpate_tests(cuda LINKS palpate::cuda palpate::edit palpate::contact)
+endif()
+if(NOT TARGET palpate)
+  message(STATUS "Without the program (PALPATE_APPS=OFF): its tests are not built")
+  return()
+endif()
+set(room_label program)
+if(NOT TARGET tests_sharing)
+  set(without_sharing onlookers ros ros_frames ros_scanner sharing_faults)  # they hear what the program sends
+endif()
+palpate_tests(apps LINKS palpate::haptics palpate::io palpate::sharing third_party::stb
+              WITH apps/program.cpp apps/result.cpp WITHOUT ${without_sharing})
+target_compile_options(tests_apps PRIVATE -O0)  # they wait for the program
+set_source_files_properties(apps/program.cpp PROPERTIES COMPILE_DEFINITIONS PALPATE_PROGRAM="$<TARGET_FILE:palpate>")
+add_dependencies(tests_apps palpate fake_drivers)
