@@ -88,7 +88,10 @@ install_udev_rule() {
     return
   fi
   become_root "reload the rules of udev"
-  "${as_root[@]}" udevadm control --reload || { echo "install.sh: udev does not run; the rule holds once it does"; return; }
+  if ! "${as_root[@]}" udevadm control --reload; then
+    echo "install.sh: udev does not run; the rule holds once it does"
+    return
+  fi
   "${as_root[@]}" udevadm trigger --subsystem-match=hidraw --action=change
   echo "install.sh: the rule holds now, also for what is plugged in; from afar (ssh) be in the group plugdev"
 }

@@ -1,9 +1,9 @@
 // Where the probe stands when a tick begins, and the place that its first patch is gathered around. Every method has
 // to find the same bits here: hence `precise`.
 //
-// Where points move, a step is taken in the frame of the surface that was felt last, at the time that the points are true
-// for: the HIP is looked up where that surface has come from since, and has come the way that it went relative to it. So
-// a proxy is carried along, and what crosses what is a matter of the relative way.
+// Where points move, a step is taken in the frame of the surface that was felt last, at the time that the points are
+// true for: the HIP is looked up where that surface has come from since, and has come the way that it went relative to
+// it. So a proxy is carried along, and what crosses what is a matter of the relative way.
 #ifndef PALPATE_LIB_PROBE_GLSL
 #define PALPATE_LIB_PROBE_GLSL
 

@@ -1,5 +1,6 @@
-// CDR of ROS's messages, decoded by the packages @foxglove/rosmsg2-serialization and @foxglove/cdr with the definitions of
-// ROS that @foxglove/rosmsg-msgs-common has: in come lines {"type": …, "bytes": HEX}, out goes what they say, line by line.
+// CDR of ROS's messages, decoded by the packages @foxglove/rosmsg2-serialization and @foxglove/cdr with the definitions
+// of ROS that @foxglove/rosmsg-msgs-common has: in come lines {"type": …, "bytes": HEX}, out goes what they say, line
+// by line.
 import { createRequire } from "node:module";
 import { readFileSync } from "node:fs";
 
