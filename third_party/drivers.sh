@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Unpacks another Vulkan driver and a current validation layer for the tests, both from Debian's package
 # chromium-common, below build/drivers: swiftshader.json for VK_DRIVER_FILES, the folder itself for VK_LAYER_PATH.
-# Nothing is installed, and nothing is done twice. Prints the folder; says why there is none.
+# Installs nothing, and unpacks once. Prints the folder, or why there is none.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=$PWD/build/drivers

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs the packages of `cpack --preset release` into a Debian 12 that has nothing else, and uses each of them there:
-# the program without a GPU driver and with one, Python, and programs in C and C++ that see the installed headers alone;
-# takes them away again, and looks for what is left. As root; debootstrap makes that Debian anew below build/ each time.
+# Installs the packages of `cpack --preset release` into a bare Debian 12 and uses each of them there: the program
+# without a GPU driver and with one, Python, and programs in C and C++ that see only the installed headers. Removes the
+# packages again and looks for files that are left. As root; debootstrap makes that Debian again below build/ each time.
 #   third_party/try_packages.sh [FOLDER_OF_PACKAGES]
 set -euo pipefail
 cd "$(dirname "$0")/.."
