@@ -7,7 +7,10 @@ usage() { sed -n '3,4s/^# *//p' "$0" >&2; exit 2; }
 [ $# -ge 2 ] && [ $# -le 4 ] || usage
 scene=$1 out=$2 seconds=${3:-3} script=${4:-}
 palpate=${PALPATE:-$(dirname "$0")/../build/release/palpate}
-[ -x "$palpate" ] || { echo "film.sh: there is no $palpate; build the preset release, or name a program in PALPATE" >&2; exit 1; }
+[ -x "$palpate" ] || {
+  echo "film.sh: there is no $palpate; build the preset release, or name a program in PALPATE" >&2
+  exit 1
+}
 [ -z "$script" ] || [ -r "$script" ] || { echo "film.sh: $script cannot be read" >&2; exit 1; }
 
 frames=$(mktemp -d)

@@ -1,5 +1,5 @@
-# Which domain of DDS a test has to itself, as own_domain.hpp has it; to be sourced. Sets `domain`, and keeps the lock on
-# descriptor 8 until the shell, and what it has started, ends.
+# Reserves a domain of DDS for one test, as own_domain.hpp does; to be sourced. Sets `domain`, and keeps the lock on
+# descriptor 8 until the shell and the processes that it has started end.
 domain=
 for turn in $(seq 600); do
   for i in $(seq 0 79); do

@@ -101,7 +101,8 @@ fail() {
 if grep -qE 'AddressSanitizer|LeakSanitizer|runtime error:' said.txt; then fail "a sanitizer complained"; fi
 for ((i = every; i <= cycles; i += every)); do
   [ -e "cycle-$i.json" ] || fail "cycle $i was not reached"
-  grep -q '"model": ".*/sphere.ply"' "cycle-$i.json" || fail "after cycle $i the model is not sphere.ply: $(cat "cycle-$i.json")"
+  grep -q '"model": ".*/sphere.ply"' "cycle-$i.json" \
+    || fail "after cycle $i the model is not sphere.ply: $(cat "cycle-$i.json")"
 done
 count=${#samples[@]}
 median() { printf '%s\n' "$@" | sort -n | awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }'; }

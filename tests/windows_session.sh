@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The same session by the program for Windows, under wine on lavapipe, and by that of Linux: what was felt is the same up to
-# rounding, on the GPU and on the CPU, and a picture is drawn. Wants both programs built (presets dev and windows).
+# Runs one session with the program for Windows, under wine on lavapipe, and with that for Linux: forces are the same up
+# to rounding, on the GPU and on the CPU, and a picture is drawn. Requires both programs (presets dev and windows).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -20,7 +20,9 @@ differences() {  # FILE FILE
       for (i = 1; i <= n; ++i) {
         if (one[i] == other[i]) continue
         a = one[i] + 0; b = other[i] + 0; d = a > b ? a - b : b - a; m = a < 0 ? -a : a
-        if (NR == 2 || d > 1e-6 * (m > 1 ? m : 1)) { print "line " NR / 2 ", column " i ": " one[i] ", " other[i]; exit }
+        if (NR != 2 && d <= 1e-6 * (m > 1 ? m : 1)) continue
+        print "line " NR / 2 ", column " i ": " one[i] ", " other[i]
+        exit
       } }'
 }
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds what needs no GPU for Linux on Arm of 64 bits, on a Debian 12 of another machine, and runs its tests under qemu.
-# Idempotent; the packages of arm64 are laid out below build/, and the machine's own stay as they are.
+# Builds what needs no GPU for Linux on Arm of 64 bits, on a Debian 12 of another machine, and runs its tests under
+# qemu. Idempotent; the packages of arm64 are laid out below build/, and the machine's own stay as they are.
 #   third_party/arm64.sh               build/arm64, and its tests
 #   third_party/arm64.sh --libraries   only what it is linked to, in build/arm64-libraries/root
 set -euo pipefail
@@ -8,15 +8,17 @@ cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
 
 place=$PWD/build/arm64-libraries
 root=$place/root
-packages=(libc6-dev libstdc++6 libfmt-dev libglm-dev nlohmann-json3-dev libhidapi-dev libnanoflann-dev libstb-dev doctest-dev)
+packages=(libc6-dev libstdc++6 libfmt-dev libglm-dev nlohmann-json3-dev libhidapi-dev libnanoflann-dev libstb-dev
+          doctest-dev)
 
 usage() { sed -n '2,5s/^# \{0,1\}//p' "$0"; }
 
-# All of them and what they need, as a machine of arm64 would get them: apt is told of such a machine with nothing on it.
+# Downloads the packages and their dependencies for arm64: apt is told of such a machine with nothing installed.
 fetch() {
-  local apt=(apt-get -q -y -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::Etc::sourcelist="$place/debian.sources"
-             -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$place/lists" -o Dir::State::status="$place/status"
-             -o Dir::Cache="$place/cache" -o APT::Sandbox::User=root)
+  local apt=(apt-get -q -y -o APT::Architecture=arm64 -o APT::Architectures=arm64
+             -o Dir::Etc::sourcelist="$place/debian.sources" -o Dir::Etc::sourceparts=/dev/null
+             -o Dir::State::lists="$place/lists" -o Dir::State::status="$place/status" -o Dir::Cache="$place/cache"
+             -o APT::Sandbox::User=root)
   mkdir -p "$place/lists/partial" "$place/cache/archives/partial"
   : > "$place/status"
   local mirror

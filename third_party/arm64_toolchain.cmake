@@ -1,5 +1,5 @@
-# Linux on Arm of 64 bits (Jetson, Raspberry Pi, servers) from Linux on another machine: Debian's cross compiler, and the
-# libraries that arm64.sh has laid out. Tests run under qemu.
+# Linux on Arm of 64 bits (Jetson, Raspberry Pi, servers) from Linux on another machine: Debian's cross compiler, and
+# the libraries that arm64.sh has laid out. Tests run under qemu.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
@@ -12,6 +12,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
-set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,-rpath-link,${arm64_root}/usr/lib/aarch64-linux-gnu -Wl,-rpath-link,${arm64_root}/lib/aarch64-linux-gnu")
+string(JOIN " " CMAKE_EXE_LINKER_FLAGS_INIT -Wl,-rpath-link,${arm64_root}/usr/lib/aarch64-linux-gnu
+       -Wl,-rpath-link,${arm64_root}/lib/aarch64-linux-gnu)
 
 set(CMAKE_CROSSCOMPILING_EMULATOR "qemu-aarch64;-L;${arm64_root}")

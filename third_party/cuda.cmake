@@ -1,6 +1,6 @@
 # NVIDIA's compiler, for the CUDA back end (engine/cuda) alone: nothing else depends on it, and where it is missing
-# PALPATE_HAS_CUDA is off and the rest is built as ever. The runtime is linked statically and opens the driver when it is
-# first used, so the program starts on machines without one. Sanitizers and the CUDA driver want the same addresses.
+# PALPATE_HAS_CUDA is off and the rest is built as ever. The runtime is linked statically and opens the driver when it
+# is first used, so the program starts on machines without one. Sanitizers and the CUDA driver want the same addresses.
 set(PALPATE_HAS_CUDA OFF)
 if(PALPATE_CUDA STREQUAL "ON" OR (PALPATE_CUDA STREQUAL "AUTO" AND NOT PALPATE_SANITIZE))
   find_program(PALPATE_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin $ENV{CUDA_PATH}/bin /usr/local/cuda/bin)

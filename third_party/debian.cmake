@@ -1,5 +1,5 @@
-# `cpack --preset release`: packages for Debian: libpalpate0, libpalpate-dev, palpate, python3-palpate. Built here, for this
-# release of Debian; what they depend on is what they are linked to.
+# `cpack --preset release`: packages for Debian: libpalpate0, libpalpate-dev, palpate, python3-palpate. Built here, for
+# this release of Debian; what they depend on is what they are linked to.
 set(files ${CMAKE_CURRENT_LIST_DIR}/debian)
 set(made ${CMAKE_BINARY_DIR}/debian)
 
@@ -66,7 +66,8 @@ macro(package component name section text depends)
 endmacro()
 if(TARGET palpate)
   package(program palpate science
-          "The program: a point cloud of millions of points is felt with a haptic\nstylus or a mouse, seen and sculpted, on any Vulkan GPU or without one."
+          "The program: a point cloud of millions of points is felt with a haptic\nstylus or a mouse, seen and \
+sculpted, on any Vulkan GPU or without one."
           "fonts-dejavu-core")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libvulkan1, mesa-vulkan-drivers")
 endif()
@@ -77,13 +78,15 @@ if(TARGET palpate_library)
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${files}/triggers)
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "libvulkan1")
   package(dev libpalpate-dev libdevel
-          "What programs are built with: headers for C and C++, and files for CMake and\npkg-config." "libpalpate0 (= ${PROJECT_VERSION})")
+          "What programs are built with: headers for C and C++, and files for CMake and\npkg-config."
+          "libpalpate0 (= ${PROJECT_VERSION})")
 endif()
 if(TARGET palpate_python)
   get_property(python_version GLOBAL PROPERTY PALPATE_PYTHON_VERSION)
   package(python python3-palpate python
           "The module for Python 3: NumPy arrays in, forces, points, pictures, meshes out."
-          "libpalpate0 (>= ${PROJECT_VERSION}), python3 (>= ${python_version}), python3 (<< ${python_version}.999), python3-numpy")
+          "libpalpate0 (>= ${PROJECT_VERSION}), python3 (>= ${python_version}), python3 (<< ${python_version}.999), \
+python3-numpy")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${files}/postinst;${files}/prerm")
 endif()
 include(CPack)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Unpacks another Vulkan driver and a current validation layer for the tests, both from Debian's package chromium-common,
-# below build/drivers: swiftshader.json for VK_DRIVER_FILES, the folder itself for VK_LAYER_PATH. Nothing is installed, and
-# nothing is done twice. Prints the folder; says why there is none.
+# Unpacks another Vulkan driver and a current validation layer for the tests, both from Debian's package
+# chromium-common, below build/drivers: swiftshader.json for VK_DRIVER_FILES, the folder itself for VK_LAYER_PATH.
+# Installs nothing, and unpacks once. Prints the folder, or why there is none.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=$PWD/build/drivers
@@ -28,7 +28,8 @@ if [ ! -e "$folder/complete" ]; then
 JSON
   cat > "$work/kept/VkLayer_khronos_validation.json" <<'JSON'
 {"file_format_version": "1.2.0",
- "layer": {"name": "VK_LAYER_KHRONOS_validation", "type": "GLOBAL", "library_path": "./libVkLayer_khronos_validation.so",
+ "layer": {"name": "VK_LAYER_KHRONOS_validation", "type": "GLOBAL",
+           "library_path": "./libVkLayer_khronos_validation.so",
            "api_version": "1.4.300", "implementation_version": "1", "description": "Khronos validation",
            "instance_extensions": [{"name": "VK_EXT_debug_utils", "spec_version": "1"},
                                    {"name": "VK_EXT_validation_features", "spec_version": "6"}]}}

@@ -41,6 +41,8 @@ packages=(
   cyclonedds-tools           # idlc, which compiles what is said on the network
   libssl-dev                 # keys of sessions that are encrypted
   doctest-dev                # tests
+  clang-format               # version 14: the format of the sources, which a test checks
+  clang-tidy                 # version 14: checks the sources (tests/lint.sh)
   xvfb                       # a display for the tests of the window, and
   xauth                      # what its xvfb-run needs
   iproute2                   # a slow link between two network namespaces, for the tests of sharing
@@ -88,7 +90,10 @@ install_udev_rule() {
     return
   fi
   become_root "reload the rules of udev"
-  "${as_root[@]}" udevadm control --reload || { echo "install.sh: udev does not run; the rule holds once it does"; return; }
+  if ! "${as_root[@]}" udevadm control --reload; then
+    echo "install.sh: udev does not run; the rule holds once it does"
+    return
+  fi
   "${as_root[@]}" udevadm trigger --subsystem-match=hidraw --action=change
   echo "install.sh: the rule holds now, also for what is plugged in; from afar (ssh) be in the group plugdev"
 }

@@ -37,8 +37,8 @@ function(palpate_precompile target)
     return()
   endif()
   target_precompile_headers(${target} PRIVATE ${ARGN}
-    <fmt/format.h> <glm/ext/quaternion_double.hpp> <glm/ext/quaternion_geometric.hpp> <glm/geometric.hpp> <glm/mat4x4.hpp>
-    <glm/vec2.hpp> <glm/vec3.hpp> <glm/vec4.hpp> <algorithm> <array> <atomic> <charconv> <chrono> <cmath> <condition_variable> <deque> <filesystem> <fstream>
-    <functional> <map> <memory> <mutex> <numbers> <optional> <random> <set> <span> <sstream> <string> <thread> <variant>
-    <vector>)
+    <fmt/format.h> <glm/ext/quaternion_double.hpp> <glm/ext/quaternion_geometric.hpp> <glm/geometric.hpp>
+    <glm/mat4x4.hpp> <glm/vec2.hpp> <glm/vec3.hpp> <glm/vec4.hpp> <algorithm> <array> <atomic> <charconv> <chrono>
+    <cmath> <condition_variable> <deque> <filesystem> <fstream> <functional> <map> <memory> <mutex> <numbers> <optional>
+    <random> <set> <span> <sstream> <string> <thread> <variant> <vector>)
 endfunction()

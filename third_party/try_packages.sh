@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs the packages of `cpack --preset release` into a Debian 12 that has nothing else, and uses each of them there: the
-# program without a GPU driver and with one, Python, and programs in C and C++ that see the installed headers alone; takes
-# them away again, and looks for what is left. As root; debootstrap makes that Debian anew below build/ each time.
+# Installs the packages of `cpack --preset release` into a bare Debian 12 and uses each of them there: the program
+# without a GPU driver and with one, Python, and programs in C and C++ that see only the installed headers. Removes the
+# packages again and looks for files that are left. As root; debootstrap makes that Debian again below build/ each time.
 #   third_party/try_packages.sh [FOLDER_OF_PACKAGES]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -15,7 +15,9 @@ say() { printf '\n== %s\n' "$*"; }
 command -v debootstrap > /dev/null || fail "needs debootstrap: apt-get install debootstrap"
 ls "$packages"/*.deb > /dev/null 2>&1 || fail "no packages in $packages; cpack --preset release makes them"
 # What is mounted below the other system goes with this process, however it ends.
-[ "${PALPATE_TRIES:-}" = own ] || PALPATE_TRIES=own exec unshare --mount bash "$PWD/third_party/try_packages.sh" "$packages"
+if [ "${PALPATE_TRIES:-}" != own ]; then
+  PALPATE_TRIES=own exec unshare --mount bash "$PWD/third_party/try_packages.sh" "$packages"
+fi
 
 say "a Debian of its own"
 rm -rf "$debian"
@@ -35,10 +37,13 @@ inside() {  # COMMANDS: as a newcomer's shell there
     DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
     bash -euo pipefail -c "cd /root; $1"
 }
-install() { inside "apt-get install -y --no-install-recommends $* > /tmp/apt.log 2>&1 || { tail -n 20 /tmp/apt.log; exit 1; }"; }
+install() {
+  inside "apt-get install -y --no-install-recommends $* > /tmp/apt.log 2>&1 || { tail -n 20 /tmp/apt.log; exit 1; }"
+}
 
 inside 'apt-get update > /tmp/apt.log 2>&1 || { tail /tmp/apt.log; exit 1; }; dpkg-query -W | wc -l > /tmp/before'
-inside 'find / -xdev -path /packages -prune -o -path /consumers -prune -o -iname "*palpate*" -print' > build/clean_debian.log
+inside 'find / -xdev -path /packages -prune -o -path /consumers -prune -o -iname "*palpate*" -print' \
+  > build/clean_debian.log
 [ -s build/clean_debian.log ] && fail "it has of palpate already: $(cat build/clean_debian.log)"
 
 say "the program, without a driver of a GPU"
@@ -72,8 +77,10 @@ inside 'cmake -S /consumers -B built -DCMAKE_BUILD_TYPE=Release > cmake.log || {
   cc -o press /consumers/press.c $(pkg-config --cflags --libs palpate) -lm; ./press'
 
 say "taken away again"
-inside 'apt-get purge -y palpate libpalpate0 libpalpate-dev python3-palpate > /tmp/apt.log 2>&1 || { tail /tmp/apt.log; exit 1; }
+inside 'apt-get purge -y palpate libpalpate0 libpalpate-dev python3-palpate > /tmp/apt.log 2>&1 \
+    || { tail /tmp/apt.log; exit 1; }
   rm -rf /root/*'
-left=$(inside 'find / -xdev -path /packages -prune -o -path /consumers -prune -o -path /proc -prune -o -path /root -prune -o -iname "*palpate*" -print')
+left=$(inside 'find / -xdev -path /packages -prune -o -path /consumers -prune -o -path /proc -prune \
+  -o -path /root -prune -o -iname "*palpate*" -print')
 [ -z "$left" ] || fail "left behind: $left"
 echo "try_packages.sh: all of them were installed, used and taken away"

@@ -1,5 +1,6 @@
 # Windows, by mingw: which of it the headers show, programs whose files hold the bytes that were written, and the stack
 # that Linux gives a program.
 target_compile_definitions(palpate_build_options INTERFACE _WIN32_WINNT=0x0A00 WIN32_LEAN_AND_MEAN NOMINMAX)
-execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=binmode.o OUTPUT_VARIABLE binmode OUTPUT_STRIP_TRAILING_WHITESPACE)
+execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=binmode.o
+                OUTPUT_VARIABLE binmode OUTPUT_STRIP_TRAILING_WHITESPACE)
 set(CMAKE_EXE_LINKER_FLAGS "${CMAKE_EXE_LINKER_FLAGS} ${binmode} -Wl,--stack,8388608" PARENT_SCOPE)

@@ -11,7 +11,8 @@ place=$PWD/build/windows-libraries
 prefix=$place/prefix
 sources=(fmtlib glfw3 hidapi imgui)  # Debian's source packages of the libraries
 # Of headers alone: they are the same for every system, and are taken from the packages that install.sh installs.
-headers=(libglm-dev nlohmann-json3-dev libcli11-dev doctest-dev libnanoflann-dev libstb-dev libvulkan-dev libvulkan-volk-dev)
+headers=(libglm-dev nlohmann-json3-dev libcli11-dev doctest-dev libnanoflann-dev libstb-dev libvulkan-dev
+         libvulkan-volk-dev)
 
 usage() { sed -n '2,6s/^# \{0,1\}//p' "$0"; }
 
@@ -37,8 +38,9 @@ END
 cmake_library() {  # NAME OPTIONS...: of the source package NAME
   local name=$1
   shift
-  cmake -G Ninja -S "$place/sources/$name"-[0-9]*/ -B "$place/build/$name" -DCMAKE_TOOLCHAIN_FILE="$PWD/third_party/windows_toolchain.cmake" \
-    -DCMAKE_INSTALL_PREFIX="$prefix" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF "$@" > "$place/build/$name.log"
+  cmake -G Ninja -S "$place/sources/$name"-[0-9]*/ -B "$place/build/$name" -DCMAKE_INSTALL_PREFIX="$prefix" \
+    -DCMAKE_TOOLCHAIN_FILE="$PWD/third_party/windows_toolchain.cmake" -DCMAKE_BUILD_TYPE=Release \
+    -DBUILD_SHARED_LIBS=OFF "$@" > "$place/build/$name.log"
   cmake --build "$place/build/$name" --target install >> "$place/build/$name.log"
 }
 

@@ -28,7 +28,8 @@ constexpr const char* kAuthority = "authority";
 // All of an authority is encrypted for those who have keys of it, on every domain, and nobody else is heard. What finds
 // participants is in the clear by its nature, and has no names in it.
 constexpr const char* kGovernance = R"(<?xml version="1.0" encoding="UTF-8"?>
-<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_governance.xsd">
+<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+     xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_governance.xsd">
   <domain_access_rules>
     <domain_rule>
       <domains><id_range><min>0</min><max>230</max></id_range></domains>
@@ -54,7 +55,8 @@ constexpr const char* kGovernance = R"(<?xml version="1.0" encoding="UTF-8"?>
 )";
 
 constexpr const char* kPermissions = R"(<?xml version="1.0" encoding="UTF-8"?>
-<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_permissions.xsd">
+<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+     xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_permissions.xsd">
   <permissions>
     <grant name="{0}">
       <subject_name>CN={0}</subject_name>

@@ -149,7 +149,8 @@ void visitNeighbour(uint at) {
   if (carves && walk == kWalkBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
   if (walk == kWalkRisen) {
     const vec3 normal = args.cloud.normals.at[slot & ~kOtherSheet].xyz;
-    if (dot(self.normal, normal) > kFarSheet) noteRisen(at, normal, d - sectors[sectorAt(requested)].offset, kBirthMargin);
+    if (dot(self.normal, normal) > kFarSheet)
+      noteRisen(at, normal, d - sectors[sectorAt(requested)].offset, kBirthMargin);
     return;
   }
   if (walk == kWalkYields) {

@@ -22,5 +22,6 @@ void settle() {
 
 void main() {
   if (args.update.at[0].failed == 0) settle();
-  if (!isNull(args.end.report) && finishesLast(args.update)) endEdit(args.end.report, args.end.resampling, args.end.empty, args.update, args.lists);
+  if (!isNull(args.end.report) && finishesLast(args.update))
+    endEdit(args.end.report, args.end.resampling, args.end.empty, args.update, args.lists);
 }

@@ -29,8 +29,8 @@ void confirmClaims(ResampleLists lists, uint most, float support, uint first, ui
   }
 }
 
-// Whether a request has its own cell of the claims, and none of a smaller id in the cells about it a place too near. The
-// whole subgroup calls it together.
+// Whether a request has its own cell of the claims, and no request of a smaller id in the cells around it is too near.
+// The whole subgroup calls it together.
 bool claimStands(ResampleLists lists, HashGrid grid, vec3 place, uint id, float support) {
   const uint kCellsAbout = 27;
   const float clearance = kLeastClearance * support / kSupportSpacings;

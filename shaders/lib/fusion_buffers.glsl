@@ -1,5 +1,5 @@
-// What the passes of a fusion read of their frame: field by field, since the validation layer of Debian 12 takes the load
-// of a whole struct for larger than it is.
+// Reads the frame for the passes of a fusion: field by field, since the validation layer of Debian 12 overestimates the
+// size of the load of a whole struct.
 #ifndef PALPATE_LIB_FUSION_BUFFERS_GLSL
 #define PALPATE_LIB_FUSION_BUFFERS_GLSL
 #include "shaders/shared/fusion_passes.h"

@@ -1,5 +1,5 @@
-// How the passes of an edit find the slots of points and list their moves. Whoever includes this has arguments with a cloud,
-// an update, capacities and tables.
+// Finds the slots of points and lists their moves, for the passes of an edit. Requires arguments with a cloud, an
+// update, capacities and tables.
 #ifndef PALPATE_LIB_LIST_MOVES_GLSL
 #define PALPATE_LIB_LIST_MOVES_GLSL
 
@@ -19,7 +19,7 @@ uint slotIn(uint bucket, uint id) {
   return kEmptySlot;
 }
 
-// What lists moves and the buckets that they concern. Addresses are plain words here: drivers end where a struct that holds
+// Lists moves and the buckets that they concern. Addresses are plain words here: drivers crash when a struct that holds
 // buffer references is copied.
 struct UpdateLists {
   uvec2 moves, marks, touched, movesOf, capacities;

@@ -1,5 +1,5 @@
-// The model that stands in the matter, about a place. Whoever includes this has `args` with setting and bodyPoints, behind
-// whose points of a ball the nodes of the model stand.
+// The model that stands in the matter, around a position. Requires `args` with setting and bodyPoints; the nodes of the
+// model follow the points of a ball in bodyPoints.
 #ifndef PALPATE_LIB_MATTER_MODEL_GLSL
 #define PALPATE_LIB_MATTER_MODEL_GLSL
 

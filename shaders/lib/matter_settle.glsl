@@ -1,6 +1,6 @@
 // The end of a pass that moves particles: what tools do to a particle and it to them, and where it is then. Whoever
-// includes this has `args` with what these need, and meetPoint() calls noteExchange(). All invocations of a workgroup of
-// kMatterBlock call the functions together.
+// includes this has `args` with what these need, and meetPoint() calls noteExchange(). All invocations of a workgroup
+// of kMatterBlock call the functions together.
 #ifndef PALPATE_LIB_MATTER_SETTLE_GLSL
 #define PALPATE_LIB_MATTER_SETTLE_GLSL
 

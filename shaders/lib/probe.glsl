@@ -1,9 +1,9 @@
 // Where the probe stands when a tick begins, and the place that its first patch is gathered around. Every method has
 // to find the same bits here: hence `precise`.
 //
-// Where points move, a step is taken in the frame of the surface that was felt last, at the time that the points are true
-// for: the HIP is looked up where that surface has come from since, and has come the way that it went relative to it. So
-// a proxy is carried along, and what crosses what is a matter of the relative way.
+// If points move, a step is taken in the frame of the surface that was felt last, at the time of the points' positions:
+// the HIP is transformed back by the motion of that surface since then, and its displacement is the one relative to the
+// surface. So the surface carries the proxy along, and only relative displacement decides what crosses it.
 #ifndef PALPATE_LIB_PROBE_GLSL
 #define PALPATE_LIB_PROBE_GLSL
 

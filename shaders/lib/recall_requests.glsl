@@ -1,6 +1,6 @@
 // Carries out what points requested at the end of the last tick: those that go are taken away, and all others are
-// examined again. What the brush moves or takes by itself is left to it. Where the requests are forgotten, only the marks
-// of those that were to go are taken off.
+// examined again. Points that the brush itself moves or takes are left to it. If the requests are dropped, only the
+// marks of points that were to go are removed.
 #ifndef PALPATE_LIB_RECALL_REQUESTS_GLSL
 #define PALPATE_LIB_RECALL_REQUESTS_GLSL
 

@@ -97,8 +97,8 @@ float wideWhereFlatAt(SpilledPoints spill, vec3 x, float narrow, vec3 facing) {
   return wideWhereFlat(narrow, wide, length(sums.normals.xyz) / max(sums.offsets.w, 1e-30));
 }
 
-// The velocity of the surface at `x`, relative to the patch's centre: the mean of those of the points within the support
-// radius that belong to the face with the normal `facing`.
+// The velocity of the surface at `x`, relative to the patch's centre: the mean of those of the points within the
+// support radius that belong to the face with the normal `facing`.
 vec3 velocityAt(SpilledPoints spill, Vec4s velocities, vec3 x, float radius, vec3 facing) {
   SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
   for (uint i = firstSummed(); i < patchCount; i += summedStride()) {

@@ -1,6 +1,6 @@
-// One tile of a reduce-then-scan (Merrill and Grimshaw 2009, section 3). In the second half each workgroup adds up the sums
-// of the tiles before its own and scans its own. The adding-up costs tiles^2 / 2 reads in all, which stay in cache and
-// below the scan's own traffic up to some 10,000 tiles (20 million values); it saves a third pass.
+// One tile of a reduce-then-scan (Merrill and Grimshaw 2009, section 3). In the second half each workgroup adds up the
+// sums of the tiles before its own and scans its own. The adding-up costs tiles^2 / 2 reads in all, which stay in cache
+// and below the scan's own traffic up to some 10,000 tiles (20 million values); it saves a third pass.
 #ifndef PALPATE_LIB_TILE_SCAN_GLSL
 #define PALPATE_LIB_TILE_SCAN_GLSL
 

@@ -19,7 +19,8 @@ void main() {
   if (!runs) {
     if (first) args.control.now.state = diverges ? kMatterDiverged : kMatterCrowded;
     if (first && args.substep == 0) args.control.now.substeps = 0;
-    if (first && args.substep == 0) args.total.now.onWalls = args.total.now.onModel = args.total.now.turnOfModel = vec3(0);
+    if (first && args.substep == 0)
+      args.total.now.onWalls = args.total.now.onModel = args.total.now.turnOfModel = vec3(0);
     return;
   }
   vec4 onWalls, momentum;

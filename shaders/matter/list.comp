@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Who is near whom, in the order of the cells about a particle. What was sorted goes back to where the other passes have
-// it: each invocation moves its own slot, and reads others only where they were sorted.
+// Lists the neighbours of each particle, in the order of the cells around it. Copies the sorted particles back to where
+// the other passes read them: each invocation moves its own slot, and reads others only in the sorted copy.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 

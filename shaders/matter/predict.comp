@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where particles, and the balls of tools, go by themselves in a substep, and how far particles will have gone from where
-// they were listed once lists can be made again, as far as can be seen now.
+// Moves particles, and the balls of tools, by their own velocity in a substep, and estimates how far particles will be
+// from where they were listed once lists can be made again.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Sand: what grains that touch do to each other, to walls and to tools, with friction that remembers how far a contact was
-// displaced; then each settles. Of a contact each of the two keeps its own copy, by its id.
+// Sand: forces between touching grains, and on walls and tools, with friction that remembers how far a contact was
+// displaced; then each grain settles. Each of the two grains keeps its own copy of a contact, by its id.
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Brings particles into the order of their cells and, within a cell, into that in which they stood: a particle's rank is
-// the number of those of its cell that stood before it.
+// Sorts particles by their cells, stably within a cell: a particle's rank is the number of particles of its cell that
+// stood before it.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 

@@ -20,7 +20,8 @@ const uint kBrick = 32;  // invocations in a row whose places are visited as one
 const uint kBricks = kLanes / kBrick;
 // Of the points in a word, those that an invocation takes.
 const uint kShare = kSharers == 1 ? 0xffffffffu : kSharers == 2 ? 0x55555555u : 0x11111111u;
-// Points in shared memory, as many as invocations at least. More leave room for fewer workgroups at a time, fewer cost more passes of the bricks.
+// Points in shared memory, at least as many as invocations. With more points fewer workgroups run at a time, with fewer
+// the bricks take more passes.
 layout(constant_id = 3) const uint kPiece = 512;
 // Candidates that an invocation fetches at a time: what it waits for comes together. More take registers, and with them
 // room for other workgroups: 4 of them made an H200 a third slower.

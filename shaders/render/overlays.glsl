@@ -1,5 +1,5 @@
-// The ball at the HIP, the disc at the proxy, the force arrow, the outline of the tool and the scale bar, each a closed form along a ray. Rays start at the eye
-// with depth 1 per unit, so a ray's parameter is the depth.
+// The ball at the HIP, the disc at the proxy, the force arrow, the outline of the tool and the scale bar, each a closed
+// form along a ray. Rays start at the eye with depth 1 per unit, so a ray's parameter is the depth.
 #ifndef PALPATE_RENDER_OVERLAYS_GLSL
 #define PALPATE_RENDER_OVERLAYS_GLSL
 #include "shaders/render/color.glsl"

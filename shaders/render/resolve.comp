@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The picture: lays the overlays over every sample, averages the samples of a pixel in linear light and encodes the
-// result. A form without overlays sees to all pixels, and one with them again to those that they may show in: overlays get
-// at least four samples per pixel even where the surface has one.
+// result. A variant without overlays does all pixels, and one with overlays does again the pixels that they may cover:
+// overlays get at least four samples per pixel even where the surface has one.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/overlays.glsl"
 

@@ -33,9 +33,9 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const uint imagePass = args.frame.at[0].imagePass;
   const vec3 inEye = depth * rayThrough(view, place_px);
   const vec3 position = view.eye + fromEye(view, inEye);
-  vec3 normal = args.frame.at[0].smooth_px == 0
-                    ? normalAt(args.normalSums, place)
-                    : fromEye(view, normalFromDepth(view, args.depth, ivec2(place % view.size_px.x, place / view.size_px.x)));
+  const ivec2 pixel = ivec2(place % view.size_px.x, place / view.size_px.x);
+  vec3 normal = args.frame.at[0].smooth_px == 0 ? normalAt(args.normalSums, place)
+                                                : fromEye(view, normalFromDepth(view, args.depth, pixel));
   normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(position - view.eye);
 
   const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Eye-space depth smoothed within the surface: a Gaussian weight of the distance on screen times one of the difference
-// in depth from the plane through the sample (bilateral filter, Tomasi and Manduchi 1998), so that steps stay steps. The
-// slope of that plane is the gentler one of the two sides along each axis. Samples of the background stay what they are.
+// in depth from the plane through the sample (bilateral filter, Tomasi and Manduchi 1998), so that steps stay steps.
+// The slope of that plane is the gentler one of the two sides along each axis. Samples of the background do not change.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/depth_slope.glsl"
 

@@ -46,8 +46,8 @@ void main() {
   }
   barrier();
   if (seen && !large) args.picked.at[starts.x + before.x + subgroupBallotExclusiveBitCount(smalls)] = point;
-  if (large)
-    args.picked.at[args.frame.at[0].count - 1 - (starts.y + before.y + subgroupBallotExclusiveBitCount(larges))] = point;
+  const uint fromEnd = starts.y + before.y + subgroupBallotExclusiveBitCount(larges);
+  if (large) args.picked.at[args.frame.at[0].count - 1 - fromEnd] = point;
   // Each invocation of the subgroup writes every so-manyth share: one disc may have thousands.
   const uint first = starts.z + before.z;
   for (uint i = gl_SubgroupInvocationID; i < sharesInAll && first + i < kMaxShares; i += gl_SubgroupSize) {

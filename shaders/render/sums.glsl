@@ -2,9 +2,9 @@
 //
 // Sums are integers, so their value does not depend on the order of the additions. The fixed-point unit
 // is 2^31 over the number of discs that are drawn at most: even if every one fell into one sample with full weight, no
-// sum could overflow. In such a crowd the rounding errors average out; with few points in a sample the unit is fine where
-// it counts. Normals are kept as n + 1, which is never negative, so that two sums may share a word of 64 bits without a
-// carry between them: where atomics are that wide half as many do, and leave the same bytes.
+// sum could overflow. In such a crowd the rounding errors average out; with few points in a sample the unit is fine
+// where it counts. Normals are kept as n + 1, which is never negative, so that two sums may share a word of 64 bits
+// without a carry between them: where atomics are that wide half as many do, and leave the same bytes.
 #ifndef PALPATE_RENDER_SUMS_GLSL
 #define PALPATE_RENDER_SUMS_GLSL
 #ifdef PALPATE_WIDE_SUMS

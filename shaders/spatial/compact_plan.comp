@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Compaction, 2 of 4: what the buckets need that were changed while they were copied and have outgrown their first copy.
+// Compaction, 2 of 4: room for the buckets that were changed while they were copied and have outgrown their first copy.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_compaction.glsl"
 

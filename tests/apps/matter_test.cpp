@@ -345,8 +345,8 @@ TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn a
 
 TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and says which brush it does not take") {
   if (!hasDisplay()) return;
-  const auto played = play(
-      "%/block.json --size 480x360 --rate 250 --backend cpu --edit push", R"(
+  const auto played =
+      play("%/block.json --size 480x360 --rate 250 --backend cpu --edit push", R"(
 0.01 key tab
 0.1 mouse 377 205
 0.8 key space down
@@ -362,11 +362,11 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
 3.3 state %/carve.json
 3.4 quit
 )",
-      "", [](const std::filesystem::path& folder) {
-        std::ofstream(folder / "block.json")
-            << R"({"matter": "soft", "box_mm": [160, 120, 160], "fill_mm": [80, 60, 80], "spacing_mm": 6, "young_Pa": 100000,
-               "pinned_mm": [[0, 0, 0], [160, 0.1, 160]]})";
-      });
+           "", [](const std::filesystem::path& folder) {
+             std::ofstream(folder / "block.json")
+                 << R"({"matter": "soft", "box_mm": [160, 120, 160], "fill_mm": [80, 60, 80], "spacing_mm": 6,
+               "young_Pa": 100000, "pinned_mm": [[0, 0, 0], [160, 0.1, 160]]})";
+           });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   CHECK(played->state("touch.json")["contact"] == true);
   CHECK(played->state("dent.json")["strokes"] == 1);

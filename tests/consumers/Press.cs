@@ -46,7 +46,8 @@ static class Palpate {
   [DllImport(Library)] public static extern void pp_init_session_options(out SessionOptions options, uint size);
   [DllImport(Library)] public static extern int pp_cloud_create(ref CloudArrays arrays, out ulong cloud);
   [DllImport(Library)] public static extern int pp_cloud_close(ulong cloud);
-  [DllImport(Library)] public static extern int pp_session_open(ulong cloud, ref SessionOptions options, out ulong session);
+  [DllImport(Library)]
+  public static extern int pp_session_open(ulong cloud, ref SessionOptions options, out ulong session);
   [DllImport(Library)] public static extern int pp_session_close(ulong session);
   [DllImport(Library)] public static extern int pp_touch(ulong session, ref Pose pose, out Contact contact);
 
@@ -69,7 +70,8 @@ static class Press {
         positions[3 * i + k] = (float)(50 * normal[k]);
       }
     }
-    GCHandle places = GCHandle.Alloc(positions, GCHandleType.Pinned), facing = GCHandle.Alloc(normals, GCHandleType.Pinned);
+    GCHandle places = GCHandle.Alloc(positions, GCHandleType.Pinned);
+    GCHandle facing = GCHandle.Alloc(normals, GCHandleType.Pinned);
     Palpate.CloudArrays arrays;
     Palpate.pp_init_cloud_arrays(out arrays, (uint)Marshal.SizeOf(typeof(Palpate.CloudArrays)));
     arrays.count = Points;
@@ -94,6 +96,7 @@ static class Press {
     }
     Palpate.Expect(Palpate.pp_session_close(session));
     Console.WriteLine(string.Format(System.Globalization.CultureInfo.InvariantCulture, "{0}: {1:F3} N at {2:F3} mm",
-                                    Marshal.PtrToStringAnsi(Palpate.pp_version()), contact.force_z, contact.penetration_mm));
+                                    Marshal.PtrToStringAnsi(Palpate.pp_version()), contact.force_z,
+                                    contact.penetration_mm));
   }
 }

@@ -22,9 +22,11 @@ headers=("$scratch/installed/include/palpate/"*.h)
 exported=$(nm -D --defined-only "$library" | awk '$2 != "A" {print $3}' | sort)
 strays=$(grep -v '^pp_' <<< "$exported" || true)
 [ -z "$strays" ] || fail "exported are also: $strays"
-declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(\([a-z_]*\))$/pp_init_\1/p' "${headers[@]}" | sort)
+declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(\([a-z_]*\))$/pp_init_\1/p' \
+  "${headers[@]}" | sort)
 [ "$(wc -l <<< "$declared")" -gt 50 ] || fail "the headers declare too little"
-[ "$declared" = "$exported" ] || fail "headers and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
+[ "$declared" = "$exported" ] ||
+  fail "headers and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
 readelf -d "$library" | grep -q 'SONAME.*\[libpalpate.so.0\]' || fail "another soname"
 for other in glfw imgui X11; do
   if readelf -d "$library" | grep NEEDED | grep -qi "$other"; then fail "the library needs $other"; fi
@@ -32,8 +34,8 @@ done
 
 # A tree that has been moved works as well.
 mv "$scratch/installed" "$scratch/moved"
-cmake -S "$here" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$scratch/moved" -DCMAKE_BUILD_TYPE=Release > "$scratch/configure.log" \
-  || fail "$(cat "$scratch/configure.log")"
+cmake -S "$here" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$scratch/moved" -DCMAKE_BUILD_TYPE=Release \
+  > "$scratch/configure.log" || fail "$(cat "$scratch/configure.log")"
 cmake --build "$scratch/build"
 felt() {  # COMMAND...: it says a force that 1 mm gives at 0.8 N/mm
   "$@" | tee "$scratch/felt.txt"
@@ -67,7 +69,8 @@ if grep -q serving "$scratch/serve.txt"; then
   grep -q '^sculptors 2$' "$scratch/serve.txt" || fail "served, and not dented by two: $(cat "$scratch/serve.txt")"
   points=$(grep points "$scratch/serve.txt")
   # Who was done last has what the server has; the other one may have been done before that.
-  grep -qxF "$points" "$scratch/one.txt" "$scratch/two.txt" || fail "the points differ: $(cat "$scratch"/{serve,one,two}.txt)"
+  grep -qxF "$points" "$scratch/one.txt" "$scratch/two.txt" ||
+    fail "the points differ: $(cat "$scratch"/{serve,one,two}.txt)"
   "$scratch/build/together" "$domain" || fail 'a cloud is not the same everywhere in one program'
   echo "share: $points, of two hands and their server"
 else

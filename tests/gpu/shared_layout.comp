@@ -24,5 +24,6 @@ void main() {
   args.numbers.at[12] = scale * float(args.pattern.at[1].grid.blockBits);
   for (uint k = 0; k < 4; ++k) args.numbers.at[13 + k] = scale * args.pattern.at[1].e[k];
   for (uint column = 0; column < 4; ++column)
-    for (uint row = 0; row < 4; ++row) args.numbers.at[17 + column * 4 + row] = scale * args.pattern.at[1].m[column][row];
+    for (uint row = 0; row < 4; ++row)
+      args.numbers.at[17 + column * 4 + row] = scale * args.pattern.at[1].m[column][row];
 }

@@ -1,6 +1,7 @@
 """The front of a dam that breaks, by PySPH's weakly compressible SPH in two dimensions.
 
-Arguments: a folder for what PySPH writes, the width of the column in m, and seconds. The column is twice as high as wide.
+Arguments: a folder for the files of PySPH, the width of the column in m, and seconds. The column is twice as high as
+wide.
 Prints lines "front TIME_S PLACE_M".
 """
 import sys

@@ -1,7 +1,7 @@
 // What npm's laz-perf, copc and @loaders.gl/las make of a file of points, for test_las_oracles.py.
 //   node foreign_las.mjs FOLDER-OF-PACKAGES laz|copc|loaders FILE OUTPUT
-// OUTPUT gets a line of JSON that says what comes, and the bytes behind it: of laz and copc the points' records as LAS has
-// them, of loaders the arrays.
+// OUTPUT gets a line of JSON that says what comes, and the bytes behind it: of laz and copc the points' records as LAS
+// has them, of loaders the arrays.
 import { closeSync, openSync, readFileSync, writeSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
@@ -46,7 +46,8 @@ async function copc() {
   const records = [];
   let count = 0;
   for (const [i, node] of Object.values(nodes).entries()) {
-    const chunk = await Las.PointData.decompressChunk(parts[i], { pointCount: node.pointCount, pointDataRecordFormat: format, pointDataRecordLength: length });
+    const layout = { pointCount: node.pointCount, pointDataRecordFormat: format, pointDataRecordLength: length };
+    const chunk = await Las.PointData.decompressChunk(parts[i], layout);
     records.push(Buffer.from(chunk));
     count += node.pointCount;
   }

@@ -61,8 +61,9 @@ def test_what_is_no_frame_is_refused(moving, ball):
     bad = xyz.copy()
     bad[7, 1] = np.nan
     for t_s, places, facing, velocities in (
-        (0.01, xyz, normals, None), (float("nan"), xyz, normals, None), (1, xyz[:, :2], normals, None), (1, bad, normals, None),
-        (1, xyz, normals[:-1], None), (1, xyz, normals, bad), (1, xyz, normals, normals[:3]), (1, xyz[:0], normals[:0], None),
+        (0.01, xyz, normals, None), (float("nan"), xyz, normals, None), (1, xyz[:, :2], normals, None),
+        (1, bad, normals, None), (1, xyz, normals[:-1], None), (1, xyz, normals, bad), (1, xyz, normals, normals[:3]),
+        (1, xyz[:0], normals[:0], None),
         (1, "abc", normals, None), (1, np.vstack([xyz, xyz]), np.vstack([normals, normals]), None),
     ):
         with pytest.raises(ValueError):

@@ -69,7 +69,8 @@ def test_two_hands_in_one_water(tmp_path):
     with pp.Session("water", gpu="cpu", hands=2) as water:
         box = water.frame().positions.max(axis=0)
         still = np.tile(box * (0.25, 0.4, 0.5), (60, 1))
-        dive = np.column_stack([np.full(60, box[0] * 0.7), np.linspace(box[1] + 40, box[1], 60), np.full(60, box[2] / 2)])
+        height = np.linspace(box[1] + 40, box[1], 60)
+        dive = np.column_stack([np.full(60, box[0] * 0.7), height, np.full(60, box[2] / 2)])
         t = water.touch([still, dive])
         assert t.shape == (60, 2) and len(water.port_energies) == 2
 

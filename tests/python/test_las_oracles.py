@@ -14,14 +14,18 @@ import pytest
 SCANS = pathlib.Path(__file__).resolve().parents[3] / "shared" / "models" / "formats"
 
 # Records of LAS 1.4 R15, section 2.6, tables 7 to 16, without what is packed into bits.
-OLD = [("X", "<i4"), ("Y", "<i4"), ("Z", "<i4"), ("intensity", "<u2"), ("bits", "u1"), ("class", "u1"), ("scan_angle_rank", "i1"),
-       ("user_data", "u1"), ("point_source_id", "<u2")]  # fmt: skip
-NEW = [("X", "<i4"), ("Y", "<i4"), ("Z", "<i4"), ("intensity", "<u2"), ("returns", "u1"), ("flags", "u1"), ("classification", "u1"),
-       ("user_data", "u1"), ("scan_angle", "<i2"), ("point_source_id", "<u2"), ("gps_time", "<f8")]  # fmt: skip
-TIME, COLOR, INFRARED = [("gps_time", "<f8")], [("red", "<u2"), ("green", "<u2"), ("blue", "<u2")], [("near_infrared", "<u2")]
+OLD = [("X", "<i4"), ("Y", "<i4"), ("Z", "<i4"), ("intensity", "<u2"), ("bits", "u1"), ("class", "u1"),
+       ("scan_angle_rank", "i1"), ("user_data", "u1"), ("point_source_id", "<u2")]  # fmt: skip
+NEW = [("X", "<i4"), ("Y", "<i4"), ("Z", "<i4"), ("intensity", "<u2"), ("returns", "u1"), ("flags", "u1"),
+       ("classification", "u1"), ("user_data", "u1"), ("scan_angle", "<i2"), ("point_source_id", "<u2"),
+       ("gps_time", "<f8")]  # fmt: skip
+TIME = [("gps_time", "<f8")]
+COLOR, INFRARED = [("red", "<u2"), ("green", "<u2"), ("blue", "<u2")], [("near_infrared", "<u2")]
 WAVE = [("wave_packet_descriptor", "u1"), ("wave_packet_offset", "<u8"), ("wave_packet_size", "<u4"),
-        ("return_point_wave_location", "<f4"), ("wave_x_t", "<f4"), ("wave_y_t", "<f4"), ("wave_z_t", "<f4")]  # fmt: skip
-FORMATS = {0: OLD, 1: OLD + TIME, 2: OLD + COLOR, 3: OLD + TIME + COLOR, 4: OLD + TIME + WAVE, 6: NEW, 7: NEW + COLOR, 8: NEW + COLOR + INFRARED}
+        ("return_point_wave_location", "<f4"), ("wave_x_t", "<f4"), ("wave_y_t", "<f4"),
+        ("wave_z_t", "<f4")]  # fmt: skip
+FORMATS = {0: OLD, 1: OLD + TIME, 2: OLD + COLOR, 3: OLD + TIME + COLOR, 4: OLD + TIME + WAVE, 6: NEW, 7: NEW + COLOR,
+           8: NEW + COLOR + INFRARED}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +53,8 @@ def header_of(file: pathlib.Path) -> dict[str, object]:
     if head[25] >= 4:
         count, = struct.unpack_from("<Q", head, 247)
     numbers = struct.unpack_from("<6d", head, 131)
-    return {"begin": begin, "format": point_format, "length": length, "count": count, "scale": numbers[:3], "offset": numbers[3:]}
+    return {"begin": begin, "format": point_format, "length": length, "count": count, "scale": numbers[:3],
+            "offset": numbers[3:]}  # fmt: skip
 
 
 def columns_of(records: bytes, point_format: int, length: int, scale, offset) -> dict[str, np.ndarray]:
@@ -57,7 +62,8 @@ def columns_of(records: bytes, point_format: int, length: int, scale, offset) ->
     layout = FORMATS[point_format]
     known = np.dtype(layout).itemsize
     rows = np.frombuffer(records, np.dtype([*layout, ("extra", f"V{length - known}")] if length > known else layout))
-    columns = {name: rows[name] for name, _ in layout if name not in ("X", "Y", "Z", "bits", "class", "returns", "flags")}
+    packed = ("X", "Y", "Z", "bits", "class", "returns", "flags")
+    columns = {name: rows[name] for name, _ in layout if name not in packed}
     columns["xyz"] = np.column_stack([rows[axis] * scale[i] + offset[i] for i, axis in enumerate("XYZ")])
     if "bits" in rows.dtype.names:
         bits, kind = rows["bits"], rows["class"]
@@ -68,7 +74,8 @@ def columns_of(records: bytes, point_format: int, length: int, scale, offset) ->
         returns, flags = rows["returns"], rows["flags"]
         columns |= {"return_number": returns & 15, "number_of_returns": returns >> 4, "synthetic": flags & 1,
                     "key_point": flags >> 1 & 1, "withheld": flags >> 2 & 1, "overlap": flags >> 3 & 1,
-                    "scanner_channel": flags >> 4 & 3, "scan_direction_flag": flags >> 6 & 1, "edge_of_flight_line": flags >> 7}  # fmt: skip
+                    "scanner_channel": flags >> 4 & 3, "scan_direction_flag": flags >> 6 & 1,
+                    "edge_of_flight_line": flags >> 7}  # fmt: skip
     return columns
 
 
@@ -140,7 +147,8 @@ def test_loaders_gl_reads_the_same_points(packages, tmp_path, name):
     assert np.array_equal(cloud.colors[:, :3], arrays["COLOR_0"].reshape(-1, 4)[:, :3])
 
 
-@pytest.mark.parametrize("name", ["1_4_w_evlr.laz", "autzen_trim.laz", "ellipsoid.laz", "simple.copc.laz", "test1_4.las"])
+@pytest.mark.parametrize(
+    "name", ["1_4_w_evlr.laz", "autzen_trim.laz", "ellipsoid.laz", "simple.copc.laz", "test1_4.las"])
 def test_laz_perf_decodes_what_is_written(packages, tmp_path, name):
     cloud = pp.read(scan(name))
     written = tmp_path / "written.laz"

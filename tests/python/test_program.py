@@ -24,7 +24,8 @@ def test_a_path_is_felt_as_the_program_feels_it(tmp_path, gpu, surface):
     np.savetxt(tmp_path / "path.csv", rows, delimiter=",", header="t_s,x,y,z", comments="", fmt="%.17g")
     where = ["--backend", "cpu"] if gpu == "cpu" else ["--backend", "vulkan", "--gpu", str(gpu)]
     subprocess.run(
-        [program, "touch", "ball.ply", "--path", "path.csv", "--trace", "trace.csv", "--surface", surface, "--quiet", *where],
+        [program, "touch", "ball.ply", "--path", "path.csv", "--trace", "trace.csv", "--surface", surface, "--quiet",
+         *where],
         cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
     trace = np.genfromtxt(tmp_path / "trace.csv", delimiter=",", names=True)
     with pp.Session(pp.read(tmp_path / "ball.ply"), gpu=gpu, surface=surface) as session:

@@ -13,7 +13,8 @@ from conftest import RADIUS, press_path
 def test_a_ball_pushes_along_its_radius_by_stiffness_times_depth(ball):
     with pp.Session(ball, gpu="cpu", mm_per_unit=1, surface="sphere", stiffness_N_per_mm=0.5) as s:
         t = s.touch(press_path(1.5))
-    assert t.dtype.names == ("t_s", "hip", "proxy", "normal", "force_N", "penetration_mm", "contact", "neighbours", "fresh")
+    names = ("t_s", "hip", "proxy", "normal", "force_N", "penetration_mm", "contact", "neighbours", "fresh")
+    assert t.dtype.names == names
     assert t.dtype == pp.tick_dtype and t.shape == (200,)
     assert np.array_equal(t["hip"], press_path(1.5))
     assert np.allclose(t["t_s"], np.arange(200) / 1000)

@@ -1,4 +1,4 @@
-"""Sessions that several programs have: a NumPy cloud is served here, and joined by another Python, and by the program."""
+"""Shared sessions: a NumPy cloud is served here, and joined by another Python process and by the program."""
 
 from __future__ import annotations
 
@@ -247,7 +247,8 @@ def test_what_cannot_be_is_said(ball, served):
     ):
         with pytest.raises(error, match=words):
             wrong()
-    for wrong in (lambda: pp.serve(ball, None, NETWORK), lambda: pp.serve("ball", "free", NETWORK),  # type: ignore[arg-type]
+    for wrong in (lambda: pp.serve(ball, None, NETWORK),  # type: ignore[arg-type]
+                  lambda: pp.serve("ball", "free", NETWORK),  # type: ignore[arg-type]
                   lambda: pp.Session(7), lambda: pp.Session(pp.Join(7, NETWORK))):  # type: ignore[arg-type]
         with pytest.raises(TypeError):
             wrong()

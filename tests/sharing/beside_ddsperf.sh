@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # How long a message is on its way within this machine: poses of `palpate touch --ros`, the pings of `palpate doctor
-# --network`, and, as a measure of what DDS itself needs, those of Cyclone DDS's own ddsperf (as it counts them), on the same
-# loopback, one after another. Exit code 77 where there is no ddsperf (cyclonedds-tools).
+# --network`, and, as a measure of what DDS itself needs, those of Cyclone DDS's own ddsperf (as it counts them), on the
+# same loopback, one after another. Exit code 77 where there is no ddsperf (cyclonedds-tools).
 #   tests/sharing/beside_ddsperf.sh PALPATE ROS_LISTENER [SECONDS]
 set -euo pipefail
 palpate=$(readlink -f "$1") listener=$(readlink -f "$2") seconds=${3:-5}
@@ -20,8 +20,8 @@ fail() { echo "beside_ddsperf: $*" >&2; cat "$folder"/* >&2; exit 1; }
 "$palpate" --quiet make sphere -n 5000 -o "$folder/m.ply" > /dev/null
 "$listener" "$domain" lab $((seconds + 3)) > "$folder/heard" & hearing=$!
 running+=("$hearing")
-"$palpate" --quiet touch "$folder/m.ply" --mm-per-unit 1 --backend cpu --realtime --duration "$seconds" --ros lab --domain "$domain" > "$folder/touch" ||
-  fail 'touch has failed'
+"$palpate" --quiet touch "$folder/m.ply" --mm-per-unit 1 --backend cpu --realtime --duration "$seconds" --ros lab \
+  --domain "$domain" > "$folder/touch" || fail 'touch has failed'
 wait "$hearing" || fail 'nothing was heard'
 poses=$(sed -n 's/^[0-9]* poses.*; poses came/100 Hz, came/p' "$folder/heard")
 [ -n "$poses" ] || fail 'no pose was heard'
@@ -32,8 +32,11 @@ until grep -q serving "$folder/serve"; do kill -0 $! || fail 'nothing is served'
 pings=$("$palpate" doctor --network --domain "$domain" | sed -n 's/.*\(round trip .*\)/\1/p')
 [ -n "$pings" ] || fail 'doctor has found no session'
 
-# As palpate is on the network: the loopback, without multicast.
-export CYCLONEDDS_URI='<CycloneDDS><Domain id="any"><General><Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces><AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers></Discovery></Domain></CycloneDDS>'
+# The network as palpate uses it: the loopback, without multicast.
+loopback='<Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces><AllowMulticast>false</AllowMulticast>'
+peers='<ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers>'
+domains="<Domain id=\"any\"><General>$loopback</General><Discovery>$peers</Discovery></Domain>"
+export CYCLONEDDS_URI="<CycloneDDS>$domains</CycloneDDS>"
 ddsperf -i "$domain" -D $((seconds + 2)) pong > "$folder/pong" 2>&1 &
 running+=($!)
 ddsperf -i "$domain" -D "$seconds" ping 100Hz size 128 > "$folder/ping" 2>&1 || true  # it complains of the end

@@ -1,5 +1,5 @@
-// CDR of ROS's messages, decoded by the packages @foxglove/rosmsg2-serialization and @foxglove/cdr with the definitions of
-// ROS that @foxglove/rosmsg-msgs-common has: in come lines {"type": …, "bytes": HEX}, out goes what they say, line by line.
+// Decodes CDR of ROS messages with the packages @foxglove/rosmsg2-serialization and @foxglove/cdr and the definitions
+// of @foxglove/rosmsg-msgs-common: reads lines {"type": …, "bytes": HEX}, writes the message of each as a line.
 import { createRequire } from "node:module";
 import { readFileSync } from "node:fs";
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """What a hand at the end of a bad link feels, as a table in Markdown.
 
-link_table.py PALPATE [--short] [ROUND_TRIP_MS,LOSS_PERCENT[,JITTER_MS]...]: serves a sculpture in one network namespace and joins it in another one, over a link that
-delays and loses (slow_link.py). For each link: whether the trace of a hand is byte by byte that of the file; how long it
-takes until a press is felt by another hand (palpate bench share, both hands at the far end, so that a round trip is in it);
-what energy a yielding hand was given that neither it nor the other hand put in, while that one, beside the server, raises
-the surface under it;
-and how many ticks were missed, or had less force because what was known was old. With --short each link briefly, and a
-failure where a bound is not kept. Exit code 77, with the reason, where this machine lets nobody make such a link.
+link_table.py PALPATE [--short] [ROUND_TRIP_MS,LOSS_PERCENT[,JITTER_MS]...]: serves a sculpture in one network namespace
+and joins it in another one, over a link that delays and loses packets (slow_link.py). Prints for each link: whether the
+trace of a hand is byte by byte that of the file; how long it takes until a press is felt by another hand (palpate bench
+share, both hands at the far end, so that a round trip is included); the energy that a yielding hand received and that
+neither hand put in, while the other hand, beside the server, raises the surface under it; and how many ticks were
+missed, or had less force because the last update was old. With --short each link is measured briefly, and the script
+fails if a bound is exceeded. Exit code 77, with the reason, if this machine cannot make such a link.
 """
 import contextlib
 import csv
@@ -174,11 +174,13 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         quietly = [palpate, "--quiet"]
-        subprocess.run([*quietly, "make", "sculpture", "-n", "5000" if short else "20000", "-o", folder / "model.ply"], check=True)
+        points = "5000" if short else "20000"
+        subprocess.run([*quietly, "make", "sculpture", "-n", points, "-o", folder / "model.ply"], check=True)
         subprocess.run([*quietly, "touch", folder / "model.ply", "--backend", "cpu", "--duration", "1", "--trace",
                         folder / "own.csv"], check=True, stdout=subprocess.DEVNULL)
-        print("| round trip, ms | lost, % | trace of a hand, 1 s | a press felt by another hand, ms | beyond the round trip, ms | "
-              "felt, not felt | ticks that put an edit off | ticks missed | ticks with less force | oldest, s | least energy, mJ |")
+        print("| round trip, ms | lost, % | trace of a hand, 1 s | a press felt by another hand, ms "
+              "| beyond the round trip, ms | felt, not felt | ticks that put an edit off | ticks missed "
+              "| ticks with less force | oldest, s | least energy, mJ |")
         print("|---|---|---|---|---|---|---|---|---|---|---|", flush=True)
         for trip_ms, loss, *jitter_ms in cells:
             presses = 6 if short else 60 if trip_ms < 1000 else 30

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# A cloud is served in one network namespace and joined in another one, over a link that delays and loses as it is told:
-# the trace is byte by byte that of the file, through a cable that is out for seconds, too, and a server that is killed is
-# said; hands at both ends sculpt at once, and in the end have the same points. Exit code 77, with the reason, where this machine lets nobody make such a link.
+# Serves a cloud in one network namespace and joins it in another one, over a link that delays and loses packets. Checks
+# that the trace is byte by byte that of the file, also across a cable that is out for seconds; that a killed server is
+# reported; and that hands at both ends that sculpt at once end with the same points. Exit code 77, with the reason, if
+# this machine cannot make such a link.
 #   tests/sharing/over_slow_link.sh PALPATE
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -28,7 +29,10 @@ start_link() {  # ROUND_TRIP_MS LOSS_PERCENT
   : > "$folder/link.log"
   python3 "$here/slow_link.py" "$near" "$far" "$1" "$2" "$folder/cut" > "$folder/link.log" 2>&1 &
   link=$!
-  until grep -q '^up$' "$folder/link.log"; do kill -0 "$link" 2> /dev/null || skip "$(tail -n 1 "$folder/link.log")"; sleep 0.05; done
+  until grep -q '^up$' "$folder/link.log"; do
+    kill -0 "$link" 2> /dev/null || skip "$(tail -n 1 "$folder/link.log")"
+    sleep 0.05
+  done
 }
 end_link() {
   kill "$link"; wait "$link" || true
@@ -48,16 +52,19 @@ end_server() {  # SIGNAL
 joined() {  # OUT [OPTIONS...]: the trace of what is joined
   local out=$1
   shift
-  ip netns exec "$near" "$palpate" --quiet touch --join far --interface a --backend cpu --duration 0.2 --trace "$out" "$@" > "$folder/touch.log" 2>&1
+  ip netns exec "$near" "$palpate" --quiet touch --join far --interface a --backend cpu --duration 0.2 \
+    --trace "$out" "$@" > "$folder/touch.log" 2>&1
 }
 
 touched() {  # NAMESPACE INTERFACE NAME OPTIONS...: a hand, with the points as it has them in the end
   local at=$1 interface=$2 name=$3
   shift 3
-  ip netns exec "$at" "$palpate" --quiet touch --join far --interface "$interface" --backend cpu --save "$folder/$name.ply" \
-    --json "$folder/$name.json" "$@" > "$folder/$name.log" 2>&1 || fail "the hand '$name' has ended"
+  ip netns exec "$at" "$palpate" --quiet touch --join far --interface "$interface" --backend cpu \
+    --save "$folder/$name.ply" --json "$folder/$name.json" "$@" > "$folder/$name.log" 2>&1 \
+    || fail "the hand '$name' has ended"
 }
-sculpted() {  # ROUND_TRIP LOSS: hands at both ends sculpt at once, in one place and across it, through a cable that is out for a while
+# Hands at both ends sculpt at once, in one place and across it, while the cable is out for a while.
+sculpted() {  # ROUND_TRIP LOSS
   touched "$near" a near --realtime --duration 3 --edit push --penetration 4 &
   local hand=$!
   touched "$far" b far --realtime --duration 3 --path builtin:slide --edit inflate --penetration 6 &
@@ -73,9 +80,9 @@ import json, sys
 folder, trip, loss = sys.argv[1:]
 hands = {name: json.load(open(f"{folder}/{name}.json"))["shared"] for name in ("near", "far", "later", "latest")}
 near, far = hands["near"], hands["far"]
-print(f"over_slow_link: round trip {trip} ms, {loss} % lost: {near['sent']} and {far['sent']} states of points sculpted at either "
-      f"end, {near['received']} and {far['received']} taken in, {near['resent']} pieces sent again, longest silence "
-      f"{near['longest_silence_s']:.1f} s: the same points")
+print(f"over_slow_link: round trip {trip} ms, {loss} % lost: {near['sent']} and {far['sent']} states of points "
+      f"sculpted at either end, {near['received']} and {far['received']} taken in, {near['resent']} pieces sent again, "
+      f"longest silence {near['longest_silence_s']:.1f} s: the same points")
 assert all(h["delivered"] for h in hands.values()), hands
 assert hands["later"]["same"] and hands["latest"]["same"], hands
 assert near["sent"] > 100 and far["sent"] > 100, hands
@@ -87,10 +94,13 @@ near_hand() {  # ROUND_TRIP LOSS: the points around the hand alone, in virtual t
   ip netns exec "$far" "$palpate" serve "$folder/large.ply" --name large --interface b > "$folder/large.log" 2>&1 &
   large=$!
   until grep -q serving "$folder/large.log"; do kill -0 "$large" || fail 'nothing large is served'; sleep 0.05; done
-  local at="ip netns exec $near $palpate --quiet touch --join large --near --interface a --backend cpu --path $folder/slide.csv"
-  $at --trace "$folder/near.csv" --json "$folder/near.json" > "$folder/near.log" 2>&1 || fail "no hand near at $1 ms and $2 % loss"
+  local at="ip netns exec $near $palpate --quiet touch --join large --near --interface a --backend cpu"
+  at+=" --path $folder/slide.csv"
+  $at --trace "$folder/near.csv" --json "$folder/near.json" > "$folder/near.log" 2>&1 \
+    || fail "no hand near at $1 ms and $2 % loss"
   cmp "$folder/near.csv" "$folder/own_slide.csv" || fail "another trace near the hand at $1 ms and $2 % loss"
-  $at --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 || fail "no hand near, against the clock"
+  $at --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 \
+    || fail "no hand near, against the clock"
   python3 - "$folder" "$1" "$2" << 'CHECK' || fail "not the file's forces near the hand at $1 ms and $2 % loss"
 import csv, json, sys
 folder, trip, loss = sys.argv[1:]
@@ -101,10 +111,10 @@ near, virtual = (json.load(open(f"{folder}/{name}.json")) for name in ("clock", 
 allowed = 1e-4 if near["missed_ticks"] + near["near"]["ticks_without_points"] else 0
 is_same = lambda a, b: a == b or all(x == y or abs(float(x) - float(y)) <= allowed for x, y in zip(a, b))
 other = sum(not is_same(own[t], row) for t, row in clock.items())
-print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around the hand alone: the same trace; against the clock "
-      f"{near['near']['ticks_without_points']} of {near['near']['ticks']} ticks lacked some, {other} differ; "
-      f"{near['near']['points']} points came, {near['near']['most_known']} of {near['points']} were there at once; longest silence "
-      f"{near['near']['longest_silence_s']:.1f} s")
+print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around the hand alone: the same trace; against "
+      f"the clock {near['near']['ticks_without_points']} of {near['near']['ticks']} ticks lacked some, {other} differ; "
+      f"{near['near']['points']} points came, {near['near']['most_known']} of {near['points']} were there at once; "
+      f"longest silence {near['near']['longest_silence_s']:.1f} s")
 assert virtual["near"]["ticks_without_points"] == 0 and virtual["contact_ticks"] > 500, virtual
 # A tick that this machine missed is felt for some more: by the damping, and by the way that the proxy goes.
 after_missed = 10
@@ -113,9 +123,10 @@ assert near["near"]["most_known"] < near["points"] / 2, near
 assert int(trip) > 100 or near["near"]["ticks_without_points"] <= 0.001 * near["near"]["ticks"], near
 CHECK
   if [ "$1" = 100 ]; then
-    # The cable is out for five seconds: what is known is felt until that is too old, then nothing, and again once the hand
-    # has gone out and in.
-    ${at/slide.csv/again.csv} --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 &
+    # The cable is out for five seconds: the hand feels the points that it has until they are too old, then nothing, and
+    # feels them again once it has gone out and in.
+    ${at/slide.csv/again.csv} --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" \
+      > "$folder/near.log" 2>&1 &
     local hand=$!
     sleep 4; touch "$folder/cut"; sleep 5; rm "$folder/cut"
     wait "$hand" || fail 'a cable that was out for five seconds ended a hand near its points'
@@ -126,11 +137,13 @@ near = json.load(open(f"{sys.argv[1]}/clock.json"))["near"]
 force = lambda row: sum(float(row[f"force_{axis}"]) ** 2 for axis in "xyz") ** 0.5
 held = [row for row in rows if float(row["t_s"]) > 1]
 silent = sum(force(row) == 0 for row in held) / 1000
-print(f"over_slow_link: a cable that was out for five seconds: no force for {silent:.1f} s, longest silence {near['longest_silence_s']:.1f} s")
+print(f"over_slow_link: a cable that was out for five seconds: no force for {silent:.1f} s, longest silence "
+      f"{near['longest_silence_s']:.1f} s")
 assert 4 < near["longest_silence_s"] < 8 and 0.5 < silent and force(rows[-1]) > 0.5, (near, silent, force(rows[-1]))
 # The cable was pulled four seconds after the program had begun; a second and two and a half round trips are no silence.
 cut_s = 4 - sum(json.load(open(f"{sys.argv[1]}/clock.json"))["start_s"].values())
-assert any(force(row) > 0.5 for row in rows if 0.3 < float(row["t_s"]) - cut_s < 1), f"what was known was not felt any more ({cut_s:.1f})"
+after_cut = [row for row in rows if 0.3 < float(row["t_s"]) - cut_s < 1]
+assert any(force(row) > 0.5 for row in after_cut), f"no force from the points that were known ({cut_s:.1f})"
 CHECK
   fi
   kill -INT "$large"; wait "$large" || fail 'what serves a large model has failed'
@@ -140,7 +153,8 @@ CHECK
 "$palpate" --quiet make sculpture -n 30000 -o "$folder/model.ply"
 # A slide of 3 s over a larger one, as a file: the same path whoever has which of the points.
 "$palpate" --quiet make sculpture -n 300000 -o "$folder/large.ply"
-"$palpate" --quiet touch "$folder/large.ply" --backend cpu --path builtin:slide --duration 3 --trajectory "$folder/all.csv" > /dev/null
+"$palpate" --quiet touch "$folder/large.ply" --backend cpu --path builtin:slide --duration 3 \
+  --trajectory "$folder/all.csv" > /dev/null
 cut -d, -f1-4 "$folder/all.csv" > "$folder/slide.csv"
 # The same, then back from 9 s on, and there again until 15 s.
 python3 - "$folder" << 'AGAIN'
@@ -149,9 +163,11 @@ head, *rows = open(f"{sys.argv[1]}/slide.csv").read().split()
 rows = [(float(t), rest) for t, rest in (row.split(",", 1) for row in rows)]
 back = [(12 - t, rest) for t, rest in reversed(rows)]
 there = [(12.001 + t, rest) for t, rest in rows]
-open(f"{sys.argv[1]}/again.csv", "w").write("\n".join([head, *(f"{t:.3f},{rest}" for t, rest in rows + back + there), ""]))
+lines = [f"{t:.3f},{rest}" for t, rest in rows + back + there]
+open(f"{sys.argv[1]}/again.csv", "w").write("\n".join([head, *lines, ""]))
 AGAIN
-"$palpate" --quiet touch "$folder/large.ply" --backend cpu --path "$folder/slide.csv" --trace "$folder/own_slide.csv" > /dev/null
+"$palpate" --quiet touch "$folder/large.ply" --backend cpu --path "$folder/slide.csv" \
+  --trace "$folder/own_slide.csv" > /dev/null
 "$palpate" --quiet touch "$folder/model.ply" --backend cpu --duration 0.2 --trace "$folder/own.csv" > /dev/null
 
 for way in '0 0' '100 1' '1000 5'; do
@@ -187,8 +203,9 @@ for way in '0 0' '100 1' '1000 5'; do
     start_server
     joined "$folder/joined.csv" || fail 'the second server could not be joined'
     echo 'over_slow_link: a killed server: said, and followed by another'
-    # With keys, by whose sides they can be made.
-    if "$palpate" --quiet keys "$folder/keys" --name far 2> "$folder/touch.log" && "$palpate" --quiet keys "$folder/keys" --name near; then
+    # With keys, if this build can make them.
+    if "$palpate" --quiet keys "$folder/keys" --name far 2> "$folder/touch.log" \
+      && "$palpate" --quiet keys "$folder/keys" --name near; then
       end_server INT
       start_server --security "$folder/keys/far"
       begin=$SECONDS

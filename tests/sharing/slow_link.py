@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Two network namespaces with one link between them that delays, loses, reorders and can be cut.
 
-slow_link.py NAME_A NAME_B ROUND_TRIP_MS LOSS_PERCENT CUT_FILE [JITTER_MS]: makes the namespaces NAME_A (10.77.0.1, interface a) and
-NAME_B (10.77.0.2, interface b), says "up", and hands frames from one to the other, each half a round trip later, and up to
-the jitter later than that, so that frames overtake each other, until it is told to end. While CUT_FILE exists nothing comes through. The same frames are lost each time: every so many that a
-generator of fixed seed says. Needs the rights of root over the network.
+slow_link.py NAME_A NAME_B ROUND_TRIP_MS LOSS_PERCENT CUT_FILE [JITTER_MS]: makes the namespaces NAME_A (10.77.0.1,
+interface a) and NAME_B (10.77.0.2, interface b), prints "up", and passes frames from one to the other until it is told
+to end. Each frame comes half a round trip later, plus up to the jitter, so that frames overtake each other. While
+CUT_FILE exists no frame passes. A generator of fixed seed chooses the lost frames, the same ones each time. Requires
+root's rights over the network.
 """
 import collections
 import fcntl

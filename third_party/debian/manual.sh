@@ -23,7 +23,9 @@ mkdir -p "$(dirname "$page")"
     "$program" "$command" --help | shown
   done
   printf '.SH EXIT STATUS\n0: done; 1: could not, one line says what, where and what to do; 2: wrong usage.\n'
-  printf '.SH ENVIRONMENT\n.TP\n.B PALPATE_GPU\nThe GPU, by number or part of its name, where\n.B \\-\\-gpu\nsays none.\n'
-  printf '.TP\n.BR PALPATE_HD_LIBRARY ", " PALPATE_DHD_LIBRARY\nLibraries of haptic devices in place of the vendors'"'"'.\n'
+  printf '.SH ENVIRONMENT\n.TP\n.B PALPATE_GPU\n'
+  printf 'The GPU, by number or part of its name, where\n.B \\-\\-gpu\nsays none.\n'
+  printf '.TP\n.BR PALPATE_HD_LIBRARY ", " PALPATE_DHD_LIBRARY\n'
+  printf "Libraries of haptic devices in place of the vendors'.\n"
   printf '.SH COPYRIGHT\nNo licence has been chosen by the owner of palpate.\n'
 } | gzip -9n > "$page"

@@ -8,7 +8,8 @@
         picture = s.render((1280, 720))              # uint8, H x W x 4
         s.mesh(lattice=256).save("m.ply")
 
-Positions are in model units (the coordinates of the cloud's file), lengths that a hand feels in mm, forces in N, times in s.
+Positions are in model units (the coordinates of the cloud's file), lengths that a hand feels in mm, forces in N, times
+in s.
 """
 
 from __future__ import annotations

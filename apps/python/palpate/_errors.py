@@ -7,7 +7,8 @@ class Error(RuntimeError):
     """What could not be done, in words that say where, what and what to do.
 
     Attributes:
-        status: what kind of failure, a word: "file", "gpu", "device", "state", "memory", "network", "unsupported", "failed", …
+        status: the kind of failure, one word: "file", "gpu", "device", "state", "memory", "network", "unsupported",
+            "failed", …
         file: the file that it is about, or None.
         line: the line of that file, from 1, or None where none is known.
     """

@@ -35,7 +35,7 @@ class Replay:
     """What came of a recorded session that was run again.
 
     Attributes:
-        identical: all ticks and all points in the end came out the same, within the tolerance; to the last bit where that is 0.
+        identical: all ticks and all points in the end are the same, within the tolerance; to the last bit if that is 0.
         ticks: of the log.
         compared: of them; less than all where the session cannot be run again exactly, for the reason in `because`.
         force_ticks: whose forces differ, by `largest_force_N` at most.

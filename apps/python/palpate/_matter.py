@@ -21,7 +21,9 @@ class Parameter(NamedTuple):
 
 
 class PortEnergy(NamedTuple):
-    """What a hand has put into a scene since it began, less what it got back, J: passive where the least is never below 0."""
+    """Energy that a hand has put into a scene since it began, less what it got back, J. Passive: the least is never
+    below 0.
+    """
 
     now_J: float
     least_J: float
@@ -35,13 +37,13 @@ class Matter(_palpate._Matter):
     """A scene of matter that no hand touches.
 
     Args:
-        scene: "water", "sand", "jelly" or another one that is built in, "FILE in water", "FILE in sand" or "soft FILE" with
-            a closed cloud or mesh, or a JSON file.
+        scene: "water", "sand", "jelly" or another one that is built in, "FILE in water", "FILE in sand" or "soft FILE"
+            with a closed cloud or mesh, or a JSON file.
         gpu: as of Session; None: a GPU where there is one, and the CPU for soft bodies.
         threads: of the CPU; 0: one per core.
 
-    Positions are in mm. The same scene gives the same bytes on the same machine. Raises Error, and UsageError for a scene
-    that is not known. Threads may share it and wait for one another.
+    Positions are in mm. The same scene gives the same bytes on the same machine. Raises Error, and UsageError for an
+    unknown scene. Threads may share it and wait for one another.
     """
 
     def __init__(self, scene: str, gpu: int | str | None = None, threads: int = 0) -> None:

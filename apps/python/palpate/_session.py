@@ -29,7 +29,9 @@ _joined: weakref.WeakSet[Session] = weakref.WeakSet()
 
 @dataclass(frozen=True)
 class Hand:
-    """A hand of a live session after the first: its device, and the way that it follows where that is none (Session.live())."""
+    """A hand of a live session after the first: its device, and the path that it follows if there is no device
+    (Session.live()).
+    """
 
     device: str | None = None
     path: Any = None
@@ -40,12 +42,13 @@ class Session(_palpate._Session):
     """A cloud, or a scene of matter, that is felt, seen and sculpted.
 
     Args:
-        cloud: the points; normals are estimated where it has none. Or the name of a scene of matter that moves by itself, as
-            of Matter, in mm: a hand holds a ball in water and sand, and presses on what is soft. Or the folder of a recorded
-            depth camera (TUM, Redwood), in metres. Or a Join: a session that another program serves, whose points are felt as
-            those of a cloud; what a hand does to them goes to all who have joined, and theirs comes here between two ticks.
-            At rest all have the same points, bit by bit; none come to keep the surface whole (keeps_density). While its
-            server is silent for seconds the force fades, until that is heard again.
+        cloud: the points; normals are estimated where it has none. Or the name of a scene of matter that moves by
+            itself, as of Matter, in mm: a hand holds a ball in water and sand, and presses on what is soft. Or the
+            folder of a recorded depth camera (TUM, Redwood), in metres. Or a Join: a session that another program
+            serves, whose points are felt as those of a cloud; a hand's edits go to all programs that have joined, and
+            theirs come here between two ticks. At rest all have the same points, bit by bit; none come to keep the
+            surface whole (keeps_density). If its server is silent for seconds the force fades, until the server is
+            heard again.
         gpu: number or part of the name of a GPU; "cpu": none, in double precision; None: a GPU where there is one.
         mm_per_unit: millimetres per model unit; None: as the file says, or the longest side becomes 100 mm.
         surface: what the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
@@ -57,21 +60,24 @@ class Session(_palpate._Session):
         threads: of the CPU; 0: one per core.
         undo_memory_MiB: for strokes that can be taken back.
         hands: that touch at the same time, 1 to 8; the first one sculpts, the others feel.
-        tool: of the first hand: "point", or many points that share the stiffness: "pad" (a fingertip), "ball", "spatula".
+        tool: of the first hand: "point", or many points that share the stiffness: "pad" (a fingertip), "ball",
+            "spatula".
         tool_points, tool_size_mm: of a pad, ball or spatula: 1 to 64; diameter or length.
         tool_axis: where the face of a pad or spatula looks, in the model's axes.
         moving: the points move, frame by frame, as add_frame() says; the cloud stands still until the first one.
         keeps_points: of those: a point has its row in all frames.
         most_points: of those: points of a frame; 0: as many as the cloud has.
-        speed, loop, fuse: of a recorded depth camera: its seconds in one of the session's; whether it begins again; whether
-            its frames become one map.
-        law: a compiled force law of the first hand in place of spring and damper: "libmine.so:law", or a numba cfunc. With
-            allow_python a function of Python's, which is called with a LawInput in each tick of contact.
-        allow_python: takes such a function, which costs a tick some 30 us where nobody else holds Python's lock, and 5 ms and
-            more beside one busy thread. By path the tick waits for it. Live, it waits 0.3 ms; where the force comes later,
-            the last one is held for 10 ms and fades until 50 ms. What it raises is raised by touch(), wait() and stop().
+        speed, loop, fuse: of a recorded depth camera: its seconds in one of the session's; whether it begins again;
+            whether its frames become one map.
+        law: a compiled force law of the first hand in place of spring and damper: "libmine.so:law", or a numba cfunc.
+            With allow_python a function of Python's, which is called with a LawInput in each tick of contact.
+        allow_python: takes such a function. It costs a tick some 30 us while no other thread holds Python's lock, and
+            5 ms and more beside one busy thread. By path the tick waits for it. Live, the tick waits 0.3 ms; if the
+            force comes later, the last one is held for 10 ms and fades until 50 ms. Its exceptions are raised by
+            touch(), wait() and stop().
 
-    Raises Error, and UsageError for an argument that is out of its bounds. Threads may share it and wait for one another.
+    Raises Error, and UsageError for an argument that is out of its bounds. Threads may share it and wait for one
+    another.
     """
 
     def __init__(
@@ -180,8 +186,8 @@ class Session(_palpate._Session):
         Args:
             device: openhaptics[:NAME], dhd[:NUMBER], hid[:WHICH], sim, replay:FILE or path; None: path.
             rate: ticks per second; 0: the session's.
-            on_ticks: is called with blocks of ticks (tick_dtype), on a thread of its own, each `interval_s`; of several hands
-                with shape (ticks, hands).
+            on_ticks: is called with blocks of ticks (tick_dtype), on a thread of its own, each `interval_s`; with
+                several hands their shape is (ticks, hands).
             path: of a device that is none: an array as of touch(), followed once.
             builtin: of sim and path: "press", "slide", "scan" or "orbit".
             law, allow_python: in place of the session's, as there.
@@ -242,17 +248,17 @@ class Session(_palpate._Session):
 
     @property
     def sharing(self) -> Sharing:
-        """Of a session that was joined: how it goes with the others, by counts, s and ms. Raises Error for another one."""
+        """State of the exchange with the others, in counts, s and ms. Raises Error unless the session was joined."""
         return Sharing(**self._sharing())
 
     @property
     def others(self) -> list[OtherHand]:
-        """Of a session that was joined: the other programs' hands that were heard within two seconds, in model units."""
+        """Hands of the other programs in a joined session that were heard within two seconds, in model units."""
         return [OtherHand(*hand) for hand in self._others()]
 
     @property
     def cameras(self) -> list[OtherCamera]:
-        """Of a session that was joined: from where the others' pictures are seen, heard within two seconds, in model units."""
+        """Viewpoints of the other programs in a joined session that were heard within two seconds, in model units."""
         return [OtherCamera(*camera) for camera in self._cameras()]
 
     @property
@@ -312,7 +318,7 @@ class Live:
             self._thread.start()
 
     def take(self) -> NDArray[Any]:
-        """The ticks since the last call; only where there is no on_ticks, which has them. Raises what ended the session."""
+        """The ticks since the last call; requires that live() got no on_ticks. Raises what ended the session."""
         if self._on_ticks is not None:
             raise Error("the ticks go to on_ticks", status="state")
         ticks = self._session._live_take()
@@ -320,7 +326,7 @@ class Live:
         return ticks
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Waits until the session ends, or so long. True where it has ended; raises what went wrong on_ticks or with it."""
+        """Waits until the session ends, at most so long. True if it has ended. Raises errors of it and of on_ticks."""
         end = None if seconds is None else time.monotonic() + seconds
         while self.running and (end is None or time.monotonic() < end):
             left = self._interval_s if end is None else min(self._interval_s, max(0.0, end - time.monotonic()))

@@ -24,8 +24,8 @@ class Network:
     """Which network sessions are on.
 
     Attributes:
-        interface: of this machine, by name or address; None: programs of this machine alone. With it, whoever is on that
-            network can take part, and without `security` nothing is encrypted.
+        interface: of this machine, by name or address; None: programs of this machine alone. With it, every program on
+            that network can take part, and without `security` nothing is encrypted.
         peers: addresses of machines to look for, where the network carries no multicast.
         domain: of DDS, as ROS numbers them, 0 to 230.
         security: a folder of keys (`palpate keys`): all is encrypted, for holders of keys of the same authority alone.
@@ -50,10 +50,10 @@ class Join:
         network: that it is on.
         hand: what the others see this hand called; None: as the machine.
         read_only: this hand feels what the others do, and takes no brush.
-        patience_s: s, for the session to be found, for each next piece of it, and, by path and in cloud(), for what everybody
-            has done to be everywhere.
-        near: of its points those around the hands alone come here, ahead of them; they are sculpted, but no stroke is taken back. What moves comes so in
-            any case, and is felt live.
+        patience_s: s, for the session to be found, for each next piece of it, and, by path and in cloud(), for all
+            edits to have reached all programs.
+        near: only the points around the hands come here, ahead of them; they can be sculpted, but no stroke can be
+            taken back. Moving points always come so, and are felt live.
     """
 
     name: str
@@ -174,8 +174,8 @@ class Sharing:
 
 
 class Server(_palpate._Server):
-    """A cloud that others join, until close(), or for as long as a `with` lasts (serve()). On a thread of its own, which Python
-    has no part in; any number of threads may call it.
+    """A cloud that others join, until close(), or for as long as a `with` lasts (serve()). Runs on a thread of its own,
+    independent of Python; any number of threads may call it.
     """
 
     def __init__(
@@ -246,7 +246,7 @@ class Server(_palpate._Server):
         return str(self._info()["openness"])
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Waits so long (s), or until it ends by itself or is closed. Whether it has ended; raises Error with what went wrong."""
+        """Waits so long (s), or until it ends or is closed. Returns whether it has ended; raises Error if it failed."""
         end = None if seconds is None else time.monotonic() + seconds
         while True:
             try:
@@ -290,7 +290,8 @@ def serve(
     journal: str | os.PathLike[str] | None = None,
     threads: int = 0,
 ) -> Server:
-    """A cloud for other programs, here or on other machines, which join it by its name: Session(Join(name)), `palpate view --join`.
+    """A cloud for other programs, here or on other machines, which join it by its name: Session(Join(name)),
+    `palpate view --join`.
 
     Args:
         cloud: the points; normals are estimated where it has none.
@@ -300,8 +301,8 @@ def serve(
         model: what the points are, in words; None: the name of the cloud's file.
         mm_per_unit: millimetres per model unit; None: as the cloud's file says, or the longest side becomes 100 mm.
         estimate_normals: also where the cloud has some.
-        journal: a file that each stroke goes into as it is taken: whoever serves the cloud again with it goes on where this
-            ends, and so do those who have joined.
+        journal: a file that each stroke is written to as it is taken: a server that is started with it again continues
+            where this one ends, and so do the programs that have joined.
         threads: of the CPU, for normals; 0: one per core.
 
     Raises Error, with the status "network" where the name is taken, and UsageError.
