@@ -274,7 +274,7 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
                                                                             << cost["edits"].dump() << " edits");
     CHECK(cost["edits"] < kTicks / 2);  // as many as bring one about
   }
-  CHECK(cost["stroke"]["held_up_edits"] >= 0);
+  CHECK(cost["stroke"]["held_up_edits"] <= kTicks);
   CHECK(cost["stroke"]["rate_Hz"] == rate_Hz);
   CHECK(cost["edits"] > 0);
   CHECK(cost["edits"] <= kTicks);
@@ -446,7 +446,8 @@ TEST_CASE("bench read reads what it is given, on as many threads as are asked fo
         all_s += stages[stage].get<double>();
       }
       CHECK(all_s < 2 * record["time_s"]["max"].get<double>());
-      CHECK(stages["waited_s"].get<double>() >= 0);
+      CHECK(stages["waited_s"].get<double>() <= threads * record["time_s"]["max"].get<double>());
+      if (threads == 1) CHECK(stages["waited_s"] == 0);
       const double once_s = record["time_s"]["p50"];
       CHECK(record["points_per_s"].get<double>() == near(60'000 / once_s, 1e-6));
       CHECK(record["bytes_per_s"].get<double>() == near(record["bytes"].get<double>() / once_s, 1e-6));

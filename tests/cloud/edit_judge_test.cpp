@@ -109,6 +109,33 @@ TEST_CASE("a new point too near to another of its sheet is told, and one near to
   CHECK(edited.verdict().crowded == 0);
 }
 
+TEST_CASE("without any allowance one point too near, one normal turned and a thousandth of a radius are told") {
+  Edited edited(grid(41));
+  edited.insert({0.35, 0, 0}, edited.at(0, 0));
+  CHECK(edited.verdict().crowded == 1);
+  CHECK(edited.verdict().broken(false) == Words{});  // one of many places may be measured wrongly
+  CHECK(edited.verdict().broken(false, true) == Words{"crowds"});
+
+  const EditVerdict turned{.moved = 1000, .sided = 1000, .turned = 1};
+  CHECK(turned.broken(false) == Words{});
+  CHECK(turned.broken(false, true) == Words{"turns normals"});
+  const EditVerdict far{.moved = 1, .farthestMoved = 0.001};
+  CHECK(far.broken(false) == Words{});
+  CHECK(far.broken(false, true) == Words{"moves far"});
+  const EditVerdict nothing{};
+  CHECK(nothing.broken(true, true) == Words{});
+}
+
+TEST_CASE("a share of the points up to what is allowed for is let be, and one more is not") {
+  for (const auto& [crowded, outside, turned, words] :
+       {std::tuple(20u, 10u, 10u, Words{}), std::tuple(21u, 10u, 10u, Words{"crowds"}),
+        std::tuple(20u, 11u, 10u, Words{"grows"}), std::tuple(20u, 10u, 11u, Words{"turns normals"})}) {
+    const EditVerdict verdict{
+        .inserted = 1000, .crowded = crowded, .nearest = 0.3, .outside = outside, .sided = 1000, .turned = turned};
+    CHECK(verdict.broken(true) == words);
+  }
+}
+
 TEST_CASE("two new points on top of one another are told, whatever stands around them") {
   Edited edited(grid(41));
   edited.insert({0.5, 0.5, 0}, edited.at(0, 0));
@@ -174,6 +201,7 @@ TEST_CASE("new points outside the old surface are growth where the brush carves,
   CHECK(verdict.outside == 1);
   CHECK(verdict.farthestOutside == near(0.3, 1e-6));
   CHECK(verdict.broken(true) == Words{});  // one is let be
+  CHECK(verdict.broken(true, true) == Words{"grows"});
   edited.insert({1.5, 1.5, 1.2}, edited.at(0, 0));
   CHECK(edited.verdict(middleTool(true)).broken(true) == Words{"grows"});
   CHECK(edited.verdict(middleTool(true)).broken(false) == Words{});
