@@ -13,9 +13,6 @@
 namespace palpate {
 namespace {
 
-constexpr double kSmallestBudget_us = 20;  // a budget of 0 would mean to wait as long as it takes
-constexpr double kMostReserve = 0.2;       // of a tick
-
 class ZeroForceAtExit {
  public:
   explicit ZeroForceAtExit(std::span<const Hand> hands) : hands_(hands) {}
@@ -116,9 +113,7 @@ std::size_t ServoLoop::playAtOnce(const TickObserver& observer, ServoResult& res
 }
 
 double ServoLoop::budgetOf(const TickPacer& pacer, std::uint64_t index) const noexcept {
-  if (options_.clock) return 0;
-  const double reserve_us = std::min(options_.reserve_us, kMostReserve * 1e6 / options_.rate_Hz);
-  return std::max(pacer.remaining_us(index + 1) - reserve_us, kSmallestBudget_us);
+  return options_.clock ? 0 : pacer.budget_us(index, options_.reserve_us);
 }
 
 std::size_t ServoLoop::playByClock(ServoResult& result) {

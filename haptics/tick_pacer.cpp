@@ -18,6 +18,9 @@ constexpr double kMostOfPeriod = 0.5;  // at most this share is spun, so that th
 /// Without real-time priority a thread that sleeps at all is now and then woken a whole tick late.
 constexpr double kSpinWithoutPriority_ns = 1'000'000;
 
+constexpr double kSmallestBudget_us = 20;  // a budget of 0 would mean to wait as long as it takes
+constexpr double kMostReserve = 0.2;       // of a tick
+
 }  // namespace
 
 std::uint64_t plannedTicks(double rate_Hz, double duration_s) {
@@ -58,6 +61,10 @@ std::uint64_t TickPacer::passed() const noexcept {
 
 double TickPacer::remaining_us(std::uint64_t index) const noexcept {
   return static_cast<double>(due_ns(index) - clock_.now_ns()) * 1e-3;
+}
+
+double TickPacer::budget_us(std::uint64_t index, double reserve_us) const noexcept {
+  return std::max(remaining_us(index + 1) - std::min(reserve_us, kMostReserve * 1e-3 * period_ns_), kSmallestBudget_us);
 }
 
 }  // namespace palpate

@@ -28,6 +28,10 @@ class TickPacer {
   /// Time until tick `index` is due; negative once it is.
   double remaining_us(std::uint64_t index) const noexcept;
 
+  /// Time that a query of tick `index` may take: until the next tick, less `reserve_us`, which is at most a fifth of a
+  /// tick. At least 20 us, since 0 would mean as long as it takes.
+  double budget_us(std::uint64_t index, double reserve_us) const noexcept;
+
  private:
   std::int64_t due_ns(std::uint64_t index) const noexcept;
 

@@ -19,8 +19,8 @@ Json toJson(const IdleRecord& idle) {
 
 }  // namespace
 
-std::vector<std::string_view> StrokeRecord::broken() const {
-  std::vector<std::string_view> broken = verdict.broken(carves);
+std::vector<std::string_view> StrokeRecord::broken(bool strict) const {
+  std::vector<std::string_view> broken = verdict.broken(carves, strict);
   if (before.changed()) broken.emplace_back("look changes");
   if (!settled) broken.emplace_back("never settles");
   if (after.changed()) broken.emplace_back("settled look changes");
@@ -55,7 +55,8 @@ Json toJson(const StrokeRecord& record) {
           {"settled", record.settled},
           {"look_before", toJson(record.before)},
           {"look_after", toJson(record.after)},
-          {"broken", record.broken()}};
+          {"broken", record.broken()},
+          {"strictly_broken", record.broken(true)}};
 }
 
 void printStrokeHeading(std::FILE* out) {

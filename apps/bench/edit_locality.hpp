@@ -25,8 +25,8 @@ struct StrokeRecord {
   IdleRecord before, after;  ///< presses on the unmoved cloud, and at the settled one
   EditVerdict verdict;
 
-  /// In words, those of EditVerdict among them; empty when nothing is.
-  std::vector<std::string_view> broken() const;
+  /// In words, those of EditVerdict among them; empty when nothing is. `strict`: as there.
+  std::vector<std::string_view> broken(bool strict = false) const;
 };
 Json toJson(const StrokeRecord& record);
 

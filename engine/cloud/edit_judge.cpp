@@ -222,18 +222,18 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const BrushPath&
   return verdict;
 }
 
-std::vector<std::string_view> EditVerdict::broken(bool carves) const {
-  // One is let be: the judge errs, too.
-  const auto share = [](std::size_t part, std::size_t all) {
-    return part > 1 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
+std::vector<std::string_view> EditVerdict::broken(bool carves, bool strict) const {
+  const double reach = strict ? 0 : EditTolerance::kReach;
+  const auto tooMany = [&](std::size_t part, std::size_t all, double most) {
+    return strict ? part > 0 : part > 1 && static_cast<double>(part) > most * static_cast<double>(all);
   };
   std::vector<std::string_view> broken;
-  if (farthestMoved > EditTolerance::kReach) broken.emplace_back("moves far");
-  if (inserted > 0 && farthestInserted > 1 + EditTolerance::kReach) broken.emplace_back("inserts far");
-  if (nearest < EditTolerance::kNearest || share(crowded, inserted) > EditTolerance::kMostCrowded)
+  if (farthestMoved > reach) broken.emplace_back("moves far");
+  if (inserted > 0 && farthestInserted > 1 + reach) broken.emplace_back("inserts far");
+  if (nearest < EditTolerance::kNearest || tooMany(crowded, inserted, EditTolerance::kMostCrowded))
     broken.emplace_back("crowds");
-  if (carves && share(outside, inserted) > EditTolerance::kMostOutside) broken.emplace_back("grows");
-  if (share(turned, sided) > EditTolerance::kMostTurned) broken.emplace_back("turns normals");
+  if (carves && tooMany(outside, inserted, EditTolerance::kMostOutside)) broken.emplace_back("grows");
+  if (tooMany(turned, sided, EditTolerance::kMostTurned)) broken.emplace_back("turns normals");
   if (turnedAtRest > 0) broken.emplace_back("turns normals at rest");
   return broken;
 }

@@ -22,7 +22,7 @@ struct BrushPath {
   bool pushes = false;         ///< what it touches ends on the ball's wall
 };
 
-/// What is allowed for: the judge measures spacings and heights of places anew, from few points.
+/// What is allowed for: the judge measures spacings and heights of places anew, from few points, and errs.
 struct EditTolerance {
   static constexpr double kReach = 0.01;        ///< support radii that a point may be farther away
   static constexpr double kCrowded = 0.4;       ///< spacings of its place that a new point keeps from others
@@ -51,8 +51,9 @@ struct EditVerdict {
   std::size_t turned = 0;        ///< of these, those whose normal faces inwards
   std::size_t turnedAtRest = 0;  ///< points that did not move, whose normal faces the other way now
 
-  /// The invariants that are broken, in words; empty when none is.
-  std::vector<std::string_view> broken(bool carves) const;
+  /// The promises that are broken, in words; empty when none is. By shares of points a promise is broken beyond those
+  /// of EditTolerance, and by more than one point; `strict`: by a single point, and with no allowance for reach.
+  std::vector<std::string_view> broken(bool carves, bool strict = false) const;
 };
 
 class EditJudge {

@@ -3,6 +3,7 @@
 
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -96,7 +97,7 @@ TEST_CASE("a simulated Touch presses, slides and rests, the same every time, and
     // The hand means to be 2 mm deep, and yields: its own 0.4 N/mm against the surface's 0.8.
     CHECK(rows.back().penetration_mm > 0.3);
     CHECK(rows.back().penetration_mm < 1);
-    CHECK(glm::length(rows.back().force) == doctest::Approx(0.8 * rows.back().penetration_mm).epsilon(0.01));
+    CHECK(glm::length(rows.back().force) == near(0.8 * rows.back().penetration_mm, 0.01));
     const auto result = jsonOf(json);
     CHECK(result["passivity_energy_mJ"] > -0.1);
     std::size_t counted = 0;

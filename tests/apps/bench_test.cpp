@@ -6,6 +6,7 @@
 
 #include "tests/apps/program.hpp"
 #include "tests/labels.hpp"
+#include "tests/near.hpp"
 #include "tests/own_domain.hpp"
 #include "tests/says.hpp"
 
@@ -120,8 +121,7 @@ TEST_CASE("bench touch judges what is felt: nothing in the air, the same twice, 
   const double radius = sphere["radius_mm"];
   CHECK(sphere["slides"][1]["held_share"] == 1.0);
   CHECK(sphere["slides"][1]["M1_angle_deg"]["max"] < 1);
-  CHECK(sphere["slides"][1]["M2_height"]["bias_mm"].get<double>() ==
-        doctest::Approx(-0.0694 * radius * radius / 50).epsilon(0.1));
+  CHECK(sphere["slides"][1]["M2_height"]["bias_mm"].get<double>() == near(-0.0694 * radius * radius / 50, 0.1));
   CHECK(sphere["M11_edit"]["ticks_until_equal"] == 0);
   CHECK(touch["M5_plates"].size() == 3 * 15);
   CHECK(touch["M5_plates"].back()["through_share"] == 0.0);
@@ -183,7 +183,7 @@ TEST_CASE("bench edit sculpts with tools that reach as many points as they are a
     CHECK(cost["edits"] == 12);
     CHECK(cost["builds"] == (cost["index"] == "rebuild" ? 12 : 0));
     const double asked = cost["asked"];
-    CHECK(cost["touched"]["p50"] == doctest::Approx(asked).epsilon(0.3));
+    CHECK(cost["touched"]["p50"].get<double>() == near(asked, 0.3));
     CHECK(cost["touched"]["min"] > 0.4 * asked);  // at every edit of the stroke
     CHECK(cost["query_us"]["p50"] > 0);
     CHECK(cost["edit_us"]["p50"] > 0);
@@ -225,7 +225,7 @@ TEST_CASE("bench edit sculpts with every brush") {
     works("bench edit --sizes 20000 --touched 300 --repeat 10 --index incremental --edit " + brush + " --json " + json);
     const auto cost = jsonOf(json)["edit"]["costs"][0];
     CHECK(cost["brush"] == brush);
-    CHECK(cost["touched"]["p50"] == doctest::Approx(300).epsilon(0.4));
+    CHECK(cost["touched"]["p50"].get<double>() == near(300, 0.4));
   }
 }
 
@@ -275,7 +275,7 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
                                                                             << cost["edits"].dump() << " edits");
     CHECK(cost["edits"] < kTicks / 2);  // as many as bring one about
   }
-  CHECK(cost["stroke"]["held_up_edits"] >= 0);
+  CHECK(cost["stroke"]["held_up_edits"] <= kTicks);
   CHECK(cost["stroke"]["rate_Hz"] == rate_Hz);
   CHECK(cost["edits"] > 0);
   CHECK(cost["edits"] <= kTicks);
@@ -376,7 +376,7 @@ TEST_CASE("bench matter measures what is stirred on each back end, and its passe
     CHECK(record["particles"] > 500);
     CHECK(record["step"]["wall_us"]["p999"] >= record["step"]["wall_us"]["p50"]);
     const double steps = record["step"]["wall_us"]["p50"], substeps = record["substep"]["wall_us"]["p50"];
-    CHECK(substeps * record["substeps"].get<double>() == doctest::Approx(steps));
+    CHECK(substeps * record["substeps"].get<double>() == near(steps, 1e-6));
     const bool onGpu = record["backend"] == "vulkan";
     CHECK(record["step"]["gpu_us"].is_null() == !onGpu);
     CHECK(record["passes_us"].contains("matter_list") == onGpu);
@@ -386,7 +386,7 @@ TEST_CASE("bench matter measures what is stirred on each back end, and its passe
     const double particles = record["particles"], moved = record["passes_bytes"][pass]["moved"];
     // A list of 32 words and a length, a place and what is written; a list of 8, and contacts of 6 that are read and
     // written.
-    CHECK(moved / particles == doctest::Approx(record["matter"] == "water" ? 164 : 304));
+    CHECK(moved / particles == near(record["matter"] == "water" ? 164 : 304, 1e-6));
     CHECK(record["passes_bytes"][pass]["asked"] > moved);
     for (const char* name :
          {"matter_predict", "matter_count", "matter_scan", "matter_place", "matter_sort", "matter_list", pass}) {
@@ -447,10 +447,11 @@ TEST_CASE("bench read reads what it is given, on as many threads as are asked fo
         all_s += stages[stage].get<double>();
       }
       CHECK(all_s < 2 * record["time_s"]["max"].get<double>());
-      CHECK(stages["waited_s"].get<double>() >= 0);
+      CHECK(stages["waited_s"].get<double>() <= threads * record["time_s"]["max"].get<double>());
+      if (threads == 1) CHECK(stages["waited_s"] == 0);
       const double once_s = record["time_s"]["p50"];
-      CHECK(record["points_per_s"].get<double>() == doctest::Approx(60'000 / once_s));
-      CHECK(record["bytes_per_s"].get<double>() == doctest::Approx(record["bytes"].get<double>() / once_s));
+      CHECK(record["points_per_s"].get<double>() == near(60'000 / once_s, 1e-6));
+      CHECK(record["bytes_per_s"].get<double>() == near(record["bytes"].get<double>() / once_s, 1e-6));
     }
   }
   CHECK(palpate("bench read").code == 2);

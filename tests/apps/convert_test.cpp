@@ -6,6 +6,7 @@
 
 #include "engine/io/ply_reader.hpp"
 #include "tests/gaussian_scenes.hpp"
+#include "tests/near.hpp"
 #include "tests/rgbd_writer.hpp"
 #include "tests/says.hpp"
 
@@ -120,7 +121,7 @@ TEST_CASE("a scene of Gaussians is told of, converted, felt and sculpted, and it
   CHECK(rows.back().contact);
   CHECK(rows.back().force.z > 0.01);
   const auto touched = std::ranges::find_if(rows, [](const Row& row) { return row.contact; });
-  CHECK(touched->hip.z == doctest::Approx(10).epsilon(0.02));
+  CHECK(touched->hip.z == near(10, 0.02));
   CHECK(std::filesystem::exists(folder / "pushed.ply"));
   CHECK(contentOf(scene) == before);
 
@@ -258,7 +259,7 @@ TEST_CASE("convert samples as many points from a mesh as it is asked for, and no
       onSmall += p.x > 0;
     }
     const double expected = 0.2 * static_cast<double>(samples);
-    if (samples > 900) CHECK(static_cast<double>(onSmall) == doctest::Approx(expected).epsilon(0.05));
+    if (samples > 900) CHECK(static_cast<double>(onSmall) == near(expected, 0.05));
   }
   CHECK(palpate("convert " + mesh + " " + points + " --samples 0 --force").code == 2);
   const Outcome cloud = palpate("convert " + points + " " + (folder / "b.ply").string() + " --samples 10");

@@ -2,6 +2,7 @@
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/every_format.hpp"
 #include "tests/apps/window_play.hpp"
+#include "tests/near.hpp"
 #include "tests/says.hpp"
 
 namespace palpate {
@@ -90,7 +91,7 @@ TEST_CASE("a place that is picked says which point is there, its normal, its att
   const DVec3 place(picked["place"][0], picked["place"][1], picked["place"][2]);
   const DVec3 position(picked["position"][0], picked["position"][1], picked["position"][2]);
   const DVec3 normal(picked["normal"][0], picked["normal"][1], picked["normal"][2]), middle(10, 20, 30);
-  CHECK(glm::length(place - middle) == doctest::Approx(50).epsilon(0.02));
+  CHECK(glm::length(place - middle) == near(50, 0.02));
   CHECK(glm::length(position - place) < 5);
   CHECK(glm::length(position - middle - 50.0 * normal) < 0.1);
   CHECK(picked["attributes"]["intensity"] == std::to_string(static_cast<int>(1000 + 100 * normal.y)));

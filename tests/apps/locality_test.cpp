@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "tests/apps/program.hpp"
 
 namespace palpate {
@@ -11,10 +13,15 @@ TEST_CASE("bench locality plays every brush and gesture on every cloud, and fail
                                   (folder / "l.json").string());
   const auto locality = jsonOf(folder / "l.json")["locality"];
   REQUIRE(locality["strokes"].size() == 3 * 2 * 2);
-  std::size_t broken = 0;
+  std::size_t broken = 0, strictly = 0;
   for (const auto& stroke : locality["strokes"]) {
     CAPTURE(stroke.dump());
     broken += !stroke["broken"].empty();
+    strictly += !stroke["strictly_broken"].empty();
+    // What is broken with an allowance is broken without.
+    CHECK(stroke["strictly_broken"].size() >= stroke["broken"].size());
+    const bool crowds = stroke["crowded_share"] > 0, turns = stroke["normals"]["turned"] > 0;
+    if (crowds || turns) CHECK(!stroke["strictly_broken"].empty());
     CHECK(stroke["acting_ticks"] > 20);
     CHECK(stroke["look_before"]["ticks"] > 90);
     CHECK(stroke["look_after"]["ticks"] > 90);
@@ -28,6 +35,10 @@ TEST_CASE("bench locality plays every brush and gesture on every cloud, and fail
     CHECK(stroke["broken"].empty());
   }
   CHECK(locality["broken"] == broken);
+  CHECK(locality["strictly_broken"] == strictly);
+  CHECK(
+      outcome.text.find(fmt::format("{} of 12 strokes keep every promise within what the judge allows for, {} without",
+                                    12 - broken, 12 - strictly)) != std::string::npos);
   CHECK(outcome.code == (broken > 0 ? 1 : 0));
   CHECK((outcome.text.find("changed what an edit may not") != std::string::npos) == (broken > 0));
   for (const char* heading : {"far moved", "turned", "broken"}) CHECK(outcome.text.find(heading) != std::string::npos);

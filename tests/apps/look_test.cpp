@@ -1,5 +1,6 @@
 // Which way is up, what lengths are called, and what a picture says about itself.
 #include "tests/apps/window_play.hpp"
+#include "tests/near.hpp"
 #include "tests/says.hpp"
 
 namespace palpate {
@@ -40,8 +41,8 @@ TEST_CASE("info tells which way is up and why, and names the unit") {
     CHECK(said["up"] == name);
     CHECK(says(said["up_why"].get<std::string>(), "base"));
     CHECK(said["unit"] == "cm");
-    CHECK(said["heights"][0].get<double>() == doctest::Approx(0).epsilon(0.01));
-    CHECK(said["heights"][1].get<double>() == doctest::Approx(1.71).epsilon(0.02));
+    CHECK(said["heights"][0].get<double>() == within(0, 0.01));
+    CHECK(said["heights"][1].get<double>() == near(1.71, 0.02));
     CHECK(info(file + " --up -z")["up"] == "-z");
     CHECK(info(file + " --up=-z --unit ft")["unit"] == "ft");
     const Outcome text = palpate("info " + file);

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "tests/apps/window_play.hpp"
+#include "tests/near.hpp"
 #include "tests/says.hpp"
 
 namespace palpate {
@@ -58,16 +59,16 @@ TEST_CASE("two places that are picked give their distance, and a true length the
   const auto vec = [](const Result& v) { return DVec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
   const double depth = glm::distance(vec(two["camera"]["eye"]), vec(two["camera"]["target"]));
   const double units = 200 * depth / (0.5 * 600 / std::tan(22.5 / 57.29577951308232));
-  CHECK(two["measured"].get<double>() == doctest::Approx(units).epsilon(0.02));
-  CHECK(two["mm_per_unit"].get<double>() == doctest::Approx(100 / 3.0).epsilon(0.01));
-  CHECK(scaled["mm_per_unit"].get<double>() == doctest::Approx(400 / two["measured"].get<double>()));
+  CHECK(two["measured"].get<double>() == near(units, 0.02));
+  CHECK(two["mm_per_unit"].get<double>() == near(100 / 3.0, 0.01));
+  CHECK(scaled["mm_per_unit"].get<double>() == near(400 / two["measured"].get<double>(), 1e-6));
   CHECK(scaled["measured"] == two["measured"]);
   CHECK(says(scaled["last_message"].get<std::string>() + played->outcome.text, "what is measured is 400 mm long"));
   const auto refused = played->state("refused.json");
   CHECK(refused["mm_per_unit"] == scaled["mm_per_unit"]);
   CHECK(says(refused["last_message"].get<std::string>(), "is not a positive length in mm"));
   const auto reopened = played->state("reopened.json");
-  CHECK(reopened["mm_per_unit"].get<double>() == doctest::Approx(scaled["mm_per_unit"].get<double>()).epsilon(1e-6));
+  CHECK(reopened["mm_per_unit"].get<double>() == near(scaled["mm_per_unit"].get<double>(), 1e-6));
   CHECK(reopened["measured"].is_null());
 }
 
@@ -108,7 +109,7 @@ TEST_CASE("a scale is not set over changes before the person has said what becom
   CHECK(cancelled["changed"] == true);
   CHECK(cancelled["mm_per_unit"] == asked["mm_per_unit"]);
   CHECK(scaled["changed"] == false);
-  CHECK(scaled["mm_per_unit"].get<double>() == doctest::Approx(500 / cancelled["measured"].get<double>()));
+  CHECK(scaled["mm_per_unit"].get<double>() == near(500 / cancelled["measured"].get<double>(), 1e-6));
 }
 
 TEST_CASE("the command line takes a scale from two places, and convert writes it down") {
@@ -118,18 +119,18 @@ TEST_CASE("the command line takes a scale from two places, and convert writes it
   works("--quiet make sphere -n 2000 -o " + model);
   works("--quiet touch " + model +
         " --backend cpu --path builtin:press --duration 0.05 --scale-from=0,0,0:3,4,0=10 --json " + json);
-  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == doctest::Approx(2));
+  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == near(2, 1e-6));
   works("convert " + model + " " + out + " --scale-from=-1,0,0:0.5,0,2=340 --json " + json);
   works("info " + out + " --json " + json);
-  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == doctest::Approx(340 / 2.5));
+  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == near(340 / 2.5, 1e-6));
   works("--quiet touch " + out + " --backend cpu --path builtin:press --duration 0.05 --json " + json);
-  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == doctest::Approx(340 / 2.5));
+  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == near(340 / 2.5, 1e-6));
   works("--quiet touch " + out + " --backend cpu --path builtin:press --duration 0.05 --mm-per-unit 7 --json " + json);
   CHECK(jsonOf(json)["mm_per_unit"] == 7);
   works("info " + model + " --json " + json);
   const double usual = jsonOf(json)["mm_per_unit"].get<double>();
   works("--quiet touch " + model + " --backend cpu --path builtin:press --duration 0.05 --json " + json);
-  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == doctest::Approx(usual));
+  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == near(usual, 1e-6));
 
   const std::vector<std::string> commands{"touch " + model, "convert " + model + " " + (folder / "n.ply").string(),
                                           "render " + model + " -o " + (folder / "n.png").string()};

@@ -5,6 +5,7 @@
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/labels.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -28,7 +29,7 @@ TEST_CASE("a press on a sphere: no force outside, along the true normal inside, 
     ++touched;
     CHECK(angleBetween_deg(row.force, row.hip) < 2);
     CHECK(angleBetween_deg(row.normal, row.hip) < 0.5);
-    CHECK(50 - glm::length(row.proxy) == doctest::Approx(bias).epsilon(0.15));
+    CHECK(50 - glm::length(row.proxy) == near(bias, 0.15));
   }
   CHECK(touched > 200);
   const auto json = jsonOf(folder / "touch.json");
@@ -246,7 +247,7 @@ TEST_CASE("info and make tell what there is") {
   const auto json = jsonOf(folder / "info.json");
   CHECK(json["points"] == 1000);
   CHECK(json["normals"] == true);
-  CHECK(json["bounds"]["min"][1].get<double>() == doctest::Approx(19).epsilon(0.01));
+  CHECK(json["bounds"]["min"][1].get<double>() == within(19, 0.05));
   CHECK(json["gpu_bytes"]["total"] > 100'000);
   CHECK(palpate("info " + model + " --json -").text.find("\"points\": 1000") != std::string::npos);
 }

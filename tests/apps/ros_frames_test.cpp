@@ -3,6 +3,7 @@
 #include "tests/apps/ros_touching.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/labels.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -107,8 +108,8 @@ TEST_CASE("what a camera sees is felt in the frame that is asked for, and a clou
   INFO(info.dump());
   CHECK(info["points"] == 64 * 48);
   CHECK(info["up"] == "z");
-  CHECK(info["bounds"]["min"][2].get<double>() == doctest::Approx(1.5).epsilon(1e-6));
-  CHECK(info["bounds"]["max"][2].get<double>() == doctest::Approx(1.5).epsilon(1e-6));
+  CHECK(info["bounds"]["min"][2].get<double>() == near(1.5, 1e-6));
+  CHECK(info["bounds"]["max"][2].get<double>() == near(1.5, 1e-6));
   const Outcome lonely = palpate(fmt::format("convert ros:placed/cloud {} --ros-frame mars --domain {}",
                                              (folder / "m.ply").string(), network().domain));
   CHECK(lonely.code == 1);

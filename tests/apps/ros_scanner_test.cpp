@@ -1,6 +1,7 @@
 // Scanners and cameras of ROS that move, fall silent, lie, or are none, as a user meets them.
 #include "tests/apps/ros_touching.hpp"
 #include "tests/labels.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -37,7 +38,7 @@ TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by n
   CHECK(expected_N > 1);
   // Normals are those of pixels: a twentieth of what is felt, at the most.
   for (const Row& row : late) {
-    CHECK(glm::length(row.force) == doctest::Approx(expected_N).epsilon(0.05));
+    CHECK(glm::length(row.force) == near(expected_N, 0.05));
     CHECK(glm::dot(glm::normalize(row.force), out) > 0.998);
   }
   CHECK(jsonOf(folder / "r.json")["frames"]["lost"] == 0);
@@ -62,7 +63,7 @@ TEST_CASE("a camera of ROS that sends nothing any more but lies is said, and aft
   const std::vector<Row> rows = readTrace(folder / "t.csv");
   double most_N = 0;
   for (const Row& row : between(rows, 0.4, 1)) most_N = std::max(most_N, glm::length(row.force));
-  CHECK(most_N == doctest::Approx(2).epsilon(0.02));
+  CHECK(most_N == near(2, 0.02));
   for (const Row& row : between(rows, 5.6, 6)) CHECK(row.force == DVec3(0));
   CHECK_FALSE(rows.back().contact);
   const auto frames = jsonOf(folder / "r.json")["frames"];

@@ -4,6 +4,7 @@
 #include "engine/core/processor.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/near.hpp"
 #include "tests/says.hpp"
 
 namespace palpate {
@@ -59,7 +60,7 @@ TEST_CASE("what a hand would feel of a scene is said: the gain of forces, and wh
   REQUIRE(drop.code == 0);
   CHECK(says(drop.text, "forces times 100, and hold its ball by 0.426 N/mm"));
   CHECK(jsonOf(json)["gain"] == 100);
-  CHECK(jsonOf(json)["coupling_N_mm"].get<double>() == doctest::Approx(0.426).epsilon(0.01));
+  CHECK(jsonOf(json)["coupling_N_mm"].get<double>() == near(0.426, 0.01));
   works("simulate jelly --duration 0.001 --backend cpu --json " + json);
   CHECK(jsonOf(json)["gain"] == 1);
   CHECK(jsonOf(json)["coupling_N_mm"].is_null());
@@ -78,7 +79,7 @@ TEST_CASE("a GPU moves a scene as the CPU does") {
   CHECK(cpu["backend"] == "cpu");
   for (const char* value : {"pressure_Pa", "potential_J", "max_compression", "front_mm"}) {
     CAPTURE(value);
-    CHECK(gpu[value].get<double>() == doctest::Approx(cpu[value].get<double>()).epsilon(0.01));
+    CHECK(gpu[value].get<double>() == near(cpu[value].get<double>(), 0.01));
   }
   CHECK(palpate("simulate water --backend abacus").code == 2);
 }
@@ -142,7 +143,7 @@ TEST_CASE("matter that this machine has no memory for is refused before anything
                                           "spacing_mm": {}}})",
       1000 / std::cbrt(particles));
   works("info " + scene + " --json " + json);
-  CHECK(jsonOf(json)["particles"].get<double>() == doctest::Approx(particles).epsilon(0.02));
+  CHECK(jsonOf(json)["particles"].get<double>() == near(particles, 0.02));
   for (const std::string command : {"simulate ", "touch --path builtin:press "})
     for (const std::string backend : {"cpu", "vulkan"}) {
       CAPTURE(command);

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "tests/apps/window_play.hpp"
+#include "tests/near.hpp"
 #include "tests/rgbd_writer.hpp"
 
 namespace palpate {
@@ -49,7 +50,7 @@ TEST_CASE("a recorded folder is played under a hand, and both back ends feel the
       works("--threads 1 replay " + (folder / "log").string());
     }
     CHECK(forces_N[0] > 2);
-    CHECK(forces_N[1] == doctest::Approx(forces_N[0]).epsilon(0.01));
+    CHECK(forces_N[1] == near(forces_N[0], 0.01));
   }
 }
 
@@ -90,7 +91,7 @@ TEST_CASE("the frames of a recorded folder fuse under a hand, and both back ends
     CHECK(report["frames"]["played"] == 5);
   }
   CHECK(forces_N[0] > 1);
-  CHECK(forces_N[1] == doctest::Approx(forces_N[0]).epsilon(0.01));
+  CHECK(forces_N[1] == near(forces_N[0], 0.01));
 }
 
 TEST_CASE("the first frame of a recording is drawn, in its colours") {

@@ -1,5 +1,6 @@
 // Tools of many points, as a user meets them.
 #include "tests/apps/program.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -88,7 +89,7 @@ TEST_CASE("tools are felt by both back ends alike, the same every time, and say 
     // At rest the proxy stands for all: 0.8 N/mm times its distance is the force.
     const ToolRow& last = states[1].back();
     CHECK(glm::distance(0.8 * (last.proxy - last.hip), last.force_N) < 1e-3);
-    CHECK(last.normal.z == doctest::Approx(1).epsilon(1e-4));
+    CHECK(last.normal.z == near(1, 1e-4));
     const bool askew = tool.find("axis") != std::string::npos;
     CHECK((std::abs(last.torque_mNm.x) > 0.1) == askew);
   }

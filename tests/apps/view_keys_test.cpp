@@ -1,5 +1,6 @@
 // What the README says of keys and mouse.
 #include "tests/apps/window_play.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -65,7 +66,7 @@ TEST_CASE("the mouse and the keys move the view") {
   CHECK(glm::distance(eye("back.json").target, begin.target) < 0.5);
   CHECK(glm::length(eye("near.json").way()) < 0.8 * glm::length(begin.way()));
   CHECK(glm::distance(eye("fitted.json").eye, begin.eye) < 1e-9);
-  CHECK(glm::length(looked.target) == doctest::Approx(50).epsilon(0.02));  // a place on the sphere
+  CHECK(glm::length(looked.target) == near(50, 0.02));  // a place on the sphere
   CHECK(looked.target.x > 2);
   CHECK(glm::distance(eye("x.json").direction(), DVec3(1, 0, 0)) < 0.01);
   CHECK(glm::distance(eye("behind_x.json").direction(), DVec3(-1, 0, 0)) < 0.01);

@@ -1,5 +1,6 @@
 // What a person does in the panels, by clicks on what they show.
 #include "tests/apps/window_play.hpp"
+#include "tests/near.hpp"
 #include "tests/says.hpp"
 
 namespace palpate {
@@ -74,7 +75,7 @@ TEST_CASE("the curves pause, and go to CSV files, none over another") {
   CHECK(wrong == 0);
   CHECK(touching > 100);
   CHECK(touching < rows.size());
-  CHECK(most_N == doctest::Approx(played->state("first.json")["peak_force_N"].get<double>()).epsilon(1e-3));
+  CHECK(most_N == near(played->state("first.json")["peak_force_N"].get<double>(), 1e-3));
   CHECK(readTrace(folder / "sphere-ticks-2.csv").size() > rows.size());
 }
 

@@ -1,6 +1,7 @@
 // The window as a person uses it, on a display without a screen (Xvfb).
 #include "tests/apps/window_play.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -217,13 +218,13 @@ TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first bu
     for (int k = 0; k < 3; ++k) sum += std::pow(part(one["eye"], k) - part(one["target"], k), 2);
     return std::sqrt(sum);
   };
-  const auto begin = camera("begin.json"), moved = camera("moved.json"), near = camera("near.json");
+  const auto begin = camera("begin.json"), moved = camera("moved.json"), nearer = camera("near.json");
   CHECK(moved["target"] != begin["target"]);
-  CHECK(distance(moved) == doctest::Approx(distance(begin)));
-  CHECK(distance(near) < 0.9 * distance(begin));
-  CHECK(camera("turned.json")["eye"] != near["eye"]);
-  CHECK(distance(camera("turned.json")) == doctest::Approx(distance(near)));
-  CHECK(distance(camera("fitted.json")) == doctest::Approx(distance(begin)));
+  CHECK(distance(moved) == near(distance(begin), 1e-6));
+  CHECK(distance(nearer) < 0.9 * distance(begin));
+  CHECK(camera("turned.json")["eye"] != nearer["eye"]);
+  CHECK(distance(camera("turned.json")) == near(distance(nearer), 1e-6));
+  CHECK(distance(camera("fitted.json")) == near(distance(begin), 1e-6));
   const auto touch = played->state("touch.json"), back = played->state("back.json");
   CHECK(touch["stylus"] == true);
   CHECK(touch["contact"] == true);

@@ -10,6 +10,7 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/core/error.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test {
 namespace {
@@ -70,8 +71,8 @@ TEST_CASE("the signed distance is positive outside and its gradient is the norma
       const SurfacePoint on = map({randomUnit(1, i), randomUnit(2, i)});
       CHECK(std::abs(shape->signedDistance(on.position)) < 1e-9);
       const double offset = 0.02;  // below every radius of curvature
-      CHECK(shape->signedDistance(on.position + offset * on.normal) == doctest::Approx(offset).epsilon(1e-6));
-      CHECK(shape->signedDistance(on.position - offset * on.normal) == doctest::Approx(-offset).epsilon(1e-6));
+      CHECK(shape->signedDistance(on.position + offset * on.normal) == near(offset, 1e-6));
+      CHECK(shape->signedDistance(on.position - offset * on.normal) == near(-offset, 1e-6));
       const SurfacePoint back = shape->closest(on.position + offset * on.normal);
       CHECK(glm::distance(back.position, on.position) < 1e-5 * 0.1);
       CHECK(glm::dot(back.normal, on.normal) > 1 - 1e-9);
@@ -98,13 +99,13 @@ TEST_CASE("the closest point is as close as any sample") {
 }
 
 TEST_CASE("closed forms give their known answers") {
-  CHECK(makeShape("sphere")->signedDistance({0, 0, 60}) == doctest::Approx(10));
-  CHECK(makeShape("sphere")->signedDistance({0, 0, 0}) == doctest::Approx(-50));
-  CHECK(makeShape("torus")->signedDistance({0, 0, 0}) == doctest::Approx(20));
-  CHECK(makeShape("torus")->signedDistance({0, 35, 5}) == doctest::Approx(-10));
-  CHECK(makeShape("cube")->signedDistance({53, 54, 0}) == doctest::Approx(5));
-  CHECK(makeShape("cube")->signedDistance({0, 40, 0}) == doctest::Approx(-10));
-  CHECK(makeShape("plane")->signedDistance({7, 8, -9}) == doctest::Approx(-9));
+  CHECK(makeShape("sphere")->signedDistance({0, 0, 60}) == near(10, 1e-6));
+  CHECK(makeShape("sphere")->signedDistance({0, 0, 0}) == near(-50, 1e-6));
+  CHECK(makeShape("torus")->signedDistance({0, 0, 0}) == near(20, 1e-6));
+  CHECK(makeShape("torus")->signedDistance({0, 35, 5}) == near(-10, 1e-6));
+  CHECK(makeShape("cube")->signedDistance({53, 54, 0}) == near(5, 1e-6));
+  CHECK(makeShape("cube")->signedDistance({0, 40, 0}) == near(-10, 1e-6));
+  CHECK(makeShape("plane")->signedDistance({7, 8, -9}) == near(-9, 1e-6));
   CHECK(makeShape("plane")->closest({70, 8, 9}).position == DVec3(50, 8, 0));
   const DVec3 corner = makeShape("cube")->closest({51, 51, 51}).normal;
   CHECK(glm::distance(corner, DVec3(1 / std::sqrt(3.0))) < 1e-12);
@@ -159,7 +160,7 @@ TEST_CASE("noise has the deviation asked for and leaves the normals true") {
       squares += shift * shift;
     }
     CHECK(std::abs(sum / 50'000) < 0.005);
-    CHECK(std::sqrt(squares / 50'000) == doctest::Approx(0.25).epsilon(0.02));
+    CHECK(std::sqrt(squares / 50'000) == near(0.25, 0.02));
   }
 }
 
@@ -191,8 +192,8 @@ TEST_CASE("an area table sends equal shares to equal masses") {
     const DVec2 at = table({share, 0.3});
     const double marginal = (2 * at.x + 0.5 * at.x * at.x) / 2.5;
     const double conditional = ((1 + at.x) * at.y + at.y * at.y) / (2 + at.x);
-    CHECK(marginal == doctest::Approx(share).epsilon(1e-12));
-    CHECK(conditional == doctest::Approx(0.3).epsilon(1e-12));
+    CHECK(marginal == within(share, 1e-12));
+    CHECK(conditional == near(0.3, 1e-12));
   }
 }
 
@@ -201,13 +202,12 @@ TEST_CASE("jets carry exact derivatives") {
   const double u = 0.7, v = -1.1, h = 1e-4;
   const auto value = [&](double du, double dv) { return f(Jet(u + du), Jet(v + dv)).value; };
   const Jet jet = f(Jet::parameterU(u), Jet::parameterV(v));
-  CHECK(jet.value == doctest::Approx(value(0, 0)));
-  CHECK(jet.u == doctest::Approx((value(h, 0) - value(-h, 0)) / (2 * h)).epsilon(1e-6));
-  CHECK(jet.v == doctest::Approx((value(0, h) - value(0, -h)) / (2 * h)).epsilon(1e-6));
-  CHECK(jet.uu == doctest::Approx((value(h, 0) - 2 * value(0, 0) + value(-h, 0)) / (h * h)).epsilon(1e-5));
-  CHECK(jet.vv == doctest::Approx((value(0, h) - 2 * value(0, 0) + value(0, -h)) / (h * h)).epsilon(1e-5));
-  CHECK(jet.uv ==
-        doctest::Approx((value(h, h) - value(h, -h) - value(-h, h) + value(-h, -h)) / (4 * h * h)).epsilon(1e-5));
+  CHECK(jet.value == near(value(0, 0), 1e-12));
+  CHECK(jet.u == near((value(h, 0) - value(-h, 0)) / (2 * h), 1e-6));
+  CHECK(jet.v == near((value(0, h) - value(0, -h)) / (2 * h), 1e-6));
+  CHECK(jet.uu == near((value(h, 0) - 2 * value(0, 0) + value(-h, 0)) / (h * h), 1e-5));
+  CHECK(jet.vv == near((value(0, h) - 2 * value(0, 0) + value(0, -h)) / (h * h), 1e-5));
+  CHECK(jet.uv == near((value(h, h) - value(h, -h) - value(-h, h) + value(-h, -h)) / (4 * h * h), 1e-5));
 }
 
 }  // namespace palpate::test

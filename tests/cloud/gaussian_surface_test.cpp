@@ -13,6 +13,7 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "tests/gaussian_scenes.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test {
 namespace {
@@ -200,7 +201,7 @@ TEST_CASE("the unit of a scene does not matter, from a billionth to a billion") 
     const GaussianSurface surface = surfaceOf(scaled);
     CHECK(isRight(surface.cloud));
     // The usual radius is known to a sixty-fourth of its logarithm.
-    CHECK(static_cast<double>(surface.cloud.size()) == doctest::Approx(static_cast<double>(points)).epsilon(0.1));
+    CHECK(static_cast<double>(surface.cloud.size()) == near(static_cast<double>(points), 0.1));
   }
 }
 
@@ -253,8 +254,7 @@ TEST_CASE("some Gaussians with absurd sizes, logits and rotations change nothing
   CHECK(surface.faint == 1);
   CHECK(isRight(surface.cloud));
   CHECK(flatnessOf(surface.cloud, 30).inside < 0.02);
-  CHECK(static_cast<double>(surface.cloud.size()) ==
-        doctest::Approx(static_cast<double>(plain.cloud.size())).epsilon(0.05));
+  CHECK(static_cast<double>(surface.cloud.size()) == near(static_cast<double>(plain.cloud.size()), 0.05));
 }
 
 TEST_CASE("a rotation of length zero turns nothing, and lengths do not matter") {

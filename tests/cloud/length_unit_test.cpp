@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/near.hpp"
+
 namespace palpate {
 
 TEST_CASE("a unit is what a comment of the file says it is") {
@@ -45,12 +47,12 @@ TEST_CASE("a scale is what a comment says it is, and one that is said takes the 
 }
 
 TEST_CASE("a round length is 1, 2 or 5 times a power of ten, and not above") {
-  CHECK(roundLength(1) == doctest::Approx(1));
-  CHECK(roundLength(1.99) == doctest::Approx(1));
-  CHECK(roundLength(2) == doctest::Approx(2));
-  CHECK(roundLength(4.9) == doctest::Approx(2));
-  CHECK(roundLength(73) == doctest::Approx(50));
-  CHECK(roundLength(0.00314) == doctest::Approx(0.002));
+  CHECK(roundLength(1) == near(1, 1e-6));
+  CHECK(roundLength(1.99) == near(1, 1e-6));
+  CHECK(roundLength(2) == near(2, 1e-6));
+  CHECK(roundLength(4.9) == near(2, 1e-6));
+  CHECK(roundLength(73) == near(50, 1e-6));
+  CHECK(roundLength(0.00314) == near(0.002, 1e-6));
   CHECK(roundLength(0) == 0);
   CHECK(roundLength(-3) == 0);
   CHECK(roundLength(std::numeric_limits<double>::infinity()) == 0);

@@ -6,12 +6,12 @@
 #include "engine/cloud/counter_random.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/thinning.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test {
 namespace {
 
 /// Relative: doctest's own tolerance grows by one.
-doctest::Approx within(double value, double share) { return doctest::Approx(value).epsilon(share).scale(0); }
 
 double measured(const PointCloud& cloud) { return spacingRange(cloud).noise; }
 
@@ -39,9 +39,9 @@ TEST_CASE("the noise of every shape is measured, and exact points have next to n
     CAPTURE(name);
     // The folds of the sculpture are not much wider than the places that are looked at.
     CHECK(measured(noisyCloud(name, 0)) < (std::string_view(name) == "sculpture" ? 0.03 : 0.001));
-    CHECK(measured(noisyCloud(name, 0.1)) == within(0.1, 0.12));
-    CHECK(measured(noisyCloud(name, 0.25)) == within(0.25, 0.08));
-    CHECK(measured(noisyCloud(name, 0.5)) == within(0.47, 0.06));
+    CHECK(measured(noisyCloud(name, 0.1)) == near(0.1, 0.12));
+    CHECK(measured(noisyCloud(name, 0.25)) == near(0.25, 0.08));
+    CHECK(measured(noisyCloud(name, 0.5)) == near(0.47, 0.06));
   }
 }
 
@@ -52,7 +52,7 @@ TEST_CASE("noise is told in spacings of the place where density changes") {
   PointCloud cloud = noisyCloud("plane", 0.25, 40'000);
   for (const Vec3& p : noisyCloud("plane", 0.25, 40'000).positions)
     cloud.positions.push_back(3.0f * p + Vec3(0, 0, 100));
-  CHECK(measured(cloud) == within(0.25, 0.08));
+  CHECK(measured(cloud) == near(0.25, 0.08));
 }
 
 TEST_CASE("edges, coincident points and outliers are not taken for noise") {
@@ -65,16 +65,16 @@ TEST_CASE("edges, coincident points and outliers are not taken for noise") {
   PointCloud twice = noisyCloud("torus", 0.25);
   const std::vector<Vec3> once = twice.positions;
   twice.positions.insert(twice.positions.end(), once.begin(), once.end());
-  CHECK(measured(twice) == within(0.25, 0.08));
+  CHECK(measured(twice) == near(0.25, 0.08));
 }
 
 TEST_CASE("noise far from the origin is that of the points, not of rounding") {
   CHECK(measured(noisyCloud("sphere", 0, 100'000, DVec3(1e6))) < 0.001);
-  CHECK(measured(noisyCloud("sphere", 0.25, 100'000, DVec3(1e6))) == within(0.25, 0.08));
+  CHECK(measured(noisyCloud("sphere", 0.25, 100'000, DVec3(1e6))) == near(0.25, 0.08));
 }
 
 TEST_CASE("a cloud of millions is measured by a part of it, and its noise told in its own spacings") {
-  CHECK(measured(noisyCloud("torus", 0.25, 2'500'000)) == within(0.25, 0.1));
+  CHECK(measured(noisyCloud("torus", 0.25, 2'500'000)) == near(0.25, 0.1));
 }
 
 TEST_CASE("no noise where there is no surface") {
@@ -102,10 +102,10 @@ TEST_CASE("points off a quadric have the variance that they were given, in any u
   CHECK(*exact < 1e-4);  // tilted against the plane that fits, its terms of the third order are left
   const std::vector<DVec3> noisy = quadricPoints(4000, 0.3);
   REQUIRE(varianceOffQuadric(noisy));
-  CHECK(*varianceOffQuadric(noisy) == within(0.09, 0.06));
+  CHECK(*varianceOffQuadric(noisy) == near(0.09, 0.06));
   std::vector<DVec3> small;
   for (const DVec3& p : noisy) small.push_back(1e-9 * p + DVec3(1e-3));
-  CHECK(*varianceOffQuadric(small) == within(1e-18 * *varianceOffQuadric(noisy), 1e-3));
+  CHECK(*varianceOffQuadric(small) == near(1e-18 * *varianceOffQuadric(noisy), 1e-3));
   // Six coefficients fit six points, whatever they are.
   CHECK_FALSE(varianceOffQuadric(std::span(noisy).first(6)));
   CHECK_FALSE(varianceOffQuadric({}));

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "engine/cloud/counter_random.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -21,7 +22,7 @@ TEST_CASE("rays meet a sphere where geometry says") {
     REQUIRE(hit.has_value() == (rest > 0));
     if (!hit) continue;
     ++hits;
-    CHECK(hit->depth == doctest::Approx((-b - std::sqrt(rest)) / a).epsilon(1e-6));
+    CHECK(hit->depth == near((-b - std::sqrt(rest)) / a, 1e-6));
     CHECK(glm::distance(hit->normal, from + hit->depth * along - center) < 1e-3);
   }
   CHECK(hits > 100);

@@ -6,6 +6,7 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/counter_random.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test {
 namespace {
@@ -21,10 +22,10 @@ PointCloud randomSquare(std::size_t count) {
 
 TEST_CASE("the spacing is the root of the area per point") {
   const PointCloud sphere = sampleShape(*makeShape("sphere"), {.count = 200'000});
-  CHECK(meanSpacing(sphere) == doctest::Approx(0.396).epsilon(0.03));
+  CHECK(meanSpacing(sphere) == near(0.396, 0.03));
   const PointCloud plane = sampleShape(*makeShape("plane", 1), {.count = 10'000});
-  CHECK(meanSpacing(plane) == doctest::Approx(0.01).epsilon(0.03));
-  CHECK(meanSpacing(randomSquare(40'000)) == doctest::Approx(0.005).epsilon(0.03));
+  CHECK(meanSpacing(plane) == near(0.01, 0.03));
+  CHECK(meanSpacing(randomSquare(40'000)) == near(0.005, 0.03));
 }
 
 TEST_CASE("the wide spacing is that of the sparsest region") {
@@ -34,7 +35,7 @@ TEST_CASE("the wide spacing is that of the sparsest region") {
   const PointCloud sparse = randomSquare(4'000);
   for (const Vec3& place : sparse.positions) cloud.positions.push_back(place + Vec3(5, 0, 0));
   const SpacingRange range = spacingRange(cloud);
-  CHECK(range.mean == doctest::Approx(0.005).epsilon(0.05));
+  CHECK(range.mean == near(0.005, 0.05));
   CHECK(range.wide > 0.0158);
   CHECK(range.wide < 0.024);
 }
@@ -43,16 +44,16 @@ TEST_CASE("neither one far point nor duplicates change the spacing") {
   PointCloud cloud = sampleShape(*makeShape("sphere"), {.count = 50'000});
   const double spacing = meanSpacing(cloud);
   cloud.positions.emplace_back(1e9f, 0.0f, 0.0f);
-  CHECK(meanSpacing(cloud) == doctest::Approx(spacing).epsilon(0.01));
+  CHECK(meanSpacing(cloud) == near(spacing, 0.01));
   const std::vector<Vec3> once = cloud.positions;
   for (int copy = 0; copy < 3; ++copy) cloud.positions.insert(cloud.positions.end(), once.begin(), once.end());
-  CHECK(meanSpacing(cloud) == doctest::Approx(spacing).epsilon(0.01));
+  CHECK(meanSpacing(cloud) == near(spacing, 0.01));
 }
 
 TEST_CASE("a cloud of millions is measured by a part of it") {
   const PointCloud cloud = sampleShape(*makeShape("torus"), {.count = 2'500'000});
   const double area = 4 * std::numbers::pi * std::numbers::pi * 35 * 15;
-  CHECK(meanSpacing(cloud) == doctest::Approx(std::sqrt(area / 2.5e6)).epsilon(0.04));
+  CHECK(meanSpacing(cloud) == near(std::sqrt(area / 2.5e6), 0.04));
 }
 
 TEST_CASE("no spacing where there are no two places") {

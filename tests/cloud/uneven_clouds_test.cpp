@@ -7,6 +7,7 @@
 
 #include "engine/cloud/point_tree.hpp"
 #include "engine/core/error.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test {
 namespace {
@@ -36,7 +37,7 @@ TEST_CASE("uneven clouds lie on their surfaces, with its normals, and have about
   for (const std::string_view name : unevenCloudNames()) {
     CAPTURE(name);
     const UnevenCloud uneven = makeUnevenCloud(name, 15'000);
-    CHECK(static_cast<double>(uneven.cloud.size()) == doctest::Approx(15'000).epsilon(0.1));
+    CHECK(static_cast<double>(uneven.cloud.size()) == near(15'000, 0.1));
     REQUIRE(uneven.cloud.normals.size() == uneven.cloud.size());
     double off = 0, turned = 0;
     for (std::size_t i = 0; i < uneven.cloud.size(); ++i) {
@@ -58,7 +59,7 @@ TEST_CASE("the gradient is ten times as dense at one end, as a band of the spher
   // Bands of equal height have equal areas.
   const std::size_t dense = countWhere(cloud, [](const DVec3& p) { return p.x > 49; });
   const std::size_t sparse = countWhere(cloud, [](const DVec3& p) { return p.x < -49; });
-  CHECK(static_cast<double>(dense) / static_cast<double>(sparse) == doctest::Approx(10).epsilon(0.05));
+  CHECK(static_cast<double>(dense) / static_cast<double>(sparse) == near(10, 0.05));
 }
 
 TEST_CASE("of the patches' points 8 % lie in between, and a border runs through the place") {
@@ -89,7 +90,7 @@ TEST_CASE("the two sheets of a plate look away from each other") {
   const PointCloud plate = makePlate(2000, 0.8);
   CHECK(plate.size() == 2000);
   for (std::size_t i = 0; i < plate.size(); ++i) {
-    REQUIRE(std::abs(plate.positions[i].z) == doctest::Approx(0.4));
+    REQUIRE(std::abs(plate.positions[i].z) == near(0.4, 1e-6));
     REQUIRE(plate.positions[i].z * plate.normals[i].z > 0);
   }
 }

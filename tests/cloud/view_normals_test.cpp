@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/near.hpp"
+
 namespace palpate::test {
 namespace {
 
@@ -60,7 +62,7 @@ Judged judge(const SeenShape& seen) {
     judged.inwards += cosine < 0;
     const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees;
     judged.angle += angle * angle / static_cast<double>(seen.truth.size());
-    CHECK(glm::length(DVec3(seen.cloud.normals[i])) == doctest::Approx(1).epsilon(1e-6));
+    CHECK(glm::length(DVec3(seen.cloud.normals[i])) == near(1, 1e-6));
   }
   judged.angle = std::sqrt(judged.angle);
   return judged;

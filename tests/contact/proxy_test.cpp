@@ -9,6 +9,7 @@
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/contact/sheet.hpp"
 #include "tests/labels.hpp"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -205,7 +206,7 @@ TEST_CASE("friction holds the proxy within its cone and drags it along the borde
       CHECK(glm::length(touch.query({.hip = {x, 0, -kDepth}}, 0).proxy) < 1e-6);
     for (double x = 1.05 * holds; x < 8; x += 0.05) {
       const DVec3 hip(x, 0, -kDepth), spring = touch.query({.hip = hip}, 0).proxy - hip;
-      CHECK(-spring.x / spring.z == doctest::Approx(kFriction).scale(0).epsilon(0.01));
+      CHECK(-spring.x / spring.z == near(kFriction, 0.01));
     }
     const DVec3 rests = touch.query({.hip = {8, 0, -kDepth}}, 0).proxy;
     for (int tick = 0; tick < 100; ++tick) CHECK(touch.query({.hip = {8, 0, -kDepth}}, 0).proxy == rests);
@@ -237,7 +238,7 @@ TEST_CASE("a proxy that rests on moving points goes with them, and is let go whe
     for (Vec3& position : cloud.positions) position.z = -0.1f * static_cast<float>(tick);
     tracker.follow(field, {0, 0, -3});
     REQUIRE(tracker.touching());
-    CHECK(tracker.proxy().z == doctest::Approx(-0.1 * tick));
+    CHECK(tracker.proxy().z == within(-0.1 * tick, 1e-6));
   }
   for (Vec3& position : cloud.positions) position.z = -50;
   tracker.follow(field, {0, 0, -3});
@@ -286,7 +287,7 @@ TEST_CASE("a hand that goes along with a surface has no way, however fast both a
     plane.moveTo(1e-3 * i);
     tracker.follow(plane, {0.1, 0, hip}, 1e-3 * i, {.true_s = 1e-3 * i});
     CHECK(tracker.touching());
-    CHECK(tracker.proxy().z == doctest::Approx(plane.height()));
+    CHECK(tracker.proxy().z == within(plane.height(), 1e-6));
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "engine/cloud/counter_random.hpp"
 #include "engine/contact/contact_reference.hpp"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -91,8 +92,7 @@ TEST_CASE("sphere and sharp find round shapes without bias; the average lies whe
     }
     const Accuracy average = accuracyOf(scene, scene.cloud, SurfaceKind::average);
     CHECK(average.p95_deg < 0.4);
-    if (name == "sphere")
-      CHECK(-average.bias == doctest::Approx(averageSurfaceBias(scene.radius, 50)).scale(0).epsilon(0.1));
+    if (name == "sphere") CHECK(-average.bias == near(averageSurfaceBias(scene.radius, 50), 0.1));
   }
 }
 
@@ -144,7 +144,7 @@ TEST_CASE("the support radius follows the local spacing, and the surface is smoo
     CAPTURE(x);
     const SurfaceSample sample = local.surface({x, 1.3, 0.4});
     REQUIRE(sample.defined);
-    CHECK(sample.distance == doctest::Approx(0.4));
+    CHECK(sample.distance == within(0.4, 1e-5));
     CHECK(sample.neighbours >= 12);
     if (x < -16) CHECK(sample.neighbours < 80);  // 500 lie within the largest radius
     if (x > 16) CHECK(sample.neighbours > 30);
@@ -156,7 +156,7 @@ TEST_CASE("the support radius follows the local spacing, and the surface is smoo
 TEST_CASE("the support radius grows with the noise of the positions, from an eighth of a spacing on, to its double") {
   CHECK(wideningFor(0) == 1);
   CHECK(wideningFor(0.13) == 1);
-  CHECK(wideningFor(0.25) == doctest::Approx(1.875).scale(0).epsilon(0.01));
+  CHECK(wideningFor(0.25) == near(1.875, 0.01));
   CHECK(wideningFor(0.5) == 2);
   CHECK(wideningFor(std::numeric_limits<double>::quiet_NaN()) == 1);
 }
@@ -165,7 +165,7 @@ TEST_CASE("a widened support radius evens noise out, and costs a clean sphere wh
   const Scene clean = makeScene("sphere", 50'000);
   const double widening = wideningFor(0.25), wide = widening * clean.radius;
   CHECK(ContactReference(clean.cloud, {.radius = wide, .widening = widening}).surface({0, 0, 50}).distance ==
-        doctest::Approx(averageSurfaceBias(wide, 50)).scale(0).epsilon(0.1));
+        near(averageSurfaceBias(wide, 50), 0.1));
   const PointCloud noisy = sampleShape(*makeShape("sphere"), {.count = 50'000, .noise = 0.25 * clean.spacing});
   const auto ripple = [&](const SurfaceOptions& options) {
     const ContactReference reference(noisy, options);
@@ -194,17 +194,17 @@ TEST_CASE("a widened support radius shrinks back at an edge, smoothly, but for a
     for (const double offEdge : {0.05, 0.2, 0.4}) {
       const SurfaceSample wide = at(widened, offEdge), usual = at(narrow, offEdge);
       if (kind != SurfaceKind::sharp) {
-        CHECK(wide.distance == doctest::Approx(usual.distance).scale(0).epsilon(1e-6));
+        CHECK(wide.distance == near(usual.distance, 1e-6));
         CHECK(wide.neighbours == usual.neighbours);
         continue;
       }
       CHECK(wide.neighbours > 1.8 * usual.neighbours);
       const double height = wide.distance / cube.radius;
-      CHECK(height == doctest::Approx(-0.02).scale(0).epsilon(offEdge > 0.1 ? 0.01 : 2.5));
+      CHECK(height == within(-0.02, offEdge > 0.1 ? 2e-4 : 0.05));
     }
     const auto flat = at(widened, 2.0);
     CHECK(flat.neighbours > 2.2 * at(narrow, 2.0).neighbours);
-    CHECK(flat.distance == doctest::Approx(-0.02 * cube.radius).scale(0).epsilon(1e-3));
+    CHECK(flat.distance == near(-0.02 * cube.radius, 1e-3));
     double steepest = 0;
     for (double offEdge = 0.1; offEdge < 2; offEdge += 0.01)
       steepest = std::max(steepest, std::abs(at(widened, offEdge).distance - at(widened, offEdge + 0.01).distance));
@@ -223,8 +223,8 @@ TEST_CASE("points that all lie in one place, on one line or within rounding are 
       }
       const SurfaceSample sample = ContactReference(cloud, {.radius = 1, .kind = kind}).surface({0, 0, 0.2});
       REQUIRE(sample.defined);
-      CHECK(sample.distance == doctest::Approx(0.2));
-      CHECK(sample.normal.z == doctest::Approx(1));
+      CHECK(sample.distance == near(0.2, 1e-6));
+      CHECK(sample.normal.z == near(1, 1e-6));
     }
   }
 }

@@ -11,6 +11,7 @@
 #include "engine/spatial/spatial_hash.hpp"
 #include "shaders/shared/normal_estimate.h"
 #include "tests/gpu_fixture.hpp"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -41,7 +42,7 @@ Vec3 fittedInDouble(const PointTree& tree, std::span<const Vec3> positions, cons
 
 void checkUnit(const PointCloud& cloud) {
   REQUIRE(cloud.normals.size() == cloud.size());
-  for (const Vec3& normal : cloud.normals) REQUIRE(glm::length(normal) == doctest::Approx(1).scale(0).epsilon(1e-4));
+  for (const Vec3& normal : cloud.normals) REQUIRE(glm::length(normal) == near(1, 1e-4));
 }
 
 }  // namespace

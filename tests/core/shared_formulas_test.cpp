@@ -13,6 +13,7 @@
 #include "shaders/shared/proxy.h"
 #include "shaders/shared/resample.h"
 #include "shaders/shared/surface.h"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -90,10 +91,9 @@ TEST_CASE_TEMPLATE("the weights on an even plane tell its spacing", Real, float,
   for (int y = -kReach; y <= kReach; ++y)
     for (int x = -kReach; x <= kReach; ++x)
       if (const Real r = glm::length(glm::vec<2, Real>(x, y)) / kReach; r < 1) weights += shared::wendland(r);
-  CHECK(static_cast<double>(shared::spacingFrom(Real(0.5) * kReach, weights)) == doctest::Approx(0.5).epsilon(2e-3));
+  CHECK(static_cast<double>(shared::spacingFrom(Real(0.5) * kReach, weights)) == near(0.5, 2e-3));
   // A support radius of so many spacings, within its bounds; where no weight is, the largest.
-  CHECK(static_cast<double>(shared::localRadius(Real(kReach), weights, Real(1), Real(20))) ==
-        doctest::Approx(4).epsilon(2e-3));
+  CHECK(static_cast<double>(shared::localRadius(Real(kReach), weights, Real(1), Real(20))) == near(4, 2e-3));
   CHECK(shared::localRadius(Real(kReach), weights, Real(5), Real(20)) == 5);
   for (const Real none : {Real(0), Real(-0.0), kDenormal<Real>})
     CHECK(shared::localRadius(Real(2), none, Real(1), Real(2)) == 2);

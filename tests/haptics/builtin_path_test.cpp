@@ -8,6 +8,7 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/core/error.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 namespace {
@@ -45,9 +46,8 @@ void checkPress(const Model& model, double penetration_mm, double tolerance_mm) 
   const Path path = builtinPath("press", model.cloud, model.scale, penetration_mm);
   CHECK(path.duration_s() < 0.6);
   CHECK(path.duration_s() > 0.3);
-  CHECK(model.height_mm(path.at(0)) == doctest::Approx(3).scale(0).epsilon(tolerance_mm / 3));
-  CHECK(model.height_mm(path.at(path.duration_s())) ==
-        doctest::Approx(-penetration_mm).scale(0).epsilon(tolerance_mm / penetration_mm));
+  CHECK(model.height_mm(path.at(0)) == within(3, tolerance_mm));
+  CHECK(model.height_mm(path.at(path.duration_s())) == within(-penetration_mm, tolerance_mm));
   CHECK(path.at(path.duration_s() - 0.24) == path.at(path.duration_s()));
   // It comes down steadily: nothing else is in the way.
   for (double t = 0.01; t < 0.2; t += 0.01)
@@ -56,7 +56,7 @@ void checkPress(const Model& model, double penetration_mm, double tolerance_mm) 
 
 void checkOrbit(const Model& model) {
   const Path path = builtinPath("orbit", model.cloud, model.scale);
-  CHECK(path.duration_s() == doctest::Approx(2));
+  CHECK(path.duration_s() == near(2, 1e-6));
   CHECK(glm::distance(path.at(0), path.at(2)) < 1e-9 * model.shape->size());
   const Bounds box = boundsOf(model.cloud);
   for (double t = 0; t <= 2; t += 0.001) {
@@ -135,8 +135,8 @@ TEST_CASE("scan taps twenty-five times and is outside between taps") {
     inside = height < (inside ? 0.0 : -0.5);
   }
   CHECK(taps == 25);
-  CHECK(deepest == doctest::Approx(-1).scale(0).epsilon(0.1));
-  CHECK(model.height_mm(path.at(path.duration_s())) == doctest::Approx(2).scale(0).epsilon(0.1));
+  CHECK(deepest == near(-1, 0.1));
+  CHECK(model.height_mm(path.at(path.duration_s())) == near(2, 0.1));
 }
 
 TEST_CASE("the same cloud gives the same path") {

@@ -5,6 +5,7 @@
 
 #include "haptics/devices/simulated_touch.hpp"
 #include "haptics/servo_loop.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 namespace {
@@ -72,7 +73,7 @@ TEST_CASE("what others raise under a hand comes slowly, and is not taken for ene
   // On a surface at rest nothing differs but how fast the first press may rise.
   CHECK(*rest.counts().leastEnergy_mJ > -1);
   CHECK(glm::length(rest.trace().rows.back().force_N) ==
-        doctest::Approx(glm::length(pressed(0, &still).trace().rows.back().force_N)));
+        near(glm::length(pressed(0, &still).trace().rows.back().force_N), 1e-6));
 }
 
 TEST_CASE("however others raise a surface, the hand gets no more than it has put in, but for half a millijoule") {
@@ -92,8 +93,7 @@ TEST_CASE("however others raise a surface, the hand gets no more than it has put
       if (isLate) {
         CHECK(*freely.counts().leastEnergy_mJ < -10);
       } else {
-        CHECK(limited.trace().rows.back().hip.z ==
-              doctest::Approx(freely.trace().rows.back().hip.z).scale(1).epsilon(0.2));
+        CHECK(limited.trace().rows.back().hip.z == within(freely.trace().rows.back().hip.z, 0.2));
       }
     }
 }
@@ -104,7 +104,7 @@ TEST_CASE("a surface whose answers are late now and then goes nowhere by that") 
   // With the same rise of the force the same energy.
   const ServoResult slow = pressed(0, &still, true, {.maxRise_N_per_s = 60}), others = pressed(0, &changing, true);
   CHECK(slow.trace().rows.back().hip == others.trace().rows.back().hip);
-  CHECK(*others.counts().leastEnergy_mJ == doctest::Approx(*slow.counts().leastEnergy_mJ));
+  CHECK(*others.counts().leastEnergy_mJ == near(*slow.counts().leastEnergy_mJ, 1e-6));
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/contact_doubles.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 namespace {
@@ -66,14 +67,14 @@ TEST_CASE("the buttons of a stylus clutch and sculpt, and what it cannot render 
                  {.duration_s = 0.35}, {.passivity = PassivityMode::off});
   const Trace trace = loop.run().trace();
   REQUIRE(trace.rows.size() == 350);
-  CHECK(trace.rows[99].hip.x == doctest::Approx(9.9));
+  CHECK(trace.rows[99].hip.x == near(9.9, 1e-6));
   CHECK(trace.rows[99].force_N.y > 0);
   for (int i = 100; i < 200; ++i) {
-    CHECK(trace.rows[i].hip.x == doctest::Approx(10));
+    CHECK(trace.rows[i].hip.x == near(10, 1e-6));
     CHECK(trace.rows[i].force_N == DVec3(0));
   }
-  CHECK(trace.rows[200].hip.x == doctest::Approx(10));
-  CHECK(trace.rows[249].hip.x == doctest::Approx(14.9));
+  CHECK(trace.rows[200].hip.x == near(10, 1e-6));
+  CHECK(trace.rows[249].hip.x == near(14.9, 1e-6));
   for (int i = 0; i < 350; ++i) CHECK(floor.sculpts[i] == (i >= 250));
   CHECK(trace.rows[299].force_N.y > 0);
   CHECK(trace.rows[300].force_N == DVec3(0));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "tests/near.hpp"
+
 namespace palpate {
 namespace {
 
@@ -31,7 +33,7 @@ struct Gate {
 Gate engaged() {
   Gate gate;
   gate.free(0.6);
-  REQUIRE(gate.tick() == doctest::Approx(0.8));
+  REQUIRE(gate.tick() == near(0.8, 1e-6));
   return gate;
 }
 
@@ -48,9 +50,9 @@ TEST_CASE("forces ramp up over half a second after they are enabled, and not aga
     CHECK(now - last < 0.8 * kTick_s / 0.5 + 1e-12);
     last = now;
   }
-  CHECK(gate.tick() == doctest::Approx(0.8));
+  CHECK(gate.tick() == near(0.8, 1e-6));
   CHECK(gate.free(0.1) == 0);
-  CHECK(gate.tick() == doctest::Approx(0.8));
+  CHECK(gate.tick() == near(0.8, 1e-6));
 }
 
 TEST_CASE("a session that starts inside gives no force until the hand has come out once") {
@@ -58,7 +60,7 @@ TEST_CASE("a session that starts inside gives no force until the hand has come o
   CHECK(gate.after(2) == 0);
   CHECK(gate.after(kTick_s, {}, DVec3(0, 0, 0.05)) > 0);  // a demand below 0.1 N is as good as outside
   CHECK(gate.tick() < 0.01);
-  CHECK(gate.after(0.6) == doctest::Approx(0.8));
+  CHECK(gate.after(0.6) == near(0.8, 1e-6));
 }
 
 TEST_CASE("an old answer does not count as coming out") {
@@ -76,12 +78,12 @@ TEST_CASE("a short error means zero and then the ramp; a long one also waits for
   SUBCASE("an infinite force") { wanted.z = std::numeric_limits<double>::infinity(); }
   CHECK(gate.after(0.05, error, wanted) == 0);
   CHECK(gate.tick() < 0.01);
-  CHECK(gate.after(0.25) == doctest::Approx(0.4).scale(0).epsilon(0.01));
-  CHECK(gate.after(0.3) == doctest::Approx(0.8));
+  CHECK(gate.after(0.25) == near(0.4, 0.01));
+  CHECK(gate.after(0.3) == near(0.8, 1e-6));
   CHECK(gate.after(0.2, error, wanted) == 0);
   CHECK(gate.after(1) == 0);
   CHECK(gate.free(0.6) == 0);
-  CHECK(gate.tick() == doctest::Approx(0.8));
+  CHECK(gate.tick() == near(0.8, 1e-6));
   CHECK(gate.gate.counts().errors == 2);
 }
 
@@ -95,7 +97,7 @@ TEST_CASE("after a jump of the device the hand has to come out before it feels a
 
 TEST_CASE("a pause in the ticks counts as an error") {
   Gate gate = engaged();
-  CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, 0.02)) == doctest::Approx(0.8));
+  CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, 0.02)) == near(0.8, 1e-6));
   CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, 0.08)) == 0);
   CHECK(gate.tick() < 0.01);
   gate = engaged();
@@ -107,12 +109,12 @@ TEST_CASE("a slow rate is no pause") {
   ForceGate gate(DeviceLimits{}, 0.2);
   gate.pass(DVec3(0), {}, 0.2);
   for (int i = 0; i < 3; ++i) gate.pass(kPush, {.demand_N = 0.8}, 0.2);
-  CHECK(glm::length(gate.pass(kPush, {.demand_N = 0.8}, 0.2)) == doctest::Approx(0.8));
+  CHECK(glm::length(gate.pass(kPush, {.demand_N = 0.8}, 0.2)) == near(0.8, 1e-6));
 }
 
 TEST_CASE("stale data keep their force for 20 ms, lose it over 50 ms, and the force comes back with the ramp") {
   Gate gate = engaged();
-  CHECK(gate.after(0.019, {.fresh = false}) == doctest::Approx(0.8));
+  CHECK(gate.after(0.019, {.fresh = false}) == near(0.8, 1e-6));
   double last = gate.tick({.fresh = false});
   for (int i = 0; i < 49; ++i) {
     const double now = gate.tick({.fresh = false});
@@ -120,18 +122,18 @@ TEST_CASE("stale data keep their force for 20 ms, lose it over 50 ms, and the fo
     CHECK(last - now < 0.017);
     last = now;
   }
-  CHECK(gate.after(1, {.fresh = false}) == doctest::Approx(0));
+  CHECK(gate.after(1, {.fresh = false}) == within(0, 1e-6));
   CHECK(gate.gate.counts().stale > 1000);
   CHECK(gate.tick() < 0.01);
-  CHECK(gate.after(0.5) == doctest::Approx(0.8));
+  CHECK(gate.after(0.5) == near(0.8, 1e-6));
 }
 
 TEST_CASE("answers that say how old they are keep their force while that is little, and not when it grows") {
   Gate gate = engaged();
-  CHECK(gate.after(1, {.fresh = false, .age_s = 0.0004}) == doctest::Approx(0.8));
+  CHECK(gate.after(1, {.fresh = false, .age_s = 0.0004}) == near(0.8, 1e-6));
   CHECK(gate.gate.counts().stale == 0);
   CHECK(gate.after(0.05, {.fresh = false, .age_s = 0.5}) < 0.5);  // it cannot grow faster than time, but it ages
-  CHECK(gate.after(0.1, {.fresh = false, .age_s = 0.5}) == doctest::Approx(0));
+  CHECK(gate.after(0.1, {.fresh = false, .age_s = 0.5}) == within(0, 1e-6));
 }
 
 TEST_CASE("forces switched off are zero at once and come back only through a small demand and the ramp") {
@@ -140,7 +142,7 @@ TEST_CASE("forces switched off are zero at once and come back only through a sma
   CHECK(gate.after(0.3, {.on = false}, DVec3(0)) == 0);
   CHECK(gate.after(1) == 0);  // switched on in the middle of a contact
   gate.free(kTick_s);
-  CHECK(gate.after(0.25) == doctest::Approx(0.4).scale(0).epsilon(0.01));
+  CHECK(gate.after(0.25) == near(0.4, 0.01));
 }
 
 TEST_CASE("a force fades with what is known, rises no faster than the ramp, and once gone waits for a small demand") {
@@ -152,17 +154,17 @@ TEST_CASE("a force fades with what is known, rises no faster than the ramp, and 
     CHECK(last - now < 0.8 * kTick_s / 0.05 + 1e-9);
     last = now;
   }
-  CHECK(last == doctest::Approx(0));
+  CHECK(last == within(0, 1e-6));
   CHECK(gate.gate.counts().aged == 50);
   gate.tick({.known = 0});
   CHECK(gate.after(1) == 0);  // known again, and the hand is still inside
   gate.free(kTick_s);
-  CHECK(gate.after(0.25) == doctest::Approx(0.4).scale(0).epsilon(0.01));
+  CHECK(gate.after(0.25) == near(0.4, 0.01));
   // Half known is half a force, and comes back through the ramp without a wait.
   Gate other = engaged();
-  CHECK(other.after(0.2, {.known = 0.5}) == doctest::Approx(0.4));
-  CHECK(other.after(0.1) == doctest::Approx(0.56).epsilon(0.01));
-  CHECK(other.after(0.2) == doctest::Approx(0.8));
+  CHECK(other.after(0.2, {.known = 0.5}) == near(0.4, 1e-6));
+  CHECK(other.after(0.1) == near(0.56, 0.01));
+  CHECK(other.after(0.2) == near(0.8, 1e-6));
   // While nothing is known a small demand ends no wait.
   Gate blind = engaged();
   blind.after(0.2, {.known = 0});
@@ -175,11 +177,11 @@ TEST_CASE("a force fades with what is known, rises no faster than the ramp, and 
 TEST_CASE("the peak is never exceeded, and hot motors get the continuous force") {
   Gate gate = engaged();
   const DVec3 hard(0, 30, 40);
-  CHECK(gate.tick({}, hard) == doctest::Approx(3.3));
-  CHECK(gate.after(30, {}, hard) == doctest::Approx(0.88).scale(0).epsilon(0.01));
+  CHECK(gate.tick({}, hard) == near(3.3, 1e-6));
+  CHECK(gate.after(30, {}, hard) == near(0.88, 0.01));
   CHECK(gate.gate.counts().hot > 20'000);
   gate.free(30);
-  CHECK(gate.tick({}, hard) == doctest::Approx(3.3));
+  CHECK(gate.tick({}, hard) == near(3.3, 1e-6));
 }
 
 TEST_CASE("a script without a hand starts with the gate open, and its errors still ramp") {

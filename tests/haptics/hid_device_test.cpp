@@ -7,6 +7,7 @@
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/haptics/fake_hid.hpp"
 #include "tests/labels.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 namespace {
@@ -129,7 +130,7 @@ TEST_CASE("short and foreign reports between good ones change nothing") {
 TEST_CASE("the stops of the workspace hold the hand, and nothing is wound up behind them") {
   Scene scene;
   scene.send({pushed({1, 0, 0})});
-  CHECK(scene.go(2000).position.x == doctest::Approx(0.5 * kTouchWorkspace_mm.x));
+  CHECK(scene.go(2000).position.x == near(0.5 * kTouchWorkspace_mm.x, 1e-6));
   scene.send({pushed({-1, 0, 0})});
   CHECK(scene.go(150).position.x < 0.5 * kTouchWorkspace_mm.x - 5);
 }

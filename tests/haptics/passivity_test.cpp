@@ -7,6 +7,8 @@
 #include <deque>
 #include <limits>
 
+#include "tests/near.hpp"
+
 namespace palpate {
 namespace {
 
@@ -42,10 +44,10 @@ class Spring {
 TEST_CASE("pressing a spring adds its energy, and being pushed out takes it away") {
   Spring spring(PassivityMode::observe);
   for (int i = 0; i <= 1000; ++i) spring.tick(2e-3 * i);
-  CHECK(spring.passivity.energy_mJ() == doctest::Approx(0.5 * 2 * 2).scale(0).epsilon(0.002));
+  CHECK(spring.passivity.energy_mJ() == near(0.5 * 2 * 2, 0.002));
   for (int i = 1000; i >= 1; --i) spring.tick(2e-3 * i);
   // The held force of a sampled spring gives a little more than it took: stiffness times step times depth.
-  CHECK(spring.passivity.energy_mJ() == doctest::Approx(-2e-3 * 2).scale(0).epsilon(0.01));
+  CHECK(spring.passivity.energy_mJ() == near(-2e-3 * 2, 0.01));
   CHECK(spring.passivity.leastEnergy_mJ() == spring.passivity.energy_mJ());
 }
 
@@ -107,7 +109,7 @@ TEST_CASE("what a contact owes from before others change its surface is not held
   passivity.changed();
   // A spring of 1 N/mm that holds half a millijoule.
   const DVec3 force = passivity.damped({0, 0, 1}, position - DVec3(0, 0, 0.4), kTick_s);
-  CHECK(force.z == doctest::Approx(1));
+  CHECK(force.z == near(1, 1e-6));
   passivity.acted(force);
   CHECK(passivity.leastEnergy_mJ() == owed_mJ);
   // And once only: what it gives from then on it owes.
@@ -131,7 +133,7 @@ TEST_CASE("the damping stays within what the device renders calmly") {
     strongest_N_s_per_mm = std::max(strongest_N_s_per_mm, (wanted.z - force.z) / (step_mm / kTick_s));
     passivity.acted(force);
   }
-  CHECK(strongest_N_s_per_mm == doctest::Approx(0.003));
+  CHECK(strongest_N_s_per_mm == near(0.003, 1e-6));
 }
 
 TEST_CASE("a force that comes a tick late is counted when it acts") {

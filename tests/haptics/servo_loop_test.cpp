@@ -13,6 +13,7 @@
 #include "engine/core/error.hpp"
 #include "haptics/devices/path_device.hpp"
 #include "tests/haptics/contact_doubles.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {
@@ -94,10 +95,10 @@ TEST_CASE("on a sphere the force is zero outside and stiffness times depth along
     }
     ++touching;
     CHECK(row.contact);
-    CHECK(row.penetration_mm == doctest::Approx(depth_mm));
-    CHECK(glm::length(row.force_N) == doctest::Approx(0.8 * depth_mm));
-    CHECK(glm::dot(row.force_N, row.normal) == doctest::Approx(glm::length(row.force_N)));
-    CHECK(glm::dot(row.normal, glm::normalize(row.hip)) == doctest::Approx(1));
+    CHECK(row.penetration_mm == near(depth_mm, 1e-6));
+    CHECK(glm::length(row.force_N) == near(0.8 * depth_mm, 1e-6));
+    CHECK(glm::dot(row.force_N, row.normal) == near(glm::length(row.force_N), 1e-6));
+    CHECK(glm::dot(row.normal, glm::normalize(row.hip)) == near(1, 1e-6));
   }
   CHECK(touching > 200);
   CHECK(result.step_us.count() == 500);
@@ -124,7 +125,7 @@ TEST_CASE("the workspace map places the device in the model") {
   ServoLoop loop(device, sphere, ForceLaw(kSpringOnly, {}), lasting(0.2), {.map = {.scale = 2, .offset = center}});
   const Trace trace = loop.run().trace();
   CHECK(trace.rows[0].hip == center + DVec3(0, 0, 106));
-  CHECK(trace.rows[100].penetration_mm == doctest::Approx(2));
+  CHECK(trace.rows[100].penetration_mm == near(2, 1e-6));
 }
 
 TEST_CASE("the device's peak force is never exceeded") {
@@ -133,7 +134,7 @@ TEST_CASE("the device's peak force is never exceeded") {
   ServoLoop loop(device, sphere, ForceLaw(kSpringOnly, {}), lasting(0.8));
   const Trace trace = loop.run().trace();
   for (const TraceRow& row : trace.rows) CHECK(glm::length(row.force_N) <= 1 + 1e-12);
-  CHECK(glm::length(trace.rows[690].force_N) == doctest::Approx(1));
+  CHECK(glm::length(trace.rows[690].force_N) == near(1, 1e-6));
 }
 
 TEST_CASE("a fault of the device ends the session with zero force from that tick on and says why") {
@@ -235,16 +236,15 @@ TEST_CASE("real time follows the wall clock, gives the query a budget and the sc
   CHECK_FALSE(result.trace().virtualTime);
   const std::size_t ticks = result.trace().rows.size();
   REQUIRE(ticks > 0);
-  CHECK(ticks + result.trace().missedTicks == 500);
-  WARN(ticks > 450);  // how many were missed is the machine's affair
+  CHECK(ticks + result.trace().missedTicks == 500);  // how many a busy machine misses is held in tick_pacer_test.cpp
   for (std::size_t i = 1; i < ticks; ++i) CHECK(result.trace().rows[i].time_s > result.trace().rows[i - 1].time_s);
-  CHECK(sphere.smallestBudget_us > 0);
+  CHECK(sphere.smallestBudget_us >= 20);
   CHECK(sphere.largestBudget_us <= 1000 - 200 + 1);
   CHECK(device.lastForce_N() == DVec3(0));
   CHECK(::sched_getscheduler(0) == policyBefore);
 }
 
-TEST_CASE("real time goes up to 10 kHz, counts every tick and leaves most of a tick to the query") {
+TEST_CASE("real time goes up to 10 kHz, counts every tick and leaves at most 80 of 100 us to the query") {
   PathDevice device(touchAndGo());
   SphereContact sphere(kRadius);
   ServoOptions options = lasting(0.3, true);
@@ -252,12 +252,10 @@ TEST_CASE("real time goes up to 10 kHz, counts every tick and leaves most of a t
   const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), options).run();
   const std::size_t ticks = result.trace().rows.size();
   CHECK(ticks + result.trace().missedTicks == 3000);
-  WARN(ticks > 2500);  // the machine's affair
+  CHECK(ticks > 0);
   CHECK(result.step_us.count() == ticks);
   CHECK(result.late_us.count() == ticks);
-  WARN(result.late_us.quantile_us(0.5) < 50);
-  CHECK(sphere.smallestBudget_us > 0);
-  WARN(sphere.largestBudget_us > 40);
+  CHECK(sphere.smallestBudget_us >= 20);
   CHECK(sphere.largestBudget_us <= 80 + 1);
 }
 

@@ -8,6 +8,7 @@
 #include "engine/core/error.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/contact_doubles.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 namespace {
@@ -41,12 +42,12 @@ TEST_CASE("a free mass is accelerated by what friction leaves, up to where visco
   SimulatedTouch touch = resting();
   // 1 N less 0.26 N on 45 g for the 19 ms that the force has been there; viscosity takes a tenth of that.
   const double exact_mm = 0.5 * (0.74 / 0.045) * 1e3 * 0.019 * 0.019;
-  CHECK(pushed(touch, 1, 0, 20) == doctest::Approx(exact_mm).scale(0).epsilon(0.12));
+  CHECK(pushed(touch, 1, 0, 20) == near(exact_mm, 0.12));
   const SimulatedTouchOptions thick{
       .handStiffness_N_per_mm = 0, .handDamping_N_s_per_mm = 0, .viscosity_N_s_per_mm = 0.01};
   SimulatedTouch slow = resting(thick);
   const double before_mm = pushed(slow, 1, 0, 400);
-  CHECK(pushed(slow, 1, 400, 500) - before_mm == doctest::Approx(0.1 * 0.74 / 0.01).scale(0).epsilon(0.001));
+  CHECK(pushed(slow, 1, 400, 500) - before_mm == near(0.1 * 0.74 / 0.01, 0.001));
 }
 
 TEST_CASE("a force acts one tick after it was written and is held until the next") {
@@ -58,7 +59,7 @@ TEST_CASE("a force acts one tick after it was written and is held until the next
   CHECK(touch.position_mm().x == 0);
   touch.read(0.002);
   const double after_mm = touch.position_mm().x;
-  CHECK(after_mm == doctest::Approx(0.5 * (2.74 / 0.045) * 1e3 * 1e-6).scale(0).epsilon(0.1));
+  CHECK(after_mm == near(0.5 * (2.74 / 0.045) * 1e3 * 1e-6, 0.1));
 }
 
 TEST_CASE("friction brings a moving stylus to rest and leaves it there") {
@@ -72,7 +73,7 @@ TEST_CASE("positions come in whole encoder steps") {
   SimulatedTouch touch(Path({{0, DVec3(0)}, {1, {7, -5, 3}}}), {});
   for (int i = 0; i < 1000; ++i) {
     const DVec3 steps = touch.read(1e-3 * i).position / 0.055;
-    for (int k = 0; k < 3; ++k) REQUIRE(steps[k] == doctest::Approx(std::round(steps[k])));
+    for (int k = 0; k < 3; ++k) REQUIRE(steps[k] == within(std::round(steps[k]), 1e-6));
   }
   CHECK(touch.position_mm().x > 5);
 }
@@ -85,7 +86,7 @@ TEST_CASE("the hand follows its intention to within what friction holds") {
 
 TEST_CASE("the amplifiers saturate at the peak, and a force that is no number becomes none") {
   SimulatedTouch strong = resting(), stronger = resting();
-  CHECK(pushed(strong, 3.3, 0, 30) == doctest::Approx(pushed(stronger, 1e6, 0, 30)));
+  CHECK(pushed(strong, 3.3, 0, 30) == near(pushed(stronger, 1e6, 0, 30), 1e-6));
   SimulatedTouch touch = resting();
   touch.read(0);
   CHECK_FALSE(touch.write({std::numeric_limits<double>::quiet_NaN(), 0, 0}));
@@ -131,10 +132,10 @@ TEST_CASE("lost ticks and slow rates change the physics little") {
 TEST_CASE("a path is put into the workspace true to scale where it fits, and shrunk where not") {
   const ModelScale scale{10};
   const WorkspaceMap small = workspaceAround(Path({{0, {100, 0, 0}}, {1, {102, 4, 1}}}), scale);
-  CHECK(small.scale == doctest::Approx(0.1));
+  CHECK(small.scale == near(0.1, 1e-6));
   CHECK(small.toModel(DVec3(0)) == DVec3(101, 2, 0.5));
   const WorkspaceMap large = workspaceAround(Path({{0, DVec3(0)}, {1, {10, 4, 12.6}}}), scale);
-  CHECK(large.scale == doctest::Approx(0.2));  // 12.6 units in 63 mm
+  CHECK(large.scale == near(0.2, 1e-6));  // 12.6 units in 63 mm
 }
 
 TEST_CASE("in a session the hand presses a sphere and feels it; the trace is the same every time") {
@@ -150,7 +151,7 @@ TEST_CASE("in a session the hand presses a sphere and feels it; the trace is the
     CHECK(glm::distance(result.trace().rows.front().hip, DVec3(0, 0, 53)) < 0.055);
     const TraceRow& last = result.trace().rows.back();
     // At rest the spring of the surface, the hand's and friction hold each other.
-    CHECK(last.force_N.z == doctest::Approx(0.8 * last.penetration_mm));
+    CHECK(last.force_N.z == near(0.8 * last.penetration_mm, 1e-6));
     CHECK(std::abs(last.force_N.z - 0.4 * (2 - last.penetration_mm)) <= 0.26 + 0.03);
     CHECK(last.force_N.z > 0.3);
     REQUIRE(result.counts().leastEnergy_mJ);

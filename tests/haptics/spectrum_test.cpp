@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/cloud/counter_random.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test {
 namespace {
@@ -33,17 +34,17 @@ TEST_CASE("two tones share the power as the squares of their amplitudes, across 
     const auto low = tone(20, 2, count), high = tone(200, 1, count);
     std::vector<DVec3> signal(count);
     for (std::size_t i = 0; i < count; ++i) signal[i] = {low[i], 0, high[i]};
-    CHECK(powerShare(signal, 1000, 50, 500) == doctest::Approx(0.2).scale(0).epsilon(0.02));
-    CHECK(powerShare(signal, 1000, 0, 50) == doctest::Approx(0.8).scale(0).epsilon(0.02));
-    CHECK(powerShare(signal, 2000, 300, 500) == doctest::Approx(0.2).scale(0).epsilon(0.02));  // 400 Hz at that rate
+    CHECK(powerShare(signal, 1000, 50, 500) == near(0.2, 0.02));
+    CHECK(powerShare(signal, 1000, 0, 50) == near(0.8, 0.02));
+    CHECK(powerShare(signal, 2000, 300, 500) == near(0.2, 0.02));  // 400 Hz at that rate
   }
 }
 
 TEST_CASE("white noise has its power everywhere alike") {
   std::vector<DVec3> noise(40'000);
   for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = randomNormal3(9, i);
-  CHECK(powerShare(noise, 1000, 50, 500) == doctest::Approx(0.9).scale(0).epsilon(0.01));
-  CHECK(powerShare(noise, 1000, 100, 200) == doctest::Approx(0.2).scale(0).epsilon(0.05));
+  CHECK(powerShare(noise, 1000, 50, 500) == near(0.9, 0.01));
+  CHECK(powerShare(noise, 1000, 100, 200) == near(0.2, 0.05));
 }
 
 TEST_CASE("a constant has its power at no frequency; nothing has no power") {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/near.hpp"
+
 namespace palpate {
 namespace {
 
@@ -34,7 +36,7 @@ TEST_CASE("the peak is allowed for a second, then eased down to the continuous f
     last_N = now_N;
   }
   CHECK(largestStep_N < 0.02);
-  CHECK(last_N == doctest::Approx(kContinuous_N).scale(0).epsilon(0.01));
+  CHECK(last_N == near(kContinuous_N, 0.01));
   CHECK(motors.isWarm());
 }
 
@@ -59,7 +61,7 @@ TEST_CASE("the heat does not depend on how time is cut into ticks") {
   ThermalBudget coarse(kPeak_N, kContinuous_N), fine(kPeak_N, kContinuous_N);
   for (int i = 0; i < 10; ++i) coarse.spend(2, 0.5);
   for (int i = 0; i < 50'000; ++i) fine.spend(2, 0.0001);
-  CHECK(coarse.allowed_N() == doctest::Approx(fine.allowed_N()));
+  CHECK(coarse.allowed_N() == near(fine.allowed_N(), 1e-6));
 }
 
 TEST_CASE("what has no motors is never limited, and limits that are no numbers allow nothing") {

@@ -8,6 +8,7 @@
 #include "haptics/devices/path_device.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/contact_doubles.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {
@@ -45,7 +46,7 @@ TEST_CASE("the forces of a tool's points sum up by their shares, and turn about 
   // 0.5 N/mm times 2 mm a unit: 0.25 N at x = 6 mm and 1 N at y = 2 mm.
   CHECK(glm::distance(force_N, {0, 0, 1.25}) < 1e-12);
   CHECK(glm::distance(law.torque_mNm(), {2, -1.5, 0}) < 1e-12);
-  CHECK(law.demand_N() == doctest::Approx(1.25));
+  CHECK(law.demand_N() == near(1.25, 1e-6));
 }
 
 TEST_CASE("a tool of one point at the HIP has the force of the law for one point, bit by bit, tick by tick") {
@@ -69,14 +70,14 @@ TEST_CASE("limits act on the sum, and take as large a part of the torque") {
   ForceLaw law(options, {});
   const std::array points{pressedPoint({2, 0, 0}, 4, 0.5), pressedPoint({-1, 0, 0}, 4, 0.5)};
   CHECK(glm::distance(forceOf(law, points), {0, 0, 1}) < 1e-12);
-  CHECK(law.demand_N() == doctest::Approx(2));
+  CHECK(law.demand_N() == near(2, 1e-6));
   CHECK(glm::distance(law.torque_mNm(), {0, -0.5, 0}) < 1e-12);
 
   options.maxForce_N = kInfinite;
   options.maxRise_N_per_s = 600;
   ForceLaw rising(options, {});
-  CHECK(forceOf(rising, points).z == doctest::Approx(0.6));
-  CHECK(rising.torque_mNm().y == doctest::Approx(-0.3));
+  CHECK(forceOf(rising, points).z == near(0.6, 1e-6));
+  CHECK(rising.torque_mNm().y == near(-0.3, 1e-6));
 }
 
 TEST_CASE("a point that would pull is left out, the others are not") {
@@ -125,12 +126,12 @@ TEST_CASE("the servo loop traces a tool's torque, with the force that went out")
     const double depth = std::max(0.0, -row.hip.z);
     touched += depth > 0;
     if (depth == 0) CHECK(row.torque_mNm == DVec3(0));
-    CHECK(row.force_N.z == doctest::Approx(0.25 * depth));
-    CHECK(row.torque_mNm.y == doctest::Approx(-4 * row.force_N.z));
-    CHECK(row.penetration_mm == doctest::Approx(0.5 * depth));
+    CHECK(row.force_N.z == within(0.25 * depth, 1e-9));
+    CHECK(row.torque_mNm.y == within(-4 * row.force_N.z, 1e-9));
+    CHECK(row.penetration_mm == within(0.5 * depth, 1e-9));
   }
   CHECK(touched > 90);
-  CHECK(summarize(trace).peakTorque_mNm == doctest::Approx(1));
+  CHECK(summarize(trace).peakTorque_mNm == near(1, 1e-6));
 
   const ScratchFolder folder;
   writeTraceCsv(folder / "trace.csv", trace);

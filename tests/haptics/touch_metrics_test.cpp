@@ -7,6 +7,7 @@
 
 #include "engine/cloud/counter_random.hpp"
 #include "haptics/truth_path.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 constexpr double kStiffness = 0.4;
 constexpr double kRate_Hz = 1000;
 constexpr ModelScale kScale{2};  // one unit is two millimetres
-const doctest::Approx within(double value) { return doctest::Approx(value).scale(0).epsilon(0.005); }
 
 // A slide below a sphere of 50 units, answered by a god-object on a sphere of another size, with the force given.
 class Slide {
@@ -109,7 +109,7 @@ TEST_CASE("M4: a touch that ends a little sooner than the truth's is no roughnes
     return ticks;
   };
   for (const double off_mm : {9.4, 10.0}) {
-    CHECK(continuity(endsAt(off_mm), kRate_Hz, 0.7).max_N_per_s == doctest::Approx(0.01).scale(0).epsilon(1e-6));
+    CHECK(continuity(endsAt(off_mm), kRate_Hz, 0.7).max_N_per_s == near(0.01, 1e-6));
     CHECK(continuity(endsAt(off_mm), kRate_Hz, 0.7).power > 0);
   }
   CHECK(continuity(endsAt(9.4), kRate_Hz).max_N_per_s > 100);
@@ -133,55 +133,55 @@ TEST_CASE("a perfect trace has no error anywhere") {
 TEST_CASE("M1: a force tilted by ten degrees, and one that is tilted at one tick in ten") {
   Slide slide;
   for (TraceRow& row : slide.trace.rows) row.force_N = turned(row.force_N, frameAround(row.normal).u, 10);
-  CHECK(angleError(slide.judged()).mean_deg == within(10));
-  CHECK(angleError(slide.judged()).p95_deg == within(10));
+  CHECK(angleError(slide.judged()).mean_deg == near(10, 0.005));
+  CHECK(angleError(slide.judged()).p95_deg == near(10, 0.005));
   Slide seldom;
   for (std::size_t i = 0; i < seldom.trace.rows.size(); i += 10) {
     TraceRow& row = seldom.trace.rows[i];
     row.force_N = turned(row.force_N, frameAround(row.normal).u, 30);
   }
   const AngleError error = angleError(seldom.judged());
-  CHECK(error.mean_deg == doctest::Approx(3).scale(0).epsilon(0.015));  // the count is no multiple of ten
-  CHECK(error.p95_deg == within(30));
-  CHECK(error.max_deg == within(30));
+  CHECK(error.mean_deg == near(3, 0.015));  // the count is no multiple of ten
+  CHECK(error.p95_deg == near(30, 0.005));
+  CHECK(error.max_deg == near(30, 0.005));
 }
 
 TEST_CASE("M2: a proxy that lies too deep by 0.1 mm, and one that wavers by 0.2 mm") {
   Slide slide;
   for (TraceRow& row : slide.trace.rows) row.proxy -= kScale.toUnits(0.1) * row.normal;
-  CHECK(heightError(slide.judged(), kScale).bias_mm == within(-0.1));
-  CHECK(heightError(slide.judged(), kScale).rms_mm == within(0.1));
+  CHECK(heightError(slide.judged(), kScale).bias_mm == near(-0.1, 0.005));
+  CHECK(heightError(slide.judged(), kScale).rms_mm == near(0.1, 0.005));
   Slide wavering;
   for (std::size_t i = 0; i < wavering.trace.rows.size(); ++i)
     wavering.trace.rows[i].proxy += kScale.toUnits(i % 2 ? 0.2 : -0.2) * wavering.trace.rows[i].normal;
   CHECK(std::abs(heightError(wavering.judged(), kScale).bias_mm) < 0.001);
-  CHECK(heightError(wavering.judged(), kScale).rms_mm == within(0.2));
+  CHECK(heightError(wavering.judged(), kScale).rms_mm == near(0.2, 0.005));
 }
 
 TEST_CASE("M3: a force that is too small by a tenth, and one that is missing at one tick in four") {
   Slide slide;
   for (TraceRow& row : slide.trace.rows) row.force_N *= 0.9;
-  CHECK(forceError(slide.judged(), kStiffness, kScale) == within(0.1));
+  CHECK(forceError(slide.judged(), kStiffness, kScale) == near(0.1, 0.005));
   Slide missing;
   for (std::size_t i = 0; i < missing.trace.rows.size(); i += 4) missing.trace.rows[i].force_N = DVec3(0);
-  CHECK(forceError(missing.judged(), kStiffness, kScale) == within(0.5));
-  CHECK(heldShare(missing.judged()) == within(0.75));
+  CHECK(forceError(missing.judged(), kStiffness, kScale) == near(0.5, 0.005));
+  CHECK(heldShare(missing.judged()) == near(0.75, 0.005));
 }
 
 TEST_CASE("M4: the slope of a slow wave, and the share of a fast one beside it") {
   const double turn = 2 * std::numbers::pi;
   const auto slow = steady(4000, [&](double t) { return DVec3(0, 0, 1 + 0.1 * std::sin(turn * 5 * t)); });
-  CHECK(continuity(slow, kRate_Hz).max_N_per_s == within(0.1 * turn * 5));
+  CHECK(continuity(slow, kRate_Hz).max_N_per_s == near(0.1 * turn * 5, 0.005));
   CHECK(continuity(slow, kRate_Hz).roughShare < 0.001);
   const auto jump = steady(4000, [&](double t) { return DVec3(0, t < 2 ? 0.0 : 0.3, 1); });
-  CHECK(continuity(jump, kRate_Hz).max_N_per_s == within(300));
+  CHECK(continuity(jump, kRate_Hz).max_N_per_s == near(300, 0.005));
   CHECK(continuity(jump, kRate_Hz).p99_N_per_s == 0);
-  CHECK(continuity(jump, kRate_Hz).power == within(90'000));
+  CHECK(continuity(jump, kRate_Hz).power == near(90'000, 0.005));
   // dF/dt of 20 Hz at 3 and of 160 Hz at 1 N/s: a tenth of the power is rough.
   const auto both = steady(4000, [&](double t) {
     return DVec3(std::cos(turn * 20 * t) * 3 / (turn * 20), std::cos(turn * 160 * t) / (turn * 160), 1);
   });
-  CHECK(continuity(both, kRate_Hz).roughShare == doctest::Approx(0.1).scale(0).epsilon(0.08));
+  CHECK(continuity(both, kRate_Hz).roughShare == near(0.1, 0.08));
 }
 
 TEST_CASE("M5: a push has come through when it touches nothing, or from behind") {
@@ -203,32 +203,32 @@ TEST_CASE("M6: a proxy that shows where the god-object was four ticks ago") {
   const auto whole = late.judgedWhole();
   const auto ticks = between(whole, late.path().from_s + 0.01, late.path().to_s);
   const Lag lag = lagBehind(ticks, kScale);
-  CHECK(lag.delay_ms == within(4));
-  CHECK(lag.mean_mm == doctest::Approx(4 * 0.05 / (1 - 0.5 / 50) * (1 - 0.5 / 50)).scale(0).epsilon(0.02));
-  CHECK(lag.max_mm == doctest::Approx(0.2).scale(0).epsilon(0.02));
+  CHECK(lag.delay_ms == near(4, 0.005));
+  CHECK(lag.mean_mm == near(4 * 0.05 / (1 - 0.5 / 50) * (1 - 0.5 / 50), 0.02));
+  CHECK(lag.max_mm == near(0.2, 0.02));
 }
 
 TEST_CASE("M7: ticks that come late") {
   auto ticks = steady(1000, [](double) { return DVec3(0, 0, 1); });
   for (std::size_t i = 0; i < 30; ++i) ticks[i * 7].row.step_us = 1200;
-  CHECK(lateShare(ticks, 1000) == within(0.03));
+  CHECK(lateShare(ticks, 1000) == near(0.03, 0.005));
 }
 
 TEST_CASE("M8: a force in the air counts, one near the surface does not") {
   Slide slide;
   for (TraceRow& row : slide.trace.rows)
     if (!row.contact) row.force_N = DVec3(0, 0, glm::length(row.hip) > 52 ? 0.25 : 3.0);
-  CHECK(freeForce_N(slide.judgedWhole(), 2) == within(0.25));
+  CHECK(freeForce_N(slide.judgedWhole(), 2) == near(0.25, 0.005));
   CHECK_FALSE(freeForce_N(slide.judgedWhole(), 100));
 }
 
 TEST_CASE("M10: a force that drags, and a proxy that creeps while the HIP rests") {
   Slide slide;
   for (TraceRow& row : slide.trace.rows) row.force_N += 0.3 * glm::length(row.force_N) * frameAround(row.normal).v;
-  CHECK(tangentialShare(slide.judged()) == within(0.3));
+  CHECK(tangentialShare(slide.judged()) == near(0.3, 0.005));
   auto resting = steady(100, [](double) { return DVec3(0, 0, 1); });
   for (std::size_t i = 0; i < resting.size(); ++i) resting[i].row.proxy.x = 0.002 * static_cast<double>(i);
-  CHECK(drift_mm(resting, kScale) == within(0.396));
+  CHECK(drift_mm(resting, kScale) == near(0.396, 0.005));
 }
 
 TEST_CASE("M11: the force settles seven ticks after the edit; its largest step is found") {
@@ -242,7 +242,7 @@ TEST_CASE("M11: the force settles seven ticks after the edit; its largest step i
   CHECK(ticksUntilEqual(after, fresh, 20, 1e-3) == 0);
   CHECK_FALSE(ticksUntilEqual(after, fresh, 10, 1e-4));
   CHECK_FALSE(ticksUntilEqual(after, fresh, 50, 1));
-  CHECK(largestForceStep_N(after) == within(0.0195));
+  CHECK(largestForceStep_N(after) == near(0.0195, 0.005));
 }
 
 TEST_CASE("M12: traces that agree, and by how much others do not") {
@@ -252,7 +252,7 @@ TEST_CASE("M12: traces that agree, and by how much others do not") {
   Slide other;
   other.trace.rows[300].force_N.y += 0.05;
   CHECK_FALSE(identical(a.trace, other.trace));
-  CHECK(forceDifference_N(a.trace, other.trace) == within(0.05));
+  CHECK(forceDifference_N(a.trace, other.trace) == near(0.05, 0.005));
   other.trace.rows[300].force_N.y = std::numeric_limits<double>::quiet_NaN();
   CHECK(std::isinf(forceDifference_N(a.trace, other.trace)));
   other.trace.rows.pop_back();

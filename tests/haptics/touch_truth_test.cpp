@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "haptics/truth_path.hpp"
+#include "tests/near.hpp"
 
 namespace palpate::test {
 namespace {
@@ -25,7 +26,7 @@ TEST_CASE("on a smooth shape the god-object is the closest point of the truth") 
       CHECK(ideal.touching() == (shape->signedDistance(hip) <= 0));
       CHECK(glm::distance(ideal.contact().position, shape->closest(hip).position) < 1e-4);
       if (t_s < slide.from_s || t_s > slide.to_s) continue;
-      CHECK(shape->signedDistance(hip) == doctest::Approx(-1).scale(0).epsilon(1e-3));
+      CHECK(shape->signedDistance(hip) == near(-1, 1e-3));
     }
   }
 }
@@ -46,7 +47,7 @@ TEST_CASE("over the edge of a cube it stays on the face that it came to, and is 
     CHECK(angleBetween_deg(ideal.contact().normal, {1, 0, 0}) < 1e-6);
   }
   CHECK(touched > 100);
-  CHECK(slide.path.at(slide.to_s).y == doctest::Approx(55));
+  CHECK(slide.path.at(slide.to_s).y == near(55, 1e-6));
 }
 
 TEST_CASE("however fast it is pushed, it does not come through, nor touch from inside") {
@@ -56,7 +57,7 @@ TEST_CASE("however fast it is pushed, it does not come through, nor touch from i
   pushed.follow({35, 0, 20});
   pushed.follow({35, 0, -20});
   CHECK(pushed.touching());
-  CHECK(pushed.contact().position.z == doctest::Approx(15));
+  CHECK(pushed.contact().position.z == near(15, 1e-6));
   GodObject inside(truth, kStep);
   inside.follow({35, 0, 0});
   inside.follow({35, 0, 5});
@@ -67,13 +68,13 @@ TEST_CASE("a press rests at its depth in its window, and taps begin and end in t
   const SurfacePoint spot{{0, 0, 0}, {0, 0, 1}};
   const ModelScale scale{10};
   const TruthPath press = truthPress(spot, scale, {.depth_mm = 2});
-  CHECK(press.path.at(press.from_s).z == doctest::Approx(-0.2));
-  CHECK(press.path.at(press.to_s).z == doctest::Approx(-0.2));
-  CHECK(press.to_s - press.from_s == doctest::Approx(0.125));
+  CHECK(press.path.at(press.from_s).z == near(-0.2, 1e-6));
+  CHECK(press.path.at(press.to_s).z == near(-0.2, 1e-6));
+  CHECK(press.to_s - press.from_s == near(0.125, 1e-6));
   const TruthPath taps = truthTaps(spot, scale, {.speed_mm_per_s = 100});
-  CHECK(taps.path.at(0).z == doctest::Approx(0.5));
-  CHECK(taps.path.at(taps.to_s).z == doctest::Approx(0.5));
-  CHECK(taps.to_s == doctest::Approx(5 * 2 * 6 / 100.0));
+  CHECK(taps.path.at(0).z == near(0.5, 1e-6));
+  CHECK(taps.path.at(taps.to_s).z == near(0.5, 1e-6));
+  CHECK(taps.to_s == near(5 * 2 * 6 / 100.0, 1e-6));
 }
 
 }  // namespace palpate::test

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "engine/core/error.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {
@@ -105,8 +106,8 @@ TEST_CASE("forces are compared where the trajectory has some") {
   for (const double t : {0.001, 0.003}) recorded.samples.push_back({.t_s = t, .force_N = {0, 0, -0.3}});
   const ForceDifference difference = compareForces(someTrace(), recorded);
   CHECK(difference.ticks == 3);
-  CHECK(difference.worst_N == doctest::Approx(0.3));
-  CHECK(difference.rms_N == doctest::Approx(std::sqrt((0.01 + 0.04 + 0.09) / 3)));
+  CHECK(difference.worst_N == near(0.3, 1e-6));
+  CHECK(difference.rms_N == near(std::sqrt((0.01 + 0.04 + 0.09) / 3), 1e-6));
 }
 
 }  // namespace palpate

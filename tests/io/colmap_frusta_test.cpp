@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "tests/colmap_writer.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate::test {
@@ -42,9 +43,9 @@ TEST_CASE("the corners of a frustum are seen at the corners of the picture") {
     CHECK(glm::distance(frusta[0].centre, kCentre) < 1e-12);
     for (std::size_t k = 0; k < 4; ++k) {
       const DVec3 p = seen(frusta[0].centre + 2.5 * frusta[0].corners[k]);
-      CHECK(p.z == doctest::Approx(2.5));
-      CHECK(fx * p.x / p.z + cx == doctest::Approx(kCorners[k].x));
-      CHECK(fy * p.y / p.z + cy == doctest::Approx(kCorners[k].y));
+      CHECK(p.z == near(2.5, 1e-6));
+      CHECK(fx * p.x / p.z + cx == within(kCorners[k].x, 1e-6));
+      CHECK(fy * p.y / p.z + cy == within(kCorners[k].y, 1e-6));
     }
   }
 }
@@ -53,11 +54,11 @@ TEST_CASE("a fisheye lens sees by angles, and no farther than a pyramid can") {
   const auto frusta = frustaWith("4 OPENCV_FISHEYE 640 480 500 500 320 240 0 0 0 0");
   REQUIRE(frusta.size() == 1);
   const DVec3 p = seen(frusta[0].centre + frusta[0].corners[0]);
-  CHECK(std::atan2(std::hypot(p.x, p.y), p.z) == doctest::Approx(std::hypot(320, 240) / 500));
-  CHECK(p.x / p.y == doctest::Approx(320.0 / 240));
+  CHECK(std::atan2(std::hypot(p.x, p.y), p.z) == near(std::hypot(320, 240) / 500, 1e-6));
+  CHECK(p.x / p.y == near(320.0 / 240, 1e-6));
   const auto wide = frustaWith("4 SIMPLE_RADIAL_FISHEYE 640 480 200 320 240 0");
   const DVec3 far = seen(wide.at(0).centre + wide.at(0).corners[2]);
-  CHECK(std::atan2(std::hypot(far.x, far.y), far.z) * 180 / std::numbers::pi == doctest::Approx(74.5).epsilon(0.01));
+  CHECK(std::atan2(std::hypot(far.x, far.y), far.z) * 180 / std::numbers::pi == near(74.5, 0.01));
 }
 
 TEST_CASE("what is no lens has no frustum") {
@@ -73,9 +74,9 @@ TEST_CASE("the corners of what a depth camera sees are half a pixel beyond the m
   const CameraFrustum frustum = frustumOf(camera, pose);
   for (std::size_t k = 0; k < 4; ++k) {
     const DVec3 p = seen(frustum.centre + 0.3 * frustum.corners[k]);
-    CHECK(p.z == doctest::Approx(0.3));
-    CHECK(525 * p.x / p.z + 319 == doctest::Approx(kCorners[k].x - 0.5));
-    CHECK(530 * p.y / p.z + 241 == doctest::Approx(kCorners[k].y - 0.5));
+    CHECK(p.z == near(0.3, 1e-6));
+    CHECK(525 * p.x / p.z + 319 == within(kCorners[k].x - 0.5, 1e-6));
+    CHECK(530 * p.y / p.z + 241 == within(kCorners[k].y - 0.5, 1e-6));
   }
 }
 

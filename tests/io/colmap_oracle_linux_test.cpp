@@ -12,6 +12,7 @@
 #include "engine/io/colmap_frusta.hpp"
 #include "engine/io/colmap_model.hpp"
 #include "tests/colmap_writer.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
 
@@ -83,7 +84,7 @@ void checkSame(const std::filesystem::path& one, const std::filesystem::path& ot
   for (std::size_t i = 0; i < points.size(); ++i) {
     CHECK(glm::distance(points[i].position, again[i].position) <= tolerance * (1 + glm::length(points[i].position)));
     CHECK(points[i].color == again[i].color);
-    CHECK(points[i].error == doctest::Approx(again[i].error).epsilon(1e-5));
+    CHECK(points[i].error == within(again[i].error, 1e-5 * (1 + std::abs(again[i].error))));
     REQUIRE(points[i].images.size() == again[i].images.size());
     for (std::size_t k = 0; k < points[i].images.size(); ++k)
       CHECK(a.images[points[i].images[k]].id == b.images[again[i].images[k]].id);

@@ -14,6 +14,7 @@
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/io/gaussian_bytes.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
 
@@ -229,7 +230,7 @@ TEST_CASE("a scene that was trained is read") {
   CHECK(cloud.size() < 9080);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     CHECK(isFinite(cloud.positions[i]));
-    CHECK(glm::length(cloud.normals[i]) == doctest::Approx(1).epsilon(1e-4));
+    CHECK(glm::length(cloud.normals[i]) == near(1, 1e-4));
   }
 }
 

@@ -8,6 +8,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "tests/content_of.hpp"
+#include "tests/near.hpp"
 #include "tests/rgbd_writer.hpp"
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
@@ -95,7 +96,7 @@ TEST_CASE("frames of both kinds of folder are what stood before the camera, with
     CHECK(stream.camera() == recordedCamera());
     CHECK(stream.isRecorded());
     CHECK(stream.frames() == 5);
-    CHECK(stream.duration_s() == doctest::Approx(4.0 / 30).epsilon(1e-5));
+    CHECK(stream.duration_s() == near(4.0 / 30, 1e-5));
     CHECK(stream.depthScale() == scale);
     CHECK(stream.poses() == 5);
     CHECK(stream.colors() == 5);
@@ -165,8 +166,8 @@ TEST_CASE("numbers of Redwood's files are times, and frames between them are non
   const Played played = play(stream);
   CHECK(played.lost.empty());
   REQUIRE(played.frames.size() == 3);
-  CHECK(played.frames[1].time_s == doctest::Approx(5.0 / 30));
-  CHECK(played.frames[2].time_s == doctest::Approx(10.0 / 30));
+  CHECK(played.frames[1].time_s == near(5.0 / 30, 1e-6));
+  CHECK(played.frames[2].time_s == near(10.0 / 30, 1e-6));
   CHECK(played.frames[2].colors.front()[2] == 2);
 }
 
@@ -204,7 +205,7 @@ TEST_CASE("intrinsics that nobody gave are said; those that were given count mor
   RgbdFolder given(folder.path(), {.intrinsics = folder / "other.json"});
   CHECK(given.camera().fx == 30);
   CHECK(given.depthScale() == 500);
-  CHECK(given.duration_s() == doctest::Approx(0.3));
+  CHECK(given.duration_s() == near(0.3, 1e-6));
   CHECK(RgbdFolder(folder.path(), {.intrinsics = folder / "other.json", .depthScale = 200}).depthScale() == 200);
 
   std::filesystem::remove(folder / "intrinsics.json");
@@ -400,7 +401,7 @@ TEST_CASE("a real recording is read whole") {
   CHECK(stream.camera() == DepthCamera{.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5});
   CHECK(stream.depthScale() == 1000);
   CHECK(stream.kind() == "Redwood");
-  CHECK(stream.duration_s() == doctest::Approx(3.2));
+  CHECK(stream.duration_s() == near(3.2, 1e-6));
   CHECK(stream.up() == UpAxis::minusY);
   const Played played = play(stream);
   CHECK(played.lost.empty());

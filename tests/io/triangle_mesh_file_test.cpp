@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "engine/core/error.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate::test {
@@ -20,8 +21,8 @@ TEST_CASE("a mesh comes from a PLY file with faces; one without is refused") {
                       << places << "4 0 1 2 3\n";
   const TriangleMesh square = readTriangleMesh(file);
   CHECK(square.triangleCount() == 2);
-  CHECK(square.signedDistance({0.25, 0.5, 2}) == doctest::Approx(2));
-  CHECK(square.signedDistance({0.25, 0.5, -2}) == doctest::Approx(-2));
+  CHECK(square.signedDistance({0.25, 0.5, 2}) == near(2, 1e-6));
+  CHECK(square.signedDistance({0.25, 0.5, -2}) == near(-2, 1e-6));
   std::ofstream(file) << head << "end_header\n" << places;
   CHECK_THROWS_AS(readTriangleMesh(file), FileError);
 }

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "tests/library/ball.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {
@@ -30,8 +31,8 @@ TEST_CASE("a cloud has the points that it was made from, and shows them without 
     for (std::size_t k = 0; k < 3; ++k) CHECK(points.colors[4 * i + k] == colors[3 * i + k]);
     CHECK(points.colors[4 * i + 3] == 255);
   }
-  CHECK(points.max[2] == doctest::Approx(kBallRadius).epsilon(5e-3));
-  CHECK(points.min[0] == doctest::Approx(-kBallRadius).epsilon(5e-3));
+  CHECK(points.max[2] == near(kBallRadius, 5e-3));
+  CHECK(points.min[0] == near(-kBallRadius, 5e-3));
   PP_CHECK_OK(pp_cloud_close(cloud));
 }
 

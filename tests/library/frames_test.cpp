@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/library/ball.hpp"
+#include "tests/near.hpp"
 #include "tests/png_bytes.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -74,17 +75,17 @@ TEST_CASE("a frame is felt from its time on, and time goes on from path to path"
   const auto first = touch(ball.session, pathOf(rows));
   CHECK(first[49].contact == 0);
   CHECK(first[52].contact == 1);
-  CHECK(first.back().penetration_mm == doctest::Approx(0.5).epsilon(0.1));
+  CHECK(first.back().penetration_mm == near(0.5, 0.1));
   const auto second = touch(ball.session, pathOf(rows));
-  CHECK(second.front().t_s == doctest::Approx(0.1));
-  CHECK(second[40].penetration_mm == doctest::Approx(0.5).epsilon(0.1));
-  CHECK(second.back().penetration_mm == doctest::Approx(1.5).epsilon(0.1));
+  CHECK(second.front().t_s == near(0.1, 1e-6));
+  CHECK(second[40].penetration_mm == near(0.5, 0.1));
+  CHECK(second.back().penetration_mm == near(1.5, 0.1));
   pp_frame frame{};
   PP_REQUIRE_OK(pp_session_frame(ball.session, &frame));
   pp_moving_points points{};
   PP_REQUIRE_OK(pp_frame_view(frame, &points));
   CHECK(points.points.count == kPoints);
-  CHECK(points.points.max[2] == doctest::Approx(kBallRadius + 2.5).epsilon(1e-3));
+  CHECK(points.points.max[2] == near(kBallRadius + 2.5, 1e-3));
   CHECK(points.t_s == 0.15);
   PP_REQUIRE_OK(pp_frame_close(frame));
   CHECK(placesOf(ball.session).size() == 3 * kPoints);
@@ -96,9 +97,9 @@ TEST_CASE("velocities carry points on between frames, for so long and no longer"
   PP_REQUIRE_OK(carried.push(0.01, 1.2, 20));
   const auto rows = stand(200);
   const auto a = touch(still.session, pathOf(rows)), b = touch(carried.session, pathOf(rows));
-  CHECK(a[40].penetration_mm == doctest::Approx(a[190].penetration_mm).epsilon(1e-3));
-  CHECK(b[40].penetration_mm == doctest::Approx(a[40].penetration_mm + 20 * 0.03).epsilon(0.1));
-  CHECK(b[190].penetration_mm == doctest::Approx(a[190].penetration_mm + 20 * 0.05).epsilon(0.1));
+  CHECK(a[40].penetration_mm == near(a[190].penetration_mm, 1e-3));
+  CHECK(b[40].penetration_mm == near(a[40].penetration_mm + 20 * 0.03, 0.1));
+  CHECK(b[190].penetration_mm == near(a[190].penetration_mm + 20 * 0.05, 0.1));
 }
 
 TEST_CASE("frames of other sizes are felt as they are, and those of doubles far from zero keep their places") {
@@ -109,8 +110,8 @@ TEST_CASE("frames of other sizes are felt as they are, and those of doubles far 
   PP_REQUIRE_OK(ball.push(0.05, 2, 0, kPoints / 2));
   const auto rows = stand(90);
   const auto ticks = touch(ball.session, pathOf(rows));
-  CHECK(ticks[40].penetration_mm == doctest::Approx(0.5).epsilon(0.15));
-  CHECK(ticks[80].penetration_mm == doctest::Approx(1).epsilon(0.15));
+  CHECK(ticks[40].penetration_mm == near(0.5, 0.15));
+  CHECK(ticks[80].penetration_mm == near(1, 0.15));
   CHECK(ball.push(0.2, 2, 0, 2 * kPoints + 1) == PP_ERROR_ARGUMENT);
   const BallArrays<double> far(kPoints, {5e6, 4e6, 0}), higher(kPoints, {5e6, 4e6, 1.5});
   const pp_cloud_arrays arrays = far.arrays();
@@ -127,7 +128,7 @@ TEST_CASE("frames of other sizes are felt as they are, and those of doubles far 
   PP_REQUIRE_OK(pp_session_push_frame(session, &frame));
   std::vector<double> there;
   for (int i = 0; i < 40; ++i) there.insert(there.end(), {5e6 + 0.3, 4e6 - 0.2, kBallRadius + 1});
-  CHECK(touch(session, pathOf(there)).back().penetration_mm == doctest::Approx(0.5).epsilon(0.1));
+  CHECK(touch(session, pathOf(there)).back().penetration_mm == near(0.5, 0.1));
   PP_REQUIRE_OK(pp_session_close(session));
   PP_REQUIRE_OK(pp_cloud_close(cloud));
 }
@@ -158,7 +159,7 @@ TEST_CASE("frames come from one thread while another touches, and live") {
   for (const pp_tick& tick : ticks)
     if (tick.t_s < 0.2) CHECK(tick.contact == 0);  // none feels a frame before its time
   CHECK(ticks.back().contact == 1);
-  CHECK(ticks.back().penetration_mm == doctest::Approx(1.5).epsilon(0.2));
+  CHECK(ticks.back().penetration_mm == near(1.5, 0.2));
   // The path behind it begins at 0, and so do its frames: with the newest one, until the next one's time has come.
   PP_REQUIRE_OK(ball.push(0.08, -5));
   std::vector<double> down = stand(120);
@@ -167,7 +168,7 @@ TEST_CASE("frames come from one thread while another touches, and live") {
   CHECK(after.front().t_s < 0.01);
   CHECK(after[5].contact == 0);
   CHECK(after[70].contact == 1);
-  CHECK(after[70].penetration_mm == doctest::Approx(1.5).epsilon(0.2));
+  CHECK(after[70].penetration_mm == near(1.5, 0.2));
   CHECK(after.back().contact == 0);
 }
 
@@ -270,7 +271,7 @@ TEST_CASE("frames that are no frames are refused, and what was felt is felt on")
   CHECK(pp_session_record(ball.session, "/tmp/never.session") == PP_ERROR_STATE);
   CHECK(pp_session_hold(ball.session, 1) == PP_ERROR_STATE);
   const auto rows = stand(50);
-  CHECK(touch(ball.session, pathOf(rows)).back().penetration_mm == doctest::Approx(0.5).epsilon(0.1));
+  CHECK(touch(ball.session, pathOf(rows)).back().penetration_mm == near(0.5, 0.1));
 
   const OpenBall still;
   frame.velocities = {};

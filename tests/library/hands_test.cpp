@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "tests/library/ball.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -66,12 +67,12 @@ TEST_CASE("each of several hands feels what it would feel alone, and its path's 
       const pp_tick& tick = ran.ticks[3 * i + hand];
       CHECK(tick.t_s == single[i].t_s);
       CHECK(std::memcmp(tick.hip, single[i].hip, sizeof tick.hip) == 0);
-      CHECK(tick.force_N[0] == doctest::Approx(single[i].force_N[0]).epsilon(1e-9));
-      CHECK(tick.force_N[2] == doctest::Approx(single[i].force_N[2]).epsilon(1e-9));
+      CHECK(tick.force_N[0] == within(single[i].force_N[0], 1e-9));
+      CHECK(tick.force_N[2] == within(single[i].force_N[2], 1e-9));
     }
   }
   const pp_tick& stays = ran.ticks[3 * 199 + 2];
-  CHECK(stays.hip[1] == doctest::Approx(kBallRadius - 1.5));
+  CHECK(stays.hip[1] == near(kBallRadius - 1.5, 1e-6));
   CHECK(stays.contact == 1);
   CHECK(ran.ticks[3 * 199 + 1].force_N[0] < -1);                   // out of the ball, to its own side
   for (const double torque : ran.torques_mNm) CHECK(torque == 0);  // points have none

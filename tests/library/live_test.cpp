@@ -5,6 +5,7 @@
 
 #include "tests/library/ball.hpp"
 #include "tests/library/own_law.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -56,8 +57,8 @@ TEST_CASE("a live hand follows its path against the clock, and its ticks come in
   for (std::size_t i = 1; i < ticks.size(); ++i) CHECK(ticks[i].t_s > ticks[i - 1].t_s);
   const pp_tick& last = ticks.back();
   CHECK(last.contact == 1);
-  CHECK(last.hip[2] == doctest::Approx(49));
-  CHECK(last.force_N[2] == doctest::Approx(0.8 * last.penetration_mm).epsilon(0.01));
+  CHECK(last.hip[2] == near(49, 1e-6));
+  CHECK(last.force_N[2] == near(0.8 * last.penetration_mm, 0.01));
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   pp_live_state state = pp_default_live_state();
   takeTicks(ball.session, 1);
@@ -133,7 +134,7 @@ TEST_CASE("forces can be taken away and a law given, while the hand goes on") {
   double most_N = 0;
   for (int i = 0; i < 15 && most_N < 1.24; ++i)
     for (const pp_tick& tick : takeTicks(ball.session, 900)) most_N = std::max(most_N, tick.force_N[0]);
-  CHECK(most_N == doctest::Approx(1.25));
+  CHECK(most_N == near(1.25, 1e-6));
   PP_REQUIRE_OK(pp_live_stop(ball.session));
   CHECK(calls.count > 100);
 }

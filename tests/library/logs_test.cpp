@@ -8,6 +8,7 @@
 #include "tests/content_of.hpp"
 #include "tests/library/ball.hpp"
 #include "tests/library/own_law.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {
@@ -102,7 +103,7 @@ TEST_CASE("a stroke is recorded with all that it did to the points, and comes ou
       const double radius = std::hypot(edit.position[0], edit.position[1], edit.position[2]);
       const bool painted = edit.color[0] != 0 || edit.color[3] != 0;
       changed += edit.gone == 1 || std::abs(radius - kBallRadius) > 1e-3 || painted;
-      CHECK(std::hypot(edit.normal[0], edit.normal[1], edit.normal[2]) == doctest::Approx(1).epsilon(1e-3));
+      CHECK(std::hypot(edit.normal[0], edit.normal[1], edit.normal[2]) == near(1, 1e-3));
     }
     CHECK(changed > log.content.edits / 4);
   }

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/library/ball.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -143,7 +144,7 @@ TEST_CASE("matter that nobody touches moves on by milliseconds, the same for any
   PP_REQUIRE_OK(pp_matter_step(one.matter, 150));
   for (int k = 0; k < 150; ++k) PP_REQUIRE_OK(pp_matter_step(two.matter, 1));
   const Frame a = frameOf(one.matter), b = frameOf(two.matter);
-  CHECK(a.t_s == doctest::Approx(0.15));
+  CHECK(a.t_s == near(0.15, 1e-6));
   CHECK(a.positions == b.positions);
   CHECK(a.velocities == b.velocities);
   CHECK(a.positions != rest.positions);
@@ -183,7 +184,7 @@ TEST_CASE("parameters of matter alone are listed, set within their bounds, and t
     PP_REQUIRE_OK(pp_matter_get_parameter(still.matter, i, &parameter));
     if (std::string(parameter.name) != "gravity_y_m_s2") continue;
     found = true;
-    CHECK(parameter.value == doctest::Approx(-9.81));
+    CHECK(parameter.value == near(-9.81, 1e-6));
     CHECK(std::string(parameter.unit) == "m/s^2");
   }
   CHECK(found);
@@ -256,7 +257,7 @@ TEST_CASE("a hand by path feels the water, goes on from path to path, and begins
   CHECK(last.force_N[1] > 0.1);  // it is pushed up
   CHECK(lengthOf(first.front().force_N) == 0);
   const Frame under = frameOf(water.session);
-  CHECK(under.t_s == doctest::Approx(last.t_s));
+  CHECK(under.t_s == near(last.t_s, 1e-6));
   CHECK(under.positions != rest.positions);
   const pp_motion motion = motionOf(water.session);
   CHECK(motion.hands == 1);
@@ -266,8 +267,8 @@ TEST_CASE("a hand by path feels the water, goes on from path to path, and begins
   // On from there, and not from the beginning.
   const std::vector<double> stay{40, 35, 40, 40, 35, 40};
   const auto more = touch(water.session, pathOf(stay));
-  CHECK(more.front().t_s == doctest::Approx(last.t_s + 1e-3));
-  CHECK(more.front().force_N[1] == doctest::Approx(last.force_N[1]).epsilon(0.2));
+  CHECK(more.front().t_s == near(last.t_s + 1e-3, 1e-6));
+  CHECK(more.front().force_N[1] == near(last.force_N[1], 0.2));
   // The same again from the start gives the same bits.
   PP_REQUIRE_OK(pp_session_reset(water.session));
   const auto again = touch(water.session, pathOf(way));
@@ -285,8 +286,7 @@ TEST_CASE("what is held is not felt and does not move, and parameters act while 
   const Frame before = frameOf(water.session);
   for (const pp_tick& tick : touch(water.session, pathOf(way))) CHECK(lengthOf(tick.force_N) == 0);
   const Frame after = frameOf(water.session);
-  for (std::size_t i = 0; i < after.positions.size(); ++i)
-    CHECK(after.positions[i] == doctest::Approx(before.positions[i]).epsilon(1e-6));
+  for (std::size_t i = 0; i < after.positions.size(); ++i) CHECK(after.positions[i] == before.positions[i]);
   PP_REQUIRE_OK(pp_session_hold(water.session, 0));
   PP_REQUIRE_OK(pp_session_reset(water.session));
   const double plain_N = touch(water.session, pathOf(way)).back().force_N[1];
@@ -297,7 +297,7 @@ TEST_CASE("what is held is not felt and does not move, and parameters act while 
   CHECK(parametersOf(water.session).at("gain").value == 3);
   PP_REQUIRE_OK(pp_session_reset(water.session));
   const double gained_N = touch(water.session, pathOf(way)).back().force_N[1];
-  CHECK(gained_N == doctest::Approx(3 * plain_N).epsilon(0.15));
+  CHECK(gained_N == near(3 * plain_N, 0.15));
   CHECK(pp_session_set_parameter(water.session, "gain", -5) == PP_ERROR_ARGUMENT);
   CHECK(parametersOf(water.session).at("gain").value == 3);
 }
@@ -319,7 +319,7 @@ TEST_CASE("a host's own loop feels water tick by tick, with a budget against the
   CHECK(contact.force_N[1] > 0.1);
   // Behind it a path begins where time has come to.
   const std::vector<double> stay{40, 35, 40};
-  CHECK(touch(water.session, pathOf(stay)).front().t_s == doctest::Approx(0.4));
+  CHECK(touch(water.session, pathOf(stay)).front().t_s == near(0.4, 1e-6));
 }
 
 TEST_CASE("a live hand in water: ticks come, frames are new, and it is governed from another thread") {

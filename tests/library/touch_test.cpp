@@ -4,6 +4,7 @@
 
 #include "tests/library/ball.hpp"
 #include "tests/library/own_law.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -34,12 +35,12 @@ TEST_CASE("a hand in a ball is pushed out along the ball's radius, by stiffness 
   CHECK(last.valid == 1);
   CHECK(last.fresh == 1);
   CHECK(last.neighbours > 10);
-  CHECK(radiusOf(last.proxy) == doctest::Approx(kBallRadius).epsilon(2e-4));
-  CHECK(last.penetration_mm == doctest::Approx(kBallRadius - radiusOf(last.hip)).epsilon(0.01));
-  CHECK(lengthOf(last.force_N) == doctest::Approx(0.8 * last.penetration_mm).epsilon(1e-6));
+  CHECK(radiusOf(last.proxy) == near(kBallRadius, 2e-4));
+  CHECK(last.penetration_mm == near(kBallRadius - radiusOf(last.hip), 0.01));
+  CHECK(lengthOf(last.force_N) == near(0.8 * last.penetration_mm, 1e-6));
   for (int k = 0; k < 3; ++k) {
-    CHECK(last.force_N[k] / lengthOf(last.force_N) == doctest::Approx(last.proxy[k] / kBallRadius).epsilon(0.01));
-    CHECK(last.normal[k] == doctest::Approx(last.proxy[k] / kBallRadius).epsilon(0.01));
+    CHECK(last.force_N[k] / lengthOf(last.force_N) == within(last.proxy[k] / kBallRadius, 0.01));
+    CHECK(last.normal[k] == within(last.proxy[k] / kBallRadius, 0.01));
   }
 }
 
@@ -74,8 +75,8 @@ TEST_CASE("a path with times is linear between its rows, and as long as they say
   const auto ticks = touch(ball.session, pathOf(rows, 4));
   REQUIRE(ticks.size() == 51);
   CHECK(ticks[0].hip[2] == 60);
-  CHECK(ticks[30].hip[2] == doctest::Approx(56));
-  CHECK(ticks[50].hip[2] == doctest::Approx(52));
+  CHECK(ticks[30].hip[2] == near(56, 1e-6));
+  CHECK(ticks[50].hip[2] == near(52, 1e-6));
 }
 
 TEST_CASE("single precision and rows that lie apart are the same path") {
@@ -186,7 +187,7 @@ TEST_CASE("tick by tick a hand feels what it feels along a path") {
     CHECK(contact.contact == ticks[i].contact);
     for (int k = 0; k < 3; ++k) {
       CHECK(contact.proxy[k] == ticks[i].proxy[k]);
-      CHECK(contact.force_N[k] == doctest::Approx(ticks[i].force_N[k]).epsilon(1e-12));
+      CHECK(contact.force_N[k] == within(ticks[i].force_N[k], 1e-12));
     }
     CHECK(contact.penetration_mm == ticks[i].penetration_mm);
     CHECK(contact.neighbours == ticks[i].neighbours);
@@ -220,7 +221,7 @@ TEST_CASE("what is felt can be changed, but for the support radius") {
   PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
   CHECK(info.points == 20'000);
   CHECK(info.mm_per_unit == 1);
-  CHECK(info.radius_mm == doctest::Approx(4 * info.spacing_mm).epsilon(0.2));
+  CHECK(info.radius_mm == near(4 * info.spacing_mm, 0.2));
   CHECK(std::string(info.backend) == "cpu");
   CHECK_FALSE(std::string(info.machine).empty());
   const auto path = pressPath(1);
@@ -228,10 +229,10 @@ TEST_CASE("what is felt can be changed, but for the support radius") {
   pp_feel feel = pp_default_feel();
   feel.stiffness_N_per_mm = 1.6;
   PP_REQUIRE_OK(pp_session_set_feel(ball.session, &feel));
-  CHECK(touch(ball.session, pathOf(path)).back().force_N[2] == doctest::Approx(2 * soft_N));
+  CHECK(touch(ball.session, pathOf(path)).back().force_N[2] == near(2 * soft_N, 1e-6));
   feel.max_force_N = 0.5;
   PP_REQUIRE_OK(pp_session_set_feel(ball.session, &feel));
-  CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == doctest::Approx(0.5));
+  CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == near(0.5, 1e-6));
   feel.radius_mm = 3;
   CHECK(pp_session_set_feel(ball.session, &feel) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("radius_mm"));
@@ -246,12 +247,12 @@ TEST_CASE("a force law of the program's own has the say, within the limits") {
   const auto path = pressPath(1);
   const auto ticks = touch(ball.session, pathOf(path));
   CHECK(calls.count > 100);
-  CHECK(calls.usual_N == doctest::Approx(0.8 * ticks.back().penetration_mm).epsilon(1e-6));
+  CHECK(calls.usual_N == near(0.8 * ticks.back().penetration_mm, 1e-6));
   CHECK(calls.lastHip_z == path.back());
-  CHECK(ticks.back().force_N[0] == doctest::Approx(1.25));  // as the law says, whatever the surface
-  CHECK(ticks.back().force_N[2] == doctest::Approx(0));
+  CHECK(ticks.back().force_N[0] == near(1.25, 1e-6));  // as the law says, whatever the surface
+  CHECK(ticks.back().force_N[2] == within(0, 1e-6));
   calls.size_N = 50;
-  CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == doctest::Approx(3.3));
+  CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == near(3.3, 1e-6));
 }
 
 TEST_CASE("a force law is loaded from a library by its name") {
@@ -261,7 +262,7 @@ TEST_CASE("a force law is loaded from a library by its name") {
   const OpenBall ball(options);
   const auto path = pressPath(1);
   const pp_tick last = touch(ball.session, pathOf(path)).back();
-  CHECK(last.force_N[2] == doctest::Approx(0.4 * last.penetration_mm).epsilon(1e-3));
+  CHECK(last.force_N[2] == near(0.4 * last.penetration_mm, 1e-3));
   const BallCloud other(100);
   pp_session session{};
   const std::string none = std::string(PALPATE_OWN_LAW) + ":nothing";

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "tests/library/ball.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {
@@ -164,7 +165,7 @@ TEST_CASE("a mesh of the ball is closed, lies on it, and is written") {
         (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])) /
         6.0;
   }
-  CHECK(volume == doctest::Approx(4.0 / 3 * std::numbers::pi * std::pow(kBallRadius, 3)).epsilon(0.02));
+  CHECK(volume == near(4.0 / 3 * std::numbers::pi * std::pow(kBallRadius, 3), 0.02));
   const ScratchFolder folder;
   const std::string file = (folder / "ball.ply").string();
   PP_REQUIRE_OK(pp_mesh_write(mesh, file.c_str(), nullptr));

@@ -4,6 +4,7 @@
 
 #include "engine/core/processor.hpp"
 #include "tests/matter/matter_truths.hpp"
+#include "tests/near.hpp"
 #include "tests/says.hpp"
 
 namespace palpate {
@@ -42,7 +43,7 @@ TEST_CASE("a scene that cannot be simulated is refused with its field, before an
 TEST_CASE("a scene has as many substeps as it needs, or more where it says so") {
   const MatterPlan plan = planOf({});
   CHECK(plan.particles == 20 * 10 * 20);
-  CHECK(plan.mass_kg == doctest::Approx(1000 * 5e-3 * 5e-3 * 5e-3));
+  CHECK(plan.mass_kg == near(1000 * 5e-3 * 5e-3 * 5e-3, 1e-6));
   CHECK(plan.substeps >= 2);
   MatterScene finer;
   finer.substeps = plan.substeps + 3;

@@ -6,6 +6,7 @@
 #include "engine/matter/matter_rules.hpp"
 #include "engine/matter/neighbour_lists.hpp"
 #include "tests/matter/matter_scenes.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -66,16 +67,16 @@ TEST_CASE("what lies beyond a plane is the integral of the weights there") {
         all += 2 * weight;
         if (along > distance) beyond += weight;
       }
-    CHECK(shared::shareBeyond(distance) == doctest::Approx(beyond / all).epsilon(0.01));
+    CHECK(shared::shareBeyond(distance) == near(beyond / all, 0.01));
     const double slope = (shared::shareBeyond(distance + 1e-5) - shared::shareBeyond(distance)) / 1e-5;
-    CHECK(shared::shareInLayer(distance) == doctest::Approx(-slope).epsilon(1e-3));
+    CHECK(shared::shareInLayer(distance) == near(-slope, 1e-3));
   }
 }
 
 TEST_CASE("a pull is the slope of the weight") {
   for (const double r : {0.1, 0.4, 0.7, 0.95}) {
     const double slope = (shared::wendland(r + 1e-6) - shared::wendland(r - 1e-6)) / 2e-6;
-    CHECK(shared::wendlandPull(r) * r == doctest::Approx(-slope).epsilon(1e-6));
+    CHECK(shared::wendlandPull(r) * r == near(-slope, 1e-6));
   }
   CHECK(std::isfinite(shared::wendlandPull(0.0f)));
 }
@@ -85,11 +86,11 @@ TEST_CASE("matter at rest on its lattice misses nothing at a wall") {
   const shared::WaterRules rules = waterRules(fluid);
   const LatticeSums sums = latticeSums(kSupport_spacings);
   const auto far = shared::wallsBeside<float>(rules, 0.5f, 1, false);
-  const auto near = shared::wallsBeside<float>(rules, 0.005f, 1, false);
+  const auto beside = shared::wallsBeside<float>(rules, 0.005f, 1, false);
   CHECK(shared::wallEffect(rules, far, far, far).sum == 0);
-  const float beside = shared::wallEffect(rules, far, near, far).sum;
-  CHECK(beside == doctest::Approx(sums.beyond).epsilon(1e-4));
-  CHECK(shared::compressionOf<float>(rules, static_cast<float>(sums.weight)) == doctest::Approx(0));
+  const float missing = shared::wallEffect(rules, far, beside, far).sum;
+  CHECK(missing == near(sums.beyond, 1e-4));
+  CHECK(shared::compressionOf<float>(rules, static_cast<float>(sums.weight)) == within(0, 1e-6));
 }
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 
 #include "engine/core/clock.hpp"
 #include "tests/motion/depth_stream.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -101,11 +102,11 @@ TEST_CASE("a sensor's points in rows set out from where their rays met the surfa
     blend.follow(kRays, before, frame, DVec3(0), maker.pixels(), {.between_s = 0.05, .goOn_s = 0.05}, points);
     REQUIRE(points.size() == 4);
     for (std::size_t i = 0; i < 3; ++i) {
-      CHECK(points.positions[i].z == doctest::Approx(1));
-      CHECK(points.positions[i].x == doctest::Approx(0.099 * static_cast<double>(i)));
-      CHECK(points.velocities[i].z == doctest::Approx(-0.2));
+      CHECK(points.positions[i].z == near(1, 1e-6));
+      CHECK(points.positions[i].x == within(0.099 * static_cast<double>(i), 1e-6));
+      CHECK(points.velocities[i].z == within(-0.2, 1e-5));
     }
-    CHECK(points.positions[3].z == doctest::Approx(0.99));
+    CHECK(points.positions[3].z == near(0.99, 1e-6));
     CHECK(points.velocities[3] == Vec3(0));
   }
   // A metre per second is the most that is followed.

@@ -10,6 +10,7 @@
 
 #include "engine/core/error.hpp"
 #include "tests/motion/depth_scene.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -75,7 +76,7 @@ TEST_CASE("the same time gives the same points, whatever was asked for before") 
   CHECK(source.keepsPoints());
   CloudFrame first, later, again;
   source.makeFrame(0.25, first);
-  CHECK(first.time_s == doctest::Approx(0.2));
+  CHECK(first.time_s == near(0.2, 1e-6));
   CHECK(source.fusion().fused() == 3);
   CHECK(first.positions.size() == source.fusion().map().count());
   CHECK(first.ids.size() == first.positions.size());
@@ -83,7 +84,7 @@ TEST_CASE("the same time gives the same points, whatever was asked for before") 
   CHECK(first.normals.size() == first.positions.size());
   CHECK(first.colors.size() == first.positions.size());
   source.makeFrame(9, later);
-  CHECK(later.time_s == doctest::Approx(0.5));
+  CHECK(later.time_s == near(0.5, 1e-6));
   CHECK(later.positions.size() > first.positions.size());
   source.makeFrame(0.25, again);
   CHECK(areEqual(first, again));
@@ -164,7 +165,7 @@ TEST_CASE(
   CHECK(shared::isStable(source.fusion().map().surfel(0).record));
   source.makeFrame(0.25, frame);
   CHECK(source.fusion().fused() == 2);
-  CHECK(frame.time_s == doctest::Approx(0.2));
+  CHECK(frame.time_s == near(0.2, 1e-6));
   source.makeFrame(0.5, later);
   source.makeFrame(0.25, later);
   CHECK(areEqual(frame, later));

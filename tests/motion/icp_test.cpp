@@ -8,6 +8,7 @@
 #include "engine/core/error.hpp"
 #include "engine/motion/pixel_surface.hpp"
 #include "tests/motion/depth_scene.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -208,7 +209,7 @@ TEST_CASE("six equations are solved, and their eigenvalues are those of the matr
   const Eigen6 eigen = eigenSymmetric(equations.matrix);
   const NormalEquations::Row found = solve(equations);
   for (std::size_t k = 0; k < found.size(); ++k) {
-    CHECK(found[k] == doctest::Approx(truth[k]).epsilon(1e-6));
+    CHECK(found[k] == within(truth[k], 1e-6));
     // A v = lambda v.
     for (std::size_t i = 0; i < found.size(); ++i) {
       double product = 0;

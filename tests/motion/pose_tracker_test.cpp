@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/near.hpp"
+
 namespace palpate {
 
 namespace {
@@ -43,8 +45,8 @@ TEST_CASE("a frame is looked for about the last one that was fused, the farther 
   for (int missed = 0; missed < 3; ++missed) {
     const auto pose = tracker.place(frameWith({}), [&](const CameraPose& expected, const IcpOptions& now) {
       CHECK(expected.centre == at(1).centre);
-      CHECK(now.longestStep_m == doctest::Approx(0.1 * (1 + missed)));
-      CHECK(now.largestTurn_deg == doctest::Approx(5.0 * (1 + missed)));
+      CHECK(now.longestStep_m == near(0.1 * (1 + missed), 1e-6));
+      CHECK(now.largestTurn_deg == near(5.0 * (1 + missed), 1e-6));
       return IcpResult{.state = IcpState::tooFar};
     });
     CHECK_FALSE(pose);
@@ -54,7 +56,7 @@ TEST_CASE("a frame is looked for about the last one that was fused, the farther 
   tracker.fused(at(2));
   const auto pose = tracker.place(frameWith({}), [&](const CameraPose& expected, const IcpOptions& now) {
     CHECK(expected.centre == at(2).centre);
-    CHECK(now.longestStep_m == doctest::Approx(0.1));
+    CHECK(now.longestStep_m == near(0.1, 1e-6));
     return IcpResult{.state = IcpState::found, .pose = at(2.5)};
   });
   REQUIRE(pose);

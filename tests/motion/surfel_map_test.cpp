@@ -12,6 +12,7 @@
 #include "engine/core/error.hpp"
 #include "engine/motion/pixel_surface.hpp"
 #include "tests/motion/depth_scene.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -279,8 +280,8 @@ TEST_CASE("a map far from the world's origin is as fine as one about it") {
   CHECK(here.map().origin() == DVec3(0));
   CHECK(glm::distance(there.map().origin(), far) < 2);
   const Truth a = against(tableScene(), here.map(), 4), b = against(tableScene(far), there.map(), 4);
-  CHECK(b.rms_mm == doctest::Approx(a.rms_mm).epsilon(0.02));
-  CHECK(static_cast<double>(b.points) == doctest::Approx(static_cast<double>(a.points)).epsilon(0.01));
+  CHECK(b.rms_mm == near(a.rms_mm, 0.02));
+  CHECK(static_cast<double>(b.points) == near(static_cast<double>(a.points), 0.01));
 }
 
 TEST_CASE("the same frames give the same bytes with any number of threads") {

@@ -7,6 +7,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
 #include "tests/motion_gpu/fused_cloud.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -49,10 +50,10 @@ TEST_CASE_FIXTURE(PoseFixture, "the GPU finds the pose that the host finds, fram
       // Of one step, since both go on from a pose of their own.
       CHECK(shift_mm(result.pose, outcome.pose) < 0.2);
       CHECK(turn_deg(result.pose, outcome.pose) < 0.02);
-      CHECK(result.matched == doctest::Approx(outcome.search.matched).epsilon(0.01));
-      CHECK(result.residual == doctest::Approx(outcome.search.residual).epsilon(0.02));
-      CHECK(result.weakest == doctest::Approx(outcome.search.weakest).epsilon(0.05));
-      CHECK(result.feigned == doctest::Approx(outcome.search.feigned).epsilon(0.05));
+      CHECK(result.matched == near(outcome.search.matched, 0.01));
+      CHECK(result.residual == near(outcome.search.residual, 0.02));
+      CHECK(result.weakest == near(outcome.search.weakest, 0.05));
+      CHECK(result.feigned == near(outcome.search.feigned, 0.05));
       CHECK(shift_mm(result.pose, onTheWay(i)) < 3);
       CHECK(turn_deg(result.pose, onTheWay(i)) < 0.3);
       frame.pose = last = result.pose;

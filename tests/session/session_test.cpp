@@ -3,6 +3,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "haptics/devices/replay_device.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
 #include "tests/source_folder.hpp"
@@ -47,8 +48,7 @@ TEST_CASE("what is felt is the force law's spring on the surface, and nothing is
   const TraceSummary summary = summarize(result.trace());
   CHECK(summary.contactTicks > 80);
   CHECK(summary.faultTicks == 0);
-  CHECK(summary.peakForce_N ==
-        doctest::Approx(0.8).epsilon(0.15));  // 1 mm deep at 0.8 N/mm, less what the average sinks
+  CHECK(summary.peakForce_N == near(0.8, 0.15));  // 1 mm deep at 0.8 N/mm, less what the average sinks
   CHECK(session.sculpted().edited == 0);
   CHECK(samePoints(session.sculpted().cloud, session.model().cloud));
 }

@@ -6,6 +6,7 @@
 #include "engine/io/ply_writer.hpp"
 #include "engine/matter/soft_model.hpp"
 #include "haptics/session/session.hpp"
+#include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
 
@@ -142,7 +143,7 @@ TEST_CASE("what a hand is given is what its body gets, whatever a millimetre of 
     const TraceRow& last = result.trace().rows.back();
     CHECK(last.contact);
     // At rest the surface is pushed as deep as the force makes a softer or stiffer hand stretch.
-    CHECK(last.force_N.y == doctest::Approx(0.5 * mm_per_unit * (last.proxy.y - last.hip.y)).epsilon(0.01));
+    CHECK(last.force_N.y == near(0.5 * mm_per_unit * (last.proxy.y - last.hip.y), 0.01));
     // A body of that stiffness: half the spring goes farther in than all of it.
     CHECK(30 - last.proxy.y > (mm_per_unit < 1 ? 0.5 : 1.0));
     CHECK(30 - last.proxy.y < (mm_per_unit < 1 ? 3.0 : 4.5));
@@ -159,7 +160,7 @@ TEST_CASE("a scan is filled, felt and dented as a shape is, and one that is open
   const auto cpu = cpuBackend();
   const Model model = modelOf(config);
   CHECK(model.cloud.size() == 6'000);
-  CHECK(boundsOf(model.cloud).longestSide() == doctest::Approx(40).epsilon(0.01));
+  CHECK(boundsOf(model.cloud).longestSide() == near(40, 0.01));
   REQUIRE(model.soft);
   Session session(config, model, {.backend = *cpu, .threads = 1});
   const ServoResult result = runAlone(session, Path({{0, {50, 43, 50}}, {0.3, {50, 36, 50}}}));

@@ -2,6 +2,7 @@
 #include <thread>
 
 #include "engine/cloud/up.hpp"
+#include "tests/near.hpp"
 #include "tests/says.hpp"
 #include "tests/session/wall_stream.hpp"
 
@@ -31,7 +32,7 @@ TEST_CASE("the first frame of a recording is the model, in metres, with what is 
   CHECK(model.upright.up == UpAxis::minusY);
   CHECK(model.cloud.storedAs.comments ==
         std::vector<std::string>{"comment units: m", "comment up: -y", "comment mm_per_unit: 1000"});
-  CHECK(model.spacing == doctest::Approx(0.005).epsilon(0.05));
+  CHECK(model.spacing == near(0.005, 0.05));
   CHECK(model.stream == nullptr);
 
   const ScratchFolder colored;
@@ -98,7 +99,7 @@ TEST_CASE(
     CHECK(counts->lost == 0);
     // Points are where they set out, until no other frame has come for a while.
     const int last = speed > 1 ? 15 : 14;
-    CHECK(session.sculpted().cloud.positions[7].z == doctest::Approx(kRest_m - 1e-3 * nearer_mm(last)).epsilon(1e-5));
+    CHECK(session.sculpted().cloud.positions[7].z == within(kRest_m - 1e-3 * nearer_mm(last), 0.51e-3 * kRounded_mm));
   }
 }
 
@@ -114,7 +115,7 @@ TEST_CASE("a loop goes on where the recording ends") {
   const auto& rows = result.trace().rows;
   REQUIRE(rows.size() > 400);
   for (std::size_t tick = 30; tick < 160; ++tick)
-    CHECK(glm::length(rows[tick].force_N) == doctest::Approx(glm::length(rows[tick + 160].force_N)));
+    CHECK(glm::length(rows[tick].force_N) == within(glm::length(rows[tick + 160].force_N), 1e-6));
 }
 
 TEST_CASE("a lost frame leaves the one before, and the session goes on") {
@@ -130,7 +131,7 @@ TEST_CASE("a lost frame leaves the one before, and the session goes on") {
   for (std::size_t tick = 74; tick < 89; ++tick) {
     const double share = (static_cast<double>(tick) - 70) / 20;
     const double depth_mm = nearer_mm(6) + share * (nearer_mm(7) - nearer_mm(6)) - kHand_mm;
-    CHECK(glm::length(rows[tick].force_N) == doctest::Approx(0.5 * depth_mm).epsilon(0.02));
+    CHECK(glm::length(rows[tick].force_N) == near(0.5 * depth_mm, 0.02));
   }
   CHECK(session.playCounts()->lost == 1);
   CHECK(says(session.playCounts()->lastLoss, "0008.png: byte 200: ends within the picture"));

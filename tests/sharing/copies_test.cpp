@@ -13,6 +13,7 @@
 #include "haptics/sharing/edit_exchange.hpp"
 #include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/shared_points.hpp"
+#include "tests/near.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
 namespace palpate {
@@ -47,7 +48,7 @@ TEST_CASE("what was said is due at once, and three times more, apart") {
   CHECK(schedule.next_s(1) == 0);
   CHECK(at(1.004) == std::vector{1, 2});
   CHECK(at(1.005).empty());
-  CHECK(schedule.next_s(1.005) == doctest::Approx(0.005));
+  CHECK(schedule.next_s(1.005) == near(0.005, 1e-6));
   CHECK(at(1.011) == std::vector{1});
   CHECK(at(1.02) == std::vector{2});
   CHECK(at(1.04) == std::vector{1, 2});
@@ -74,7 +75,7 @@ TEST_CASE("there are no more bytes of copies than the budget has, and hardly any
     return said;
   };
   // A tenth of the budget: all of it four times.
-  CHECK(copiesOf(100, 0.01) == doctest::Approx(4 * 100e3).epsilon(0.02));
+  CHECK(copiesOf(100, 0.01) == near(4 * 100e3, 0.02));
   // Half of it: as much as is left.
   const double some = copiesOf(500, 0.01);
   CHECK(some > 300e3);

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/near.hpp"
+
 namespace palpate::sharing {
 
 TEST_CASE("nothing is said of a link before a ping has come back, or is late") {
@@ -19,7 +21,7 @@ TEST_CASE("nothing is said of a link before a ping has come back, or is late") {
   counts = link.counts(13);
   CHECK(counts.lost == 0);
   CHECK(*counts.lost_percent == 0);
-  CHECK(*counts.roundTrip_ms == doctest::Approx(2600));
+  CHECK(*counts.roundTrip_ms == near(2600, 1e-6));
 }
 
 TEST_CASE("the round trip is the median of the last ones, and every tenth is lost") {
@@ -33,7 +35,7 @@ TEST_CASE("the round trip is the median of the last ones, and every tenth is los
   CHECK(counts.pings == 1000);
   CHECK(counts.answered == 900);
   CHECK(counts.lost == 100);
-  CHECK(*counts.lost_percent == doctest::Approx(10).epsilon(0.1));
+  CHECK(*counts.lost_percent == near(10, 0.1));
   CHECK(*counts.roundTrip_ms > 99);
   CHECK(*counts.roundTrip_ms < 121);
 }
@@ -49,7 +51,7 @@ TEST_CASE("echoes that come twice, of pings that never went, or before they went
   CHECK(link.answered(number, 1.1));
   CHECK_FALSE(link.answered(number, 1.4));
   CHECK(link.counts(2).answered == 1);
-  CHECK(*link.counts(2).roundTrip_ms == doctest::Approx(100));
+  CHECK(*link.counts(2).roundTrip_ms == near(100, 1e-6));
   for (int i = 0; i < 200; ++i) link.sent(2 + 0.01 * i);
   link.answered(number + 1, 9);  // too long ago to be known
   CHECK(link.counts(9).answered == 1);

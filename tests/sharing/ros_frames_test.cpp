@@ -10,6 +10,7 @@
 
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_tf.hpp"
+#include "tests/near.hpp"
 #include "tests/sharing/own_network.hpp"
 #include "tests/sharing/ros_camera.hpp"
 #include "tests/sharing/ros_discovery.hpp"
@@ -87,7 +88,7 @@ TEST_CASE("pictures of depth come once each, in order, with the camera that is s
   }
   // A millimetre in each frame, of 33 ms.
   const double way_m = read.frames[9].depth_m[5] - read.frames[0].depth_m[5];
-  CHECK(read.frames[9].time_s - read.frames[0].time_s == doctest::Approx(33 * way_m).epsilon(0.2));
+  CHECK(read.frames[9].time_s - read.frames[0].time_s == near(33 * way_m, 0.2));
   stream->stop();
   DepthFrame frame;
   CHECK_FALSE(stream->next(frame));
@@ -272,11 +273,11 @@ TEST_CASE("what sensors see is put in the frame that is asked for, over static a
       CHECK(std::abs(seen.y - 2) < 1e-9);
     }
     const double rise = read.frames[7].pose->centre.z - read.frames[0].pose->centre.z;
-    CHECK(rise == doctest::Approx(0.007).epsilon(0.4));
+    CHECK(rise == near(0.007, 0.4));
   }
   const PointCloud cloud = hearRosCloud("moved/still", inMap.listening);
   REQUIRE(cloud.size() == 32 * 24);
-  CHECK(cloud.fileCoordinates(0).y == doctest::Approx(2));
+  CHECK(cloud.fileCoordinates(0).y == near(2, 1e-6));
   CHECK(std::abs(cloud.fileCoordinates(0).x - 10) < 2);
   // Of an arm of which nothing is heard any more it is not known where it is.
   const auto stream = watchRosFrames("moved/points", inMap);

@@ -13,6 +13,7 @@
 
 #include "engine/cloud/grid_normals.hpp"
 #include "haptics/sharing/network.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -79,8 +80,8 @@ TEST_CASE("depths of either encoding come in metres, in either order of bytes") 
       CAPTURE(isBig);
       CHECK(Picture(encoding, isBig).take() == std::vector<float>{0.5f, 1.5f, 2.5f, 3.5f, 4.5f, 5.5f});
     }
-  CHECK(Picture("16UC1").take(5000)[1] == doctest::Approx(0.3));
-  CHECK(Picture("32FC1").take(2)[1] == doctest::Approx(0.75));
+  CHECK(Picture("16UC1").take(5000)[1] == near(0.3, 1e-6));
+  CHECK(Picture("32FC1").take(2)[1] == near(0.75, 1e-6));
 }
 
 TEST_CASE("what was not measured is 0, however it is said") {
@@ -180,13 +181,13 @@ TEST_CASE("times of frames are those of the stamps, and the clock's where stamps
   constexpr std::int64_t kSecond = 1'000'000'000;
   RosFrameTimes times;
   CHECK(times.timeOf(1700 * kSecond, 5) == 0);
-  CHECK(times.timeOf(1700 * kSecond + kSecond / 10, 5.13) == doctest::Approx(0.1));
-  CHECK(times.timeOf(1700 * kSecond + kSecond / 5, 5.2) == doctest::Approx(0.2));
-  CHECK(times.timeOf(1000 * kSecond, 5.3) == doctest::Approx(0.3));  // a recording begins again
-  CHECK(times.timeOf(1000 * kSecond + kSecond / 10, 5.4) == doctest::Approx(0.4));
-  CHECK(times.timeOf(1000 * kSecond + kSecond / 10, 5.5) == doctest::Approx(0.5));  // it stands still
-  CHECK(times.timeOf(std::numeric_limits<std::int64_t>::max(), 5.6) == doctest::Approx(0.6));
-  CHECK(times.timeOf(std::numeric_limits<std::int64_t>::min(), 5.7) == doctest::Approx(0.7));
+  CHECK(times.timeOf(1700 * kSecond + kSecond / 10, 5.13) == near(0.1, 1e-6));
+  CHECK(times.timeOf(1700 * kSecond + kSecond / 5, 5.2) == near(0.2, 1e-6));
+  CHECK(times.timeOf(1000 * kSecond, 5.3) == near(0.3, 1e-6));  // a recording begins again
+  CHECK(times.timeOf(1000 * kSecond + kSecond / 10, 5.4) == near(0.4, 1e-6));
+  CHECK(times.timeOf(1000 * kSecond + kSecond / 10, 5.5) == near(0.5, 1e-6));  // it stands still
+  CHECK(times.timeOf(std::numeric_limits<std::int64_t>::max(), 5.6) == near(0.6, 1e-6));
+  CHECK(times.timeOf(std::numeric_limits<std::int64_t>::min(), 5.7) == near(0.7, 1e-6));
   const double before_s = times.timeOf(0, 5.8);
   CHECK(times.timeOf(0, 5.8) > before_s);
 }

@@ -16,6 +16,7 @@
 #include "engine/core/clock.hpp"
 #include "haptics/sharing/ros.hpp"
 #include "haptics/sharing/ros_points.hpp"
+#include "tests/near.hpp"
 #include "tests/sharing/own_network.hpp"
 #include "tests/sharing/ros_discovery.hpp"
 
@@ -201,16 +202,15 @@ TEST_CASE("a hand is heard where it is, in metres, newtons and newton metres, at
     x.push_back(message.pose.position.x);
     stamps.push_back(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec);
     CHECK(std::string(message.header.frame_id) == "hand");
-    CHECK(message.pose.position.z == doctest::Approx(0.006));
+    CHECK(message.pose.position.z == near(0.006, 1e-6));
     CHECK(message.pose.orientation.y == 1);
     CHECK(message.pose.orientation.w == 0);
   }) == 101);
   CHECK(x[0] == 0);
-  CHECK(x[37] == doctest::Approx(37 * 10 * 10 * 2e-3));
-  CHECK(stamps.back() - stamps.front() == doctest::Approx(1).epsilon(1e-5));
+  CHECK(x[37] == near(37 * 10 * 10 * 2e-3, 1e-6));
+  CHECK(stamps.back() - stamps.front() == near(1, 1e-5));
   CHECK(std::abs(stamps.front() - static_cast<double>(std::time(nullptr))) < 60);
-  CHECK(proxy.take([](const RosPoseStamped& message) { CHECK(message.pose.position.y == doctest::Approx(0.002)); }) ==
-        101);
+  CHECK(proxy.take([](const RosPoseStamped& message) { CHECK(message.pose.position.y == near(0.002, 1e-6)); }) == 101);
   CHECK(wrench.take([](const RosWrenchStamped& message) {
     CHECK(message.wrench.force.z == -2);
     CHECK(message.wrench.torque.x == 0.5);
@@ -263,8 +263,8 @@ TEST_CASE("where a frame stands is kept for who comes later, and the hand's fram
     const auto& one = message.transforms._buffer[0];
     CHECK(std::string(one.header.frame_id) == "lab/hand1");
     CHECK(std::string(one.child_frame_id) == "lab/hand1/hand");
-    CHECK(one.transform.translation.x == doctest::Approx(10 * count++));
-    CHECK(one.transform.translation.z == doctest::Approx(0.006));
+    CHECK(one.transform.translation.x == within(10 * count++, 1e-6));
+    CHECK(one.transform.translation.z == near(0.006, 1e-6));
     CHECK(one.transform.rotation.y == 1);
   }) == 11);
 }
@@ -294,7 +294,7 @@ TEST_CASE("a camera of a picture is heard in optical axes, in metres, where it m
   const auto hear = [&] {
     heard += poses.take([&](const RosPoseStamped& pose) {
       CHECK(std::string(pose.header.frame_id) == "lab");
-      CHECK(pose.pose.position.z == doctest::Approx(0.6));
+      CHECK(pose.pose.position.z == near(0.6, 1e-6));
       CHECK(pose.pose.orientation.w == 0.5);
       CHECK(pose.pose.orientation.x == -0.5);
     });

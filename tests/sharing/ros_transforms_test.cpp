@@ -9,6 +9,7 @@
 #include <random>
 
 #include "haptics/sharing/network.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -174,13 +175,13 @@ TEST_CASE("a recording that begins again is heard as it goes then") {
     return tree.find("arm", "map", static_cast<std::int64_t>(1e9 * t)).toWorld(DVec3(0)).x;
   };
   play(0, 60);
-  CHECK(placeAt(55) == doctest::Approx(55).epsilon(0.001));
+  CHECK(placeAt(55) == near(55, 0.001));
   play(1, 2);
-  CHECK(placeAt(1.5) == doctest::Approx(1.5).epsilon(0.01));
+  CHECK(placeAt(1.5) == near(1.5, 0.01));
   // One that was overtaken by a few seconds is no new beginning.
   play(2, 20);
   play(17, 17.005);
-  CHECK(placeAt(19.5) == doctest::Approx(19.5).epsilon(0.001));
+  CHECK(placeAt(19.5) == near(19.5, 0.001));
 }
 
 }  // namespace palpate

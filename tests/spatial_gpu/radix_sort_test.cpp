@@ -84,6 +84,7 @@ std::vector<std::uint32_t> randomWords(std::size_t count, std::uint32_t seed) {
 }  // namespace
 
 TEST_CASE_FIXTURE(RadixSortFixture, "pairs of any count come out stably sorted") {
+  if (!mayLookBack()) MESSAGE("look-back is skipped: workgroups of this driver may not wait for one another");
   // Around subgroups, workgroups, the tiles of both forms and those of the look-back histogram.
   for (const std::size_t count :
        {0,    1,    2,    7,    8,    9,    31,   32,   33,   255,    256,    257,    2047,
@@ -124,13 +125,6 @@ TEST_CASE_FIXTURE(RadixSortFixture, "long runs of equal keys, and one odd key am
   keys.front() = 0x1FFFFFu;
   keys.back() = 0;
   checkSorts(keys, 21);
-}
-
-TEST_CASE_FIXTURE(RadixSortFixture, "the forms that this file covers") {
-  if (mayLookBack())
-    MESSAGE("reduce-then-scan and look-back");
-  else
-    MESSAGE("reduce-then-scan; look-back is skipped, since workgroups of this driver may not wait for one another");
 }
 
 TEST_CASE("digits cover the key's bits without a gap, none longer than eight") {

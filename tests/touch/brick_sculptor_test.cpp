@@ -11,6 +11,7 @@
 #include "engine/touch/brick_touch.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/labels.hpp"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -142,7 +143,7 @@ TEST_CASE("against the clock an edit waits until the last one is felt, so that a
   whole.readBack(there);
   double deepestThere = 50;
   for (const Vec3& position : there.positions) deepestThere = std::min(deepestThere, double{glm::length(position)});
-  CHECK(deepest == doctest::Approx(deepestThere).scale(0).epsilon(0.005));
+  CHECK(deepest == near(deepestThere, 0.005));
   CHECK(deepest < 46);
   // Where no frame comes that has it there is no other one, however long the hand presses.
   for (int i = 0; i < 20; ++i) {

@@ -8,6 +8,7 @@
 #include "engine/contact/contact_reference.hpp"
 #include "engine/core/held_contact.hpp"
 #include "shaders/shared/edit.h"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -117,8 +118,8 @@ TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau 
   CHECK(moved < sculpted.size() / 4);
   double deepest = 50;
   for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == doctest::Approx(46.3).scale(0).epsilon(0.01));
-  for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == doctest::Approx(1).scale(0).epsilon(1e-4));
+  CHECK(deepest == near(46.3, 0.01));
+  for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
 
   // The index followed: what it answers now is what the reference finds on the sculpted cloud.
   const ContactReference reference(sculpted, scene.radius);
@@ -149,7 +150,7 @@ TEST_CASE("one edited tick moves each point where the brush says, and no further
     furthest = std::max(furthest, glm::distance(DVec3(after.positions[i]), before));
   }
   CHECK(wrong == 0);
-  CHECK(furthest == doctest::Approx(longestMove).scale(0).epsilon(1e-4));
+  CHECK(furthest == near(longestMove, 1e-4));
 }
 
 TEST_CASE("the same presses give the same contacts and the same cloud with any number of threads") {
@@ -187,7 +188,7 @@ TEST_CASE("in real time an edit that outlasts the budget is bridged by the last 
   if (held.fresh)
     MESSAGE("nothing was late: the edit was over before the next query");
   else
-    CHECK(held.proxy.z == doctest::Approx(fresh.proxy.z).scale(0).epsilon(1e-3));
+    CHECK(held.proxy.z == near(fresh.proxy.z, 1e-3));
   touch.finish();
   REQUIRE(!touch.editTimes_us().empty());
   const bool slow = touch.editTimes_us().back() > 1e6 * kStalest_s;

@@ -11,6 +11,7 @@
 #include "engine/core/error.hpp"
 #include "engine/matter/tool_body.hpp"
 #include "engine/touch/matter_touch.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -120,7 +121,7 @@ TEST_CASE("the ball of a hand that was put down elsewhere stands there, and has 
   next.hands[0].place_m.x = 52;
   steps.goTo(next);  // put down as often as before
   CHECK(told.placed == 2);
-  CHECK(told.to[4].place_m.x == doctest::Approx(51));
+  CHECK(told.to[4].place_m.x == near(51, 1e-6));
 }
 
 TEST_CASE("an old answer is none to a hand that was put down elsewhere meanwhile") {
@@ -145,7 +146,7 @@ TEST_CASE("between two questions hands go straight on, step by step, and turn as
   for (int k = 1; k <= 4; ++k) {
     const HandPose& there = told.to[static_cast<std::size_t>(k)];
     CHECK(glm::distance(there.place_m, DVec3(1 + k, 2 * k, 0)) < 1e-12);
-    CHECK(there.orientation.y == doctest::Approx(std::sin(0.1 * k)));
+    CHECK(there.orientation.y == near(std::sin(0.1 * k), 1e-6));
     CHECK(glm::distance(told.from[static_cast<std::size_t>(k)].place_m,
                         told.to[static_cast<std::size_t>(k - 1)].place_m) < 1e-12);
   }
@@ -170,7 +171,7 @@ TEST_CASE("where time goes back, or it is told to, everything begins anew with a
   CHECK(told.from.back().place_m == told.to.back().place_m);  // the hand did not come from where it was before
   steps.goTo(at(0.005, {0, 0, 8}));
   CHECK(told.to.size() == 12);
-  CHECK(steps.world().time_s() == doctest::Approx(0.002));
+  CHECK(steps.world().time_s() == near(0.002, 1e-6));
   steps.reset();
   steps.goTo(at(0.105, {0, 0, 9}));
   CHECK(told.begun == 3);
@@ -190,8 +191,8 @@ TEST_CASE("while it is held no step is taken and nobody feels it, and it goes on
   steps.hold(false);
   CHECK(steps.goTo(at(0.022, {5, 0, 0})).moves);
   REQUIRE(told.to.size() == 3);
-  CHECK(told.to[1].place_m.x == doctest::Approx(4));
-  CHECK(told.to[2].place_m.x == doctest::Approx(5));
+  CHECK(told.to[1].place_m.x == near(4, 1e-6));
+  CHECK(told.to[2].place_m.x == near(5, 1e-6));
 }
 
 TEST_CASE("steps beyond the most at once are left out, and counted; those that are taken bring the hand to its place") {
@@ -201,10 +202,10 @@ TEST_CASE("steps beyond the most at once are left out, and counted; those that a
   steps.goTo(at(0.002, {2, 0, 0}));
   CHECK(steps.leftOut_s() == 0);
   steps.goTo(at(0.012, {8, 0, 0}));
-  CHECK(steps.leftOut_s() == doctest::Approx(0.008));
+  CHECK(steps.leftOut_s() == near(0.008, 1e-6));
   REQUIRE(told.to.size() == 5);
-  CHECK(told.to[3].place_m.x == doctest::Approx(5));
-  CHECK(told.to[4].place_m.x == doctest::Approx(8));
+  CHECK(told.to[3].place_m.x == near(5, 1e-6));
+  CHECK(told.to[4].place_m.x == near(8, 1e-6));
 }
 
 TEST_CASE("what is shown is of the time of its question, once, and the newest") {

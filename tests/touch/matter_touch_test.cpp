@@ -12,6 +12,7 @@
 #include "engine/core/cloud_frame.hpp"
 #include "engine/core/error.hpp"
 #include "engine/matter/matter_world.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -74,7 +75,7 @@ TEST_CASE("a hand feels what its ball is told, and particles are where the simul
     CHECK(*contact.force_N == answer.force_N);
     CHECK(glm::distance(contact.proxy, 1e3 * answer.place_m) < 1e-9);
     CHECK(glm::distance(contact.velocity, 1e3 * answer.velocity_m_s) < 1e-9);
-    CHECK(glm::length(contact.normal) == doctest::Approx(1));
+    CHECK(glm::length(contact.normal) == near(1, 1e-6));
   }
   CHECK(felt);
   const PointCloud cloud = pointsOf(touch, scene);
@@ -92,7 +93,7 @@ TEST_CASE("a ball that is under water is pushed up by what it displaces, whateve
     DVec3 sum_N(0);
     for (int k = 0; k < 200; ++k) sum_N += *touch.query(dive(0.601 + 1e-3 * k), 0).force_N;
     const double displaced_kg = scene.tool.mass_kg;  // it weighs what it displaces
-    CHECK(sum_N.y / 200 == doctest::Approx(gain * 9.81 * displaced_kg).epsilon(0.1));
+    CHECK(sum_N.y / 200 == near(gain * 9.81 * displaced_kg, 0.1));
   }
 }
 
@@ -118,7 +119,7 @@ TEST_CASE("the same poses give the same bytes for any number of threads, and at 
     CHECK(std::sqrt(squares / static_cast<double>(there.size())) < 0.2 * scene.spacing_mm);
     MatterSteps steps(worldOf(scene, {}), 1, 0);
     for (int k = 0; k <= 0.3 * rate_Hz; ++k) steps.goTo({.time_s = k / rate_Hz, .hands = {}});
-    CHECK(steps.world().time_s() == doctest::Approx(0.301));
+    CHECK(steps.world().time_s() == near(0.301, 1e-6));
   }
 }
 
@@ -181,7 +182,7 @@ TEST_CASE("in virtual time a frame has the particles as the last answer has left
     double time_s = frame.time_s;
     for (int k = 0; k < ticks; ++k) touch.query(dive(time_s += 1e-3), 0);
     REQUIRE(touch.takeFrame(frame));
-    CHECK(frame.time_s == doctest::Approx(time_s));
+    CHECK(frame.time_s == near(time_s, 1e-6));
     const PointCloud cloud = pointsOf(touch, scene);
     CHECK(frame.positions == cloud.positions);
     CHECK(frame.velocities.size() == cloud.size());
@@ -286,7 +287,7 @@ TEST_CASE("against the clock no tick waits past its budget, and an old answer fa
   // Time that it did not get is left out, and said.
   const Contact late = touch.query(dive(0.5), 0);
   CHECK(late.fresh);
-  CHECK(touch.simulation()->leftOut_s() == doctest::Approx(0.149));
+  CHECK(touch.simulation()->leftOut_s() == near(0.149, 1e-6));
   const Pose pose = dive(0.501);
   const double full_N = glm::length(touch.query(pose, 0).force_N.value_or(DVec3(0)));
   CHECK(full_N > 0.01);

@@ -12,6 +12,7 @@
 #include "engine/core/statistics.hpp"
 
 #include "shaders/shared/contact.h"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -107,7 +108,7 @@ TEST_CASE_FIXTURE(PressedSphere,
   CHECK(largestStep < 0.2 * 0.5);  // of the depth
   const Contact back = patch.answer({.time_s = time_s + 1e-3, .hip = at(0, 49.5)});
   CHECK(back.touching);
-  CHECK(back.proxy.z == doctest::Approx(pressed.proxy.z).scale(0).epsilon(1e-5));
+  CHECK(back.proxy.z == near(pressed.proxy.z, 1e-5));
 }
 
 TEST_CASE_FIXTURE(PressedSphere, "an edit that the patch has not seen, or silence, ends the force within its times") {
@@ -130,13 +131,13 @@ TEST_CASE_FIXTURE(PressedSphere, "an edit that the patch has not seen, or silenc
     CHECK(contact.valid);
     return contact.touching ? spring(contact, pose) / spring(pressed, pose) : 0;
   };
-  CHECK(shareAt(full_s - 1e-4) == doctest::Approx(1).scale(0).epsilon(1e-4));
-  CHECK(shareAt(0.5 * (full_s + end_s)) == doctest::Approx(0.5).scale(0).epsilon(1e-3));
+  CHECK(shareAt(full_s - 1e-4) == near(1, 1e-4));
+  CHECK(shareAt(0.5 * (full_s + end_s)) == near(0.5, 1e-3));
   CHECK(shareAt(end_s - 1e-4) < 0.02);
   CHECK(shareAt(end_s + 1e-4) == 0);
   patch.take({.centre = Vec3(0, 0, 50), .reach = kReach * scene.radius, .points = points}, {});
   patch.heard(end_s);
-  CHECK(shareAt(end_s) == doctest::Approx(1).scale(0).epsilon(1e-4));
+  CHECK(shareAt(end_s) == near(1, 1e-4));
 }
 
 TEST_CASE_FIXTURE(PressedSphere,
@@ -190,7 +191,7 @@ TEST_CASE_FIXTURE(PressedSphere,
     const Contact contact = patch.answer(pose);
     CHECK(contact.touching);
     CHECK(contact.velocity == velocity);
-    CHECK(spring(contact, pose) == doctest::Approx(deep).scale(0).epsilon(0.002));
+    CHECK(spring(contact, pose) == near(deep, 0.002));
     CHECK(std::abs(contact.proxy.x - pose.hip.x) < 0.01);
   }
 }

@@ -6,6 +6,7 @@
 #include "engine/core/error.hpp"
 #include "engine/matter/soft_sculpture.hpp"
 #include "engine/touch/cpu_touch.hpp"
+#include "tests/near.hpp"
 #include "tests/touch/soft_scene.hpp"
 
 namespace palpate {
@@ -61,7 +62,7 @@ TEST_CASE("a flat plate that covers a bar feels it as stiff as E A / L") {
   const double stiffness_N_per_mm = 3e4 * 9e-4 / 0.06 * 1e-3;
   const double felt_N_per_mm = (moreForce_N - lessForce_N) / (less - more);
   CHECK(moreForce_N > 0.5);
-  CHECK(felt_N_per_mm == doctest::Approx(stiffness_N_per_mm).epsilon(0.05));
+  CHECK(felt_N_per_mm == near(stiffness_N_per_mm, 0.05));
 }
 
 TEST_CASE(
@@ -194,7 +195,7 @@ TEST_CASE("the energy of a hand that presses is that of the force that it feels,
     }
     REQUIRE(work_mJ > 1);
     const PortEnergy port = block.touch().simulation()->portEnergies().front();
-    CHECK(1e3 * port.now_J == doctest::Approx(work_mJ).epsilon(0.1));
+    CHECK(1e3 * port.now_J == near(work_mJ, 0.1));
   }
 }
 
@@ -228,7 +229,7 @@ TEST_CASE("a hand bears no more than it says, and the body gets no more from it"
   for (int k = 0; k < 700; ++k) block.touch().query(press(1e-3 * k, 6), 0);
   const DVec3 before = block.world().impulses().onTools;
   for (int k = 700; k < 1700; ++k) block.touch().query(press(1e-3 * k, 6), 0);
-  CHECK((block.world().impulses().onTools - before).y == doctest::Approx(0.4).epsilon(0.01));
+  CHECK((block.world().impulses().onTools - before).y == near(0.4, 0.01));
 }
 
 TEST_CASE("a scene that is held is felt by nobody and stands still; it goes on, and begins anew, when it is told to") {
@@ -285,16 +286,16 @@ TEST_CASE("where points are older than the tick the surface gives way as the bod
   const double yields = 0.5 * block.source().compliance(0);
   CHECK(yields > 0.2);
   const double gone = fresh.proxy.y - later.proxy.y;
-  CHECK(gone == doctest::Approx(0.5 * yields / (1 + yields)).epsilon(0.05));
+  CHECK(gone == near(0.5 * yields / (1 + yields), 0.05));
   // As soft as what the body itself says of the place.
   auto& world = const_cast<MatterSimulation&>(block.world());
   const double own = world.localCompliance_m_N(1e-3 * fresh.proxy, 0.5e-3 * block.radius(), {0, -1, 0}) * 1e3;
-  CHECK(block.source().compliance(0) == doctest::Approx(own).epsilon(0.05));
+  CHECK(block.source().compliance(0) == near(own, 0.05));
   CHECK(block.source().compliance(0) !=
         SoftScene(softBlock(), options, onCpu).source().compliance(0));  // a half-space's
   // What draws back finds the surface where it was.
   const Contact back = ask(3.5);
-  CHECK(back.proxy.y == doctest::Approx(fresh.proxy.y).epsilon(1e-4));
+  CHECK(back.proxy.y == near(fresh.proxy.y, 1e-4));
 }
 
 TEST_CASE("where several steps come at once the body is asked, too, how far it gives way") {
@@ -325,7 +326,7 @@ TEST_CASE(
   block.touch().finish();
   CHECK(most > 0.5);
   CHECK(block.world().impulses().onTools.y > 0.01);
-  CHECK(block.world().time_s() + block.touch().simulation()->leftOut_s() == doctest::Approx(1e-3 * ticks).epsilon(0.1));
+  CHECK(block.world().time_s() + block.touch().simulation()->leftOut_s() == near(1e-3 * ticks, 0.1));
 }
 
 namespace {
@@ -381,14 +382,14 @@ TEST_CASE("a dent that a hand pushed stays when it has gone, as deep as it was l
   REQUIRE(held.touching);
   // It has yielded until the spring is as long as tau.
   const DVec3 force = spring.add(held, {50, deep, 50}, 1e-3);
-  CHECK(force.y == doctest::Approx(0.25).epsilon(0.15));
+  CHECK(force.y == near(0.25, 0.15));
   auto& world = const_cast<MatterSimulation&>(block.world());
   const double elastic_mm =
       1e3 * world.localCompliance_m_N(1e-3 * held.proxy, 0.5e-3 * block.radius(), {0, -1, 0}) * 0.25;
   wait(block, time_s, 1500);
   const double dent = top - topOf(block);
   MESSAGE("dent of " << dent << " mm by a hand 6 mm deep; the spring has 0.5, elastic " << elastic_mm);
-  CHECK(dent == doctest::Approx(6 - 0.5 - elastic_mm).epsilon(0.08));
+  CHECK(dent == near(6 - 0.5 - elastic_mm, 0.08));
   // Nothing is felt in it, and it is felt at its bottom.
   CHECK_FALSE(goDown(block, time_s, top - 3, 300).touching);
   CHECK(goDown(block, time_s, top - 6, 300).touching);

@@ -14,6 +14,7 @@
 #include "engine/motion/depth_points.hpp"
 #include "engine/motion/depth_source.hpp"
 #include "tests/motion/depth_scene.hpp"
+#include "tests/near.hpp"
 
 namespace palpate {
 
@@ -118,7 +119,7 @@ inline void checkLeavingWall(const MakeStreamTouch& make) {
   for (std::size_t i = 30; i < contacts.size(); ++i) {
     const bool isThere = kStreamTick_s * static_cast<double>(i) < 3 * WallStream::kPeriod_s - 1e-9;
     CHECK(contacts[i].touching == isThere);
-    if (!isThere) CHECK(contacts[i].proxy.z == doctest::Approx(kWall_m + 0.002));
+    if (!isThere) CHECK(contacts[i].proxy.z == near(kWall_m + 0.002, 1e-5));
   }
 }
 

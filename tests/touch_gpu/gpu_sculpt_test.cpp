@@ -6,6 +6,7 @@
 #include "engine/touch/touch_side.hpp"
 #include "tests/edit/surface_gaps.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -62,10 +63,8 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
     CHECK(onGpu.lost == onCpu.lost);
     CHECK(glm::distance(onGpu.proxy, onCpu.proxy) < 0.2 * scene.spacing);
     // New points come one tick later there, so that some decisions fall otherwise.
-    CHECK(static_cast<double>(onGpu.changed) ==
-          doctest::Approx(static_cast<double>(onCpu.changed)).scale(0).epsilon(0.15));
-    CHECK(static_cast<double>(onGpu.cloud.size()) ==
-          doctest::Approx(static_cast<double>(onCpu.cloud.size())).scale(0).epsilon(0.01));
+    CHECK(static_cast<double>(onGpu.changed) == near(static_cast<double>(onCpu.changed), 0.15));
+    CHECK(static_cast<double>(onGpu.cloud.size()) == near(static_cast<double>(onCpu.cloud.size()), 0.01));
     const auto near = [](const DVec3& place) { return glm::distance(place, {1, 0, 47}) < 12; };
     const SurfaceGaps gaps = SurfaceGapFinder(onGpu.cloud, scene.radius, scene.spacing).find(near);
     CHECK(gaps.widest < 1.3);

@@ -11,6 +11,7 @@
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/near.hpp"
 #include "tests/touch/soft_scene.hpp"
 
 namespace palpate {
@@ -194,7 +195,7 @@ TEST_CASE_FIXTURE(SoftFixture,
   }
   const std::vector<Vec3> dent = shapeOf(gpu);
   CHECK(deepest(dent) > 5e-4);
-  CHECK(deepest(dent) == doctest::Approx(deepest(shapeOf(cpu))).epsilon(0.03));
+  CHECK(deepest(dent) == near(deepest(shapeOf(cpu)), 0.03));
   ShapeStrokes& strokes = *gpu.touch().shapeStrokes();
   CHECK(strokes.counts().strokes == 1);
   const auto topOf = [](SoftScene& scene) {

@@ -1,6 +1,7 @@
 // Tools of many points whose answers are late.
 #include <algorithm>
 
+#include "tests/near.hpp"
 #include "tests/touch/busy.hpp"
 #include "tests/touch/tool_hands.hpp"
 
@@ -73,15 +74,15 @@ TEST_CASE_FIXTURE(
   CHECK(held.valid);
   CHECK(held.touching);
   // It is deeper now, and each point stands where the turn has brought it.
-  CHECK(held.proxy.z == doctest::Approx(0).epsilon(1e-3));
+  CHECK(held.proxy.z == within(0, 1e-3));
   double deepest = 0, shallowest = 10;
   for (const PointContact& point : touch.points(0)) {
     deepest = std::max(deepest, point.contact.proxy.z - point.hip.z);
     shallowest = std::min(shallowest, point.contact.proxy.z - point.hip.z);
   }
-  CHECK(deepest - shallowest == doctest::Approx(40 * 0.75 * std::sin(0.02)).scale(0).epsilon(0.01));
+  CHECK(deepest - shallowest == near(40 * 0.75 * std::sin(0.02), 0.01));
   held = late(0.0125, -1.5);
-  CHECK(held.proxy.z == doctest::Approx(-0.75).scale(0).epsilon(1e-2));
+  CHECK(held.proxy.z == near(-0.75, 1e-2));
   held = late(0.021, -1.5);
   CHECK_FALSE(held.touching);
   CHECK(held.valid);

@@ -1,5 +1,6 @@
 // Tools of many points: what they feel on surfaces that are known, and where they end.
 #include "engine/core/error.hpp"
+#include "tests/near.hpp"
 #include "tests/touch/tool_hands.hpp"
 
 namespace palpate {
@@ -30,12 +31,12 @@ TEST_CASE_FIXTURE(ToolFixture,
         const Felt felt = hand.press(kDepth);
         CHECK(hand.backend().points(0).size() == count);
         CHECK(felt.contact.neighbours > 10);
-        CHECK(felt.contact.normal.z == doctest::Approx(1));
+        CHECK(felt.contact.normal.z == near(1, 1e-5));
         CHECK(glm::distance(felt.force_N, {0, 0, kSpring.stiffness_N_per_mm * mean}) < 1e-4);
         CHECK(glm::distance(felt.contact.proxy, {0.3, 0.2, -kDepth + mean}) < 1e-4);
         // A ball of few points is a little out of balance.
         const double off_mNm = kind == ToolKind::ball ? kSpring.stiffness_N_per_mm * std::abs(sum) : 0;
-        CHECK(std::abs(felt.torque_mNm.x) == doctest::Approx(off_mNm).epsilon(1e-3));
+        CHECK(std::abs(felt.torque_mNm.x) == within(off_mNm, 1e-3));
         if (kind != ToolKind::ball) CHECK(glm::length(felt.torque_mNm) < 1e-4);
       });
     }
@@ -53,10 +54,10 @@ TEST_CASE_FIXTURE(ToolFixture, "a tool that stands askew is turned flat, by its 
     const double expected_mNm = -kSpring.stiffness_N_per_mm * std::sin(tilt) * std::cos(tilt) * secondMoment(spatula);
     onBoth(device, scene, spatula, [&](auto& hand) {
       const Felt felt = hand.press(kDepth, turnedAbout({1, 0, 0}, tilt));
-      CHECK(felt.torque_mNm.x == doctest::Approx(expected_mNm).scale(0).epsilon(1e-3));
+      CHECK(felt.torque_mNm.x == near(expected_mNm, 1e-3));
       CHECK(std::abs(felt.torque_mNm.y) < 1e-4);
       CHECK(std::abs(felt.torque_mNm.z) < 1e-4);
-      CHECK(felt.force_N.z == doctest::Approx(kSpring.stiffness_N_per_mm * kDepth).scale(0).epsilon(1e-4));
+      CHECK(felt.force_N.z == near(kSpring.stiffness_N_per_mm * kDepth, 1e-4));
     });
   }
 }

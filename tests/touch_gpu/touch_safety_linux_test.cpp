@@ -8,6 +8,7 @@
 #include "haptics/servo_loop.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/lost_gpu/lost_gpu.hpp"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -92,7 +93,7 @@ TEST_CASE_FIXTURE(GpuFixture, "numbers that are none from the shader mean zero f
     REQUIRE(row.contact);
     return glm::length(row.force_N) / (0.8 * row.penetration_mm);
   };
-  CHECK(share(kFrom_s - 0.001) == doctest::Approx(1).scale(0).epsilon(0.05));
+  CHECK(share(kFrom_s - 0.001) == near(1, 0.05));
   std::size_t wrong = 0;
   for (const TraceRow& row : rows) {
     const bool faulty = row.time_s > kFrom_s - 5e-4 && row.time_s < kTo_s - 5e-4;
@@ -106,7 +107,7 @@ TEST_CASE_FIXTURE(GpuFixture, "numbers that are none from the shader mean zero f
   CHECK(wrong == 0);
   CHECK(share(1.42) < 0.5);  // the ramp takes half a second
   CHECK(share(1.42) > 0.1);
-  CHECK(share(2) == doctest::Approx(1).scale(0).epsilon(0.05));
+  CHECK(share(2) == near(1, 0.05));
 }
 
 TEST_CASE("a GPU that is lost in mid-touch: zero force from that tick on, the session ends, finish() says why") {

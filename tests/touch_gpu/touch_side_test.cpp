@@ -6,6 +6,7 @@
 #include "engine/render/drawn_cloud.hpp"
 #include "engine/touch/memory.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 #include "tests/touch/busy.hpp"
 
@@ -45,8 +46,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it st
   CHECK(moved < sculpted.size() / 4);
   double deepest = 50;
   for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == doctest::Approx(46.3).scale(0).epsilon(0.01));
-  for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == doctest::Approx(1).scale(0).epsilon(1e-4));
+  CHECK(deepest == near(46.3, 0.01));
+  for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "the index follows every edit: touch afterwards equals touch on a cloud loaded afresh") {
@@ -195,7 +196,7 @@ TEST_CASE("what the CPU has gone through is where the GPU goes on, even what it 
   CHECK(after.fresh);
   CHECK(after.touching);
   CHECK(std::abs(after.proxy.x) < 0.05);
-  CHECK(after.proxy.z == doctest::Approx(50).scale(0).epsilon(0.01));
+  CHECK(after.proxy.z == within(50, 0.1));
   touch.finish();
 }
 
@@ -247,11 +248,9 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "the memory that is predicted is the memory th
     const std::uint64_t before = device.allocatedBytes();
     const TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
     const std::uint64_t taken = device.allocatedBytes() - before;
-    CHECK(static_cast<double>(taken) ==
-          doctest::Approx(static_cast<double>(predicted.total() - predicted.drawnCloud)).scale(0).epsilon(0.05));
+    CHECK(static_cast<double>(taken) == near(static_cast<double>(predicted.total() - predicted.drawnCloud), 0.05));
     const DrawnCloud drawn(device, scene.cloud);
-    CHECK(static_cast<double>(device.allocatedBytes() - before) ==
-          doctest::Approx(static_cast<double>(predicted.total())).scale(0).epsilon(0.05));
+    CHECK(static_cast<double>(device.allocatedBytes() - before) == near(static_cast<double>(predicted.total()), 0.05));
   }
 }
 

@@ -5,6 +5,7 @@
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/near.hpp"
 #include "tests/scenes.hpp"
 #include "tests/touch/busy.hpp"
 
@@ -101,7 +102,7 @@ TEST_CASE_FIXTURE(GpuFixture, "two hands are felt for under validation, edits an
     touch->prepare();
   }
   CHECK(answers[1].touching);
-  CHECK(answers[1].proxy.x == doctest::Approx(50).scale(0).epsilon(3e-3));
+  CHECK(answers[1].proxy.x == near(50, 3e-3));
   CHECK(touch->firstEditTime_s());
   touch->resetHand(1);
   answers = ask(*touch, 1, {0, 0, 47}, {47, 0, 0});
@@ -150,7 +151,7 @@ TEST_CASE_FIXTURE(HandsFixture, "the second hand feels what the first one edits,
     touch->finish();
     alone->finish();
     CHECK(same);  // what the first one feels and does is as without the second
-    CHECK(atRest == doctest::Approx(50).scale(0).epsilon(0.002));
+    CHECK(atRest == near(50, 0.002));
     CHECK(afterEdit < atRest - 1e-4);
     CHECK(last < atRest - 1);
     CHECK(last > 44);
@@ -198,7 +199,7 @@ TEST_CASE_FIXTURE(HandsFixture, "a place of the second hand past all numbers is 
     std::span<const Contact> answers;
     for (double z = 3; z > -1; z -= 0.25) answers = ask(*touch, 0, {3, 0, z}, {-3, 0, z});
     CHECK(answers[1].touching);
-    CHECK(answers[1].normal.z == doctest::Approx(1));
+    CHECK(answers[1].normal.z == near(1, 1e-5));
   }
 }
 
@@ -223,10 +224,10 @@ TEST_CASE_FIXTURE(HandsFixture,
   CHECK_FALSE(held.fresh);
   CHECK(held.valid);
   CHECK(held.touching);
-  CHECK(held.proxy.z == doctest::Approx(0).scale(1).epsilon(1e-3));
+  CHECK(held.proxy.z == within(0, 1e-3));
   CHECK(held.dataTime_s == time_s);
   held = late(0.0125, -1.5);
-  CHECK(held.proxy.z == doctest::Approx(-0.75).epsilon(1e-2));
+  CHECK(held.proxy.z == near(-0.75, 1e-2));
   held = late(0.021, -1.5);
   CHECK_FALSE(held.touching);
   CHECK(held.valid);
@@ -267,7 +268,7 @@ TEST_CASE_FIXTURE(HandsFixture,
   touch.setContact(SurfaceKind::sphere, kFriction, "fused");
   const Contact contact = press();
   CHECK(contact.touching);
-  CHECK(contact.proxy.x == doctest::Approx(50).scale(0).epsilon(1e-3));
+  CHECK(contact.proxy.x == near(50, 1e-3));
 }
 
 }  // namespace palpate

@@ -1,0 +1,81 @@
+// Which ticks are done, how late, and what time a query has, by a clock of the test's own: a machine that is busy
+// changes none of it.
+#include "haptics/tick_pacer.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/near.hpp"
+
+namespace palpate {
+namespace {
+
+/// Wakes a sleeper so much later than it asked for.
+class LateClock final : public SessionClock {
+ public:
+  std::int64_t now_ns() const noexcept override { return now_ns_; }
+  void waitUntil_ns(std::int64_t time_ns) noexcept override {
+    if (time_ns > now_ns_) now_ns_ = time_ns + late_ns;
+  }
+  void pass(double time_us) { now_ns_ += static_cast<std::int64_t>(1e3 * time_us); }
+
+  std::int64_t late_ns = 0;
+
+ private:
+  std::int64_t now_ns_ = 5'000'000'000;
+};
+
+}  // namespace
+
+TEST_CASE("each tick is due whole periods after the first, however long the ticks before it took") {
+  for (const double rate_Hz : {1000.0, 10'000.0, 3000.0}) {
+    CAPTURE(rate_Hz);
+    LateClock clock;
+    const std::int64_t start_ns = clock.now_ns();
+    const TickPacer pacer(rate_Hz, false, &clock);
+    for (std::uint64_t index = 0; index < 1000; ++index) {
+      REQUIRE(pacer.waitFor(index) == index);  // none is missed
+      REQUIRE(static_cast<double>(clock.now_ns() - start_ns) == within(1e9 * static_cast<double>(index) / rate_Hz, 1));
+      clock.pass((0.1 + 0.8 * static_cast<double>(index % 2)) * 1e6 / rate_Hz);  // a short tick, then a long one
+    }
+  }
+}
+
+TEST_CASE("a tick that begins less than a period late is done, and its lateness does not add up") {
+  LateClock clock;
+  const TickPacer pacer(1000, false, &clock);
+  clock.late_ns = 900'000;
+  for (std::uint64_t index = 1; index < 100; ++index) {
+    REQUIRE(pacer.waitFor(index) == index);
+    REQUIRE(-pacer.remaining_us(index) == within(900, 1e-3));
+    clock.pass(50);
+  }
+}
+
+TEST_CASE("ticks that a pause of several periods went over are missed, and the next one is on time again") {
+  LateClock clock;
+  const TickPacer pacer(1000, false, &clock);
+  CHECK(pacer.waitFor(0) == 0);
+  clock.pass(4700);
+  CHECK(pacer.waitFor(1) == 4);  // 1, 2 and 3 are lost; 4 is 0.7 ms late
+  CHECK(-pacer.remaining_us(4) == within(700, 1e-3));
+  CHECK(pacer.passed() == 3);
+  CHECK(pacer.waitFor(5) == 5);
+  CHECK(pacer.remaining_us(5) == 0);
+}
+
+TEST_CASE("a query has a tick less the reserve for the force, which takes a fifth of a tick at most") {
+  LateClock clock;
+  const TickPacer slow(1000, false, &clock), fast(10'000, false, &clock);
+  CHECK(slow.budget_us(0, 200) == within(800, 1e-3));
+  CHECK(slow.budget_us(0, 50) == within(950, 1e-3));
+  CHECK(fast.budget_us(0, 200) == within(80, 1e-3));
+  clock.pass(30);  // woken late
+  CHECK(slow.budget_us(0, 200) == within(770, 1e-3));
+  CHECK(fast.budget_us(0, 200) == within(50, 1e-3));
+  clock.pass(45);
+  CHECK(fast.budget_us(0, 200) == 20);  // never 0, which would be as long as it takes
+  clock.pass(5000);
+  CHECK(slow.budget_us(0, 200) == 20);
+}
+
+}  // namespace palpate
