@@ -45,7 +45,7 @@ TEST_CASE("a live hand follows its path against the clock, and its ticks come in
   PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
   CHECK(info.live == 1);
   const auto isPressed = [](const pp_tick& tick) {
-    return tick.contact == 1 && tick.force_N[2] == doctest::Approx(0.8 * tick.penetration_mm).epsilon(0.01);
+    return tick.contact == 1 && tick.force_N[2] == within(0.8 * tick.penetration_mm, 0.008 * tick.penetration_mm);
   };
   auto ticks = takeTicks(ball.session, 150);
   // Behind a moment at which the machine stood still the force comes back with time.
