@@ -38,6 +38,5 @@ if(NOT TARGET tests_sharing)
 endif()
 palpate_tests(apps LINKS palpate::haptics palpate::io palpate::sharing third_party::stb
               WITH apps/program.cpp apps/result.cpp WITHOUT ${without_sharing})
-target_compile_options(tests_apps PRIVATE -O0)  # they wait for the program
 set_source_files_properties(apps/program.cpp PROPERTIES COMPILE_DEFINITIONS PALPATE_PROGRAM="$<TARGET_FILE:palpate>")
 add_dependencies(tests_apps palpate fake_drivers)
