@@ -51,9 +51,9 @@ cmake --preset "$preset" > /dev/null
 
 field() { sed -n "s/^$2: //p;/^---/q" "$1"; }  # PATCH NAME
 
-# The target that a test file is part of, compiled by itself or with others (UNITY_BUILD).
+# The target that a test file is part of, compiled by itself or with others (UNITY_BUILD); nothing where it is not built.
 target_of() {  # FILE
-  [[ $1 != tests/python/* ]] || { echo palpate_python; return; }
+  [[ $1 != tests/python/* ]] || { grep -qs '^build palpate_python:' "$built/build.ninja" && echo palpate_python; return; }
   local part=${1#tests/}
   { sed -n "s|^build tests/CMakeFiles/\([a-z_]*\)\.dir/$part\.o:.*|\1|p" "$built/build.ninja"
     { grep -rl "/$1\"" "$built"/tests/CMakeFiles/*.dir/Unity 2> /dev/null || true; } |
@@ -65,6 +65,7 @@ build() { cmake --build --preset "$preset" --target "$@" > "$log" 2>&1; }
 # Runs a case; fails where it fails, and with 3 where there is no such case.
 run_case() {  # FILE CASE
   local code=0
+  [ -n "$(target_of "$1")" ] || return 3
   if [[ $1 == tests/python/* ]]; then
     PYTHONPATH=$built/python PYTHONDONTWRITEBYTECODE=1 timeout "$limit_s" \
       python3 -m pytest -q -p no:cacheprovider "$1::$2" > "$log" 2>&1 || code=$?
@@ -81,7 +82,7 @@ run_case() {  # FILE CASE
 declare -A unmutated
 targets=()
 for patch in "${patches[@]}"; do
-  target=$(target_of "$(field "$patch" File)")
+  target=$(target_of "$(field "$patch" File)") || true
   [ -z "$target" ] || [[ " ${targets[*]} " == *" $target "* ]] || targets+=("$target")
 done
 echo "mutations.sh: ${#patches[@]} bugs, $tier tier, at $(git rev-parse --short HEAD); building ${targets[*]}"
