@@ -150,6 +150,23 @@ TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch takes its command fr
   CHECK(std::ranges::count(download<std::uint32_t>(device, b, kCount), 9u) == 2 * 64);
 }
 
+// A software driver runs commands in order: here it is the layer that sees a barrier that is missing.
+TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch waits for the copy in its own list that writes its size") {
+  constexpr std::uint32_t kCount = 1000;
+  const Buffer a = words(kCount), b = words(kCount), groups = words(3), size = words(3);
+  upload(device, size, std::vector<std::uint32_t>{2, 1, 1});
+  CommandList list(device, device.latencyQueue(), "indirect");
+  list.begin();
+  list.fill(a, 8, a.bytes());
+  list.fill(b, 0, b.bytes());
+  list.copy(size, groups, groups.bytes());
+  list.dispatchIndirect(addOne, groups, args(a, b, kCount));
+  list.end();
+  device.latencyQueue().run(list);
+  const auto values = download<std::uint32_t>(device, b, kCount);
+  CHECK(std::ranges::count(values, 9u) == 2 * 64);
+}
+
 TEST_CASE_FIXTURE(CommandListFixture, "a list of more passes than can be timed is still timed as a whole") {
   const Buffer a = words(10), b = words(10);
   CommandList list(device, device.latencyQueue(), "long", CommandList::Timing::passes);

@@ -97,6 +97,27 @@ TEST_CASE("a structured array has the names of its fields") {
   CHECK(reading(array(real, "(1,)", bytes({1.f, 2.f, 3.f, 0.f, 1.f, 9.f}))).cloud.colors.at(0) == Color{0, 1, 9, 255});
 }
 
+TEST_CASE("numbers of either byte order are read, whatever their size") {
+  for (const bool big : {false, true}) {
+    CAPTURE(big);
+    std::string type =
+        "[('x', '<f4'), ('y', '>f8'), ('z', '<f4'), ('i2', '<i2'), ('u2', '<u2'), ('i4', '<i4'), ('u8', "
+        "'<u8')]";
+    if (big) std::ranges::replace(type, '<', '>');
+    const std::string row = bytes({1.f}, big) + bytes({2.}, true) + bytes({3.f}, big) + bytes<std::int16_t>({-2}, big) +
+                            bytes<std::uint16_t>({258}, big) + bytes<std::int32_t>({-3}, big) +
+                            bytes<std::uint64_t>({4}, big);
+    const PointCloud cloud = reading(array(type, "(1,)", row)).cloud;
+    REQUIRE(cloud.size() == 1);
+    CHECK(cloud.fileCoordinates(0) == DVec3(1, 2, 3));
+    REQUIRE(cloud.extra.size() == 4);
+    CHECK(loadScalar<std::int16_t>(cloud.extra[0].data.data()) == -2);
+    CHECK(loadScalar<std::uint16_t>(cloud.extra[1].data.data()) == 258);
+    CHECK(loadScalar<std::int32_t>(cloud.extra[2].data.data()) == -3);
+    CHECK(loadScalar<double>(cloud.extra[3].data.data()) == 4);
+  }
+}
+
 TEST_CASE("an archive's arrays of as many rows as there are points go with them") {
   const std::string points = array("'<f4'", "(2, 3)", bytes({1.f, 2.f, 3.f, 4.f, 5.f, 6.f}));
   const std::string colors = array("'|u1'", "(2, 3)", std::string("\x01\x02\x03\x04\x05\x06"));

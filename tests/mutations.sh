@@ -1,0 +1,131 @@
+#!/usr/bin/env bash
+# Applies small deliberate bugs (tests/mutations/NN-room-what.patch) one by one, builds the test that each patch names and
+# runs it: it must fail. A table at the end says for each bug whether it was killed or survived. The exit code is 1 where
+# more than three bugs survive the quick tier, or one survives the full tier, or a patch has to be made again.
+#   bash tests/mutations.sh [--tier quick|full] [--survivors] [NN...]
+# --tier full runs named cases of the full tier, too (PALPATE_TESTS_TIER=full). --survivors runs the whole tier
+# (tests/run.sh, or tests/run.sh --full) on each bug that its named case lets pass. All of it happens in a git worktree of
+# HEAD, build/mutations, which keeps what was built: what is not committed is not in it, but for the patches themselves.
+#
+# The header of a patch has three lines before the diff:
+#   Mutation: one sentence that says what is wrong
+#   File: the test file, as tests/edit/journal_test.cpp or tests/python/test_sessions.py
+#   Case: the exact name of a case of doctest (a * at its end stands for what a template adds), or of a function of pytest
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+preset=${PALPATE_MUTATIONS_PRESET:-dev}  # of the quick tier
+limit_s=300                              # of one case; a bug that makes it stand still is killed
+export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_VALIDATE=${PALPATE_TESTS_VALIDATE:-core}
+
+tier=quick survivors=no numbers=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    --tier) tier=${2:-}; shift ;;
+    --survivors) survivors=yes ;;
+    [0-9][0-9]) numbers+=("$1") ;;
+    *) echo "mutations.sh: '$1' is not an option or a number of two digits (see the head of this file)" >&2; exit 2 ;;
+  esac
+  shift
+done
+[[ $tier =~ ^(quick|full)$ ]] || { echo "mutations.sh: --tier requires quick or full" >&2; exit 2; }
+[ "$tier" = quick ] || export PALPATE_TESTS_TIER=full
+
+patches=()
+for patch in tests/mutations/[0-9][0-9]-*.patch; do
+  number=$(basename "$patch" | cut -c 1-2)
+  [ ${#numbers[@]} -gt 0 ] && [[ " ${numbers[*]} " != *" $number "* ]] || patches+=("$PWD/$patch")
+done
+[ ${#patches[@]} -gt 0 ] || { echo "mutations.sh: no patch in tests/mutations has such a number" >&2; exit 2; }
+
+copy=$PWD/build/mutations built=$PWD/build/mutations/build/$preset log=$PWD/build/mutations.log
+git worktree prune
+if [ -e "$copy/.git" ]; then
+  git -C "$copy" checkout -q -f --detach "$(git rev-parse HEAD)"
+else
+  git worktree add -q -f --detach "$copy" HEAD
+fi
+cd "$copy"
+trap 'git -C "$copy" checkout -q -f' EXIT
+cmake --preset "$preset" > /dev/null
+
+field() { sed -n "s/^$2: //p;/^---/q" "$1"; }  # PATCH NAME
+
+# The target that a test file is part of, compiled by itself or with others (UNITY_BUILD); nothing where it is not built.
+target_of() {  # FILE
+  [[ $1 != tests/python/* ]] || { grep -qs '^build palpate_python:' "$built/build.ninja" && echo palpate_python; return; }
+  local part=${1#tests/}
+  { sed -n "s|^build tests/CMakeFiles/\([a-z_]*\)\.dir/$part\.o:.*|\1|p" "$built/build.ninja"
+    { grep -rl "/$1\"" "$built"/tests/CMakeFiles/*.dir/Unity 2> /dev/null || true; } |
+      sed 's|.*/CMakeFiles/\([a-z_]*\)\.dir/.*|\1|'; } | head -n 1
+}
+
+build() { cmake --build --preset "$preset" --target "$@" > "$log" 2>&1; }
+
+# Runs a case; fails where it fails, and with 3 where there is no such case.
+run_case() {  # FILE CASE
+  local code=0
+  [ -n "$(target_of "$1")" ] || return 3
+  if [[ $1 == tests/python/* ]]; then
+    PYTHONPATH=$built/python PYTHONDONTWRITEBYTECODE=1 timeout "$limit_s" \
+      python3 -m pytest -q -p no:cacheprovider "$1::$2" > "$log" 2>&1 || code=$?
+    [ $code -ne 4 ] && [ $code -ne 5 ] || return 3
+    return $code
+  fi
+  # A comma would begin another name.
+  timeout "$limit_s" "$built/$(target_of "$1")" --source-file="*/$1" --test-case="${2//,/?}" > "$log" 2>&1 || code=$?
+  ! grep -q '^\[doctest\] test cases: *0 |' "$log" || return 3
+  return $code
+}
+
+# Both are tried once: a test that fails anyway kills nothing.
+declare -A unmutated
+targets=()
+for patch in "${patches[@]}"; do
+  target=$(target_of "$(field "$patch" File)") || true
+  [ -z "$target" ] || [[ " ${targets[*]} " == *" $target "* ]] || targets+=("$target")
+done
+echo "mutations.sh: ${#patches[@]} bugs, $tier tier, at $(git rev-parse --short HEAD); building ${targets[*]}"
+build "${targets[@]}" || { tail -n 30 "$log"; echo "mutations.sh: the tests do not build" >&2; exit 1; }
+for patch in "${patches[@]}"; do
+  code=0
+  run_case "$(field "$patch" File)" "$(field "$patch" Case)" || code=$?
+  unmutated[$patch]=$code
+done
+
+outcome() {  # PATCH
+  local file name code=0 whole=
+  file=$(field "$1" File) name=$(field "$1" Case)
+  case ${unmutated[$1]} in
+    0) ;;
+    3) echo "NO SUCH CASE: $file: $name"; return ;;
+    *) echo "FAILS WITHOUT IT: $file: $name"; return ;;
+  esac
+  git apply "$1" 2> "$log" || { echo 'DOES NOT APPLY: make the patch again'; return; }
+  build "$(target_of "$file")" || { echo 'DOES NOT BUILD: make the patch again'; return; }
+  run_case "$file" "$name" || code=$?
+  [ $code -ne 0 ] && { echo "killed by $file: $name"; return; }
+  [ $survivors = no ] || { [ "$tier" = quick ] || whole=--full; bash tests/run.sh $whole > "$log" 2>&1 || code=$?; }
+  [ $code -ne 0 ] && { echo "killed by run.sh $whole: $(tail -n 1 "$log")"; return; }
+  echo "SURVIVED $file: $name"
+}
+
+table=() survived=0 broken=0
+for patch in "${patches[@]}"; do
+  begin=$SECONDS
+  result=$(outcome "$patch")
+  git checkout -q -f
+  case $result in killed*) ;; SURVIVED*) survived=$((survived + 1)) ;; *) broken=$((broken + 1)) ;; esac
+  table+=("$(basename "$patch" | cut -c 1-2)|$(field "$patch" Mutation)|$result|$((SECONDS - begin))")
+  printf '%s %4d s  %s\n' "$(basename "$patch" .patch)" $((SECONDS - begin)) "$result"
+done
+
+echo
+printf '| %-2s | %s | %s | %s |\n' 'Nr' 'Mutation' "Outcome" 'Seconds to build and run'
+printf -- '|---|---|---|---|\n'
+for row in "${table[@]}"; do printf '| %s |\n' "${row//|/ | }"; done
+most=3
+[ "$tier" = quick ] || most=0
+echo "mutations.sh: ${#patches[@]} bugs: $((${#patches[@]} - survived - broken)) killed, $survived survived," \
+  "$broken patches to be made again"
+[ $survived -le $most ] && [ $broken -eq 0 ]
