@@ -14,7 +14,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-preset=${PALPATE_MUTATIONS_PRESET:-dev}  # of the quick tier
+preset=${PALPATE_MUTATIONS_PRESET:-release}  # of the quick tier
 limit_s=300                              # of one case; a bug that makes it stand still is killed
 export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_VALIDATE=${PALPATE_TESTS_VALIDATE:-core}
 

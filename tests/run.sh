@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_RESULTS=$PWD/build/tests/cases
 
-legs=(address truths searched one_thread links thread swiftshader layer lint fuzz windows arm64)
+legs=(address truths searched one_thread links thread swiftshader layer lint mutations fuzz windows arm64)
 build() { cmake --preset "$1" > /dev/null && cmake --build --preset "$1" --target "${@:2}"; }  # PRESET TARGETS...
 tests() {  # PRESET [CTEST OPTIONS...]: two places for each entry and one for what sleeps (tests/CMakeLists.txt)
   ctest --preset "$1" -j $((2 * $(nproc) + 1)) --no-tests=error "${@:2}"
@@ -28,6 +28,7 @@ portable() { PALPATE_TESTS_ONLY=portable release -L '^gpu$'; }
 swiftshader() { drivers && VK_DRIVER_FILES=$drivers/swiftshader.json PALPATE_GPU=SwiftShader validate=0 portable; }
 layer() { drivers && VK_LAYER_PATH=$drivers portable; }                    # a current validation layer
 lint() { bash tests/lint.sh; }
+mutations() { build release palpate all_tests && bash tests/mutations.sh; }
 fuzz() { build asan tests_io && PALPATE_FUZZ_S=600 build/asan/tests_io --source-file='*reader_fuzz*'; }
 windows() {
   local missing
