@@ -1,5 +1,5 @@
-// What a test case asks of a run, written beside the case: TEST_CASE("..." * kFull * kClock). A label that does not exist
-// stops the build.
+// What a test case asks of a run, written beside the case: TEST_CASE("..." * kFull * kClock). A label that does not
+// exist stops the build.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -36,8 +36,8 @@ struct CaseLabel {
   }
 };
 
-/// Costs more than the quick tier allows (2 s of a core, 10 for a whole program). A smaller case that sends the same code
-/// through the quick tier stands near it.
+/// Costs more than the quick tier allows (2 s of a core, 10 for a whole program). A smaller case that sends the same
+/// code through the quick tier stands near it.
 inline constexpr CaseLabel kFull{0};
 /// Runs in both tiers, with more repetitions or points in the full one (byTier()).
 inline constexpr CaseLabel kMoreInFull{1};

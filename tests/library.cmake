@@ -3,7 +3,8 @@ set(library_links palpate::palpate palpate::core)
 add_library(own_law MODULE library/half_as_stiff.c)
 target_link_libraries(own_law PRIVATE palpate::palpate palpate_build_options)
 palpate_tests(library LINKS ${library_links})
-set_source_files_properties(library/touch_test.cpp PROPERTIES COMPILE_DEFINITIONS PALPATE_OWN_LAW="$<TARGET_FILE:own_law>")
+set_source_files_properties(library/touch_test.cpp PROPERTIES COMPILE_DEFINITIONS
+                            PALPATE_OWN_LAW="$<TARGET_FILE:own_law>")
 add_dependencies(tests_library own_law)
 set_source_files_properties(library/touch_test.cpp PROPERTIES COMPILE_OPTIONS -Wno-error)
 
@@ -25,7 +26,8 @@ if(TARGET palpate_python AND PALPATE_VULKAN)
     list(APPEND entries python.${name})
   endforeach()
   palpate_entry(python.types COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/python/types.sh ${python} ${modules})
-  set_tests_properties(${entries} python.types PROPERTIES ENVIRONMENT
-    "PYTHONPATH=${modules};PYTHONDONTWRITEBYTECODE=1;PALPATE_OWN_LAW=$<TARGET_FILE:own_law>;PALPATE_PROGRAM=$<$<BOOL:${PALPATE_APPS}>:${CMAKE_BINARY_DIR}/palpate>")
+  set(surroundings PYTHONPATH=${modules} PYTHONDONTWRITEBYTECODE=1 PALPATE_OWN_LAW=$<TARGET_FILE:own_law>
+                   PALPATE_PROGRAM=$<$<BOOL:${PALPATE_APPS}>:${CMAKE_BINARY_DIR}/palpate>)
+  set_tests_properties(${entries} python.types PROPERTIES ENVIRONMENT "${surroundings}")
 endif()
 set(room_label host)

@@ -3,8 +3,8 @@ if(NOT WIN32)
   palpate_tests(house LINKS palpate::core)
   # The files of the host's rooms, for the test that none of them includes Vulkan.
   set(host_sources "")
-  foreach(room core cloud matter io motion spatial_host contact_host edit_host touch_host mesh_host haptics session sharing
-               session_sharing)
+  foreach(room core cloud matter io motion spatial_host contact_host edit_host touch_host mesh_host haptics session
+               sharing session_sharing)
     get_target_property(sources palpate_${room} SOURCES)
     get_target_property(folder palpate_${room} SOURCE_DIR)
     foreach(source ${sources})
@@ -37,4 +37,5 @@ palpate_test_program(embedding programs/embedding.cpp palpate::session)
 add_dependencies(tests_session embedding)
 list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)  # where this machine cannot run it itself
 string(STRIP "${emulator} $<TARGET_FILE:embedding>" embedding)
-set_source_files_properties(session/embedding_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS PALPATE_EMBEDDING="${embedding}")
+set_source_files_properties(session/embedding_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
+                            PALPATE_EMBEDDING="${embedding}")

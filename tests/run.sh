@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs the tests without a display, on lavapipe or on the GPU that PALPATE_GPU names.
+# Installs what is missing, builds, and runs the tests headless, on lavapipe or on the GPU that PALPATE_GPU names.
 #   bash tests/run.sh              the quick tier: what every change runs
 #   bash tests/run.sh --full       the quick tier and all other legs
 #   bash tests/run.sh --leg NAME   one leg; --list names them
@@ -51,15 +51,17 @@ run() {  # LEG: whatever comes of it, the next one follows
     $1 == "passed" || $1 == "failed" { ++cases } $1 == "skipped" { ++skips }
     END { printf "%-12s %-8s %5d cases %5d s %4d skipped", leg, result, cases, s, skips }' "build/tests/$leg.cases")")
 }
-summary() {
+summary() {  # LEGS...
   local leg
   printf '\n%s\n' "${rows[@]}"
   for leg in "$@"; do
-    grep -h '^ *second try: \|^skipped: \|(Failed)$\|(Timeout)$\|^.*[.a-z]*:[0-9]*: ERROR:' "build/tests/$leg.log" | sort -u | head -40 | sed "s/^/$leg: /" || true
-    awk -F '\t' '$1 == "skipped" { print $5 ": " $6 }' "build/tests/$leg.cases" | sort -u | sed "s/^/$leg: /"
+    { grep -hE '^ *second try: |^skipped: |\((Failed|Timeout)\)$| ERROR: ' "build/tests/$leg.log" || true
+      awk -F '\t' '$1 == "skipped" { print $5 ": " $6 }' "build/tests/$leg.cases"; } | sort -u | sed "s/^/$leg: /"
   done
-  echo 'The ten dearest cases, in seconds of a core (budget: 2, for whole programs 10):'
-  awk -F '\t' '$1 != "skipped"' build/tests/quick.cases 2> /dev/null | sort -t "$(printf '\t')" -k 2,2nr | head -n 10 | cut -f 2,5,6
+  if [ -s build/tests/quick.cases ]; then
+    echo 'The ten dearest cases of the quick tier, in seconds of a core (budget: 2, with whole programs 10):'
+    grep -v '^skipped' build/tests/quick.cases | sort -t $'\t' -k 2,2nr | head -n 10 | cut -f 2,5,6 || true
+  fi
   [ -z "$failed" ] || { echo "run.sh: failed:$failed"; exit 1; }
   echo "run.sh: every leg passed, in $SECONDS s"
 }

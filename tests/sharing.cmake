@@ -9,8 +9,8 @@ palpate_tests(sharing LINKS palpate::sharing palpate::session ${crypto} WITHOUT 
 # A hostile program: the tests measure what it can do.
 set(made ${CMAKE_CURRENT_BINARY_DIR}/generated/haptics/sharing)
 file(MAKE_DIRECTORY ${made})
-add_custom_command(OUTPUT ${made}/hostile.c ${made}/hostile.h DEPENDS programs/hostile.idl WORKING_DIRECTORY ${made} VERBATIM
-                   COMMAND ${PALPATE_IDLC} -t ${CMAKE_CURRENT_SOURCE_DIR}/programs/hostile.idl)
+add_custom_command(OUTPUT ${made}/hostile.c ${made}/hostile.h DEPENDS programs/hostile.idl WORKING_DIRECTORY ${made}
+                   VERBATIM COMMAND ${PALPATE_IDLC} -t ${CMAKE_CURRENT_SOURCE_DIR}/programs/hostile.idl)
 add_library(hostile_types STATIC ${made}/hostile.c ${made}/hostile.h)
 target_include_directories(hostile_types SYSTEM PUBLIC ${CMAKE_CURRENT_BINARY_DIR}/generated)
 target_link_libraries(hostile_types PUBLIC CycloneDDS::ddsc)

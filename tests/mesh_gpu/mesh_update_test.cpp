@@ -1,8 +1,8 @@
 // A mesh that follows edits is the one that a build from nothing makes, bit by bit.
 #include <random>
 
-#include "tests/mesh_gpu/mesh_scenes.hpp"
 #include "tests/labels.hpp"
+#include "tests/mesh_gpu/mesh_scenes.hpp"
 
 namespace palpate {
 

@@ -1,9 +1,9 @@
 // Meshes on a GPU whose workgroups are small.
 #include "engine/mesh/marching_cubes.hpp"
 
+#include "tests/labels.hpp"
 #include "tests/lost_gpu/lost_gpu.hpp"
 #include "tests/mesh_gpu/mesh_scenes.hpp"
-#include "tests/labels.hpp"
 
 namespace palpate {
 

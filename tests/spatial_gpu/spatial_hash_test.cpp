@@ -7,8 +7,8 @@
 #include "engine/spatial/cpu_hash.hpp"
 #include "engine/spatial/look_back_sort.hpp"
 #include "tests/gpu_fixture.hpp"
-#include "tests/scenes.hpp"
 #include "tests/labels.hpp"
+#include "tests/scenes.hpp"
 
 namespace palpate {
 

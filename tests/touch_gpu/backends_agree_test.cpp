@@ -4,8 +4,8 @@
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
-#include "tests/scenes.hpp"
 #include "tests/labels.hpp"
+#include "tests/scenes.hpp"
 
 namespace palpate {
 

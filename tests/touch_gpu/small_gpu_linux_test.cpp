@@ -5,9 +5,9 @@
 #include "engine/gpu/compute_pipeline.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 #include "tests/says.hpp"
 #include "tests/scenes.hpp"
-#include "tests/labels.hpp"
 
 namespace palpate {
 
