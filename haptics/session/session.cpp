@@ -236,6 +236,8 @@ bool Session::settleShared(double patience_s, Settling until) {
   if (!shared_) return true;
   const Stopwatch since;
   relay_.catchUp();
+  // The last message may be older than this call: another hand's strokes may be with the server and not yet here.
+  if (until == Settling::all) shared_->askServer();
   SharedCounts counts = shared_->counts();
   const auto isSettled = [&] { return counts.atRest && counts.same; };
   const std::uint64_t inEffectBefore = counts.inEffect;

@@ -104,8 +104,9 @@ class Session {
   FarCloud* far() const { return model_->far.get(); }
   UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
   /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long.
-  /// Whether it is. Between runs; without others at once. `known`: where others go on for more than a second, until
-  /// this hand's is taken and theirs so far is in effect here.
+  /// Whether it is. Between runs; without others at once. `known`: as the server was heard last, and where others go on
+  /// for more than a second, until this hand's is taken and theirs so far is in effect here. `all`: asks the server, so
+  /// that everything it had taken before this call is in effect here.
   enum class Settling { known, all };
   /// Around the hands alone: until what they have made has been taken.
   bool settleShared(double patience_s, Settling until = Settling::known);

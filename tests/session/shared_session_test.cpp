@@ -23,6 +23,8 @@ class Others final : public SharedFollower {
     std::optional<InformationAge> known{std::in_place};
     SharedCounts counts{.delivered = true, .atRest = true, .same = true};
     bool inEffectEachTime = false;  // that it is asked
+    bool answers = true;            // the server, when it is asked how far it is
+    std::size_t asked = 0;
     HandPlaces places;
     std::size_t moves = 0;
   };
@@ -32,6 +34,10 @@ class Others final : public SharedFollower {
   SharedCounts counts() const override {
     state_.counts.inEffect += state_.inEffectEachTime;
     return state_.counts;
+  }
+  void askServer() override {
+    ++state_.asked;
+    state_.counts.atRest = state_.counts.same = state_.answers;
   }
   void moved(const HandPlaces& hands) noexcept override {
     state_.places = hands;
@@ -173,6 +179,21 @@ TEST_CASE("a session waits for the others as long as it was told, and not for th
   CHECK(over.elapsed_s() < 3);
 }
 
+TEST_CASE("a session whose last news says that it is settled asks the server before it says so") {
+  Others::State others;
+  const auto cpu = cpuBackend();
+  Session session(joined(), sharedSphere(others), {.backend = *cpu});
+  CHECK(session.settleShared(60));  // as it was heard last
+  CHECK(others.asked == 0);
+  CHECK(session.settleShared(60, Session::Settling::all));
+  CHECK(others.asked == 1);
+  others.answers = false;
+  const Stopwatch waited;
+  CHECK_FALSE(session.settleShared(0.3, Session::Settling::all));
+  CHECK(waited.elapsed_s() >= 0.3);
+  CHECK(others.asked == 2);
+}
+
 TEST_CASE("others who go on are not waited for, but for what they have done so far, unless all of it is asked for") {
   Others::State others;
   others.counts = {.delivered = true};
@@ -182,6 +203,7 @@ TEST_CASE("others who go on are not waited for, but for what they have done so f
   CHECK_FALSE(session.settleShared(2));  // nothing of theirs is here yet
   CHECK(unheard.elapsed_s() >= 2);
   others.inEffectEachTime = true;
+  others.answers = false;
   const Stopwatch known;
   CHECK_FALSE(session.settleShared(60));
   CHECK(known.elapsed_s() < 10);
