@@ -7,6 +7,8 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "engine/core/clock.hpp"
 #include "haptics/session/asked_hands.hpp"
@@ -24,6 +26,9 @@ class Others final : public SharedFollower {
     SharedCounts counts{.delivered = true, .atRest = true, .same = true};
     bool inEffectEachTime = false;  // that it is asked
     bool answers = true;            // the server, when it is asked how far it is
+    bool isHeardEachTime = false;
+    std::optional<double> takesAfter_s;  // from the first look on
+    Stopwatch since;
     std::size_t asked = 0;
     HandPlaces places;
     std::size_t moves = 0;
@@ -33,6 +38,8 @@ class Others final : public SharedFollower {
   const InformationAge& known() const override { return *state_.known; }
   SharedCounts counts() const override {
     state_.counts.inEffect += state_.inEffectEachTime;
+    if (state_.isHeardEachTime) state_.known->heard();
+    if (state_.takesAfter_s) state_.counts.delivered = state_.since.elapsed_s() >= *state_.takesAfter_s;
     return state_.counts;
   }
   void askServer() override {
@@ -192,6 +199,38 @@ TEST_CASE("a session whose last news says that it is settled asks the server bef
   CHECK_FALSE(session.settleShared(0.3, Session::Settling::all));
   CHECK(waited.elapsed_s() >= 0.3);
   CHECK(others.asked == 2);
+}
+
+TEST_CASE("a session that ends waits for a server that is slow and heard, and says what has not been confirmed") {
+  struct Heard final : LogListener {
+    void said(std::string_view line) override { lines.emplace_back(line); }
+    void progressed(std::string_view, double) override {}
+    std::vector<std::string> lines;
+  } heard;
+  Log log(true);
+  log.listen(&heard);
+  Others::State others;
+  const auto cpu = cpuBackend();
+  Session session(joined(), sharedSphere(others), {.backend = *cpu, .log = &log});
+  others.takesAfter_s = 0.5;
+  others.isHeardEachTime = true;
+  others.since = {};
+  CHECK(session.deliver(60, 0.1));
+  CHECK(others.since.elapsed_s() >= 0.5);
+  CHECK(heard.lines.empty());
+  // Not for longer than it was told, and not for one that is silent.
+  others.takesAfter_s = 1e9;
+  const Stopwatch patient;
+  CHECK_FALSE(session.deliver(0.3, 0.1));
+  CHECK(patient.elapsed_s() >= 0.3);
+  REQUIRE(heard.lines.size() == 1);
+  CHECK(heard.lines[0].find("has not confirmed") != std::string::npos);
+  others.isHeardEachTime = false;
+  others.known.emplace(InformationAge::Clock::now() - std::chrono::minutes(1));
+  const Stopwatch silent;
+  CHECK_FALSE(session.deliver(60, 0.1));
+  CHECK(silent.elapsed_s() < 20);
+  CHECK(heard.lines.size() == 2);
 }
 
 TEST_CASE("others who go on are not waited for, but for what they have done so far, unless all of it is asked for") {
