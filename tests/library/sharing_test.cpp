@@ -47,7 +47,7 @@ TEST_CASE("two hands sculpt what is served, by path: in the end all three have t
 
   for (const pp_session session : {one, two}) {
     std::uint32_t same = 0;
-    PP_REQUIRE_OK(pp_session_settle(session, 20, &same));
+    PP_REQUIRE_OK(pp_session_settle(session, 60, &same));
     CHECK(same == 1);
   }
   const auto after = serving.points();
@@ -76,7 +76,7 @@ TEST_CASE("two hands sculpt what is served, by path: in the end all three have t
   CHECK(done == 1);
   CHECK_FALSE(isSame(serving.points(), after));
   const pp_session late = joined("shared ball", "late");
-  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  PP_CHECK_OK(pp_session_settle(late, 60, nullptr));
   CHECK(isSame(pointsOf(late), serving.points()));
   for (const pp_session session : {one, two, late}) PP_CHECK_OK(pp_session_close(session));
 }
@@ -117,9 +117,11 @@ TEST_CASE("a pulled loop sculpts a joined cloud is seen, and feels what others d
   CHECK(wrong == 0);
   CHECK(seen > 0);
   std::uint32_t same = 0;
-  PP_REQUIRE_OK(pp_session_settle(puller, 20, &same));
+  PP_REQUIRE_OK(pp_session_settle(puller, 60, &same));
   CHECK(same == 1);
   CHECK(isSame(pointsOf(puller), serving.points()));
+  PP_REQUIRE_OK(pp_session_settle(watcher, 60, &same));
+  CHECK(same == 1);
   CHECK(isSame(pointsOf(watcher), serving.points()));
   // The dent is felt elsewhere.
   const auto touched = touch(watcher, pathOf(pressPath(1)));
@@ -150,7 +152,7 @@ TEST_CASE("what a pulled hand has done, and nobody has taken in yet, is delivere
   PP_CHECK_OK(pp_session_close(session));
   CHECK(serving.info().states > 20);
   const pp_session late = joined("left", "late");
-  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  PP_CHECK_OK(pp_session_settle(late, 60, nullptr));
   CHECK(touch(late, pathOf(pressPath(1))).back().penetration_mm < 0.5);
   PP_CHECK_OK(pp_session_close(late));
 }
@@ -178,7 +180,7 @@ TEST_CASE("a live hand on a joined cloud sculpts it, and who comes later has wha
   const auto after = serving.points();
   CHECK_FALSE(isSame(after, before));
   const pp_session late = joined("lively", "late");
-  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  PP_CHECK_OK(pp_session_settle(late, 60, nullptr));
   CHECK(isSame(pointsOf(late), after));
   PP_CHECK_OK(pp_session_close(late));
 }
@@ -247,7 +249,7 @@ TEST_CASE("a server with a journal goes on where it was, and so do those who hav
   CHECK(isSame(serving->points(), before));
   stroke(session, pathOf(pressPath(5)), push);
   std::uint32_t same = 0;
-  PP_REQUIRE_OK(pp_session_settle(session, 20, &same));
+  PP_REQUIRE_OK(pp_session_settle(session, 60, &same));
   CHECK(same == 1);
   CHECK_FALSE(isSame(serving->points(), before));
   CHECK(isSame(pointsOf(session), serving->points()));
@@ -551,6 +553,44 @@ TEST_CASE("a log function is told who comes, and whatever it calls of its server
   CHECK(heard.told == 1);
   CHECK(heard.refused == 2);
   PP_CHECK_OK(pp_session_close(session));
+  PP_CHECK_OK(pp_server_close(server));
+}
+
+TEST_CASE("settle says no while the server does not answer, though all was well when it was heard last") {
+  if (!isBuilt()) return;
+  struct Hold {
+    std::atomic<bool> on = false, isHeld = false;
+  } hold;
+  const pp_network network = ownNetwork();
+  const BallCloud ball;
+  pp_serve_options options = pp_default_serve_options();
+  options.network = &network;
+  options.log_user = &hold;
+  // Its thread waits here once somebody comes.
+  options.log = [](void* user, const char* line) {
+    auto& held = *static_cast<Hold*>(user);
+    if (std::string(line).find("takes the points") == std::string::npos) return;
+    for (held.isHeld = held.on.load(); held.on;) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  pp_server server{};
+  PP_REQUIRE_OK(pp_serve(ball.cloud, "held", &options, &server));
+  const pp_session session = joined("held", "anna");
+  std::uint32_t same = 0;
+  PP_REQUIRE_OK(pp_session_settle(session, 60, &same));
+  CHECK(same == 1);
+  hold.on = true;
+  pp_session late{};
+  std::thread comer([&] { late = joined("held", "ben"); });
+  CHECK(comes(20, [&] { return hold.isHeld.load(); }));
+  CHECK(sharingOf(session).same == 1);  // as it was heard last
+  PP_CHECK_OK(pp_session_settle(session, 0.3, &same));
+  CHECK(same == 0);
+  hold.on = false;
+  comer.join();
+  PP_CHECK_OK(pp_session_settle(session, 60, &same));
+  CHECK(same == 1);
+  PP_CHECK_OK(pp_session_close(session));
+  PP_CHECK_OK(pp_session_close(late));
   PP_CHECK_OK(pp_server_close(server));
 }
 

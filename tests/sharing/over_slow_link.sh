@@ -47,7 +47,10 @@ end_server() {  # SIGNAL
 }
 lines_of() { grep -c "$2" "$1" || true; }  # FILE PATTERN
 await_line() {  # FILE PATTERN COUNT PROCESS: until so many lines have it, for as long as the process lives
-  until [ "$(lines_of "$1" "$2")" -ge "$3" ]; do kill -0 "$4" 2> /dev/null || fail "ended without '$2'"; sleep 0.02; done
+  until [ "$(lines_of "$1" "$2")" -ge "$3" ]; do
+    kill -0 "$4" 2> /dev/null || fail "ended without '$2'"
+    sleep 0.02
+  done
 }
 joined() {  # OUT [OPTIONS...]: the trace of what is joined
   local out=$1
