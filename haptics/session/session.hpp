@@ -24,7 +24,7 @@ using FollowerMaker = std::function<std::unique_ptr<EditFollower>(const Model& m
 /// otherwise.
 inline constexpr double kSharedPatience_s = 10;
 /// The same before a session ends, for a server that is not heard.
-inline constexpr double kUnheard_s = 2;
+inline constexpr double kUnheard_s = 5;
 
 /// What a session is given beside its configuration.
 struct SessionParts {
