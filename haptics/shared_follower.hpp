@@ -47,6 +47,9 @@ class SharedFollower : public EditFollower {
   /// How old what is felt is, and whether the others change it where this hand is.
   virtual const InformationAge& known() const = 0;
   virtual SharedCounts counts() const = 0;
+  /// Asks the server how far it is. From now on counts().atRest and counts().same are false until the server has
+  /// answered, and what it had taken by then is in effect here.
+  virtual void askServer() = 0;
   /// Where the hands are that feel what the others change. For the thread that answers them: waits for nobody.
   virtual void moved(const HandPlaces& hands) noexcept = 0;
   /// What the log was told since the last call, the first few of it: for who shows it elsewhere, too. For any thread.

@@ -208,11 +208,15 @@ void bindSessionsSharing(py::class_<PySession>& session) {
             return self.with([&](pp::Session& open) { return open.settle(seconds); });
           },
           py::arg("seconds") = 10.0,
-          "settle(seconds=10) -> bool\n\nOf a session that was joined: takes part in what the others do until that, "
-          "and all that\n"
-          "was done here, is everywhere, at most so long (s). True where it is, and the points are the server's, bit "
-          "by bit.\n"
-          "Not while it is live. Raises Error with the status \"network\" where this hand's part has ended for good.")
+          "settle(seconds=10) -> bool\n\nOf a session that was joined: asks the server how far it is, and takes part "
+          "in what the others\n"
+          "do until all that the server had taken before this call is in effect here and all that was done here is "
+          "with the\n"
+          "server, at most so long (s). True where it is, and the points are the server's, bit by bit; False where "
+          "the server\n"
+          "does not answer. Not while it is live. Raises Error with the status \"network\" where this hand's part has "
+          "ended for\n"
+          "good.")
       .def("_sharing",
            [](PySession& self) { return told(self.with([](pp::Session& open) { return open.sharing(); })); })
       .def("_others", &othersOf)

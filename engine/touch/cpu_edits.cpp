@@ -30,20 +30,21 @@ CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& b
   });
 }
 
-void CpuEdits::editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, bool realtime) {
-  if (!brush_ || (contact.touching && !pose.sculpts)) return;
+bool CpuEdits::editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, bool realtime) {
+  if (!brush_ || (contact.touching && !pose.sculpts)) return false;
   const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
   work_.brush.emplace(*brush_, radius_, pose.hip - origin_, lastHip - origin_, spring);
-  if (!work_.brush->acts() && sculpture_.settled()) return;
+  if (!work_.brush->acts() && sculpture_.settled()) return false;
   if (realtime && !pace_.mayEdit(pose.time_s)) {
     ++statistics_.shortfalls.editsTooSlow;
-    return;
+    return false;
   }
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = pose.time_s;
   time_s_ = pose.time_s;
   isUnderWay_ = inStroke_ = true;
   work_.isOffer = false;
   task_->start();
+  return true;
 }
 
 bool CpuEdits::takeUpOffer(double time_s, bool realtime) {

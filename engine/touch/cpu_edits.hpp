@@ -28,10 +28,12 @@ class CpuEdits {
   /// Another brush from now on, or none, while nothing is under way.
   void setBrush(const std::optional<BrushOptions>& brush) { brush_ = brush; }
   /// Starts an edit when the answer to the HIP says that the surface yields, or when the last edit left something to
-  /// do. `lastHip`: where the HIP was in the tick before.
-  void editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, bool realtime);
+  /// do. `lastHip`: where the HIP was in the tick before. True: it has started.
+  bool editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, bool realtime);
   /// Starts to carry out what is offered (TouchBackend::offer()), if anything is, for a pose of this time.
   bool takeUpOffer(double time_s, bool realtime);
+  /// Whether an offer was carried out last, and no brush has edited since. While nothing is under way.
+  bool lastWasOffer() const { return work_.isOffer; }
   /// Whether none is under way, within the budget (0: as long as it takes). Takes note of the one that has ended.
   bool finishedWithin(double budget_us);
   /// Waits for the one that is under way, and takes no note.

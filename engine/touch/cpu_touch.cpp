@@ -113,11 +113,15 @@ void CpuTouch::answer(std::span<const Pose> poses, bool realtime) {
   const DVec3 lastHip = lastHip_.value_or(pose.hip);
   lastHip_ = own.valid ? std::optional(pose.hip) : std::nullopt;
   if (!own.touching || !own.valid || !pose.sculpts) edits_.rest();
+  // In real time one answer starts one edit: the brush's and an offer in turn, so that neither waits for ever where
+  // edits are slow and others go on.
+  const bool brushFirst = realtime && own.valid && edits_.lastWasOffer();
+  if (brushFirst && edits_.editIfYielding(own, pose, lastHip, realtime)) return;
   if (edits_.takeUpOffer(pose.time_s, realtime)) {
-    if (realtime) return;  // the brush goes on with the next tick that has no offer
+    if (realtime) return;  // the brush goes on with the next tick
     edits_.finishedWithin(0);
   }
-  if (own.valid) edits_.editIfYielding(own, pose, lastHip, realtime);
+  if (own.valid && !brushFirst) edits_.editIfYielding(own, pose, lastHip, realtime);
 }
 
 void CpuTouch::resetHand(std::size_t hand) noexcept {

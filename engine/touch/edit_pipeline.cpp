@@ -113,6 +113,7 @@ void EditPipeline::submit(const CommandList& list, double time_s) {
   last_.ticket = device_.latencyQueue().submit(list);
   last_.time_s = time_s;
   last_.isUnderWay = inStroke_ = true;
+  lastWasOffer_ = false;
   last_.since = Stopwatch();
   if (!updates(list)) index_.built();
 }
@@ -170,7 +171,7 @@ void EditPipeline::submitOffer(double time_s) {
   }
   list.end();
   offer_.ticket = device_.latencyQueue().submit(list);
-  offer_.isUnderWay = true;
+  offer_.isUnderWay = lastWasOffer_ = true;
   offer_.since = {};
   offer_.time_s = time_s;
   if (offer_.rebuilds) index_.built();

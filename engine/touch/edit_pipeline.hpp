@@ -53,6 +53,8 @@ class EditPipeline {
   /// way, and once all that came before is published. In virtual time it is done, and published, when it returns. True:
   /// points have moved, or will.
   bool takeUpOffer(double time_s, bool realtime);
+  /// Whether an offer was submitted last, and no brush's edit since.
+  bool lastWasOffer() const { return lastWasOffer_; }
   /// Publishes to the log what has been collected: all entries before `head` (EditLog).
   void publish(std::uint32_t head);
   /// Takes note of the edit under way, and of a compaction that comes to its end, once a later submission to the same
@@ -126,7 +128,7 @@ class EditPipeline {
   TakenOffer offer_;
   std::uint64_t changes_ = 0;  // calls of change() that were reported
   EditPace pace_;
-  bool brushOn_ = true, inStroke_ = false;
+  bool brushOn_ = true, inStroke_ = false, lastWasOffer_ = false;
 };
 
 }  // namespace palpate

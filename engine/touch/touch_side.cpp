@@ -408,12 +408,19 @@ void TouchSide::bringFrame(double time_s) {
 void TouchSide::editIfYielding(bool realtime) {
   const ProbeGroup& hand = hands_.front().probes;
   if (!edits_) return;
+  const auto brushEdits = [&] {
+    if (!edits_->editIfYielding(hand.own(), hand.ownPose(), realtime)) return false;
+    bridge_->edited(hand.ownPose().time_s);
+    return true;
+  };
+  // As on the CPU: in real time the brush and what others offer take turns.
+  const bool brushFirst = realtime && hand.own().valid && edits_->lastWasOffer();
+  if (brushFirst && brushEdits()) return;
   if (edits_->takeUpOffer(hand.ownPose().time_s, realtime)) {
     bridge_->edited(hand.ownPose().time_s);
-    if (realtime) return;  // the brush goes on with the next tick that has no offer
+    if (realtime) return;  // the brush goes on with the next tick
   }
-  if (!hand.own().valid) return;
-  if (edits_->editIfYielding(hand.own(), hand.ownPose(), realtime)) bridge_->edited(hand.ownPose().time_s);
+  if (hand.own().valid && !brushFirst) brushEdits();
 }
 
 void TouchSide::finish() {

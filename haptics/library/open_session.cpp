@@ -103,10 +103,7 @@ void OpenSession::end() noexcept {
 
 // What this hand has done last is still on its way.
 void OpenSession::leave() {
-  constexpr double kLeaving_s = 2;
-  if (!joined_ || !session_ || (!session_->shared() && !session_->far())) return;
-  session_->backend().finish();
-  session_->settleShared(std::min(kLeaving_s, joined_->patience_s()));
+  if (joined_ && session_) session_->deliver(joined_->patience_s());
 }
 
 const JoinedPart& OpenSession::joined() const {

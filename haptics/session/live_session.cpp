@@ -12,8 +12,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLeaving_s = 2;  // for the others to take what this hand has done last
-constexpr double kParked = 3;     // longest sides from the middle of the model: where a lifted stylus waits
+constexpr double kParked = 3;  // longest sides from the middle of the model: where a lifted stylus waits
 
 WorkspaceMap mapFor(const Model& model, const Bounds& bounds) {
   return {.scale = model.scale.toUnits(1), .offset = model.cloud.origin + bounds.center()};
@@ -71,8 +70,8 @@ LiveSession::~LiveSession() {
   stop();
   if (saving_.running.valid()) saving_.running.wait();
   try {
-    if (!servo_.lost) session_.settleShared(kLeaving_s);
-  } catch (const std::exception&) {  // it is over: whoever takes part says what it has not taken
+    if (!servo_.lost) session_.deliver();
+  } catch (const std::exception&) {  // the session is over
   }
 }
 

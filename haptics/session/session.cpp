@@ -191,6 +191,7 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
       shared_(takePart()),
       sharedPatience_s_(parts.sharedPatience_s),
+      log_(parts.log),
       bricks_(dynamic_cast<BrickTouch*>(backend_.get())),
       relay_(model_->cloud, *backend_,
              {.followers = {shared_.get(), follower_.get()},
@@ -236,6 +237,8 @@ bool Session::settleShared(double patience_s, Settling until) {
   if (!shared_) return true;
   const Stopwatch since;
   relay_.catchUp();
+  // The last message may be older than this call: another hand's strokes may be with the server and not yet here.
+  if (until == Settling::all) shared_->askServer();
   SharedCounts counts = shared_->counts();
   const auto isSettled = [&] { return counts.atRest && counts.same; };
   const std::uint64_t inEffectBefore = counts.inEffect;
@@ -262,6 +265,23 @@ bool Session::settleShared(double patience_s, Settling until) {
   if (hasAsked)
     for (std::size_t hand = 0; hand < far.size(); ++hand) backend_->resetHand(hand);
   return isSettled();
+}
+
+bool Session::deliver(double patience_s, double unheard_s) {
+  if (!shared_ && !model_->far) return true;
+  backend_->finish();
+  relay_.catchUp();
+  const auto isDelivered = [&] { return shared_ ? shared_->counts().delivered : model_->far->counts().delivered; };
+  const auto isHeard = [&] { return known()->isTrue() && known()->share() > 0; };
+  for (const Stopwatch since; !isDelivered();) {
+    if (since.elapsed_s() >= patience_s || (since.elapsed_s() >= unheard_s && !isHeard())) {
+      if (log_)
+        log_->say("'{}': the server has not confirmed all strokes of this hand, which may be lost", config_.model.file);
+      return false;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
 }
 
 std::optional<PlayCounts> Session::playCounts() const {

@@ -23,6 +23,8 @@ using FollowerMaker = std::function<std::unique_ptr<EditFollower>(const Model& m
 /// How long a session waits for what others do to be everywhere, and for what it did itself, unless it is told
 /// otherwise.
 inline constexpr double kSharedPatience_s = 10;
+/// The same before a session ends, for a server that is not heard.
+inline constexpr double kUnheard_s = 5;
 
 /// What a session is given beside its configuration.
 struct SessionParts {
@@ -33,7 +35,9 @@ struct SessionParts {
   bool paintable = false;        ///< keeps colours for a brush that comes later
   /// How long run() and finish() wait for the others, where there are some.
   double sharedPatience_s = kSharedPatience_s;
-  Log* log = nullptr;  ///< hears of frames that do not go into the map of a depth camera; outlives the session
+  /// Hears of frames that do not go into the map of a depth camera, and of strokes that did not arrive; outlives the
+  /// session.
+  Log* log = nullptr;
   /// Moves the points, where the configuration says nothing of it; outlives the session. Null: nothing does.
   CloudSource* source = nullptr;
   FollowerMaker follower;  ///< empty: nobody follows but the journal and the log
@@ -104,11 +108,15 @@ class Session {
   FarCloud* far() const { return model_->far.get(); }
   UnknownTicks unknownTicks() const { return bricks_ ? bricks_->counts() : UnknownTicks{}; }
   /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long.
-  /// Whether it is. Between runs; without others at once. `known`: where others go on for more than a second, until
-  /// this hand's is taken and theirs so far is in effect here.
+  /// Whether it is. Between runs; without others at once. `known`: as the server was heard last, and where others go on
+  /// for more than a second, until this hand's is taken and theirs so far is in effect here. `all`: asks the server, so
+  /// that everything it had taken before this call is in effect here.
   enum class Settling { known, all };
   /// Around the hands alone: until what they have made has been taken.
   bool settleShared(double patience_s, Settling until = Settling::known);
+  /// Before a session ends, between runs: waits until the server has all that was done here; at most so long, and for
+  /// a server that is not heard no more than `unheard_s`. Whether it has; if not, the log says so.
+  bool deliver(double patience_s = kSharedPatience_s, double unheard_s = kUnheard_s);
   /// Nothing where none is kept.
   Journal* journal() { return relay_.journal(); }
   EditRelay& relay() { return relay_; }
@@ -172,6 +180,7 @@ class Session {
   std::unique_ptr<EditFollower> follower_;
   std::unique_ptr<SharedFollower> shared_;
   double sharedPatience_s_;
+  Log* log_;
   BrickTouch* bricks_;  // the back end, where the points around the hands alone are here
   EditRelay relay_;
   std::unique_ptr<SessionRecording> recording_;

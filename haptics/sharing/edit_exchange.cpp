@@ -117,10 +117,14 @@ Resume EditExchange::resumeAll() {
 }
 
 Resume EditExchange::resume() {
+  outbox_.sendAgain();
+  return ask();
+}
+
+Resume EditExchange::ask() {
   ++epoch_;
   counter_ = 0;
   hasHeard_ = false;
-  outbox_.sendAgain();
   return {.epoch = epoch_, .upTo = upTo_};
 }
 

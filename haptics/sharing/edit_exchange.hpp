@@ -61,6 +61,9 @@ class EditExchange {
   Heard hear(const Results& results);
   /// Asks for what is missing. What was sent and has not been taken is sent again.
   Resume resume();
+  /// Asks how far the server is. Until it answers, isInEffect() is false: an earlier message may lack strokes that the
+  /// server has already taken. Sends nothing again.
+  Resume ask();
   /// The same from the beginning on, what this hand has made included.
   Resume resumeAll();
   /// What this hand has made, to be sent.

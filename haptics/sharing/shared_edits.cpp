@@ -90,6 +90,11 @@ class SharedEdits final : public SharedFollower {
     return counts;
   }
 
+  void askServer() override {
+    const std::scoped_lock hold(lock_);
+    if (fault_.empty()) ask(exchange_.ask());
+  }
+
   std::vector<std::string> takeSaid() override {
     const std::scoped_lock hold(lock_);
     return std::exchange(said_, {});
@@ -205,12 +210,17 @@ class SharedEdits final : public SharedFollower {
   }
 
   void resume(const Resume& asked) {
-    resumes_.write(requestOf(session_, asked));
     strokes_.forgetCopies();
+    ++counts_.resumed;
+    ask(asked);
+  }
+
+  // Results of earlier epochs no longer count, so that copies of them are dropped.
+  void ask(const Resume& asked) {
+    resumes_.write(requestOf(session_, asked));
     early_.clear();
     lastCounter_ = 0;
     lastResumed_ = {};
-    ++counts_.resumed;
   }
 
   void send() { strokes_.send(exchange_.outbox(), session_.session); }

@@ -11,6 +11,47 @@ namespace palpate {
 
 namespace {
 
+/// A server whose thread stands still when it is told to: it takes nothing and answers nobody.
+class StandingServer {
+ public:
+  explicit StandingServer(const char* name) : name_(name) {
+    pp_serve_options options = pp_default_serve_options();
+    options.network = &network_;
+    options.mm_per_unit = 1;
+    options.log_user = this;
+    options.log = [](void* user, const char* line) {
+      auto& own = *static_cast<StandingServer*>(user);
+      if (std::string(line).find("takes the points") == std::string::npos) return;
+      for (own.stands_ = own.told_.load(); own.told_;) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    };
+    PP_REQUIRE_OK(pp_serve(cloud_.cloud, name, &options, &server));
+  }
+  ~StandingServer() {
+    goOn();
+    pp_server_close(server);
+  }
+  StandingServer(const StandingServer&) = delete;
+  StandingServer& operator=(const StandingServer&) = delete;
+  // One more who joins is told to the log, where it stands.
+  void stand() {
+    told_ = true;
+    comer_ = std::thread([this] { PP_CHECK_OK(pp_session_close(joined(name_, "comer"))); });
+    CHECK(comes(20, [&] { return stands_.load(); }));
+  }
+  void goOn() {
+    told_ = false;
+    if (comer_.joinable()) comer_.join();
+  }
+  pp_server server{};
+
+ private:
+  const char* name_;
+  pp_network network_ = ownNetwork();
+  BallCloud cloud_;
+  std::atomic<bool> told_ = false, stands_ = false;
+  std::thread comer_;
+};
+
 pp_pose poseAt(std::size_t tick, double z) { return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}}; }
 
 }  // namespace
@@ -49,7 +90,7 @@ TEST_CASE("two hands sculpt what is served, by path: in the end all three have t
 
   for (const pp_session session : {one, two}) {
     std::uint32_t same = 0;
-    PP_REQUIRE_OK(pp_session_settle(session, 20, &same));
+    PP_REQUIRE_OK(pp_session_settle(session, 60, &same));
     CHECK(same == 1);
   }
   const auto after = serving.points();
@@ -78,7 +119,7 @@ TEST_CASE("two hands sculpt what is served, by path: in the end all three have t
   CHECK(done == 1);
   CHECK_FALSE(isSame(serving.points(), after));
   const pp_session late = joined("shared ball", "late");
-  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  PP_CHECK_OK(pp_session_settle(late, 60, nullptr));
   CHECK(isSame(pointsOf(late), serving.points()));
   for (const pp_session session : {one, two, late}) PP_CHECK_OK(pp_session_close(session));
 }
@@ -119,9 +160,11 @@ TEST_CASE("a pulled loop sculpts a joined cloud is seen, and feels what others d
   CHECK(wrong == 0);
   CHECK(seen > 0);
   std::uint32_t same = 0;
-  PP_REQUIRE_OK(pp_session_settle(puller, 20, &same));
+  PP_REQUIRE_OK(pp_session_settle(puller, 60, &same));
   CHECK(same == 1);
   CHECK(isSame(pointsOf(puller), serving.points()));
+  PP_REQUIRE_OK(pp_session_settle(watcher, 60, &same));
+  CHECK(same == 1);
   CHECK(isSame(pointsOf(watcher), serving.points()));
   // The dent is felt elsewhere.
   const auto touched = touch(watcher, pathOf(pressPath(1)));
@@ -152,7 +195,7 @@ TEST_CASE("what a pulled hand has done, and nobody has taken in yet, is delivere
   PP_CHECK_OK(pp_session_close(session));
   CHECK(serving.info().states > 20);
   const pp_session late = joined("left", "late");
-  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  PP_CHECK_OK(pp_session_settle(late, 60, nullptr));
   CHECK(touch(late, pathOf(pressPath(1))).back().penetration_mm < 0.5);
   PP_CHECK_OK(pp_session_close(late));
 }
@@ -180,7 +223,7 @@ TEST_CASE("a live hand on a joined cloud sculpts it, and who comes later has wha
   const auto after = serving.points();
   CHECK_FALSE(isSame(after, before));
   const pp_session late = joined("lively", "late");
-  PP_CHECK_OK(pp_session_settle(late, 20, nullptr));
+  PP_CHECK_OK(pp_session_settle(late, 60, nullptr));
   CHECK(isSame(pointsOf(late), after));
   PP_CHECK_OK(pp_session_close(late));
 }
@@ -250,7 +293,7 @@ TEST_CASE("a server with a journal goes on where it was, and so do those who hav
   CHECK(isSame(serving->points(), before));
   stroke(session, pathOf(pressPath(5)), push);
   std::uint32_t same = 0;
-  PP_REQUIRE_OK(pp_session_settle(session, 20, &same));
+  PP_REQUIRE_OK(pp_session_settle(session, 60, &same));
   CHECK(same == 1);
   CHECK_FALSE(isSame(serving->points(), before));
   CHECK(isSame(pointsOf(session), serving->points()));
@@ -556,6 +599,52 @@ TEST_CASE("a log function is told who comes, and whatever it calls of its server
   CHECK(heard.refused == 2);
   PP_CHECK_OK(pp_session_close(session));
   PP_CHECK_OK(pp_server_close(server));
+}
+
+TEST_CASE("settle says no while the server does not answer, though all was well when it was heard last") {
+  if (!isBuilt()) return;
+  StandingServer server("held");
+  const pp_session session = joined("held", "anna");
+  std::uint32_t same = 0;
+  PP_REQUIRE_OK(pp_session_settle(session, 60, &same));
+  CHECK(same == 1);
+  server.stand();
+  CHECK(sharingOf(session).same == 1);  // as it was heard last
+  PP_CHECK_OK(pp_session_settle(session, 0.3, &same));
+  CHECK(same == 0);
+  server.goOn();
+  PP_CHECK_OK(pp_session_settle(session, 60, &same));
+  CHECK(same == 1);
+  PP_CHECK_OK(pp_session_close(session));
+}
+
+TEST_CASE("what a pulled hand has done last arrives, though the server stands still for a while as it is closed") {
+  if (!isBuilt()) return;
+  StandingServer server("standing");
+  pp_session_options options = cpuOptions();
+  options.budget_us = 100'000;
+  const pp_session session = joined("standing", "anna", options);
+  pp_brush push = pp_default_brush();
+  push.radius_mm = 5;
+  PP_REQUIRE_OK(pp_session_set_brush(session, &push));
+  pp_contact contact{};
+  std::size_t tick = 0;
+  CHECK(comes(30, [&] {
+    const pp_pose pose = poseAt(tick, std::max(48.0, 52 - 0.05 * static_cast<double>(tick)));
+    ++tick;
+    PP_REQUIRE_OK(pp_touch(session, &pose, &contact));
+    return tick > 100 && contact.penetration_mm < 1;
+  }));
+  server.stand();
+  std::thread later([&] {
+    std::this_thread::sleep_for(std::chrono::seconds(3));
+    server.goOn();
+  });
+  PP_CHECK_OK(pp_session_close(session));
+  later.join();
+  pp_server_info info = pp_default_server_info();
+  PP_REQUIRE_OK(pp_server_get_info(server.server, &info));
+  CHECK(info.states > 20);
 }
 
 TEST_CASE("a server and a joined session are asked by many threads while they are closed") {

@@ -30,11 +30,20 @@ def beside(path: np.ndarray, by: float) -> np.ndarray:
     return path + (by, 0, 0)
 
 
-def until(is_true, seconds: float = 20) -> bool:
+def until(is_true, seconds: float = 60) -> bool:
     end = time.monotonic() + seconds
     while not is_true() and time.monotonic() < end:
         time.sleep(0.01)
     return bool(is_true())
+
+
+def awaited(ask, seconds: float = 60):
+    """What it gives, as soon as that is not empty."""
+    end = time.monotonic() + seconds
+    while not (given := ask()) and time.monotonic() < end:
+        time.sleep(0.01)
+    assert given
+    return given
 
 
 @pytest.fixture
@@ -68,24 +77,24 @@ def test_two_pythons_sculpt_one_cloud_and_end_with_the_same_points(served):
             path = np.array(eval(sys.argv[2]))
             s.push(path, radius_mm=5)
             sys.stdin.readline()                 # until the first one has pushed, too
-            assert s.settle(30), s.sharing
+            assert s.settle(60), s.sharing
             print(checksum(s.cloud()), s.sharing.received > 0, flush=True)
     """, served.name, repr(beside(press_path(3), 4).tolist()))
     with joined(served, hand="here") as s:
         assert other.stdout is not None and other.stdout.readline() == "joined\n"
         t = s.push(press_path(3), radius_mm=5)
         assert t["contact"].any() and s.mm_per_unit == 1
-        assert s.settle(30)
-        out, _ = other.communicate("\n", timeout=60)
+        assert s.settle(60)
+        out, _ = other.communicate("\n", timeout=120)
         assert other.returncode == 0
-        assert s.settle(30)
+        assert s.settle(60)
         after = checksum(served.cloud())
         assert after != before
         assert out.split() == [after, "True"] and checksum(s.cloud()) == after
         assert s.sharing.same and s.sharing.sent > 10 and s.sharing.received > 10 and s.sharing.model == "a ball"
     assert served.sculptors == 2 and served.clients == 2 and served.states > 20
     with joined(served) as late:
-        assert late.settle(20) and checksum(late.cloud()) == after
+        assert late.settle(60) and checksum(late.cloud()) == after
 
 
 @needs_dds
@@ -94,18 +103,20 @@ def test_a_live_hand_is_seen_and_sculpts_without_anybody_taking_its_ticks(served
         s.set_brush("push", radius_mm=5)
         way = np.column_stack([np.linspace(0, 0.5, 200), press_path(2)])
         with s.live(path=way) as live:
-            assert until(lambda: any(h.name == "anna" and h.touching and h.sculpts for h in watcher.others))
-            hand = watcher.others[0]
-            assert hand.position[2] < hand.proxy[2] < RADIUS + 1 and 0 <= hand.age_s <= 2.5
+            def is_seen_pressing() -> bool:
+                return any(h.name == "anna" and h.touching and h.sculpts and 0 <= h.age_s <= 2.5 and
+                           h.position[2] < h.proxy[2] < RADIUS + 1 for h in watcher.others)
+
+            assert until(is_seen_pressing)
             assert until(lambda: served.states > 20)
             with pytest.raises(pp.Error) as caught:
                 s.settle(1)
             assert caught.value.status == "state"
-            assert live.running and s.sharing.heard
-        assert s.settle(20) and watcher.settle(20)
+            assert live.running and until(lambda: s.sharing.heard)
+        assert s.settle(60) and watcher.settle(60)
         assert checksum(s.cloud()) == checksum(watcher.cloud()) == checksum(served.cloud())
         assert s.undo() == 1
-        assert watcher.settle(20) and checksum(watcher.cloud()) == checksum(served.cloud())
+        assert watcher.settle(60) and checksum(watcher.cloud()) == checksum(served.cloud())
 
 
 @needs_dds
@@ -130,7 +141,7 @@ def test_pictures_and_meshes_show_what_the_others_have_done(served):
         before = watcher.render(**view)
         s.stroke(press_path(2), "paint", radius_mm=10, color=(0, 0, 255))
         s.push(press_path(4), radius_mm=8)
-        assert s.settle(20) and watcher.settle(20)
+        assert s.settle(60) and watcher.settle(60)
         after = watcher.render(**view)
         assert not np.array_equal(after, before) and np.array_equal(after, s.render(**view))
         assert watcher.mesh(lattice=48).vertices[:, 2].max() < RADIUS
@@ -138,11 +149,12 @@ def test_pictures_and_meshes_show_what_the_others_have_done(served):
 
 @needs_dds
 def test_sessions_are_listed_with_their_round_trips(served):
-    seen = {session.name: session for session in pp.sessions(NETWORK, 1)}
-    assert served.name in seen
-    mine = seen[served.name]
-    assert mine.points == served.points == 20_000 and mine.fits and mine.model == "a ball" and mine.answered > 0
-    assert mine.round_trip_ms is not None and 0 < mine.round_trip_ms < 1000
+    def answered() -> list:
+        return [seen for seen in pp.sessions(NETWORK, 1) if seen.name == served.name and seen.answered > 0]
+
+    mine = awaited(answered)[0]
+    assert mine.points == served.points == 20_000 and mine.fits and mine.model == "a ball"
+    assert mine.round_trip_ms is not None and 0 < mine.round_trip_ms < 2000  # what takes longer has not been answered
 
 
 @needs_dds
@@ -158,14 +170,14 @@ def test_what_is_felt_alone_takes_no_brush(ball):
         # Of its points those around the hand alone, felt as all of them.
         with joined(server, near=True) as near, joined(server, read_only=True) as whole:
             assert (near.touch(press_path(1))["force_N"] == whole.touch(press_path(1))["force_N"]).all()
-            assert near.sharing.heard
+            assert until(lambda: near.sharing.heard)
             near.push(press_path(2), radius_mm=5)
             assert near.sharing.sent > 10 and near.sharing.delivered
             with pytest.raises(pp.Error, match="not taken back"):
                 near.undo()
             after = checksum(server.cloud())
         with joined(server) as late:
-            assert late.settle(20) and checksum(late.cloud()) == after != checksum(ball)
+            assert late.settle(60) and checksum(late.cloud()) == after != checksum(ball)
 
 
 @needs_dds
@@ -223,7 +235,7 @@ def test_a_server_whose_journal_cannot_be_written_any_more_ends_and_says_why(tmp
     with pp.Session(pp.Join(name, NETWORK, patience_s=3), gpu="cpu") as s:
         s.push(np.column_stack([np.linspace(1.1, 0.8, 100), np.zeros(100), np.full(100, 0.5)]), radius_mm=5)
         assert not s.sharing.delivered  # and nobody has been told that it is kept
-    out, _ = program.communicate(timeout=60)
+    out, _ = program.communicate(timeout=120)
     assert out.startswith("False 2000 network ") and "strokes" in out
 
 
@@ -267,7 +279,7 @@ def test_names_that_are_cut_off_in_a_character_are_told_as_well_as_they_can_be(b
             assert until(lambda: any(hand.name.startswith("aüüü") for hand in watcher.others))
             assert s.sharing.name == server.name and s.sharing.model.startswith("aééé")
             assert any("aééé" in line for line in s.remarks)
-        seen = next(session for session in pp.sessions(NETWORK, 0.5) if session.name == server.name)
+        seen = next(session for session in awaited(lambda: pp.sessions(NETWORK, 0.5)) if session.name == server.name)
         assert seen.model.startswith("aééé") and set(seen.model) == {"a", "é"} and len(seen.model) < 151
 
 
@@ -318,9 +330,10 @@ def test_a_python_that_ends_with_all_of_it_open_ends_well(served):
         server = pp.serve(pp.Cloud(np.random.default_rng(1).normal(size=(500, 3))), name + " too", NETWORK)
         s = pp.Session(pp.Join(name, NETWORK), gpu="cpu")
         live = s.live(builtin="press")
-        print(s.sharing.heard)
+        while not s.sharing.heard: pass
+        print(True)
     """, served.name)
-    out, _ = program.communicate(timeout=60)
+    out, _ = program.communicate(timeout=120)
     assert (program.returncode, out) == (0, "True\n")
 
 
@@ -377,12 +390,14 @@ def test_what_waits_for_the_network_ends_with_ctrl_c_at_once_and_leaves_nothing_
     pp.sessions(NETWORK, 0)  # what a process has of DDS from then on
     before = held()
     for what, call in calls.items():
-        fastest = min(interrupted(call) for _ in range(3))
-        assert fastest < 0.2, f"{what}: {fastest:.3f} s"
+        times: list[float] = []
+        while not times or (min(times) >= 0.2 and len(times) < 20):  # again where something else has the processors
+            times.append(interrupted(call))
+        assert min(times) < 0.2, f"{what}: {times} s"
         timer = threading.Timer(0.1, lambda: None)  # the last one's thread is gone once another one is
         timer.start()
         timer.join()
-        assert until(lambda: held() == before, 5), f"{what}: {held()} in place of {before}"
+        assert until(lambda: held() == before), f"{what}: {held()} in place of {before}"
     with pp.serve(ball, name, NETWORK), pp.Session(pp.Join(name, NETWORK), gpu="cpu") as s:  # as if nothing had been
         assert s.points == 20_000
 
@@ -417,8 +432,7 @@ def test_cameras_are_shown_to_who_has_joined_whether_or_not_it_is_sculpted(ball)
         with joined(server, hand="anna") as anna, joined(server, hand="ben", near=True) as ben:
             assert anna.cameras == [] and ben.cameras == []
             anna.show_camera((10, 20, 300), (0, 1, 0, 0), fov_deg=50, aspect=1.5)
-            assert until(lambda: len(ben.cameras) == 1)
-            seen = ben.cameras[0]
+            (seen,) = awaited(lambda: ben.cameras)
             assert seen.name == "anna" and seen.position == (10, 20, 300) and seen.orientation == (0, 1, 0, 0)
             assert seen.fov_deg == pytest.approx(50) and seen.aspect == 1.5 and 0 <= seen.age_s < 2
             assert anna.cameras == []

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "engine/core/clock.hpp"
 #include "haptics/session/asked_hands.hpp"
@@ -25,6 +27,11 @@ class Others final : public SharedFollower {
     std::optional<InformationAge> known{std::in_place};
     SharedCounts counts{.delivered = true, .atRest = true, .same = true};
     bool inEffectEachTime = false;  // that it is asked
+    bool answers = true;            // the server, when it is asked how far it is
+    bool isHeardEachTime = false;
+    std::optional<double> takesAfter_s;  // from the first look on
+    Stopwatch since;
+    std::size_t asked = 0;
     HandPlaces places;
     std::size_t moves = 0;
   };
@@ -33,7 +40,13 @@ class Others final : public SharedFollower {
   const InformationAge& known() const override { return *state_.known; }
   SharedCounts counts() const override {
     state_.counts.inEffect += state_.inEffectEachTime;
+    if (state_.isHeardEachTime) state_.known->heard();
+    if (state_.takesAfter_s) state_.counts.delivered = state_.since.elapsed_s() >= *state_.takesAfter_s;
     return state_.counts;
+  }
+  void askServer() override {
+    ++state_.asked;
+    state_.counts.atRest = state_.counts.same = state_.answers;
   }
   void moved(const HandPlaces& hands) noexcept override {
     state_.places = hands;
@@ -175,6 +188,53 @@ TEST_CASE("a session waits for the others as long as it was told, and not for th
   CHECK(over.elapsed_s() < 3);
 }
 
+TEST_CASE("a session whose last news says that it is settled asks the server before it says so") {
+  Others::State others;
+  const auto cpu = cpuBackend();
+  Session session(joined(), sharedSphere(others), {.backend = *cpu});
+  CHECK(session.settleShared(60));  // as it was heard last
+  CHECK(others.asked == 0);
+  CHECK(session.settleShared(60, Session::Settling::all));
+  CHECK(others.asked == 1);
+  others.answers = false;
+  const Stopwatch waited;
+  CHECK_FALSE(session.settleShared(0.3, Session::Settling::all));
+  CHECK(waited.elapsed_s() >= 0.3);
+  CHECK(others.asked == 2);
+}
+
+TEST_CASE("a session that ends waits for a server that is slow and heard, and says what has not been confirmed") {
+  struct Heard final : LogListener {
+    void said(std::string_view line) override { lines.emplace_back(line); }
+    void progressed(std::string_view, double) override {}
+    std::vector<std::string> lines;
+  } heard;
+  Log log(true);
+  log.listen(&heard);
+  Others::State others;
+  const auto cpu = cpuBackend();
+  Session session(joined(), sharedSphere(others), {.backend = *cpu, .log = &log});
+  others.takesAfter_s = 0.5;
+  others.isHeardEachTime = true;
+  others.since = {};
+  CHECK(session.deliver(60, 0.1));
+  CHECK(others.since.elapsed_s() >= 0.5);
+  CHECK(heard.lines.empty());
+  // Not for longer than it was told, and not for one that is silent.
+  others.takesAfter_s = 1e9;
+  const Stopwatch patient;
+  CHECK_FALSE(session.deliver(0.3, 0.1));
+  CHECK(patient.elapsed_s() >= 0.3);
+  REQUIRE(heard.lines.size() == 1);
+  CHECK(heard.lines[0].find("has not confirmed") != std::string::npos);
+  others.isHeardEachTime = false;
+  others.known.emplace(InformationAge::Clock::now() - std::chrono::minutes(1));
+  const Stopwatch silent;
+  CHECK_FALSE(session.deliver(60, 0.1));
+  CHECK(silent.elapsed_s() < 20);
+  CHECK(heard.lines.size() == 2);
+}
+
 TEST_CASE("others who go on are not waited for, but for what they have done so far, unless all of it is asked for") {
   Others::State others;
   others.counts = {.delivered = true};
@@ -184,6 +244,7 @@ TEST_CASE("others who go on are not waited for, but for what they have done so f
   CHECK_FALSE(session.settleShared(2));  // nothing of theirs is here yet
   CHECK(unheard.elapsed_s() >= 2);
   others.inEffectEachTime = true;
+  others.answers = false;
   const Stopwatch known;
   CHECK_FALSE(session.settleShared(60));
   CHECK(known.elapsed_s() < 10);

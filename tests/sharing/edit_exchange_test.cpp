@@ -334,6 +334,67 @@ TEST_CASE("a zero of the other sign is another state, as the digest has it") {
   CHECK(exchange.isSame());
 }
 
+TEST_CASE("a client that asks is at rest once the server has answered, and not by what it has heard before") {
+  const auto points = pointsOf(3);
+  const Id client{1}, other{2};
+  SharedPoints server(points);
+  EditExchange exchange(points, kAtOnce);
+  const auto answer = [&](const Resume& asked, SharedPoints::Place& place, std::uint64_t counter,
+                          std::vector<PointState>& states) {
+    states.clear();
+    server.collect(place, client, kAtOnce, states);
+    return Results{.epoch = asked.epoch,
+                   .counter = counter,
+                   .acked = server.lastOf(client),
+                   .upTo = place.upTo,
+                   .head = server.head(),
+                   .digest = server.digest(),
+                   .states = states};
+  };
+  std::vector<PointState> states;
+  SharedPoints::Place place;
+  const Resume first = exchange.resume();
+  REQUIRE(exchange.hear(answer(first, place, 1, states)) == EditExchange::Heard::taken);
+  REQUIRE(exchange.isAtRest());
+  // The server takes a stroke of another hand and tells that hand so; its word to this one is still under way.
+  PointState moved = points[1];
+  moved.position.z = 1;
+  REQUIRE(server.take(other, 1, {&moved, 1}) == SharedPoints::Taken::taken);
+  std::vector<PointState> late;
+  const Results underWay = answer(first, place, 2, late);
+  CHECK(exchange.isAtRest());  // as it was heard last
+  const Resume asked = exchange.ask();
+  CHECK_FALSE(exchange.isInEffect());
+  CHECK_FALSE(exchange.isAtRest());
+  CHECK(exchange.hear(underWay) == EditExchange::Heard::old);
+  place = {.upTo = asked.upTo, .ownUpTo = 0};
+  CHECK(exchange.hear(answer(asked, place, 1, states)) == EditExchange::Heard::taken);
+  CHECK_FALSE(exchange.isAtRest());  // until that stroke is in effect here
+  const auto offer = exchange.nextOffer();
+  REQUIRE(offer.size() == 1);
+  exchange.offered();
+  exchange.follow({.points = {offer[0].to}, .marks = {{1, EditMark::Kind::received}}});
+  CHECK(exchange.isAtRest());
+  CHECK(exchange.isSame());
+}
+
+TEST_CASE("a client that asks sends nothing again, and one that resumes does") {
+  const auto points = pointsOf(3);
+  EditExchange exchange(points, kAtOnce);
+  exchange.resume();
+  PointState moved = points[1];
+  moved.position.z = 1;
+  exchange.follow({.points = {moved}, .marks = {{1, EditMark::Kind::stroke}}});
+  REQUIRE(exchange.outbox().nextPiece(kAtOnce));
+  const Resume asked = exchange.ask();
+  CHECK(asked.epoch == 2);
+  CHECK_FALSE(exchange.outbox().nextPiece(kAtOnce));
+  CHECK(exchange.resent() == 0);
+  CHECK(exchange.resume().epoch == 3);
+  CHECK(exchange.outbox().nextPiece(kAtOnce));
+  CHECK(exchange.resent() == 1);
+}
+
 TEST_CASE("of a point that changes faster than a link carries only the last state goes on") {
   SharedPoints points(pointsOf(10));
   const Id maker{1}, follower{2};

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Serves a cloud in one network namespace and joins it in another one, over a link that delays and loses packets. Checks
-# that the trace is byte by byte that of the file, also across a cable that is out for seconds; that a killed server is
-# reported; and that hands at both ends that sculpt at once end with the same points. Exit code 77, with the reason, if
-# this machine cannot make such a link.
+# A cloud is served in one network namespace and joined in another one, over a link that delays and loses as it is told:
+# the trace is byte by byte that of the file, through a cable that is out for seconds, too, and a server that is killed is
+# said; hands at both ends sculpt at once, and in the end have the same points. Exit code 77, with the reason, where this
+# machine allows no such link.
 #   tests/sharing/over_slow_link.sh PALPATE
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -29,8 +29,7 @@ start_link() {  # ROUND_TRIP_MS LOSS_PERCENT
   : > "$folder/link.log"
   python3 "$here/slow_link.py" "$near" "$far" "$1" "$2" "$folder/cut" > "$folder/link.log" 2>&1 &
   link=$!
-  until grep -q '^up$' "$folder/link.log"; do
-    kill -0 "$link" 2> /dev/null || skip "$(tail -n 1 "$folder/link.log")"
+  until grep -q '^up$' "$folder/link.log"; do kill -0 "$link" 2> /dev/null || skip "$(tail -n 1 "$folder/link.log")"
     sleep 0.05
   done
 }
@@ -49,6 +48,13 @@ end_server() {  # SIGNAL
   kill "-$1" "$server"; wait "$server" 2> /dev/null || true
   server=''
 }
+lines_of() { grep -c "$2" "$1" || true; }  # FILE PATTERN
+await_line() {  # FILE PATTERN COUNT PROCESS: until so many lines have it, for as long as the process lives
+  until [ "$(lines_of "$1" "$2")" -ge "$3" ]; do
+    kill -0 "$4" 2> /dev/null || fail "ended without '$2'"
+    sleep 0.02
+  done
+}
 joined() {  # OUT [OPTIONS...]: the trace of what is joined
   local out=$1
   shift
@@ -59,33 +65,47 @@ joined() {  # OUT [OPTIONS...]: the trace of what is joined
 touched() {  # NAMESPACE INTERFACE NAME OPTIONS...: a hand, with the points as it has them in the end
   local at=$1 interface=$2 name=$3
   shift 3
-  ip netns exec "$at" "$palpate" --quiet touch --join far --interface "$interface" --backend cpu \
-    --save "$folder/$name.ply" --json "$folder/$name.json" "$@" > "$folder/$name.log" 2>&1 \
-    || fail "the hand '$name' has ended"
+  : > "$folder/$name.log"
+  ip netns exec "$at" "$palpate" touch --join far --interface "$interface" --backend cpu --save "$folder/$name.ply" \
+    --json "$folder/$name.json" "$@" > "$folder/$name.log" 2>&1 || fail "the hand '$name' has ended"
+}
+# How much a hand sculpts against the clock depends on the processors: five tries for that alone.
+sculpted() {  # ROUND_TRIP LOSS
+  local status=75 try=0
+  while [ "$status" = 75 ] && [ "$try" -lt 5 ]; do
+    try=$((try + 1)) status=0
+    sculpt "$1" "$2" || status=$?
+  done
+  [ "$status" = 0 ] || fail "hands that sculpt at once fail at $1 ms and $2 % loss"
 }
 # Hands at both ends sculpt at once, in one place and across it, while the cable is out for a while.
-sculpted() {  # ROUND_TRIP LOSS
-  touched "$near" a near --realtime --duration 3 --edit push --penetration 4 &
+sculpt() {  # ROUND_TRIP LOSS
+  : > "$folder/near.log"
+  touched "$near" a near --realtime --duration 3 --path "$folder/presses.csv" --edit push &
   local hand=$!
   touched "$far" b far --realtime --duration 3 --path builtin:slide --edit inflate --penetration 6 &
   local other=$!
-  if [ "$1" = 100 ]; then sleep 2.5; touch "$folder/cut"; sleep 1.5; rm "$folder/cut"; fi
-  wait "$hand"; wait "$other"
+  if [ "$1" = 100 ]; then
+    await_line "$folder/near.log" '^touch: ' 1 "$hand"
+    touch "$folder/cut"; sleep 1.5; rm "$folder/cut"
+  fi
+  wait "$hand" || fail "the hand 'near' has failed"; wait "$other" || fail "the hand 'far' has failed"
   touched "$near" a later --duration 0.02
   touched "$far" b latest --duration 0.02
   cmp "$folder/later.ply" "$folder/latest.ply" || fail "other points at either end at $1 ms and $2 % loss"
   cmp -s "$folder/later.ply" "$folder/model.ply" && fail "nothing was sculpted at $1 ms and $2 % loss"
-  python3 - "$folder" "$1" "$2" << 'CHECK' || fail "strokes were lost at $1 ms and $2 % loss"
+  python3 - "$folder" "$1" "$2" << 'CHECK'
 import json, sys
 folder, trip, loss = sys.argv[1:]
 hands = {name: json.load(open(f"{folder}/{name}.json"))["shared"] for name in ("near", "far", "later", "latest")}
 near, far = hands["near"], hands["far"]
 print(f"over_slow_link: round trip {trip} ms, {loss} % lost: {near['sent']} and {far['sent']} states of points "
-      f"sculpted at either end, {near['received']} and {far['received']} taken in, {near['resent']} pieces sent again, "
-      f"longest silence {near['longest_silence_s']:.1f} s: the same points")
-assert all(h["delivered"] for h in hands.values()), hands
-assert hands["later"]["same"] and hands["latest"]["same"], hands
-assert near["sent"] > 100 and far["sent"] > 100, hands
+      f"sculpted at either "
+      f"end, {near['received']} and {far['received']} taken in, {near['resent']} pieces sent again, longest silence "
+      f"{near['longest_silence_s']:.1f} s: the same points")
+assert all(h["delivered"] for h in hands.values()), f"strokes did not arrive at the server: {hands}"
+assert hands["later"]["same"] and hands["latest"]["same"], f"who came later has not the points of the server: {hands}"
+sys.exit(0 if near["sent"] > 100 and far["sent"] > 100 else 75)
 CHECK
 }
 
@@ -96,12 +116,24 @@ near_hand() {  # ROUND_TRIP LOSS: the points around the hand alone, in virtual t
   until grep -q serving "$folder/large.log"; do kill -0 "$large" || fail 'nothing large is served'; sleep 0.05; done
   local at="ip netns exec $near $palpate --quiet touch --join large --near --interface a --backend cpu"
   at+=" --path $folder/slide.csv"
-  $at --trace "$folder/near.csv" --json "$folder/near.json" > "$folder/near.log" 2>&1 \
-    || fail "no hand near at $1 ms and $2 % loss"
+  $at --trace "$folder/near.csv" --json "$folder/near.json" > "$folder/near.log" 2>&1 ||
+    fail "no hand near at $1 ms and $2 % loss"
   cmp "$folder/near.csv" "$folder/own_slide.csv" || fail "another trace near the hand at $1 ms and $2 % loss"
-  $at --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 \
-    || fail "no hand near, against the clock"
-  python3 - "$folder" "$1" "$2" << 'CHECK' || fail "not the file's forces near the hand at $1 ms and $2 % loss"
+  # Whether points come ahead of a hand that does not wait is a matter of processors, too: three tries for that alone.
+  local status=75 try=0
+  while [ "$status" = 75 ] && [ "$try" -lt 3 ]; do
+    try=$((try + 1)) status=0
+    $at --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 ||
+      fail 'no hand near, against the clock'
+    check_near "$1" "$2" || status=$?
+  done
+  [ "$status" = 0 ] || fail "not the file's forces near the hand at $1 ms and $2 % loss"
+  if [ "$1" = 100 ]; then cut_near; fi
+  kill -INT "$large"; wait "$large" || fail 'what serves a large model has failed'
+  large=''
+}
+check_near() {  # ROUND_TRIP LOSS: 75 where points came too late
+  python3 - "$folder" "$1" "$2" << 'CHECK'
 import csv, json, sys
 folder, trip, loss = sys.argv[1:]
 rows = lambda name: {row[0]: row[1:17] for row in csv.reader(open(f"{folder}/{name}"))}
@@ -111,27 +143,31 @@ near, virtual = (json.load(open(f"{folder}/{name}.json")) for name in ("clock", 
 allowed = 1e-4 if near["missed_ticks"] + near["near"]["ticks_without_points"] else 0
 is_same = lambda a, b: a == b or all(x == y or abs(float(x) - float(y)) <= allowed for x, y in zip(a, b))
 other = sum(not is_same(own[t], row) for t, row in clock.items())
-print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around the hand alone: the same trace; against "
-      f"the clock {near['near']['ticks_without_points']} of {near['near']['ticks']} ticks lacked some, {other} differ; "
+print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around the hand alone: the same trace; "
+      f"against the clock "
+      f"{near['near']['ticks_without_points']} of {near['near']['ticks']} ticks lacked some, {other} differ; "
       f"{near['near']['points']} points came, {near['near']['most_known']} of {near['points']} were there at once; "
-      f"longest silence {near['near']['longest_silence_s']:.1f} s")
+      f"longest silence "
+      f"{near['near']['longest_silence_s']:.1f} s")
 assert virtual["near"]["ticks_without_points"] == 0 and virtual["contact_ticks"] > 500, virtual
 # A tick that this machine missed is felt for some more: by the damping, and by the way that the proxy goes.
 after_missed = 10
 assert other <= near["near"]["ticks_without_points"] * after_missed + near["missed_ticks"] * after_missed, (other, near)
 assert near["near"]["most_known"] < near["points"] / 2, near
-assert int(trip) > 100 or near["near"]["ticks_without_points"] <= 0.001 * near["near"]["ticks"], near
+sys.exit(0 if int(trip) > 100 or near["near"]["ticks_without_points"] <= 0.001 * near["near"]["ticks"] else 75)
 CHECK
-  if [ "$1" = 100 ]; then
-    # The cable is out for five seconds: the hand feels the points that it has until they are too old, then nothing, and
-    # feels them again once it has gone out and in.
-    ${at/slide.csv/again.csv} --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" \
-      > "$folder/near.log" 2>&1 &
-    local hand=$!
-    sleep 4; touch "$folder/cut"; sleep 5; rm "$folder/cut"
-    wait "$hand" || fail 'a cable that was out for five seconds ended a hand near its points'
-    python3 - "$folder" << 'CHECK' || fail 'not the force that a hand should have while the cable is out, or after it'
-import csv, json, sys
+}
+cut_near() {  # the cable is out for five seconds: what is known is felt until that is too old, then nothing, and again
+              # once the hand has gone out and in
+  : > "$folder/near.log"
+  ip netns exec "$near" "$palpate" touch --join large --near --interface a --backend cpu --path "$folder/again.csv" \
+    --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 &
+  local hand=$!
+  await_line "$folder/near.log" '^touch: ' 1 "$hand"
+  sleep 2; touch "$folder/cut"; sleep 5; rm "$folder/cut"
+  wait "$hand" || fail 'a cable that was out for five seconds ended a hand near its points'
+  python3 - "$folder" << 'CHECK' || fail 'not the force that a hand should have while the cable is out, or after it'
+import csv, json, re, sys
 rows = list(csv.DictReader(open(f"{sys.argv[1]}/clock.csv")))
 near = json.load(open(f"{sys.argv[1]}/clock.json"))["near"]
 force = lambda row: sum(float(row[f"force_{axis}"]) ** 2 for axis in "xyz") ** 0.5
@@ -139,15 +175,14 @@ held = [row for row in rows if float(row["t_s"]) > 1]
 silent = sum(force(row) == 0 for row in held) / 1000
 print(f"over_slow_link: a cable that was out for five seconds: no force for {silent:.1f} s, longest silence "
       f"{near['longest_silence_s']:.1f} s")
-assert 4 < near["longest_silence_s"] < 8 and 0.5 < silent and force(rows[-1]) > 0.5, (near, silent, force(rows[-1]))
-# The cable was pulled four seconds after the program had begun; a second and two and a half round trips are no silence.
-cut_s = 4 - sum(json.load(open(f"{sys.argv[1]}/clock.json"))["start_s"].values())
-after_cut = [row for row in rows if 0.3 < float(row["t_s"]) - cut_s < 1]
-assert any(force(row) > 0.5 for row in after_cut), f"no force from the points that were known ({cut_s:.1f})"
+assert 4 < near["longest_silence_s"] < 10 and 0.5 < silent and force(rows[-1]) > 0.5, (near, silent, force(rows[-1]))
+# The cable was pulled two seconds after the program had first said how far it was; a second and two and a half round
+# trips are no silence.
+percent = int(re.search(r"^touch: (\d+) %", open(f"{sys.argv[1]}/near.log").read(), re.M)[1])
+cut_s = float(rows[-1]["t_s"]) * (percent + 0.5) / 100 + 2
+felt = any(force(row) > 0.5 for row in rows if 0.3 < float(row["t_s"]) - cut_s < 1)
+assert felt, f"what was known was not felt any more ({cut_s:.1f})"
 CHECK
-  fi
-  kill -INT "$large"; wait "$large" || fail 'what serves a large model has failed'
-  large=''
 }
 
 "$palpate" --quiet make sculpture -n 30000 -o "$folder/model.ply"
@@ -168,6 +203,20 @@ open(f"{sys.argv[1]}/again.csv", "w").write("\n".join([head, *lines, ""]))
 AGAIN
 "$palpate" --quiet touch "$folder/large.ply" --backend cpu --path "$folder/slide.csv" \
   --trace "$folder/own_slide.csv" > /dev/null
+# Two presses, 4 and 6 mm deep, from 14 mm above the surface: outside of all that the other hand has raised there,
+# however much earlier that one has begun. A hand that begins inside touches nothing.
+"$palpate" --quiet touch "$folder/model.ply" --backend cpu --duration 0.5 --penetration 4 \
+  --trajectory "$folder/press.csv" > /dev/null
+python3 - "$folder" << 'PRESSES'
+import sys
+_, *rows = open(f"{sys.argv[1]}/press.csv").read().split()
+# 3 mm above the surface, and 4 mm below
+above, deep = ([float(x) for x in row.split(",")[1:4]] for row in (rows[0], rows[-1]))
+at = lambda depth_mm: ",".join(repr(d + (a - d) * (4 - depth_mm) / 7) for a, d in zip(above, deep))
+keys = ((0, -14), (0.8, 4), (1.1, 4), (1.6, -14), (2.5, 6), (3, 6))
+lines = ["t_s,x,y,z", *(f"{t},{at(depth_mm)}" for t, depth_mm in keys), ""]
+open(f"{sys.argv[1]}/presses.csv", "w").write("\n".join(lines))
+PRESSES
 "$palpate" --quiet touch "$folder/model.ply" --backend cpu --duration 0.2 --trace "$folder/own.csv" > /dev/null
 
 for way in '0 0' '100 1' '1000 5'; do
@@ -184,28 +233,36 @@ for way in '0 0' '100 1' '1000 5'; do
   end_server INT
   start_server
   if [ "$trip" = 100 ]; then
-    listed=$(ip netns exec "$near" "$palpate" doctor --network --interface a)
+    # The median of pings within a second: again where something else has had the processors meanwhile.
+    for _ in $(seq 5); do
+      listed=$(ip netns exec "$near" "$palpate" doctor --network --interface a)
+      grep -qE 'round trip (9[5-9]|1[0-9][0-9]|2[0-4][0-9])' <<< "$listed" && break
+    done
     trip_ms=$(sed -n 's/.*round trip \([0-9]*\).*/\1/p' <<< "$listed")
     [ "${trip_ms:-0}" -ge 95 ] && [ "$trip_ms" -le 250 ] || fail "the round trip is listed as: $listed"
-    # The cable is out for three seconds in the middle.
+    # The cable is out for three seconds in the middle: the points are being sent.
+    begun=$(lines_of "$folder/serve.log" 'takes the points')
     joined "$folder/joined.csv" &
     client=$!
-    sleep 1.2; touch "$folder/cut"; sleep 3; rm "$folder/cut"
+    await_line "$folder/serve.log" 'takes the points' $((begun + 1)) "$client"
+    touch "$folder/cut"; sleep 3; rm "$folder/cut"
     wait "$client" || fail 'a cable that was out for three seconds ended it'
     cmp "$folder/joined.csv" "$folder/own.csv" || fail 'another trace after the cable was out'
     echo 'over_slow_link: a cable that was out for three seconds: the same trace'
     # Killed in the middle: said, and the next one can have the name.
+    begun=$(lines_of "$folder/serve.log" 'takes the points')
     joined "$folder/joined.csv" &
     client=$!
-    sleep 1.2; end_server KILL
+    await_line "$folder/serve.log" 'takes the points' $((begun + 1)) "$client"
+    end_server KILL
     if wait "$client"; then fail 'what was killed was joined'; fi
     grep -qE 'nothing has come|nobody serves' "$folder/touch.log" || fail 'a killed server was not said'
     start_server
     joined "$folder/joined.csv" || fail 'the second server could not be joined'
     echo 'over_slow_link: a killed server: said, and followed by another'
-    # With keys, if this build can make them.
-    if "$palpate" --quiet keys "$folder/keys" --name far 2> "$folder/touch.log" \
-      && "$palpate" --quiet keys "$folder/keys" --name near; then
+    # With keys, by whose sides they can be made.
+    if "$palpate" --quiet keys "$folder/keys" --name far 2> "$folder/touch.log" &&
+        "$palpate" --quiet keys "$folder/keys" --name near; then
       end_server INT
       start_server --security "$folder/keys/far"
       begin=$SECONDS
@@ -222,7 +279,8 @@ done
 
 # Its interface is gone with the link; it ends all the same.
 kill -INT "$server"
-for _ in $(seq 100); do kill -0 "$server" 2> /dev/null || break; sleep 0.05; done
+begin=$SECONDS
+while kill -0 "$server" 2> /dev/null && [ $((SECONDS - begin)) -lt 30 ]; do sleep 0.05; done
 if kill -0 "$server" 2> /dev/null; then kill -KILL "$server"; fail 'a server whose interface is gone does not end'; fi
 server=''
 echo 'over_slow_link: a server whose interface is gone: ended'

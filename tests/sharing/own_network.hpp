@@ -26,9 +26,18 @@ class Served {
   Served& operator=(const Served&) = delete;
 
   ServedCounts end() {
+    pause();
+    return server_.counts();
+  }
+  /// It takes nothing and answers nobody until goOn().
+  void pause() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
-    return server_.counts();
+  }
+  void goOn() {
+    pause();
+    stop_ = false;
+    thread_ = std::jthread([this] { server_.serve(stop_); });
   }
 
  private:

@@ -127,6 +127,45 @@ bool comes(double seconds, const std::function<bool()>& is) {
 
 }  // namespace
 
+TEST_CASE("a client that asks is at rest again only when the server has answered, and then has the strokes of others") {
+  const PointCloud cloud = flatCloud(100);
+  Served served(cloud, "slow to answer");
+  struct Client {
+    JoinedCloud joined = joinCloud("slow to answer", {.network = ownNetwork()});
+    PlainBackend backend;
+    std::unique_ptr<SharedFollower> follower =
+        shareEdits({.session = joined.session, .cloud = joined.cloud, .backend = backend});
+    std::vector<PointState> points = statesOf(joined.cloud);
+
+    void make(std::span<const PointState> states) {
+      const EditBatch batch = backend.edit(states);
+      for (const PointState& state : batch.points) points[state.number()] = state;
+      follower->catchUp(batch);
+    }
+    bool isSame() {
+      make({});
+      return follower->counts().same;
+    }
+  } watcher, sculptor;
+  REQUIRE(comes(20, [&] { return watcher.isSame() && sculptor.isSame(); }));
+  served.pause();
+  REQUIRE(watcher.isSame());  // as it was heard last
+  PointState moved = sculptor.points[7];
+  moved.position.z = 3;
+  sculptor.make({&moved, 1});
+  REQUIRE(comes(20, [&] { return sculptor.follower->counts().sent == 1; }));
+  watcher.follower->askServer();
+  CHECK_FALSE(comes(0.3, [&] { return watcher.isSame(); }));
+  CHECK_FALSE(watcher.follower->counts().atRest);
+  served.goOn();
+  REQUIRE(comes(20, [&] { return sculptor.isSame(); }));  // the server has it
+  watcher.follower->askServer();
+  REQUIRE(comes(20, [&] { return watcher.isSame(); }));
+  CHECK(watcher.points[7].position.z == 3);
+  CHECK(watcher.follower->counts().resent == 0);
+  CHECK(served.end().states == 1);
+}
+
 TEST_CASE("of two that take one name in the same second one gives way in words, and is left by nobody in silence") {
   const PointCloud cloud = flatCloud(100);
   {

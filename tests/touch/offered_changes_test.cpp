@@ -27,6 +27,24 @@ TEST_CASE("on the CPU an offer that comes too late for a point leaves it as it i
   checkOffersThatAreLate(touch, scene.cloud);
 }
 
+TEST_CASE("in real time a hand sculpts although changes of others are offered before every answer") {
+  const Scene scene = makeScene("sphere", 5'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
+  Offering others(touch, scene.cloud, 4);
+  PointCloud copy = scene.cloud;
+  for (int i = 0; i < 60; ++i) {
+    others.follow();
+    if (!others.isOffered()) REQUIRE(others.offer(10, 1, [](const PointState& point) { return point.position.z < 0; }));
+    // So far apart that no slow edit makes the next one wait.
+    touch.query({.time_s = 100.0 * i, .hip = {0, 0, std::max(48.0, 51 - 0.1 * i)}}, 60e6);
+    touch.readBack(copy);  // waits for what the answer has started
+  }
+  touch.finish();
+  others.checkEnd();
+  CHECK(touch.editTimes_us().size() > 5);  // the brush's
+  CHECK(others.reports() > 20);
+}
+
 TEST_CASE("nothing is offered to a cloud that nobody can edit, nor where points come and go") {
   const Scene scene = makeScene("sphere", 500);
   CpuTouch still(scene.cloud, {.radius = scene.radius});

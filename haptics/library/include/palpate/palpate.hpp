@@ -393,7 +393,7 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   }
   void showCamera(const pp_camera_place& camera) { check(pp_session_show_camera(handle(), &camera)); }
   void hideCamera() { check(pp_session_show_camera(handle(), nullptr)); }
-  /// Whether all that everybody has done is everywhere, once it is or so long has passed (pp_session_settle()).
+  /// Asks the server, and waits at most so long until this session has the server's points (pp_session_settle()).
   bool settle(double seconds = 10) {
     std::uint32_t same = 0;
     check(pp_session_settle(handle(), seconds, &same));

@@ -126,8 +126,9 @@ PP_API pp_status pp_session_cameras(pp_session session, pp_other_camera* cameras
  * pictures that pp_session_render() makes unless this says it. */
 PP_API pp_status pp_session_show_camera(pp_session session, const pp_camera_place* camera);
 
-/* Takes part in what the others do until that, and all that was done here, is everywhere; at most `seconds`. `same`:
- * whether it is, and the points are the server's; may be null. Not while it is live. */
+/* Asks the server how far it is, and takes part in what the others do until all that the server had taken before this
+ * call is in effect here and all that was done here is with the server; at most `seconds`. `same`: whether it is, and
+ * the points are the server's; 0 where the server does not answer; may be null. Not while it is live. */
 PP_API pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same);
 
 /* --- A cloud that others join. --------------------------------------------------------------------------------------
