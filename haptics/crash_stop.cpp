@@ -12,7 +12,7 @@ namespace {
 
 // A handler has no arguments of its own choosing, so what it needs has to stand where it can find it.
 std::array<std::atomic<HapticDevice*>, CrashStop::kMostDevices> devices;
-std::mutex places;  // for putting handlers in place and back; never held by one
+std::mutex installation;  // for putting handlers in place and back; never held by one
 int guarded = 0;
 
 static_assert(std::atomic<HapticDevice*>::is_always_lock_free, "a lock in a handler may never be given back");
@@ -25,7 +25,7 @@ void stopGuardedDevices() noexcept {
 }
 
 CrashStop::CrashStop(HapticDevice& device) {
-  const std::scoped_lock lock(places);
+  const std::scoped_lock lock(installation);
   while (slot_ < kMostDevices && devices[slot_].load()) ++slot_;
   if (slot_ == kMostDevices) throw Error("{} devices have a force already, and there may be no more", kMostDevices);
   devices[slot_].store(&device);
@@ -33,7 +33,7 @@ CrashStop::CrashStop(HapticDevice& device) {
 }
 
 CrashStop::~CrashStop() {
-  const std::scoped_lock lock(places);
+  const std::scoped_lock lock(installation);
   if (--guarded == 0) putCrashHandlersBack();
   devices[slot_].store(nullptr);
 }

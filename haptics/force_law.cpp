@@ -12,7 +12,7 @@ constexpr double kLongestRise_s = 0.002;
 /// Of the largest rise, while others change the surface: a Touch's whole force comes within 55 ms then.
 constexpr double kChangingRise = 0.1;
 
-void checkOption(double value, const char* name, bool mayBeInfinite) {
+void checkForceOption(double value, const char* name, bool mayBeInfinite) {
   if (!(value >= 0) || (!mayBeInfinite && !std::isfinite(value)))
     throw UsageError("{} is {}; it must be {}zero or more", name, value, mayBeInfinite ? "" : "finite and ");
 }
@@ -20,11 +20,11 @@ void checkOption(double value, const char* name, bool mayBeInfinite) {
 }  // namespace
 
 ForceLaw::ForceLaw(const ForceOptions& options, const ModelScale& scale) : options_(options), scale_(scale) {
-  checkOption(options.stiffness_N_per_mm, "stiffness (N/mm)", false);
-  checkOption(options.damping_N_s_per_mm, "damping (N s/mm)", false);
-  checkOption(options.maxForce_N, "the largest force (N)", true);
-  checkOption(options.maxRise_N_per_s, "the largest rise of force (N/s)", true);
-  checkOption(options.maxSurfacePower_W, "the largest power of the surface (W)", true);
+  checkForceOption(options.stiffness_N_per_mm, "stiffness (N/mm)", false);
+  checkForceOption(options.damping_N_s_per_mm, "damping (N s/mm)", false);
+  checkForceOption(options.maxForce_N, "the largest force (N)", true);
+  checkForceOption(options.maxRise_N_per_s, "the largest rise of force (N/s)", true);
+  checkForceOption(options.maxSurfacePower_W, "the largest power of the surface (W)", true);
 }
 
 void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kFull_s = 1, kFade_s = 1;
+constexpr double kFull_s = 1, kAgeFade_s = 1;
 constexpr double kRoundTrips = 2.5;
 constexpr double kLongestTrip_s = 2, kUnknownTrip_s = 1;
 /// From when a change is offered until the force that it ends in has risen (ForceLaw::setChanging()).
@@ -25,7 +25,7 @@ double tripOf(double roundTrip_s) {
 
 AgeLimits ageLimits(double roundTrip_s) noexcept {
   const double full_s = kFull_s + kRoundTrips * tripOf(roundTrip_s);
-  return {.full_s = full_s, .gone_s = full_s + kFade_s};
+  return {.full_s = full_s, .gone_s = full_s + kAgeFade_s};
 }
 
 double shareAt(double age_s, const AgeLimits& limits) noexcept {

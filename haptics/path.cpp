@@ -13,18 +13,18 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view kHeader = "t_s,x,y,z";
+constexpr std::string_view kPathHeader = "t_s,x,y,z";
 constexpr std::size_t kColumns = 4;
 
 bool isHeader(std::string_view line) {
   std::string compact;
   std::copy_if(line.begin(), line.end(), std::back_inserter(compact), [](char c) { return c != ' ' && c != '\t'; });
-  return compact == kHeader;
+  return compact == kPathHeader;
 }
 
 PathKey keyFrom(std::string_view line, const TextLines& lines) {
   const auto columns = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
-  if (columns != kColumns) lines.fail(fmt::format("{} columns; a row has {} ({})", columns, kColumns, kHeader));
+  if (columns != kColumns) lines.fail(fmt::format("{} columns; a row has {} ({})", columns, kColumns, kPathHeader));
   std::array<double, kColumns> values{};
   for (double& value : values) {
     const std::size_t comma = std::min(line.find(','), line.size());
@@ -54,8 +54,8 @@ DVec3 Path::at(double t_s) const noexcept {
 Path readPathCsv(const std::filesystem::path& file) {
   TextLines lines(file);
   const std::optional<std::string_view> header = lines.next();
-  if (!header) lines.fail(fmt::format("the file is empty; it must begin with {}", kHeader));
-  if (!isHeader(*header)) lines.fail(fmt::format("the header is missing; the first line must be {}", kHeader));
+  if (!header) lines.fail(fmt::format("the file is empty; it must begin with {}", kPathHeader));
+  if (!isHeader(*header)) lines.fail(fmt::format("the header is missing; the first line must be {}", kPathHeader));
 
   std::vector<PathKey> keys;
   while (const std::optional<std::string_view> line = lines.next()) {

@@ -12,9 +12,9 @@
 namespace palpate {
 namespace {
 
-constexpr double kWait_s = 0.6;  // longer than the ramp
-constexpr double kFrom_mm = 2;   // above the surface
-constexpr double kRest_s = 2;
+constexpr double kRampWait_s = 0.6;  // longer than the ramp
+constexpr double kFrom_mm = 2;       // above the surface
+constexpr double kPressRest_s = 2;
 constexpr double kJudged_s = 0.5;  // of the rest, at its end
 constexpr double kLongestDelay_ms = 100;
 
@@ -68,7 +68,8 @@ class DelayedQuery final : public OneHandQuery {
 Path pressAndRest(const StabilityOptions& options) {
   const double down_s = (kFrom_mm + options.depth_mm) / options.approach_mm_per_s;
   const DVec3 above(0, kFrom_mm, 0), below(0, -options.depth_mm, 0);
-  return Path({{0, above}, {kWait_s, above}, {kWait_s + down_s, below}, {kWait_s + down_s + kRest_s, below}});
+  return Path(
+      {{0, above}, {kRampWait_s, above}, {kRampWait_s + down_s, below}, {kRampWait_s + down_s + kPressRest_s, below}});
 }
 
 std::size_t delayTicks(const StabilityOptions& options) {

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::string_view kHeader =
+constexpr std::string_view kTraceHeader =
     "t_s,hip_x,hip_y,hip_z,proxy_x,proxy_y,proxy_z,normal_x,normal_y,normal_z,force_x,force_y,force_z,penetration_mm,"
     "contact,neighbours,fresh,gpu_us,step_us";
 constexpr std::string_view kTorques = ",torque_x,torque_y,torque_z";
@@ -61,7 +61,7 @@ TraceSummary summarize(const Trace& trace) {
 void writeTraceCsv(const std::filesystem::path& file, const Trace& trace) {
   AtomicFile out(file);
   fmt::memory_buffer text;
-  for (const std::string_view part : {kHeader, trace.torques ? kTorques : "", std::string_view("\n")})
+  for (const std::string_view part : {kTraceHeader, trace.torques ? kTorques : "", std::string_view("\n")})
     text.append(part);
   for (const TraceRow& row : trace.rows) {
     append(text, row, !trace.virtualTime, trace.torques);

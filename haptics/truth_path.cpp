@@ -36,7 +36,7 @@ class Keys {
 
 DVec3 above(const SurfacePoint& spot, double height) { return spot.position + height * spot.normal; }
 
-DVec3 tangent(const DVec3& direction, const DVec3& normal) {
+DVec3 unitTangent(const DVec3& direction, const DVec3& normal) {
   return glm::normalize(direction - glm::dot(direction, normal) * normal);
 }
 
@@ -58,7 +58,7 @@ TruthPath truthSlide(const TouchTruth& truth, const SurfacePoint& start, const D
   const double lift = scale.toUnits(options.lift_mm), depth = scale.toUnits(options.depth_mm);
   const double step = scale.toUnits(kStep_mm);
   std::vector<SurfacePoint> spots{start};
-  DVec3 heading = tangent(towards, start.normal);
+  DVec3 heading = unitTangent(towards, start.normal);
   bool brokenOff = false;
   for (double gone_mm = kStep_mm; gone_mm < options.length_mm + 0.5 * kStep_mm; gone_mm += kStep_mm) {
     SurfacePoint spot = spots.back();
@@ -69,7 +69,7 @@ TruthPath truthSlide(const TouchTruth& truth, const SurfacePoint& start, const D
       spot.position = ahead;
     } else {
       spot = next;
-      heading = tangent(heading, spot.normal);
+      heading = unitTangent(heading, spot.normal);
     }
     spots.push_back(spot);
   }

@@ -5,8 +5,8 @@ string(REPEAT "0x[0-9a-f]+," 8 line)
 string(REGEX REPLACE "(${line})" "\\1\n" words "${words}")
 file(WRITE ${SOURCE} "#include \"shaders/${TABLE}.hpp\"
 namespace palpate::shader_code {
-static constexpr std::uint32_t kWords[] = {
+static constexpr std::uint32_t ${SYMBOL}_words[] = {
 ${words}};
-const ShaderCode ${SYMBOL}{\"${SYMBOL}\", kWords, ${TABLE}};
+const ShaderCode ${SYMBOL}{\"${SYMBOL}\", ${SYMBOL}_words, ${TABLE}};
 }
 ")

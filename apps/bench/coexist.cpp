@@ -39,7 +39,7 @@ constexpr std::array<Situation, 4> kSituations{{{"alone", false, false},
                                                 {"drawn", false, true},
                                                 {"drawn-sculpting", true, true}}};
 
-constexpr std::chrono::milliseconds kWarmUp{500};  // of drawing before the first tick: an idle GPU has a low clock
+constexpr std::chrono::milliseconds kDrawnBefore{500};  // of drawing before the first tick: an idle GPU has a low clock
 
 // Hands the answer to the hand; on the servo thread.
 class FeelingHand final : public OneHandQuery {
@@ -58,7 +58,7 @@ class FeelingHand final : public OneHandQuery {
   SculptingHand& hand_;
 };
 
-struct PictureSize {
+struct SightSize {
   std::uint32_t width = 0, height = 0, supersample = 1;
 };
 
@@ -66,7 +66,7 @@ struct PictureSize {
 // memory where another machine touches.
 class Sight {
  public:
-  Sight(Device& device, const Model& model, TouchBackend& backend, const PictureSize& size, bool sculpts)
+  Sight(Device& device, const Model& model, TouchBackend& backend, const SightSize& size, bool sculpts)
       : device_(device),
         backend_(backend),
         sculpts_(sculpts),
@@ -105,7 +105,7 @@ class Sight {
         failure_ = std::current_exception();
       }
     });
-    std::this_thread::sleep_for(kWarmUp);
+    std::this_thread::sleep_for(kDrawnBefore);
     counts_ = true;
   }
   // Throws what went wrong on the thread.
@@ -169,7 +169,7 @@ class Sight {
 };
 
 // What all strokes on one model share.
-struct Scene {
+struct CoexistScene {
   Context& context;
   const Subject& subject;
   const CoexistBenchOptions& options;
@@ -177,7 +177,7 @@ struct Scene {
   Stroke stroke;
 };
 
-Coexistence touchIn(const Scene& scene, const Situation& situation, const std::string& queues) {
+Coexistence touchIn(const CoexistScene& scene, const Situation& situation, const std::string& queues) {
   const CoexistBenchOptions& options = scene.options;
   const Model& model = scene.subject.model;
   BackendOptions way = options.backend;
@@ -193,7 +193,7 @@ Coexistence touchIn(const Scene& scene, const Situation& situation, const std::s
     const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
     const std::string& gpu = options.sightGpu;
     sight.emplace(gpu.empty() ? scene.context.device() : scene.context.sightDevice(gpu), model, backend,
-                  PictureSize{width, height, options.samples > 1 ? 2u : 1u}, situation.sculpts);
+                  SightSize{width, height, options.samples > 1 ? 2u : 1u}, situation.sculpts);
   }
   SculptingHand hand(model, scene.places, scene.stroke, session.surface().radius);
   FeelingHand feeling(backend, hand);
@@ -247,7 +247,7 @@ Json benchCoexist(Context& context, const CoexistBenchOptions& options) {
     const Subject subject = makeOne(context);
     const std::vector<SurfaceSpot> places = sculptingPlaces(subject.model);
     const auto touched = static_cast<std::size_t>(options.touched);
-    const Scene scene{
+    const CoexistScene scene{
         context, subject, options, places,
         strokeThatReaches(touched, BrushKind::push, subject.model, places.front(), realtimeRate_Hz(options))};
     for (const std::string& queues : std::span(options.queues).first(arrangements)) {

@@ -22,7 +22,7 @@ struct EditBenchOptions : BenchOptions {
   std::optional<std::uint32_t> spareSlots;
 };
 
-constexpr std::uint64_t kWarmUp = 10;         // edits before the first that is measured, in virtual time
+constexpr std::uint64_t kWarmUpEdits = 10;    // edits before the first that is measured, in virtual time
 constexpr std::uint64_t kTicksPerEdit = 4;    // in virtual time, at most, on a surface that is worth measuring
 constexpr std::uint64_t kTicksToLand = 1000;  // at most
 constexpr std::uint64_t kFewest = 5;
@@ -90,8 +90,8 @@ class StopAfterEdits {
   void ticked() {
     const ObservedTick& noted = observer_.ticks().back();
     edits_ += noted.sculpts && noted.edits > 0;
-    if (edits_ == kWarmUp) watch_ = Stopwatch();
-    const std::uint64_t measured = edits_ < kWarmUp ? 0 : edits_ - kWarmUp;
+    if (edits_ == kWarmUpEdits) watch_ = Stopwatch();
+    const std::uint64_t measured = edits_ < kWarmUpEdits ? 0 : edits_ - kWarmUpEdits;
     const bool late = options_.limit_s > 0 && watch_.elapsed_s() > options_.limit_s;
     enough_ = measured >= static_cast<std::uint64_t>(options_.repeat) || (late && measured >= kFewest);
     while (session_.elapsed_s() * options_.rate_Hz < static_cast<double>(observer_.ticks().size()))
@@ -109,7 +109,7 @@ class StopAfterEdits {
 // What the ticks say together; in virtual time of those with an edit, which is then a part of its tick.
 void summarizeTicks(EditCost& cost, const std::vector<ObservedTick>& noted, const Trace& trace) {
   const bool realtime = cost.stroke.has_value();
-  const std::uint64_t warmUp = realtime ? 0 : kWarmUp;
+  const std::uint64_t warmUp = realtime ? 0 : kWarmUpEdits;
   std::vector<double> touched, query, edit, indexed, requests, step, compacting;
   std::uint64_t edits = 0, buildsBefore = 0, compactionsBefore = 0, fresh = 0;
   for (std::size_t i = 0; i < std::min(noted.size(), trace.rows.size()); ++i) {
@@ -169,7 +169,7 @@ EditMemory memoryOf(const Session& session) {
 }
 
 // What all measurements on one model share.
-struct Scene {
+struct EditScene {
   Context& context;
   const Subject& subject;
   std::vector<SurfaceSpot> places;
@@ -180,7 +180,8 @@ double ticksPerSecond(const EditBenchOptions& options) {
   return realtimeRate_Hz(options);
 }
 
-EditCost sculpt(const Scene& scene, const EditBenchOptions& options, const Stroke& stroke, const std::string& index) {
+EditCost sculpt(const EditScene& scene, const EditBenchOptions& options, const Stroke& stroke,
+                const std::string& index) {
   const bool realtime = options.duration_s > 0;
   const double rate_Hz = ticksPerSecond(options);
   const Model& model = scene.subject.model;
@@ -200,7 +201,8 @@ EditCost sculpt(const Scene& scene, const EditBenchOptions& options, const Strok
                 .brushRadius_mm = stroke.brush.radius_mm,
                 .spacing_mm = model.scale.toMm(model.spacing)};
   if (realtime) cost.stroke = EditStroke{.rate_Hz = rate_Hz, .duration_s = options.duration_s};
-  const std::uint64_t longest = (static_cast<std::uint64_t>(options.repeat) + kWarmUp) * kTicksPerEdit + kTicksToLand;
+  const std::uint64_t longest =
+      (static_cast<std::uint64_t>(options.repeat) + kWarmUpEdits) * kTicksPerEdit + kTicksToLand;
   const std::uint64_t ticks = realtime ? plannedTicks(rate_Hz, options.duration_s) : longest;
   SculptingHand hand(model, scene.places, stroke, session.surface().radius);
   EditObserver observer(session.backend(), hand, ticks);
@@ -229,7 +231,7 @@ EditCost sculpt(const Scene& scene, const EditBenchOptions& options, const Strok
 
 // The stroke that touches so many points: of a few short ones the nearest. What lies around a place is a first guess,
 // which is off where the surface bends under the brush.
-Stroke strokeFor(const Scene& scene, const EditBenchOptions& options, std::size_t touched) {
+Stroke strokeFor(const EditScene& scene, const EditBenchOptions& options, std::size_t touched) {
   const BrushKind brush = *valueNamed(kBrushKinds, options.brush);
   EditBenchOptions trial = options;
   trial.repeat = kTrialEdits;
@@ -259,7 +261,7 @@ Json benchEdit(Context& context, const EditBenchOptions& options) {
   for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
     const std::size_t points = subject.model.cloud.size();
-    const Scene scene{context, subject, sculptingPlaces(subject.model)};
+    const EditScene scene{context, subject, sculptingPlaces(subject.model)};
     for (const std::int64_t asked : options.touched) {
       const auto touched = static_cast<std::size_t>(asked);
       if (2 * touched > points) {

@@ -16,24 +16,24 @@ std::string times(const Summary& s) {
   return fmt::format("{:.{}f} / {:.{}f}", s.p50, decimals, s.p999, decimals);
 }
 
-struct Column {
+struct EditColumn {
   const char* title;
   int width;
   std::function<std::string(const EditCost&)> text;
 };
 
-void print(std::FILE* out, const std::string& title, const std::vector<Column>& columns,
+void print(std::FILE* out, const std::string& title, const std::vector<EditColumn>& columns,
            const std::vector<EditCost>& costs) {
   fmt::print(out, "\n{}\n", title);
-  for (const Column& column : columns) fmt::print(out, "{:>{}}", column.title, column.width);
+  for (const EditColumn& column : columns) fmt::print(out, "{:>{}}", column.title, column.width);
   fmt::print(out, "\n");
   for (const EditCost& cost : costs) {
-    for (const Column& column : columns) fmt::print(out, "{:>{}}", column.text(cost), column.width);
+    for (const EditColumn& column : columns) fmt::print(out, "{:>{}}", column.text(cost), column.width);
     fmt::print(out, "\n");
   }
 }
 
-std::vector<Column> commonColumns() {
+std::vector<EditColumn> commonColumns() {
   return {{"model", 18, [](const EditCost& c) { return c.subject; }},
           {"points", 11, [](const EditCost& c) { return fmt::format("{}", c.points); }},
           {"asked", 8, [](const EditCost& c) { return fmt::format("{}", c.asked); }},
@@ -41,7 +41,7 @@ std::vector<Column> commonColumns() {
           {"index", 13, [](const EditCost& c) { return c.index; }}};
 }
 
-std::vector<Column> with(std::vector<Column> columns, std::initializer_list<Column> more) {
+std::vector<EditColumn> with(std::vector<EditColumn> columns, std::initializer_list<EditColumn> more) {
   columns.insert(columns.end(), more);
   return columns;
 }

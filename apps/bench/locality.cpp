@@ -15,9 +15,9 @@ namespace palpate {
 
 namespace {
 
-constexpr double kRate_Hz = 1000;
+constexpr double kQueryRate_Hz = 1000;
 constexpr double kAbove_mm = 3, kDown_mm_per_s = 25, kAlong_mm_per_s = 50;
-constexpr double kSlide_mm = 20, kStep_mm = 0.5;
+constexpr double kQuerySlide_mm = 20, kQueryStep_mm = 0.5;
 constexpr int kDirections = 8;
 constexpr double kTau_mm = 0.5, kBeta = 0.1, kStrength = 0.5;  // as in touch
 constexpr std::size_t kIdleTicks = 100;
@@ -39,8 +39,8 @@ struct LocalitySubject {
 std::vector<SurfaceSpot> wayFrom(const ThinnedCloud& surface, const SurfaceSpot& start, const DVec3& towards,
                                  const ModelScale& scale) {
   std::vector<SurfaceSpot> way{start};
-  const auto spots =
-      walk(surface, start, towards, scale.toUnits(kStep_mm), static_cast<std::size_t>(kSlide_mm / kStep_mm));
+  const auto spots = walk(surface, start, towards, scale.toUnits(kQueryStep_mm),
+                          static_cast<std::size_t>(kQuerySlide_mm / kQueryStep_mm));
   way.insert(way.end(), spots.begin(), spots.end());
   return way;
 }
@@ -91,7 +91,7 @@ class HipWay {
 
   void moveTo(const DVec3& end, double speed) {  // units per second
     const DVec3 start = hips_.back();
-    const auto ticks = static_cast<int>(std::ceil(glm::distance(start, end) / speed * kRate_Hz));
+    const auto ticks = static_cast<int>(std::ceil(glm::distance(start, end) / speed * kQueryRate_Hz));
     for (int k = 1; k <= ticks; ++k) hips_.push_back(start + (static_cast<double>(k) / ticks) * (end - start));
   }
   void rest(std::size_t ticks) { hips_.insert(hips_.end(), ticks, hips_.back()); }
@@ -164,7 +164,7 @@ class Play {
   std::size_t tick(const DVec3& hip) {
     TouchBackend& backend = session_.backend();
     const Contact contact =
-        backend.query({.time_s = static_cast<double>(ticks_++) / kRate_Hz, .hip = origin_ + hip}, 0);
+        backend.query({.time_s = static_cast<double>(ticks_++) / kQueryRate_Hz, .hip = origin_ + hip}, 0);
     if (!contact.valid) backend.finish();  // throws what was wrong
     backend.prepare();
     const DVec3 spring = contact.proxy - origin_ - hip;
@@ -227,7 +227,7 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   record.before = pressIdly(play, subject, idle, options.depth_mm);
 
   const auto hips = what.gesture == "press"
-                        ? pressHips(subject, options.depth_mm, static_cast<std::size_t>(options.hold_s * kRate_Hz))
+                        ? pressHips(subject, options.depth_mm, static_cast<std::size_t>(options.hold_s * kQueryRate_Hz))
                         : slideHips(subject, options.depth_mm);
   play.begin(brush);
   play.follow(hips);

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kSpacing_mm = 5;
 constexpr double kBall_spacings = 3.5;
-constexpr int kWarmUp = 50;     // steps: the ball comes down, clocks rise
-constexpr int kPassSteps = 20;  // in which passes are timed one by one
+constexpr int kWarmUpSteps = 50;  // steps: the ball comes down, clocks rise
+constexpr int kPassSteps = 20;    // in which passes are timed one by one
 constexpr int kAskedCompliances = 10;
 
 struct MatterBenchOptions : BenchOptions {
@@ -147,7 +147,7 @@ class Stirred {
  public:
   Stirred(Context& context, const MatterCase& one, bool timesPasses)
       : world_(start(context, one, timesPasses)), pressing_(one.presses), presses_(one.presses > 0) {
-    for (int k = 0; k < kWarmUp; ++k) step();
+    for (int k = 0; k < kWarmUpSteps; ++k) step();
   }
   void step() {
     const HandPose hand = stirring(world_->scene(), steps_);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kCoarse = 32'768;  // points of a sample, to choose a place
 constexpr std::size_t kPlaces = 16;      // where the hand is put down
-constexpr double kStep_mm = 0.5;
+constexpr double kStrokeStep_mm = 0.5;
 constexpr std::size_t kStepsApart = 6;
 
 constexpr double kSpeed_mm_per_s = 50;  // of a brisk stroke
@@ -68,7 +68,7 @@ std::vector<SurfaceSpot> sculptingPlaces(const Model& model) {
   for (std::size_t k = 1; k < kPlaces; ++k) {
     const double angle = kGoldenAngle * static_cast<double>(k);
     const auto way = walk(surface.points, first, std::cos(angle) * frame.u + std::sin(angle) * frame.v,
-                          model.scale.toUnits(kStep_mm), k * kStepsApart);
+                          model.scale.toUnits(kStrokeStep_mm), k * kStepsApart);
     if (way.back().supported) places.push_back(way.back());
   }
   return places;

@@ -54,11 +54,11 @@ struct SplatQuality {
   std::optional<SplatCost> cost;  ///< of the same picture, shaded; where meshes are compared
 };
 
-struct Condition {
+struct SplatCondition {
   std::string_view name;
   double thinning;  ///< density at one end over that at the other
 };
-constexpr std::array<Condition, 2> kConditions{{{"clean", 1}, {"uneven", 10}}};
+constexpr std::array<SplatCondition, 2> kSplatConditions{{{"clean", 1}, {"uneven", 10}}};
 constexpr std::array<std::string_view, 4> kShapes{"sphere", "torus", "bumpy-sphere", "cube"};
 
 FrameTimes measureFrames(Device& device, Frame& frame, const PictureWay& way, const Camera& camera,
@@ -158,7 +158,7 @@ void judgeShapes(Context& context, const UVec2& size, const SplatBenchOptions& o
     if (std::ranges::find(options.shapes, name) == options.shapes.end()) continue;
     const auto shape = makeShape(name);
     std::optional<PictureTruth> truth;
-    for (const Condition& condition : kConditions) {
+    for (const SplatCondition& condition : kSplatConditions) {
       if (std::ranges::find(options.conditions, condition.name) == options.conditions.end()) continue;
       context.log().say("splat: {}, {}, {} points, against truth", name, condition.name, points);
       const auto drawn = static_cast<double>(points) / shareThatStays(condition.thinning);
@@ -361,7 +361,7 @@ void addOptions(Options& bench, SplatBenchOptions& options) {
       .separatedBy(',')
       .showDefault();
   for (const std::string_view shape : kShapes) options.shapes.emplace_back(shape);
-  for (const Condition& condition : kConditions) options.conditions.emplace_back(condition.name);
+  for (const SplatCondition& condition : kSplatConditions) options.conditions.emplace_back(condition.name);
   addListOption(bench, "--shapes", options.shapes, "that are seen");
   addListOption(bench, "--conditions", options.conditions, "clouds that are exact, or ten times sparser at one end");
   bench.add("--truth", options.truthFile, "the mesh that --models is a scan of, in the same coordinates")

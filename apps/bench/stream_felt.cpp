@@ -14,7 +14,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kRate_Hz = 30;  // of the camera
+constexpr double kCameraRate_Hz = 30;  // of the camera
 constexpr std::uint32_t kWidth_px = 1920, kHeight_px = 1080;
 constexpr double kPressed_m = 0.005, kAside_rad = 0.05, kStroke_s = 2;
 
@@ -27,11 +27,11 @@ class PacedFrames final : public DepthStream {
   bool next(DepthFrame& frame) override {
     std::unique_lock lock(mutex_);
     const auto due = begin_ + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                  std::chrono::duration<double>(static_cast<double>(number_) / kRate_Hz));
+                                  std::chrono::duration<double>(static_cast<double>(number_) / kCameraRate_Hz));
     if (changed_.wait_until(lock, due, [this] { return stopped_; })) return false;
     frame = frames_[number_ % frames_.size()];
     frame.number = number_;
-    frame.time_s = static_cast<double>(number_++) / kRate_Hz;
+    frame.time_s = static_cast<double>(number_++) / kCameraRate_Hz;
     return true;
   }
   void stop() noexcept override {
@@ -163,7 +163,7 @@ void printFeltStreams(std::FILE* out, const std::vector<FeltStream>& all) {
   fmt::print(out,
              "\nfelt at 1000 ticks a second while frames come at {:g} Hz and pictures of {} x {} are drawn, us from "
              "pose to force\n{:<10}{:>9}{:>8}{:>9}{:>9}{:>9}{:>9}{:>10}{:>9}{:>9}{:>9}{:>9}\n",
-             kRate_Hz, kWidth_px, kHeight_px, "cloud", "ticks", "missed", "p50", "p99", "p99.9", "max", "in time",
+             kCameraRate_Hz, kWidth_px, kHeight_px, "cloud", "ticks", "missed", "p50", "p99", "p99.9", "max", "in time",
              "touched", "frames", "drawn", "fps");
   for (const FeltStream& felt : all)
     fmt::print(out, "{:<10}{:>9}{:>8}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.1f}{:>9.2f}%{:>9}{:>9}{:>9}{:>9.0f}\n",

@@ -7,18 +7,18 @@ namespace palpate {
 
 namespace {
 
-struct Column {
+struct TouchColumn {
   const char* title;
   int width;
 };
 
-void printHead(std::FILE* out, const std::string& title, const std::vector<Column>& columns) {
+void printHead(std::FILE* out, const std::string& title, const std::vector<TouchColumn>& columns) {
   fmt::print(out, "\n{}\n{:<14}{:<21}{:<9}{:<8}", title, "shape", "condition", "surface", "machine");
-  for (const Column& column : columns) fmt::print(out, "{:>{}}", column.title, column.width);
+  for (const TouchColumn& column : columns) fmt::print(out, "{:>{}}", column.title, column.width);
   fmt::print(out, "\n");
 }
 
-void printRow(std::FILE* out, const Judgement& j, const std::vector<Column>& columns,
+void printRow(std::FILE* out, const Judgement& j, const std::vector<TouchColumn>& columns,
               const std::vector<std::string>& cells) {
   fmt::print(out, "{:<14}{:<21}{:<9}{:<8}", j.subject, j.condition, j.surface, j.backend);
   for (std::size_t k = 0; k < cells.size(); ++k) fmt::print(out, "{:>{}}", cells[k], columns[k].width);
@@ -36,9 +36,10 @@ std::string brief(double value) {
 }
 
 void printSlides(std::FILE* out, const TouchResults& results, double speed_mm_per_s) {
-  const std::vector<Column> columns{{"held %", 7}, {"M1 mean", 9},    {"p95", 7},     {"max", 7},    {"M2 bias", 9},
-                                    {"RMS", 7},    {"spac.", 8},      {"M3 %", 7},    {"M4 p99", 9}, {"max", 7},
-                                    {"rough%", 8}, {"off edges", 10}, {"M6 mean", 9}, {"max", 7},    {"ms", 8}};
+  const std::vector<TouchColumn> columns{{"held %", 7},  {"M1 mean", 9}, {"p95", 7},    {"max", 7},
+                                         {"M2 bias", 9}, {"RMS", 7},     {"spac.", 8},  {"M3 %", 7},
+                                         {"M4 p99", 9},  {"max", 7},     {"rough%", 8}, {"off edges", 10},
+                                         {"M6 mean", 9}, {"max", 7},     {"ms", 8}};
   printHead(out,
             fmt::format("slides 1 mm deep at {:g} mm/s: M1 in degrees, M2 in um and in spacings, M4 in N/s, M6 in um",
                         speed_mm_per_s),
@@ -55,9 +56,9 @@ void printSlides(std::FILE* out, const TouchResults& results, double speed_mm_pe
 }
 
 void printSessions(std::FILE* out, const TouchResults& results) {
-  const std::vector<Column> columns{{"M7 p50", 8}, {"p99", 7},        {"p99.9", 7}, {"max", 8},        {"late %", 8},
-                                    {"M8 N", 7},   {"M10 Ft/Fn", 11}, {"drift", 7}, {"M11 edits", 11}, {"ticks", 7},
-                                    {"step N", 8}, {"M12 same", 10},  {"cpu mN", 8}};
+  const std::vector<TouchColumn> columns{
+      {"M7 p50", 8}, {"p99", 7},        {"p99.9", 7}, {"max", 8},    {"late %", 8},    {"M8 N", 7},  {"M10 Ft/Fn", 11},
+      {"drift", 7},  {"M11 edits", 11}, {"ticks", 7}, {"step N", 8}, {"M12 same", 10}, {"cpu mN", 8}};
   printHead(out, "M7 ticks in us, M8 force in the air, M10 drift in um, M11 after an edit, M12 sameness", columns);
   for (const Judgement& j : results.judgements) {
     const double tangential = j.slides.empty() ? 0 : j.slides.front().tangentialShare;
@@ -74,7 +75,7 @@ void printSessions(std::FILE* out, const TouchResults& results) {
 }
 
 void printSpeeds(std::FILE* out, const TouchResults& results) {
-  std::vector<Column> columns;
+  std::vector<TouchColumn> columns;
   std::string title = "force direction (M1, degrees) and rough share of dF/dt (M4) at";
   for (const SlideJudgement& s : results.judgements.front().slides) {
     columns.insert(columns.end(), {{"mean", 12}, {"p95", 8}, {"max", 8}, {"rough%", 8}});

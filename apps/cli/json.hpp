@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "engine/core/vec.hpp"
+
 namespace palpate {
 
 class Json {
@@ -78,6 +80,8 @@ class Json {
                std::vector<Member>>
       value_;
 };
+
+inline Json vectorJson(const DVec3& v) { return {v.x, v.y, v.z}; }
 
 template <>
 std::string Json::get() const;

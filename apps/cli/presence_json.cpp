@@ -2,19 +2,13 @@
 
 namespace palpate {
 
-namespace {
-
-Json jsonOf(const DVec3& place) { return {place.x, place.y, place.z}; }
-
-}  // namespace
-
 Json toJson(std::span<const SeenHand> hands) {
   Json all = Json::array();
   for (const SeenHand& hand : hands)
     all.push_back({{"name", hand.name},
                    {"number", hand.number},
-                   {"position", jsonOf(hand.place.position)},
-                   {"proxy", jsonOf(hand.place.proxy)},
+                   {"position", vectorJson(hand.place.position)},
+                   {"proxy", vectorJson(hand.place.proxy)},
                    {"touching", hand.place.touching},
                    {"sculpts", hand.place.sculpts},
                    {"age_s", hand.age_s}});
@@ -26,7 +20,7 @@ Json toJson(std::span<const SeenCamera> cameras) {
   for (const SeenCamera& camera : cameras) {
     const DQuat& turn = camera.place.turn;
     all.push_back({{"name", camera.name},
-                   {"position", jsonOf(camera.place.position)},
+                   {"position", vectorJson(camera.place.position)},
                    {"orientation", {turn.x, turn.y, turn.z, turn.w}},
                    {"fov_deg", glm::degrees(camera.place.fovY_rad)},
                    {"aspect", camera.place.aspect},

@@ -25,8 +25,6 @@ struct SimulateOptions {
   double duration_s = 1;
 };
 
-Json vectorJson(const DVec3& v) { return {v.x, v.y, v.z}; }
-
 Json summaryJson(const Summary& summary) {
   return {{"p50", summary.p50}, {"p99", summary.p99}, {"p999", summary.p999}, {"max", summary.max}};
 }

@@ -1,4 +1,4 @@
-// The part of Panels that stands beside the panel: curves, help, messages and the question about changes.
+// The part of Panels that stands beside the panel: curves, hoverHelp, messages and the question about changes.
 #include <imgui.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kCurve = 300;         // values across a plot, and
 constexpr std::size_t kTicksPerValue = 10;  // ticks that each stands for, by the largest of them
 
-void help(const char* text) {
+void hoverHelp(const char* text) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
 }
 
@@ -42,7 +42,7 @@ void plot(const char* what, const std::vector<float>& curve, float least, float 
       fmt::format("{}   {}", what, last < 100 ? fmt::format("{:.3g}", last) : fmt::format("{:.0f}", last));
   ImGui::PlotLines("##curve", curve.data(), static_cast<int>(curve.size()), 0, label.c_str(), 0, top,
                    {ImGui::GetContentRegionAvail().x, height});
-  help(fmt::format("0 to {:.3g} at most; the last {}", largest, span).c_str());
+  hoverHelp(fmt::format("0 to {:.3g} at most; the last {}", largest, span).c_str());
 }
 
 std::string measureLine(const ViewStatus& status) {
@@ -91,7 +91,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   if (button(paused_ ? "Go on" : "Pause")) paused_ = !paused_;
   ImGui::SameLine();
   if (button("Export CSV")) requests.exportTicks = true;
-  help("writes the last minute of ticks to a file");
+  hoverHelp("writes the last minute of ticks to a file");
   ImGui::End();
 }
 
@@ -103,7 +103,7 @@ void Panels::drawLink() {
   const auto curve = [&](const char* what, const std::vector<float>& values, float least, const char* words) {
     ImGui::PushID(what);
     plot(what, values, least, em(2.4), span);
-    help(words);
+    hoverHelp(words);
     ImGui::PopID();
   };
   curve("round trip, ms", link_.roundTrip_ms(), 10, "median of the last pings to who serves it");
@@ -139,7 +139,7 @@ void Panels::drawHelp(ViewSettings& view) {
        {"K,  N", "hold water or sand, or let it go on;  it begins anew"},
        {"P,  C", "picture to a file,  curves on and off"},
        {"Tab", "panels on and off"},
-       {"H,  Q", "this help,  quit"}}};
+       {"H,  Q", "this hoverHelp,  quit"}}};
   if (ImGui::BeginTable("keys", 2)) {
     ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
     ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
@@ -165,7 +165,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
   else if (status.stylus)
     lines.insert(lines.begin(), "stylus: press with the left button");
   if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
-  if (lines.empty() && status.session && !view.help) lines.push_back("hold Space to touch,  H for help");
+  if (lines.empty() && status.session && !view.help) lines.push_back("hold Space to touch,  H for hoverHelp");
   if (lines.empty()) return;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   // Beside the panel where that would cover them.

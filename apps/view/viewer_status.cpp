@@ -21,8 +21,6 @@ std::string_view nameIn(const auto& names, auto value) {
   return {};
 }
 
-Json jsonOf(const DVec3& v) { return {v.x, v.y, v.z}; }
-
 // Whoever has joined the same session.
 Json othersOf(const WindowSession& session) {
   Json others = Json::object();
@@ -68,11 +66,11 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   state["changed"] = session.isChanged();
   state["save_file"] = document.saveFile();
   state["recording"] = session.isRecording();
-  state["hip"] = jsonOf(row.hip);
-  state["proxy"] = jsonOf(row.proxy);
+  state["hip"] = vectorJson(row.hip);
+  state["proxy"] = vectorJson(row.proxy);
   state["contact"] = row.contact;
   state["penetration_mm"] = row.penetration_mm;
-  state["force_N"] = jsonOf(row.force_N);
+  state["force_N"] = vectorJson(row.force_N);
   double peak_N = 0;
   for (const TraceRow& each : history.rows()) peak_N = std::max(peak_N, glm::length(each.force_N));
   state["peak_force_N"] = peak_N;
@@ -86,10 +84,10 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
 Json toJson(const PlaceInfo& info) {
   Json attributes = Json::object();
   for (const auto& [name, value] : info.attributes) attributes[name] = value;
-  return {{"place", jsonOf(info.place)},
+  return {{"place", vectorJson(info.place)},
           {"point", info.point ? Json(*info.point) : Json(nullptr)},
-          {"position", jsonOf(info.position)},
-          {"normal", jsonOf(info.normal)},
+          {"position", vectorJson(info.position)},
+          {"normal", vectorJson(info.normal)},
           {"attributes", attributes},
           {"stiffness_N_per_mm", info.stiffness_N_mm ? Json(*info.stiffness_N_mm) : Json(nullptr)},
           {"stiffness_of", info.stiffnessOf}};
@@ -164,7 +162,8 @@ void Viewer::writeState(const std::string& file) {
   const Camera& camera = viewpoint_.camera();
   Json state{{"model", nullptr},
              {"points", 0},
-             {"camera", {{"eye", jsonOf(camera.eye)}, {"target", jsonOf(camera.target)}, {"up", jsonOf(camera.up)}}},
+             {"camera",
+              {{"eye", vectorJson(camera.eye)}, {"target", vectorJson(camera.target)}, {"up", vectorJson(camera.up)}}},
              {"size", {screen_.size_px().x, screen_.size_px().y}},
              {"tool", nullptr},
              {"stylus", pointing_.isTouching()},

@@ -22,7 +22,7 @@ constexpr std::array<Entry, 6> kShapes{{{"plane", makePlane},
                                         {"bumpy-sphere", makeBumpySphere},
                                         {"sculpture", makeSculpture}}};
 
-constexpr auto kNames = [] {
+constexpr auto kShapeNames = [] {
   std::array<std::string_view, kShapes.size()> names;
   for (std::size_t k = 0; k < names.size(); ++k) names[k] = kShapes[k].name;
   return names;
@@ -44,14 +44,14 @@ double AnalyticShape::signedDistance(const DVec3& p) const {
   return std::copysign(glm::length(offset), glm::dot(offset, surface.normal));
 }
 
-std::span<const std::string_view> shapeNames() { return kNames; }
+std::span<const std::string_view> shapeNames() { return kShapeNames; }
 
 std::unique_ptr<AnalyticShape> makeShape(std::string_view name, double size, const DVec3& center) {
   if (!(size > 0) || !std::isfinite(size)) throw UsageError("a shape of size {}; expected a number above 0", size);
   if (!isFinite(center)) throw UsageError("a shape's centre has to be three finite numbers");
   for (const Entry& entry : kShapes)
     if (entry.name == name) return entry.make(size, center);
-  throw UsageError("there is no shape '{}'; there are {}", name, fmt::join(kNames, ", "));
+  throw UsageError("there is no shape '{}'; there are {}", name, fmt::join(kShapeNames, ", "));
 }
 
 PointCloud sampleShape(const AnalyticShape& shape, const SampleOptions& options) {

@@ -13,12 +13,12 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kCellsAtOnce = 256;  // that a thread takes
-constexpr std::size_t kPasses = 8;         // as many as the parities of three coordinates
+constexpr std::size_t kEvenCellsAtOnce = 256;  // that a thread takes
+constexpr std::size_t kPasses = 8;             // as many as the parities of three coordinates
 
 // Distances along a cell: looking cells up costs more than looking at points, unless all of them are looked at.
 constexpr float kWide = 2, kNarrow = 1;
-constexpr float kSameFace = 0.5f;  // cosine of the normals of points that keep company
+constexpr float kSameSide = 0.5f;  // cosine of the normals of points that keep company
 
 struct OrientedPoint {
   Vec3 place, normal;
@@ -44,7 +44,7 @@ class PointLanes {
     for (const Block& block : blocks_)
       for (std::size_t k = 0; k < kLanes; ++k) {
         const std::int32_t counts = static_cast<std::int32_t>(block.squaredWay(point, k) < distance * distance) &
-                                    static_cast<std::int32_t>(block.cosine(point, k) > kSameFace);
+                                    static_cast<std::int32_t>(block.cosine(point, k) > kSameSide);
         const auto weight = static_cast<float>(counts);
         for (std::size_t axis = 0; axis < 3; ++axis) sums[axis][k] += weight * block.normal[axis][k];
       }
@@ -101,7 +101,7 @@ class GriddedPoints {
     keptCounts_ = parallelMake(cells_.count(), threads_, [](std::size_t) { return std::uint32_t{0}; });
     kept_.resize(points_.size());
     for (std::size_t pass = 0; pass < kPasses; ++pass)
-      parallelBlocks(cells_.count(), kCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
+      parallelBlocks(cells_.count(), kEvenCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
         std::vector<OrientedPoint> kept;
         for (std::size_t cell = begin; cell < end; ++cell)
           if (cells_.code(cell) % kPasses == pass) chooseIn(cell, kept);
@@ -117,7 +117,7 @@ class GriddedPoints {
 
   BareVector<Vec3> smoothedNormals() const {
     BareVector<Vec3> smooth(points_.size());
-    parallelBlocks(cells_.count(), kCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(cells_.count(), kEvenCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
       PointLanes near;
       for (std::size_t cell = begin; cell < end; ++cell) {
         near.clear();
@@ -153,7 +153,7 @@ class GriddedPoints {
 
   template <class Use>
   void forEachPoint(Use&& use) const {
-    parallelBlocks(cells_.count(), kCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
+    parallelBlocks(cells_.count(), kEvenCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t cell = begin; cell < end; ++cell) {
         const Around around = cellsAround(cell);
         for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) use(k, around);
@@ -198,7 +198,7 @@ class GriddedPoints {
   bool hasCompany(std::size_t point, const Around& around, std::size_t fewest) const {
     std::size_t found = 0;
     forNear(point, around, [&](std::size_t other) {
-      if (other != point && glm::dot(points_[point].normal, points_[other].normal) > kSameFace) ++found;
+      if (other != point && glm::dot(points_[point].normal, points_[other].normal) > kSameSide) ++found;
       return found >= fewest;
     });
     return found >= fewest;

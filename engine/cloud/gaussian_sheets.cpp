@@ -66,14 +66,14 @@ GaussianSheet sheetAt(const GaussianDensity& density, const Vec3& place) {
 }
 
 /// The densest seed of each cell of a grid, and those near by.
-struct Places {
+struct SheetPlaces {
   float side = 0;                     ///< of a cell
   BareVector<std::uint32_t> placeOf;  ///< of each seed; kNobody where it has no sheet
   BareVector<Vec3> points, normals;
   NeighbourGraph graph;
 };
 
-void findNeighbours(Places& places, unsigned threads) {
+void findNeighbours(SheetPlaces& places, unsigned threads) {
   const PointTree tree(places.points);
   places.graph.degree = kNeighbours;
   places.graph.neighbours.assign(places.points.size() * kNeighbours, kNobody);
@@ -90,7 +90,7 @@ void findNeighbours(Places& places, unsigned threads) {
   });
 }
 
-Places placesOf(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets, unsigned threads) {
+SheetPlaces placesOf(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets, unsigned threads) {
   constexpr int kFinest = 2;
   const auto existing = parallelCollect(
       seeds.size(), threads, [&](std::size_t i) { return sheets[i].exists(); },
@@ -104,7 +104,7 @@ Places placesOf(std::span<const GaussianSeed> seeds, std::span<const GaussianShe
   auto begins = cellsOf(level);
   while (begins.size() - 1 > kMostPlaces) begins = cellsOf(++level);
 
-  Places places;
+  SheetPlaces places;
   places.side = kSeedVoxel * static_cast<float>(1 << level);
   places.placeOf = parallelMake(seeds.size(), threads, [](std::size_t) { return kNobody; });
   const auto densest = parallelMake(begins.size() - 1, threads, [&](std::size_t place) {
@@ -119,7 +119,7 @@ Places placesOf(std::span<const GaussianSeed> seeds, std::span<const GaussianShe
 }
 
 /// For each place the first one of those that hang together with it.
-std::vector<std::uint32_t> groupsOf(const Places& places) {
+std::vector<std::uint32_t> groupsOf(const SheetPlaces& places) {
   std::vector<std::uint32_t> parent(places.points.size());
   std::iota(parent.begin(), parent.end(), 0u);
   const auto root = [&](std::uint32_t i) {
@@ -137,7 +137,7 @@ std::vector<std::uint32_t> groupsOf(const Places& places) {
 }
 
 /// Gaussians of each group, at its first place. One whose seeds are of several groups may count more than once.
-std::vector<std::atomic<std::uint32_t>> countGaussians(std::span<const GaussianSeed> seeds, const Places& places,
+std::vector<std::atomic<std::uint32_t>> countGaussians(std::span<const GaussianSeed> seeds, const SheetPlaces& places,
                                                        const std::vector<std::uint32_t>& groups, unsigned threads) {
   struct Member {
     std::uint32_t disc, group;
@@ -161,8 +161,8 @@ std::vector<std::atomic<std::uint32_t>> countGaussians(std::span<const GaussianS
   return counts;
 }
 
-std::size_t dropSmallGroups(std::span<const GaussianSeed> seeds, std::span<GaussianSheet> sheets, const Places& places,
-                            unsigned threads) {
+std::size_t dropSmallGroups(std::span<const GaussianSeed> seeds, std::span<GaussianSheet> sheets,
+                            const SheetPlaces& places, unsigned threads) {
   const std::vector<std::uint32_t> groups = groupsOf(places);
   const auto counts = countGaussians(seeds, places, groups, threads);
   const std::size_t largest =
@@ -180,7 +180,7 @@ std::size_t dropSmallGroups(std::span<const GaussianSeed> seeds, std::span<Gauss
 
 /// Whether a seed's normal looks to the other side than those of the places around: of the one that is most likely to
 /// be of the same sheet, as if both lay on a circle (orientNormals()).
-bool looksAway(const Places& places, std::uint32_t own, const Vec3& point, const Vec3& normal) {
+bool looksAway(const SheetPlaces& places, std::uint32_t own, const Vec3& point, const Vec3& normal) {
   float best = std::numeric_limits<float>::infinity();
   bool away = false;
   const auto ask = [&](std::uint32_t place) {
@@ -221,7 +221,7 @@ BareVector<GaussianSheet> sheetsAt(const SeedCells& cells, std::span<const Gauss
 }
 
 std::size_t orientSheets(std::span<const GaussianSeed> seeds, std::span<GaussianSheet> sheets, unsigned threads) {
-  Places places = placesOf(seeds, sheets, threads);
+  SheetPlaces places = placesOf(seeds, sheets, threads);
   const std::size_t dropped = dropSmallGroups(seeds, sheets, places, threads);
   orientNormals(places.points, places.normals, places.graph, threads);
   parallelFor(seeds.size(), threads, [&](std::size_t begin, std::size_t end) {

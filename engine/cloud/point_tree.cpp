@@ -7,19 +7,6 @@
 namespace palpate {
 namespace {
 
-struct PointsView {
-  std::span<const Vec3> points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return static_cast<double>((&points[i].x)[axis]); }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
-// Everything in double: squares of float32 would underflow for small models, and the centre of a ball is no point.
-using Metric = nanoflann::L2_Simple_Adaptor<double, PointsView, double, std::uint32_t>;
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointsView, 3, std::uint32_t>;
 constexpr std::size_t kLeafSize = 24;
 
 // Takes the points of a ball as the tree comes upon them.
@@ -42,6 +29,20 @@ class Ball {
 }  // namespace
 
 struct PointTree::Index {
+  struct PointsView {
+    std::span<const Vec3> points;
+    std::size_t kdtree_get_point_count() const { return points.size(); }
+    double kdtree_get_pt(std::size_t i, std::size_t axis) const { return static_cast<double>((&points[i].x)[axis]); }
+    template <class Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+
+  // Everything in double: squares of float32 would underflow for small models, and the centre of a ball is no point.
+  using Metric = nanoflann::L2_Simple_Adaptor<double, PointsView, double, std::uint32_t>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointsView, 3, std::uint32_t>;
+
   explicit Index(std::span<const Vec3> points) : view{points}, tree(3, view, {kLeafSize}) {}
   PointsView view;
   Tree tree;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <type_traits>
 
@@ -71,6 +72,10 @@ T loadScalar(const std::byte* from) {
   T value;
   std::memcpy(&value, bytes.data(), sizeof(T));
   return value;
+}
+template <class T>
+T loadScalar(std::span<const std::byte> bytes, std::size_t at) {
+  return loadScalar<T>(bytes.data() + at);
 }
 
 }  // namespace palpate

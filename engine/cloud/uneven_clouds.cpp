@@ -14,7 +14,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> kNames{"even", "gradient", "patches", "random", "decimated", "plate"};
+constexpr std::array<std::string_view, 6> kUnevenNames{"even", "gradient", "patches", "random", "decimated", "plate"};
 
 constexpr double kRadius = 50, kThickness = 0.8;
 constexpr double kRatio = 10;  // of the densities at the two ends of the gradient
@@ -121,7 +121,7 @@ PointCloud decimated(std::size_t count) {
 
 }  // namespace
 
-std::span<const std::string_view> unevenCloudNames() { return kNames; }
+std::span<const std::string_view> unevenCloudNames() { return kUnevenNames; }
 
 PointCloud makePlate(std::size_t count, double thickness, unsigned threads) {
   PointCloud plate;
@@ -135,9 +135,9 @@ PointCloud makePlate(std::size_t count, double thickness, unsigned threads) {
 }
 
 UnevenCloud makeUnevenCloud(std::string_view name, std::size_t count) {
-  const auto known = std::ranges::find(kNames, name);
-  if (known == kNames.end())
-    throw UsageError("there is no uneven cloud '{}'; there are {}", name, fmt::join(kNames, ", "));
+  const auto known = std::ranges::find(kUnevenNames, name);
+  if (known == kUnevenNames.end())
+    throw UsageError("there is no uneven cloud '{}'; there are {}", name, fmt::join(kUnevenNames, ", "));
   UnevenCloud uneven{.name = *known,
                      .cloud = {},
                      .place = {0, 0, kRadius},

@@ -12,8 +12,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kEdgeOn = 0.2;    // cosine of a plane and its views below which those do not tell its side
-constexpr double kNoPlane = 1e-9;  // of the largest variance: where the middle one is less, the points are on a line
+constexpr double kViewEdgeOn = 0.2;  // cosine of a plane and its views below which those do not tell its side
+constexpr double kNoPlane = 1e-9;    // of the largest variance: where the middle one is less, the points are on a line
 
 DVec3 unitOr(const DVec3& v, const DVec3& otherwise) {
   const double size = glm::length(v);
@@ -62,7 +62,7 @@ DVec3 normalAt(std::uint32_t i, const Neighbourhood& near) {
     return unitOr(own, unitOr(near.towardsViews(), spread.vectors[0]));
   const DVec3 normal = spread.vectors[0];
   double facing = glm::dot(normal, unitOr(own, DVec3(0)));
-  if (std::abs(facing) < kEdgeOn) facing = glm::dot(normal, near.towardsViews());
+  if (std::abs(facing) < kViewEdgeOn) facing = glm::dot(normal, near.towardsViews());
   return facing < 0 ? -normal : normal;
 }
 

@@ -11,9 +11,9 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMostSamples = 1 << 15;
-constexpr double kTail = 0.02;     // of the points, that may lie anywhere at each end of an axis
-constexpr double kBeyond = 1.0;    // of the extent between the tails: farther out nothing belongs to the shape
-constexpr double kFineCells = 64;  // along the longest side, for the places
+constexpr double kSampleTail = 0.02;  // of the points, that may lie anywhere at each end of an axis
+constexpr double kBeyond = 1.0;       // of the extent between the tails: farther out nothing belongs to the shape
+constexpr double kFineCells = 64;     // along the longest side, for the places
 // Cells in which company is counted are so large that a surface has about as many points in each.
 constexpr double kPointsInCell = 12, kFewestCells = 4, kMostCells = 32;
 // A cell is alone where it and those around it have less than this share of what is usual.
@@ -37,7 +37,7 @@ Bounds windowOf(const PointCloud& cloud, const std::vector<std::uint32_t>& sampl
   std::vector<float> along(sample.size());
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < sample.size(); ++i) along[i] = cloud.positions[sample[i]][axis];
-    const auto tail = static_cast<std::ptrdiff_t>(kTail * static_cast<double>(sample.size()));
+    const auto tail = static_cast<std::ptrdiff_t>(kSampleTail * static_cast<double>(sample.size()));
     std::nth_element(along.begin(), along.begin() + tail, along.end());
     const double low = along[static_cast<std::size_t>(tail)];
     std::nth_element(along.begin(), along.end() - 1 - tail, along.end());

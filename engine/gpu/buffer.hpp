@@ -63,4 +63,9 @@ class Buffer {
   std::byte* mapped_ = nullptr;
 };
 
+/// Words of 32 bits that only the GPU touches.
+inline Buffer deviceWords(Device& device, std::uint64_t count, const char* name) {
+  return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
+}
+
 }  // namespace palpate

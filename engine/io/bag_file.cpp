@@ -12,7 +12,7 @@ namespace {
 
 // Of ROS 1, whose form RealSense cameras share, and of ROS 2 (MCAP, and SQLite).
 constexpr std::array<std::string_view, 3> kMagics{"#ROSBAG V", "\x89MCAP", "SQLite format 3"};
-constexpr std::size_t kLongest = 16;
+constexpr std::size_t kMaxNameBytes = 16;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ void refuseBag(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return;
   ChunkedFile in(file);
-  const auto bytes = in.peek(kLongest);
+  const auto bytes = in.peek(kMaxNameBytes);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (const std::string_view magic : kMagics)
     if (text.starts_with(magic))

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kLongestFile = std::size_t{1} << 20;  // bytes
+constexpr std::size_t kMaxCameraFile = std::size_t{1} << 20;  // bytes
 
 [[noreturn]] void failType(const char* name, const Json& json) {
   throw Error("\"{}\" cannot be {}", name, json.dump().substr(0, 40));
@@ -94,8 +94,8 @@ CameraText parseCamera(std::string_view json) {
 
 CameraText readCamera(const std::filesystem::path& file) {
   ChunkedFile in(file);
-  const auto bytes = in.peek(kLongestFile + 1);
-  if (bytes.size() > kLongestFile) throw FileError(file, "is too long for the intrinsics of a camera");
+  const auto bytes = in.peek(kMaxCameraFile + 1);
+  if (bytes.size() > kMaxCameraFile) throw FileError(file, "is too long for the intrinsics of a camera");
   try {
     return parseCamera({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   } catch (const Error& error) {

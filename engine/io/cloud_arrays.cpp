@@ -7,12 +7,12 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/ply_vertices.hpp"
+#include "engine/io/point_batch.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBatch = 4096;  // points
 constexpr const char* kName = "the arrays";
 
 struct Group {
@@ -43,9 +43,9 @@ PointCloud cloudOf(const CloudArrays& arrays, Log* log) {
     for (const char* name : group.names) element.properties.push_back({.name = name, .type = group.rows->type});
   PlyVertices vertices(kName, element, log);
   vertices.reserve(arrays.count);
-  std::vector<std::byte> packed(kBatch * vertices.rowBytes());
-  for (std::uint64_t begin = 0; begin < arrays.count; begin += kBatch) {
-    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBatch, arrays.count - begin));
+  std::vector<std::byte> packed(kPointBatch * vertices.rowBytes());
+  for (std::uint64_t begin = 0; begin < arrays.count; begin += kPointBatch) {
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kPointBatch, arrays.count - begin));
     std::byte* to = packed.data();
     for (std::size_t i = 0; i < count; ++i)
       for (const Group& group : groups) {

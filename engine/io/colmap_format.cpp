@@ -12,12 +12,11 @@
 #include "engine/io/colmap_model.hpp"
 #include "engine/io/colmap_reliability.hpp"
 #include "engine/io/ply_vertices.hpp"
+#include "engine/io/point_batch.hpp"
 
 namespace palpate {
 
 namespace {
-
-constexpr std::size_t kBatch = 4096;  // points
 
 PlyElement columns() {
   PlyElement element{.name = "vertex", .count = 0, .properties = {}, .line = 1};
@@ -65,7 +64,7 @@ class PointsOfModel {
     tracks_.push_back(track);
     PointSight& sight = sights_.emplace_back();
     for (const std::uint32_t image : point.images) sight.addView(point.position, model_.images[image].center);
-    if (++rows_ == kBatch) flush();
+    if (++rows_ == kPointBatch) flush();
   }
 
   PointCloud finish(Log* log) {

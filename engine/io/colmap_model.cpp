@@ -12,13 +12,14 @@
 #include "engine/core/error.hpp"
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/in_quotes.hpp"
+#include "engine/io/is_file.hpp"
 #include "engine/io/text_number.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr std::size_t kLongestLine = std::size_t{1} << 28;  // an image's observations are one line
+constexpr std::size_t kMaxModelLine = std::size_t{1} << 28;  // an image's observations are one line
 constexpr std::size_t kLongestName = 4096;
 constexpr std::string_view kBlanks = " \t";
 
@@ -67,9 +68,9 @@ class Rows {
   }
 };
 
-class BinaryRows final : public Rows {
+class BinaryModelRows final : public Rows {
  public:
-  BinaryRows(const std::filesystem::path& path, std::function<void(double)> progress) : file_(path) {
+  BinaryModelRows(const std::filesystem::path& path, std::function<void(double)> progress) : file_(path) {
     file_.onProgress(std::move(progress));
     count_ = take<std::uint64_t>("the number of rows");
   }
@@ -130,17 +131,17 @@ class BinaryRows final : public Rows {
   std::uint64_t count_ = 0, done_ = 0;
 };
 
-class TextRows final : public Rows {
+class TextModelRows final : public Rows {
  public:
   /// `lines`: of a row.
-  TextRows(const std::filesystem::path& path, std::function<void(double)> progress, unsigned lines)
+  TextModelRows(const std::filesystem::path& path, std::function<void(double)> progress, unsigned lines)
       : file_(path), lines_(lines) {
     file_.onProgress(std::move(progress));
   }
 
   bool next() override {
     do {
-      const auto line = file_.readLine(kLongestLine);
+      const auto line = file_.readLine(kMaxModelLine);
       if (!line) return false;
       rest_ = *line;
     } while (rest_.empty() || rest_.front() == '#');
@@ -164,7 +165,7 @@ class TextRows final : public Rows {
   }
   // They are a line of their own, which may be empty.
   void skipObservations() override {
-    if (!file_.readLine(kLongestLine)) fail("the file ends where the observations of an image should be");
+    if (!file_.readLine(kMaxModelLine)) fail("the file ends where the observations of an image should be");
     rest_ = {};
   }
   std::uint64_t track() override {
@@ -188,7 +189,7 @@ class TextRows final : public Rows {
   std::uint64_t count() override {
     std::uint64_t rows = 0;
     for (; next(); ++rows)
-      for (unsigned line = 1; line < lines_; ++line) file_.readLine(kLongestLine);
+      for (unsigned line = 1; line < lines_; ++line) file_.readLine(kMaxModelLine);
     return rows;
   }
 
@@ -216,11 +217,6 @@ class TextRows final : public Rows {
 
 constexpr std::string_view kCameras = "cameras", kImages = "images", kPoints = "points3D";
 
-bool isFile(const std::filesystem::path& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path, ignored);
-}
-
 /// In either form.
 bool hasFile(const std::filesystem::path& folder, std::string_view stem) {
   for (const std::string_view form : {"bin", "txt"})
@@ -233,8 +229,8 @@ std::unique_ptr<Rows> open(const std::filesystem::path& folder, std::string_view
                            std::function<void(double)> progress = {}) {
   const std::filesystem::path binary = folder / fmt::format("{}.bin", stem);
   const std::filesystem::path text = folder / fmt::format("{}.txt", stem);
-  if (isFile(binary)) return std::make_unique<BinaryRows>(binary, std::move(progress));
-  if (isFile(text)) return std::make_unique<TextRows>(text, std::move(progress), stem == kImages ? 2 : 1);
+  if (isFile(binary)) return std::make_unique<BinaryModelRows>(binary, std::move(progress));
+  if (isFile(text)) return std::make_unique<TextModelRows>(text, std::move(progress), stem == kImages ? 2 : 1);
   throw FileError(folder, fmt::format("has no {0}.bin and no {0}.txt, as the folder of a COLMAP model has", stem));
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kInfoBytes = 160, kRootAt = 40, kEntryBytes = 32;
 constexpr std::int32_t kIsPage = -1;  // in place of a number of points
-constexpr std::int32_t kDeepest = 30;
+constexpr std::int32_t kMaxOctreeDepth = 30;
 
 using Key = std::array<std::int32_t, 4>;  // level, x, y, z
 
@@ -61,8 +61,8 @@ class Hierarchy {
 
   void take(const Entry& entry, std::uint64_t at) {
     const auto [level, x, y, z] = entry.key;
-    const bool hasPlace = level >= 0 && level <= kDeepest && std::min({x, y, z}) >= 0 &&
-                          std::max({x, y, z}) < std::int32_t{1} << std::min(level, kDeepest);
+    const bool hasPlace = level >= 0 && level <= kMaxOctreeDepth && std::min({x, y, z}) >= 0 &&
+                          std::max({x, y, z}) < std::int32_t{1} << std::min(level, kMaxOctreeDepth);
     if (!hasPlace) throw refuse(at, fmt::format("a node {}-{}-{}-{}, which no octree has", level, x, y, z));
     if (entry.points == kIsPage)
       return addPage(entry.offset, entry.bytes < 0 ? 0 : static_cast<std::uint64_t>(entry.bytes), at + 16);

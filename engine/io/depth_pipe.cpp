@@ -18,8 +18,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 16;
-constexpr std::size_t kLongestHead = std::size_t{1} << 16, kLongestLine = 2048;  // bytes
-constexpr std::string_view kFrame = "frame ";
+constexpr std::size_t kLongestHead = std::size_t{1} << 16, kMaxFrameLine = 2048;  // bytes
+constexpr std::string_view kFrameWord = "frame ";
 constexpr std::size_t kDepthBytes = 2, kColorBytes = 3;  // of a pixel
 
 }  // namespace
@@ -78,8 +78,8 @@ std::optional<std::string> DepthPipe::peekLine(std::size_t longest) {
 }
 
 std::optional<DepthPipe::FrameLine> DepthPipe::parseLine(std::string_view line) {
-  if (!line.starts_with(kFrame)) return std::nullopt;
-  line.remove_prefix(kFrame.size());
+  if (!line.starts_with(kFrameWord)) return std::nullopt;
+  line.remove_prefix(kFrameWord.size());
   const auto time_s = textNumber<double>(takeWord(line));
   if (!time_s || !std::isfinite(*time_s)) return std::nullopt;
   FrameLine frame{.time_s = *time_s, .pose = {}};
@@ -101,14 +101,14 @@ void DepthPipe::lose(std::string_view why) const { throw Error("{}: frame {} {}"
 // To where the next line of a frame may begin; to the end where none does.
 void DepthPipe::skipToFrame() {
   do {
-    const std::size_t next = unread().find(kFrame, 1);
+    const std::size_t next = unread().find(kFrameWord, 1);
     if (next != std::string_view::npos) {
       begin_ += next;
       return;
     }
-    begin_ = end_ - std::min(kFrame.size() - 1, unread().size() - 1);  // it may have begun there
-  } while (fill(kFrame.size()) && !unread().starts_with(kFrame));
-  if (!unread().starts_with(kFrame)) begin_ = end_;
+    begin_ = end_ - std::min(kFrameWord.size() - 1, unread().size() - 1);  // it may have begun there
+  } while (fill(kFrameWord.size()) && !unread().starts_with(kFrameWord));
+  if (!unread().starts_with(kFrameWord)) begin_ = end_;
 }
 
 // The line of the next frame. Nothing at the end. What is no such line is passed over up to the next one that may be,
@@ -116,10 +116,10 @@ void DepthPipe::skipToFrame() {
 std::optional<DepthPipe::FrameLine> DepthPipe::findLine() {
   while (fill(1) && unread().front() == '\n') ++begin_;
   if (unread().empty()) return std::nullopt;
-  fill(kFrame.size());
+  fill(kFrameWord.size());
   std::string why;
-  if (unread().starts_with(kFrame)) {
-    const auto line = peekLine(kLongestLine);
+  if (unread().starts_with(kFrameWord)) {
+    const auto line = peekLine(kMaxFrameLine);
     if (input_.isStopped()) return std::nullopt;
     ++count_;
     if (!line) {
@@ -127,7 +127,7 @@ std::optional<DepthPipe::FrameLine> DepthPipe::findLine() {
       lose("ends within its first line");
     }
     try {
-      if (const auto found = line->size() < kLongestLine ? parseLine(*line) : std::nullopt) {
+      if (const auto found = line->size() < kMaxFrameLine ? parseLine(*line) : std::nullopt) {
         begin_ += line->size() + 1;
         return found;
       }
@@ -148,10 +148,11 @@ std::optional<DepthPipe::FrameLine> DepthPipe::findLine() {
 // Where within the bytes of a frame the line of the next one stands; `bytes` where it does not, as it should be.
 std::size_t DepthPipe::tornAt(std::size_t bytes) const {
   const std::string_view pixels = unread().substr(0, bytes);
-  for (std::size_t at = pixels.find(kFrame); at != pixels.npos; at = pixels.find(kFrame, at + 1)) {
-    const std::string_view rest = pixels.substr(at, kLongestLine);
+  for (std::size_t at = pixels.find(kFrameWord); at != pixels.npos; at = pixels.find(kFrameWord, at + 1)) {
+    const std::string_view rest = pixels.substr(at, kMaxFrameLine);
     const std::size_t end = rest.find('\n');
-    const bool isCutOff = end == rest.npos && rest.find_first_not_of("0123456789.eE+- ", kFrame.size()) == rest.npos;
+    const bool isCutOff =
+        end == rest.npos && rest.find_first_not_of("0123456789.eE+- ", kFrameWord.size()) == rest.npos;
     try {
       if (isCutOff || (end != rest.npos && parseLine(rest.substr(0, end)))) return at;
     } catch (const Error&) {

@@ -21,10 +21,10 @@ namespace palpate {
 
 namespace {
 
-constexpr double kFarthest = 1e30;
+constexpr double kMaxCoordinate = 1e30;
 constexpr std::array<const char*, 3> kCartesian{"cartesianX", "cartesianY", "cartesianZ"},
     kSpherical{"sphericalRange", "sphericalAzimuth", "sphericalElevation"},
-    kColors{"colorRed", "colorGreen", "colorBlue"}, kNormals{"nor:normalX", "nor:normalY", "nor:normalZ"};
+    kE57Colors{"colorRed", "colorGreen", "colorBlue"}, kE57Normals{"nor:normalX", "nor:normalY", "nor:normalZ"};
 
 using Three = std::array<std::size_t, 3>;
 
@@ -73,7 +73,7 @@ class ScanPoints {
   bool isThere(std::uint64_t i) const {
     if (invalid_ && records_.value(*invalid_, i) != 0) return false;
     const DVec3 p = place(i);
-    return std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest;
+    return std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate;
   }
 
  private:
@@ -114,16 +114,16 @@ bool isPlace(std::string_view name) {
 Shared sharedBy(const std::vector<E57Scan>& scans, std::vector<std::string>& lost) {
   Shared shared;
   const auto all = [&](auto&& has) { return !scans.empty() && std::ranges::all_of(scans, has); };
-  shared.colors = all([](const E57Scan& scan) { return fieldsNamed(scan, kColors).has_value(); });
-  shared.normals = all([](const E57Scan& scan) { return fieldsNamed(scan, kNormals).has_value(); });
+  shared.colors = all([](const E57Scan& scan) { return fieldsNamed(scan, kE57Colors).has_value(); });
+  shared.normals = all([](const E57Scan& scan) { return fieldsNamed(scan, kE57Normals).has_value(); });
   std::vector<std::string> seen;
   for (const E57Scan& scan : scans)
     for (const E57Field& field : scan.fields) {
       const std::string& name = field.name;
       if (isPlace(name) || std::ranges::count(seen, name) > 0) continue;
       seen.push_back(name);
-      if (shared.colors && std::ranges::count(kColors, name) > 0) continue;
-      if (shared.normals && std::ranges::count(kNormals, name) > 0) continue;
+      if (shared.colors && std::ranges::count(kE57Colors, name) > 0) continue;
+      if (shared.normals && std::ranges::count(kE57Normals, name) > 0) continue;
       if (all([&](const E57Scan& other) { return fieldNamed(other, name).has_value(); }))
         shared.names.push_back(name);
       else
@@ -192,7 +192,7 @@ class E57Cloud {
  private:
   void addColors(const E57Scan& scan, const E57Records& records, std::span<const std::uint64_t> there,
                  std::size_t base) {
-    const Three fields = *fieldsNamed(scan, kColors);
+    const Three fields = *fieldsNamed(scan, kE57Colors);
     std::array<std::array<double, 2>, 3> limits{};
     for (std::size_t k = 0; k < 3; ++k) {
       const E57Field& field = scan.fields[fields[k]];
@@ -214,7 +214,7 @@ class E57Cloud {
   }
   void addNormals(const E57Scan& scan, const E57Records& records, const ScanPoints& points,
                   std::span<const std::uint64_t> there, std::size_t base) {
-    const Three fields = *fieldsNamed(scan, kNormals);
+    const Three fields = *fieldsNamed(scan, kE57Normals);
     parallelFor(there.size(), 0, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         DVec3 normal;

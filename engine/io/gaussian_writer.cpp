@@ -45,7 +45,6 @@ void writeGaussians(const std::filesystem::path& path, const PointCloud& cloud, 
   RowOutput out(path, options.ascii);
   writeHeader(out, cloud, options.ascii);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    constexpr std::size_t kBetweenReports = 1 << 16;
     if (options.progress && i % kBetweenReports == 0)
       options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));
     const auto three = [&](const DVec3& v) {

@@ -16,26 +16,26 @@ namespace {
 
 constexpr std::string_view kFamily = "LAS";
 
-enum class Kind { none, las, laz, copc };
+enum class LasKind { none, las, laz, copc };
 
 /// By the first bytes of a file.
-Kind kindOf(const std::filesystem::path& path) {
+LasKind kindOf(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return Kind::none;
+  if (!std::filesystem::is_regular_file(path, ignored)) return LasKind::none;
   std::FILE* file = openFile(path, "rb");
-  if (!file) return Kind::none;
+  if (!file) return LasKind::none;
   std::array<std::byte, kCopcHead> bytes{};
   const std::span begin(bytes.data(), std::fread(bytes.data(), 1, bytes.size(), file));
   std::fclose(file);
   constexpr std::size_t kFormatAt = 104;
-  if (begin.size() < 4 || std::memcmp(begin.data(), "LASF", 4) != 0) return Kind::none;
-  if (begin.size() <= kFormatAt || !(static_cast<unsigned>(begin[kFormatAt]) & kLazBit)) return Kind::las;
-  return isCopc(begin) ? Kind::copc : Kind::laz;
+  if (begin.size() < 4 || std::memcmp(begin.data(), "LASF", 4) != 0) return LasKind::none;
+  if (begin.size() <= kFormatAt || !(static_cast<unsigned>(begin[kFormatAt]) & kLazBit)) return LasKind::las;
+  return isCopc(begin) ? LasKind::copc : LasKind::laz;
 }
 
-bool holdsLas(const std::filesystem::path& path) { return kindOf(path) == Kind::las; }
-bool holdsLaz(const std::filesystem::path& path) { return kindOf(path) == Kind::laz; }
-bool holdsCopc(const std::filesystem::path& path) { return kindOf(path) == Kind::copc; }
+bool holdsLas(const std::filesystem::path& path) { return kindOf(path) == LasKind::las; }
+bool holdsLaz(const std::filesystem::path& path) { return kindOf(path) == LasKind::laz; }
+bool holdsCopc(const std::filesystem::path& path) { return kindOf(path) == LasKind::copc; }
 
 FileContents contentsOfLas(const std::filesystem::path& path) {
   const LasReader reader(path);

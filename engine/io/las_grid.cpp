@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
-constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+constexpr double kMaxSteps = std::numeric_limits<std::int32_t>::max();
 
 Bounds boxInFile(const PointCloud& cloud) {
   const DVec3 first = cloud.fileCoordinates(0);
@@ -38,7 +38,7 @@ double largest(const DVec3& v) { return std::max({std::abs(v.x), std::abs(v.y), 
 bool fits(const CoordinateGrid& grid, const Bounds& box) {
   for (const DVec3& corner : {grid.nearest(box.min), grid.nearest(box.max)})
     for (int k = 0; k < 3; ++k)
-      if (!(corner[k] >= kLeast && corner[k] <= kMost)) return false;
+      if (!(corner[k] >= kLeast && corner[k] <= kMaxSteps)) return false;
   return true;
 }
 
@@ -89,7 +89,7 @@ LasGrid lasGridFor(const PointCloud& cloud) {
   }
   // Half the numbers are left, so that a whole cell more at either end fits.
   const auto finest = [](double reach) {
-    return std::exp2(std::ceil(std::log2(std::max(reach, 1e-30) / (kMost / 2))));
+    return std::exp2(std::ceil(std::log2(std::max(reach, 1e-30) / (kMaxSteps / 2))));
   };
   CoordinateGrid binary{DVec3(finest(std::max(largest(box.min), largest(box.max)))), DVec3(0)};
   if (allOn(binary, cloud, 0)) return {binary};

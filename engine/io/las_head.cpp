@@ -5,6 +5,7 @@
 
 #include <glm/common.hpp>
 
+#include "engine/io/append_bytes.hpp"
 #include "engine/io/saving.hpp"
 
 namespace palpate {
@@ -28,10 +29,6 @@ class HeaderBytes {
   std::vector<std::byte>& bytes_;
 };
 
-void append(std::vector<std::byte>& bytes, std::span<const std::byte> more) {
-  bytes.insert(bytes.end(), more.begin(), more.end());
-}
-
 void appendRecord(std::vector<std::byte>& bytes, std::string_view user, unsigned id, std::string_view description,
                   std::span<const std::byte> data) {
   std::vector<std::byte> head(kLasRecordHead);
@@ -40,8 +37,8 @@ void appendRecord(std::vector<std::byte>& bytes, std::string_view user, unsigned
   out.put(18, static_cast<std::uint16_t>(id));
   out.put(20, static_cast<std::uint16_t>(data.size()));
   out.putText(22, description, 32);
-  append(bytes, head);
-  append(bytes, data);
+  appendBytes(bytes, head);
+  appendBytes(bytes, data);
 }
 
 /// All comments but what the header says in its own way.
@@ -74,19 +71,19 @@ std::uint32_t appendRecords(std::vector<std::byte>& bytes, const PointCloud& clo
       end = record.at + record.head.size() + record.data.size();
       const bool extra = record.is(kLasSpec, kLasExtraBytes);
       if (extra && std::ranges::equal(record.data, plan.descriptors)) {
-        append(bytes, record.head), append(bytes, record.data), ++count;
+        appendBytes(bytes, record.head), appendBytes(bytes, record.data), ++count;
         described = true;
       } else if (extra) {
         describe();
       } else if (record.is(kLasOurs, kLasComments)) {
         comment();
       } else {
-        append(bytes, record.head), append(bytes, record.data), ++count;
+        appendBytes(bytes, record.head), appendBytes(bytes, record.data), ++count;
       }
     }
   describe();
   comment();
-  if (plan.baggage) append(bytes, std::span(plan.baggage->head).subspan(end));  // what some programs leave there
+  if (plan.baggage) appendBytes(bytes, std::span(plan.baggage->head).subspan(end));  // what some programs leave there
   return count;
 }
 

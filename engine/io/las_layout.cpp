@@ -17,24 +17,19 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "LAS is little endian, and is read as it is");
 
-template <class T>
-T load(std::span<const std::byte> bytes, std::size_t at) {
-  return loadScalar<T>(bytes.data() + at);
-}
-
 std::string textAt(std::span<const std::byte> bytes, std::size_t at, std::size_t longest) {
   const auto* text = reinterpret_cast<const char*>(bytes.data() + at);
   return {text, std::find(text, text + longest, '\0')};
 }
 
 void readLateFields(std::span<const std::byte> begin, LasHeader& header) {
-  if (header.minor >= 3) header.waveformsAt = load<std::uint64_t>(begin, 227);
+  if (header.minor >= 3) header.waveformsAt = loadScalar<std::uint64_t>(begin, 227);
   if (header.minor < 4) return;
-  header.longRecordsAt = load<std::uint64_t>(begin, 235);
-  header.longRecords = load<std::uint32_t>(begin, 243);
+  header.longRecordsAt = loadScalar<std::uint64_t>(begin, 235);
+  header.longRecords = loadScalar<std::uint32_t>(begin, 243);
   if (header.longRecords == 0) header.longRecordsAt = 0;
   // Some programs count in the older field alone.
-  if (const auto points = load<std::uint64_t>(begin, 247)) header.points = points;
+  if (const auto points = loadScalar<std::uint64_t>(begin, 247)) header.points = points;
 }
 
 CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::byte> begin) {
@@ -42,8 +37,8 @@ CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::
   CoordinateGrid grid;
   for (int k = 0; k < 3; ++k) {
     const std::size_t stepAt = 131 + 8 * static_cast<std::size_t>(k), offsetAt = stepAt + 24;
-    grid.step[k] = load<double>(begin, stepAt);
-    grid.offset[k] = load<double>(begin, offsetAt);
+    grid.step[k] = loadScalar<double>(begin, stepAt);
+    grid.offset[k] = loadScalar<double>(begin, offsetAt);
     if (!std::isnormal(grid.step[k]) || !(std::abs(grid.step[k]) < kLargestStep))
       throw FileError::atByte(
           file, stepAt,
@@ -180,16 +175,17 @@ LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::
   };
   need(kLasShortHeader);
   LasHeader header;
-  header.minor = load<std::uint8_t>(begin, 25);
-  if (load<std::uint8_t>(begin, 24) != 1 || header.minor > 4)
+  header.minor = loadScalar<std::uint8_t>(begin, 25);
+  if (loadScalar<std::uint8_t>(begin, 24) != 1 || header.minor > 4)
     throw FileError::atByte(
-        file, 24, fmt::format("LAS version {}.{}; 1.0 to 1.4 are read", load<std::uint8_t>(begin, 24), header.minor));
-  header.size = load<std::uint16_t>(begin, 94);
-  header.pointsAt = load<std::uint32_t>(begin, 96);
-  header.records = load<std::uint32_t>(begin, 100);
-  header.format = load<std::uint8_t>(begin, 104);
-  header.pointBytes = load<std::uint16_t>(begin, 105);
-  header.points = load<std::uint32_t>(begin, 107);
+        file, 24,
+        fmt::format("LAS version {}.{}; 1.0 to 1.4 are read", loadScalar<std::uint8_t>(begin, 24), header.minor));
+  header.size = loadScalar<std::uint16_t>(begin, 94);
+  header.pointsAt = loadScalar<std::uint32_t>(begin, 96);
+  header.records = loadScalar<std::uint32_t>(begin, 100);
+  header.format = loadScalar<std::uint8_t>(begin, 104);
+  header.pointBytes = loadScalar<std::uint16_t>(begin, 105);
+  header.points = loadScalar<std::uint32_t>(begin, 107);
   checkPlaces(file, header);
   need(header.size);
   constexpr unsigned kPacked = 0x80;
@@ -215,10 +211,10 @@ std::vector<LasRecord> recordsFrom(std::span<const std::byte> bytes, std::size_t
   std::vector<LasRecord> records;
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::size_t left = bytes.size() - at;
-    const std::uint64_t length = left < headBytes ? 0 : load<Length>(bytes, at + 20);
+    const std::uint64_t length = left < headBytes ? 0 : loadScalar<Length>(bytes, at + 20);
     if (left < headBytes || left - headBytes < length) throw beyond(k + 1, at);
     records.push_back({.user = textAt(bytes, at + 2, 16),
-                       .id = load<std::uint16_t>(bytes, at + 18),
+                       .id = loadScalar<std::uint16_t>(bytes, at + 18),
                        .at = at,
                        .head = bytes.subspan(at, headBytes),
                        .data = bytes.subspan(at + headBytes, length)});
@@ -295,7 +291,7 @@ std::optional<std::vector<LasExtraField>> lasExtraFields(std::span<const std::by
   NamesInUse names(format);
   for (std::size_t k = 0; k < described; ++k) {
     const auto one = descriptors.subspan(k * kLasDescriptor, kLasDescriptor);
-    const unsigned code = load<std::uint8_t>(one, 2), options = load<std::uint8_t>(one, 3);
+    const unsigned code = loadScalar<std::uint8_t>(one, 2), options = loadScalar<std::uint8_t>(one, 3);
     const bool known = code >= 1 && code <= 30;  // otherwise as many bytes as the options say
     const ExtraType type = known ? kExtraTypes[(code - 1) % 10] : kExtraTypes[0];
     const std::size_t elements = known ? 1 + (code - 1) / 10 : options;
@@ -306,8 +302,8 @@ std::optional<std::vector<LasExtraField>> lasExtraFields(std::span<const std::by
                      .type = type.type,
                      .wide = type.wide,
                      .isSigned = type.isSigned};
-      const double scale = load<double>(one, 112 + 8 * std::min<std::size_t>(e, 2));
-      const double offset = load<double>(one, 136 + 8 * std::min<std::size_t>(e, 2));
+      const double scale = loadScalar<double>(one, 112 + 8 * std::min<std::size_t>(e, 2));
+      const double offset = loadScalar<double>(one, 136 + 8 * std::min<std::size_t>(e, 2));
       if (known && (options & 0x18u)) {
         if ((options & 0x08u) && std::isnormal(scale)) field.scale = scale;
         if ((options & 0x10u) && std::isfinite(offset)) field.offset = offset;

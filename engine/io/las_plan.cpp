@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kLongest = 65535;  // a point, or a record, in bytes
+constexpr std::size_t kMaxLasBytes = 65535;  // a point, or a record, in bytes
 
 /// Calls f(std::type_identity<T>{}) with the type that the file stores.
 template <class F>
@@ -180,7 +180,7 @@ bool LasPlan::isTaken(const Attribute& attribute) const {
 }
 
 void LasPlan::check(const std::filesystem::path& file) const {
-  if (pointBytes > kLongest || descriptors.size() > kLongest)
+  if (pointBytes > kMaxLasBytes || descriptors.size() > kMaxLasBytes)
     throw FileError(file, fmt::format("LAS has no room for {} attributes of a point; PLY has", attributes_.size()));
 }
 

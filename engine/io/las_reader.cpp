@@ -25,7 +25,7 @@ constexpr std::size_t kSlab = std::size_t{1} << 30;          // bytes of points 
 constexpr std::size_t kLessSlab = std::size_t{1} << 27;      // as kSlab, where they are in memory all at once
 constexpr std::size_t kMostReserved = std::size_t{1} << 27;  // points: a sparse file is long without holding any
 
-std::string textOf(std::span<const std::byte> bytes) {
+std::string textOfField(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -64,7 +64,7 @@ LasHead readHead(ChunkedFile& file) {
       head.descriptors.assign(record.data.begin(), record.data.end());
       describedAt = record.at;
     }
-    if (record.is(kLasOurs, kLasComments)) head.comments = linesOf(textOf(record.data));
+    if (record.is(kLasOurs, kLasComments)) head.comments = linesOf(textOfField(record.data));
   }
   auto extra = lasExtraFields(head.descriptors, head.format, head.header.pointBytes);
   if (!extra)
@@ -73,7 +73,7 @@ LasHead readHead(ChunkedFile& file) {
                                         head.header.pointBytes - head.format.bytes));
   head.extra = std::move(*extra);
   head.packing = packingOf(file.path(), head);
-  if (textOf(std::span(head.bytes).subspan(58, 32)).starts_with(kLasOurs)) {
+  if (textOfField(std::span(head.bytes).subspan(58, 32)).starts_with(kLasOurs)) {
     PointCloud ours;
     markAsOurs(ours);
     head.comments.insert(head.comments.begin(), ours.storedAs.comments.front());

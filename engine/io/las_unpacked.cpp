@@ -1,24 +1,18 @@
 #include "engine/io/las_unpacked.hpp"
 
+#include "engine/io/append_bytes.hpp"
+
 namespace palpate {
 
-namespace {
-
-void append(std::vector<std::byte>& bytes, std::span<const std::byte> more) {
-  bytes.insert(bytes.end(), more.begin(), more.end());
-}
-
-}  // namespace
-
 void LasUnpacked::add(const LasRecord& record) {
-  append(records_, record.head);
-  append(records_, record.data);
+  appendBytes(records_, record.head);
+  appendBytes(records_, record.data);
   ++count_;
 }
 
 void LasUnpacked::addLong(const LasRecord& record) {
-  append(tail_, record.head);
-  append(tail_, record.data);
+  appendBytes(tail_, record.head);
+  appendBytes(tail_, record.data);
   ++longCount_;
 }
 
@@ -27,9 +21,9 @@ std::vector<std::byte> LasUnpacked::head() const {
   for (const LasRecord& record : lasRecords({}, header_, head_))
     recordsEnd = record.at + record.head.size() + record.data.size();
   std::vector<std::byte> bytes;
-  append(bytes, head_.first(header_.size));
-  append(bytes, records_);
-  append(bytes, head_.subspan(recordsEnd));
+  appendBytes(bytes, head_.first(header_.size));
+  appendBytes(bytes, records_);
+  appendBytes(bytes, head_.subspan(recordsEnd));
   const auto put = [&](std::size_t at, auto value) { std::memcpy(bytes.data() + at, &value, sizeof value); };
   put(96, static_cast<std::uint32_t>(bytes.size()));
   put(100, count_);

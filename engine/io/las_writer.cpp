@@ -16,7 +16,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kSlab = std::size_t{1} << 18;  // points that are written at a time
+constexpr std::size_t kPointsAtOnce = std::size_t{1} << 18;  // points that are written at a time
 
 void finish(AtomicFile& file, const LasPlan& plan, const CloudWriteOptions& options) {
   if (plan.baggage) file.write(plan.baggage->tail);
@@ -74,9 +74,9 @@ void writeLas(const std::filesystem::path& path, const PointCloud& cloud, const 
   putPointsInto(head, plan, cloud, head.size() + std::uint64_t{cloud.size()} * plan.pointBytes);
   file.write(head);
   std::vector<std::byte> rows;
-  for (std::size_t begin = 0; begin < cloud.size(); begin += kSlab) {
+  for (std::size_t begin = 0; begin < cloud.size(); begin += kPointsAtOnce) {
     sayProgress(options, begin, cloud.size());
-    const std::size_t count = std::min(kSlab, cloud.size() - begin);
+    const std::size_t count = std::min(kPointsAtOnce, cloud.size() - begin);
     rows.assign(count * plan.pointBytes, std::byte{0});
     parallelBlocks(count, 4096, 0, [&](std::size_t from, std::size_t to) {
       plan.encode(cloud, begin + from, begin + to, rows.data() + from * plan.pointBytes);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/core/error.hpp"
+#include "engine/io/append_bytes.hpp"
 #include "engine/io/laz_point10.hpp"
 #include "engine/io/laz_point14.hpp"
 
@@ -13,10 +14,6 @@ namespace {
 /// Streams of a layered chunk: those of places, of colours, of infrared, of each byte that is no part of a format.
 std::size_t layersOf(const LazLayout& layout) {
   return kLazLayers14 + (layout.colorAt ? 1 : 0) + (layout.infraredAt ? 1 : 0) + layout.extraBytes;
-}
-
-void append(std::vector<std::byte>& bytes, std::span<const std::byte> more) {
-  bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
 }  // namespace
@@ -237,7 +234,7 @@ std::vector<std::byte> encodeLayered(const LazLayout& layout, std::span<const st
     if (!layers[k].changes) continue;
     const std::vector<std::byte> stream = layers[k].coder.finish();
     put(4 + 4 * k, stream.size());
-    append(bytes, stream);
+    appendBytes(bytes, stream);
   }
   return bytes;
 }
@@ -246,7 +243,7 @@ std::vector<std::byte> encodeLayered(const LazLayout& layout, std::span<const st
 
 std::vector<std::byte> encodeLazChunk(const LazLayout& layout, std::span<const std::byte> rows) {
   std::vector<std::byte> bytes(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(layout.rowBytes));
-  append(bytes, layout.layered ? encodeLayered(layout, rows) : encodePointwise(layout, rows));
+  appendBytes(bytes, layout.layered ? encodeLayered(layout, rows) : encodePointwise(layout, rows));
   return bytes;
 }
 

@@ -55,11 +55,6 @@ std::vector<ItemSpan> itemsOf(unsigned format, std::size_t rowBytes) {
   return items;
 }
 
-template <class T>
-T load(std::span<const std::byte> bytes, std::size_t at) {
-  return loadScalar<T>(bytes.data() + at);
-}
-
 /// Where things are in rows of a format, however they are packed.
 LazLayout placesOf(unsigned format, std::size_t rowBytes) {
   const LasPointFormat points = lasPointFormat(format);
@@ -76,15 +71,16 @@ LazLayout placesOf(unsigned format, std::size_t rowBytes) {
 void readItems(const std::filesystem::path& file, const LasHeader& header, const LasRecord& record, LazLayout& layout) {
   const std::uint64_t dataAt = record.at + record.head.size();
   const std::vector<ItemSpan> items = itemsOf(header.format, header.pointBytes);
-  const auto count = load<std::uint16_t>(record.data, 32);
+  const auto count = loadScalar<std::uint16_t>(record.data, 32);
   if (count != items.size() || record.data.size() < kFixedBytes + count * kItemBytes)
     throw FileError::atByte(file, dataAt + 32,
                             fmt::format("points are packed as {} items; those of format {} with {} bytes have {}",
                                         count, header.format, header.pointBytes, items.size()));
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t at = kFixedBytes + k * kItemBytes;
-    const auto item = load<std::uint16_t>(record.data, at), bytes = load<std::uint16_t>(record.data, at + 2),
-               version = load<std::uint16_t>(record.data, at + 4);
+    const auto item = loadScalar<std::uint16_t>(record.data, at),
+               bytes = loadScalar<std::uint16_t>(record.data, at + 2),
+               version = loadScalar<std::uint16_t>(record.data, at + 4);
     const auto refuse = [&](const std::string& why) { return FileError::atByte(file, dataAt + at, why); };
     if (item != static_cast<unsigned>(items[k].item) || bytes != items[k].bytes)
       throw refuse(
@@ -104,10 +100,10 @@ std::size_t tablePlace(const std::filesystem::path& file, std::uint64_t bodyAt, 
   if (body.size() < 8)
     throw FileError::atByte(file, bodyAt + body.size(), "the file ends before it says where its table of chunks is");
   std::size_t saidAt = 0;
-  auto place = load<std::int64_t>(body, 0);
+  auto place = loadScalar<std::int64_t>(body, 0);
   if (place == kAtTheEnd && body.size() >= 16) {
     saidAt = body.size() - 8;
-    place = load<std::int64_t>(body, saidAt);
+    place = loadScalar<std::int64_t>(body, saidAt);
   }
   const auto first = static_cast<std::int64_t>(bodyAt) + 8;
   const auto last = static_cast<std::int64_t>(bodyAt + body.size()) - 8;
@@ -132,7 +128,7 @@ LazLayout readLazLayout(const std::filesystem::path& file, const LasHeader& head
                                         "packed; unpack the file to LAS first",
                                         header.format));
   LazLayout layout = placesOf(header.format, header.pointBytes);
-  const auto packing = load<std::uint16_t>(record.data, 0), coder = load<std::uint16_t>(record.data, 2);
+  const auto packing = loadScalar<std::uint16_t>(record.data, 0), coder = loadScalar<std::uint16_t>(record.data, 2);
   const auto wanted = layout.layered ? packing == static_cast<unsigned>(Packing::layered)
                                      : packing == static_cast<unsigned>(Packing::pointwise) ||
                                            packing == static_cast<unsigned>(Packing::chunked);
@@ -141,7 +137,7 @@ LazLayout readLazLayout(const std::filesystem::path& file, const LasHeader& head
                             fmt::format("packed in way {}, which points of format {} are not", packing, header.format));
   if (coder != 0) throw FileError::atByte(file, dataAt + 2, fmt::format("coder {}; expected 0", coder));
   layout.chunked = packing != static_cast<unsigned>(Packing::pointwise);
-  const auto chunkPoints = load<std::uint32_t>(record.data, 12);
+  const auto chunkPoints = loadScalar<std::uint32_t>(record.data, 12);
   if (layout.chunked && chunkPoints == 0) throw FileError::atByte(file, dataAt + 12, "chunks of no points");
   if (chunkPoints != kAnyNumber) layout.chunkPoints = chunkPoints;
   readItems(file, header, record, layout);
@@ -193,9 +189,9 @@ LazChunks readLazChunks(const std::filesystem::path& file, const LasHeader& head
   }
   const std::size_t table = tablePlace(file, bodyAt, body);
   const auto refuse = [&](const std::string& why) { return FileError::atByte(file, bodyAt + table, why); };
-  if (const auto version = load<std::uint32_t>(body, table); version != 0)
+  if (const auto version = loadScalar<std::uint32_t>(body, table); version != 0)
     throw refuse(fmt::format("a table of chunks of version {}; expected 0", version));
-  const auto count = load<std::uint32_t>(body, table + 4);
+  const auto count = loadScalar<std::uint32_t>(body, table + 4);
   if (count > body.size())
     throw refuse(fmt::format("a table of {} chunks, which {} bytes cannot hold", count, body.size()));
   const auto packed = body.subspan(table + 8);
@@ -224,7 +220,7 @@ LazChunks readLazChunks(const std::filesystem::path& file, const LasHeader& head
   if (left > 0)
     throw refuse(
         fmt::format("the table has {} chunks, and {} of {} points are in none of them", count, left, header.points));
-  const bool atEnd = load<std::int64_t>(body, 0) == -1;
+  const bool atEnd = loadScalar<std::int64_t>(body, 0) == -1;
   found.end = bodyAt + body.size() - (atEnd ? 0 : count == 0 ? packed.size() : decoder.left());
   return found;
 }

@@ -15,15 +15,15 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBlock = 1024;  // rows that stay near the processor
+constexpr std::size_t kRowBlock = 1024;  // rows that stay near the processor
 constexpr std::uint64_t kTogether = std::uint64_t{1} << 25, kSlice = std::uint64_t{1} << 18;  // points
 constexpr std::uint64_t kMostFromByte = 64;  // points that room is made for at once; more are rare
 
 /// Unpacks the next `count` points of a chunk, which are from number `base` on.
 void take(LazChunkDecoder& decoder, std::size_t rowBytes, std::size_t base, std::size_t count, LasColumns& columns) {
-  BareVector<std::byte> rows(std::min(count, kBlock) * rowBytes);
+  BareVector<std::byte> rows(std::min(count, kRowBlock) * rowBytes);
   for (std::size_t done = 0; done < count;) {
-    const std::size_t now = std::min(kBlock, count - done);
+    const std::size_t now = std::min(kRowBlock, count - done);
     decoder.read(rows.data(), now);
     columns.take(rows.data(), base + done, now);
     done += now;
@@ -34,10 +34,10 @@ void take(LazChunkDecoder& decoder, std::size_t rowBytes, std::size_t base, std:
 void takeBoth(LazChunkDecoder& a, LazChunkDecoder& b, std::size_t rowBytes, std::array<std::size_t, 2> bases,
               std::array<std::size_t, 2> counts, LasColumns& columns) {
   const std::size_t both = std::min(counts[0], counts[1]);
-  BareVector<std::byte> rows(2 * std::min(both, kBlock) * rowBytes);
+  BareVector<std::byte> rows(2 * std::min(both, kRowBlock) * rowBytes);
   std::byte* const rowsOfB = rows.data() + rows.size() / 2;
   for (std::size_t done = 0; done < both;) {
-    const std::size_t now = std::min(kBlock, both - done);
+    const std::size_t now = std::min(kRowBlock, both - done);
     LazChunkDecoder::readBoth(a, rows.data(), b, rowsOfB, now);
     columns.take(rows.data(), bases[0] + done, now);
     columns.take(rowsOfB, bases[1] + done, now);
@@ -48,17 +48,17 @@ void takeBoth(LazChunkDecoder& a, LazChunkDecoder& b, std::size_t rowBytes, std:
 }
 
 /// Chunks that are unpacked at the same time: one alone where it is said to hold more than its bytes make likely.
-struct Group {
+struct ChunkGroup {
   std::size_t begin, end;  // of the chunks
   std::uint64_t base, to;  // of their points
   bool alone;
 };
 
-std::vector<Group> groupsOf(std::span<const LazChunk> chunks) {
+std::vector<ChunkGroup> groupsOf(std::span<const LazChunk> chunks) {
   const auto isUnlikely = [](const LazChunk& chunk) {
     return chunk.points > kTogether || chunk.points > chunk.bytes * kMostFromByte;
   };
-  std::vector<Group> groups;
+  std::vector<ChunkGroup> groups;
   std::uint64_t base = 0;
   for (std::size_t k = 0; k < chunks.size(); ++k) {
     const std::uint64_t points = chunks[k].points;
@@ -75,14 +75,14 @@ std::vector<Group> groupsOf(std::span<const LazChunk> chunks) {
 
 void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, std::span<const LazChunk> chunks,
                    std::span<const std::byte> body, std::uint64_t bodyAt, LasColumns& columns, Log* log) {
-  const std::vector<Group> groups = groupsOf(chunks);
+  const std::vector<ChunkGroup> groups = groupsOf(chunks);
   const std::uint64_t points = groups.empty() ? 0 : groups.back().to;
   columns.reserve(std::min<std::uint64_t>(points, body.size() * kMostFromByte));
   std::atomic<std::size_t> odd = 0;
   const auto open = [&](const LazChunk& chunk) {
     return LazChunkDecoder(file, layout, chunk, body.subspan(chunk.at - bodyAt, chunk.bytes));
   };
-  for (const Group& group : groups) {
+  for (const ChunkGroup& group : groups) {
     if (group.alone) {  // perhaps a very long one, which is unpacked slice by slice
       LazChunkDecoder decoder = open(chunks[group.begin]);
       for (std::uint64_t base = group.base; base < group.to;) {

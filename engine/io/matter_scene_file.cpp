@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kLongestFile = std::size_t{1} << 20;  // bytes
+constexpr std::size_t kMaxSceneFile = std::size_t{1} << 20;  // bytes
 
 // Where a field is written, and which kinds of matter, and soft bodies of which preset, have it.
 struct Field {
@@ -185,8 +185,8 @@ MatterScene parseMatterScene(std::string_view json) {
 
 MatterScene readMatterScene(const std::filesystem::path& file) {
   ChunkedFile in(file);
-  const auto bytes = in.peek(kLongestFile + 1);
-  if (bytes.size() > kLongestFile) throw FileError(file, "is too long for a scene of matter");
+  const auto bytes = in.peek(kMaxSceneFile + 1);
+  if (bytes.size() > kMaxSceneFile) throw FileError(file, "is too long for a scene of matter");
   try {
     MatterScene scene = parseMatterScene({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (!scene.model.empty() && !isBuiltInModel(scene.model)) scene.model = (file.parent_path() / scene.model).string();

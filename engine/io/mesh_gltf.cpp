@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::json;
 using DMat3 = glm::dmat3;
 
-constexpr unsigned kDeepest = 1000;  // nodes below each other
+constexpr unsigned kMaxNodeDepth = 1000;  // nodes below each other
 
 struct Placement {
   DMat3 turn{1};
@@ -107,7 +107,7 @@ class GltfReader {
   }
 
   void show(const Json& number, const Placement& above, unsigned depth) {
-    if (depth > kDeepest) file_.fail(fmt::format("nodes are nested more than {} deep", kDeepest));
+    if (depth > kMaxNodeDepth) file_.fail(fmt::format("nodes are nested more than {} deep", kMaxNodeDepth));
     const Json& node = file_.named("nodes", number);
     const auto which = number.get<std::size_t>();
     if (shown_[which]) file_.fail(fmt::format("node {} is there twice", which));

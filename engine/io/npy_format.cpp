@@ -10,15 +10,15 @@
 #include "engine/io/npy_array.hpp"
 #include "engine/io/npy_writer.hpp"
 #include "engine/io/ply_vertices.hpp"
+#include "engine/io/point_batch.hpp"
 #include "engine/io/zip_archive.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBatch = 4096;  // points
-constexpr std::array<const char*, 3> kPlaces{"x", "y", "z"}, kNormals{"nx", "ny", "nz"},
-    kColors{"red", "green", "blue"};
+constexpr std::array<const char*, 3> kNpyPlaces{"x", "y", "z"}, kNpyNormals{"nx", "ny", "nz"},
+    kNpyColors{"red", "green", "blue"};
 
 std::vector<std::byte> readWhole(const std::filesystem::path& path, Log* log) {
   ChunkedFile file(path);
@@ -62,9 +62,9 @@ class NpyTable {
     if (sources_.empty()) rows_ = array.rows;
     const bool perPoint = array.rows == rows_ && !array.shape.empty();
     if (!perPoint) return lost_.push_back(fmt::format("the array {} of shape {}", inQuotes(name), array.shapeText()));
-    const std::array<const char*, 3>* three = isPlaces(name)                                         ? &kPlaces
-                                              : isOneOf(name, {"normals", "normal"})                 ? &kNormals
-                                              : isOneOf(name, {"colors", "colours", "rgb", "color"}) ? &kColors
+    const std::array<const char*, 3>* three = isPlaces(name)                                         ? &kNpyPlaces
+                                              : isOneOf(name, {"normals", "normal"})                 ? &kNpyNormals
+                                              : isOneOf(name, {"colors", "colours", "rgb", "color"}) ? &kNpyColors
                                                                                                      : nullptr;
     if (array.columns.size() != 3) three = nullptr;
     for (std::size_t k = 0; k < array.columns.size(); ++k) {
@@ -117,9 +117,9 @@ class NpyTable {
   PointCloud cloud(Log* log) const {
     PlyVertices vertices(path_, element(), log);
     vertices.reserve(rows_);
-    std::vector<std::byte> packed(kBatch * vertices.rowBytes());
-    for (std::uint64_t begin = 0; begin < rows_; begin += kBatch) {
-      const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBatch, rows_ - begin));
+    std::vector<std::byte> packed(kPointBatch * vertices.rowBytes());
+    for (std::uint64_t begin = 0; begin < rows_; begin += kPointBatch) {
+      const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kPointBatch, rows_ - begin));
       std::byte* to = packed.data();
       for (std::size_t r = 0; r < count; ++r)
         for (const Source& source : sources_) {
@@ -177,9 +177,9 @@ class NpyTable {
                       fmt::format("an array of shape {}, whose columns may mean anything; (N, 3) are places, (N, 4) "
                                   "have an intensity, (N, 6) normals or colours, others need names: a structured dtype",
                                   array.shapeText()));
-    name(0, kPlaces);
+    name(0, kNpyPlaces);
     if (columns.size() == 4) columns[3].column.name = "intensity";
-    if (six) name(3, facing ? kNormals : kColors);
+    if (six) name(3, facing ? kNpyNormals : kNpyColors);
   }
 
   const std::filesystem::path& path_;

@@ -13,7 +13,6 @@ namespace palpate {
 namespace {
 
 constexpr std::array<const char*, 8> kCodes{"|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<f4", "<f8"};
-constexpr std::size_t kBetweenReports = 1 << 16;  // points
 
 /// The line that describes an array, with blanks so that numbers begin at a multiple of 64. `type` and `shape`: as
 /// Python writes them.
@@ -35,19 +34,6 @@ std::string fieldOf(std::string name, ScalarType type) {
     for (char& c : name)
       if (c == '\'' || c == '\\') c = '_';
   return fmt::format("('{}', '{}'), ", name, kCodes[static_cast<std::size_t>(type)]);
-}
-
-bool isWide(const PointCloud& cloud, const CloudWriteOptions& options) {
-  return options.doubles || cloud.storedAs.position == ScalarType::f64 || cloud.origin != DVec3(0) ||
-         !cloud.exactPositions.empty();
-}
-
-std::vector<const Attribute*> attributesBeside(const PointCloud& cloud) {
-  const std::vector<std::string> gone = namesGivingWay(cloud);
-  std::vector<const Attribute*> extra;
-  for (const Attribute& attribute : cloud.extra)
-    if (std::ranges::find(gone, attribute.name) == gone.end()) extra.push_back(&attribute);
-  return extra;
 }
 
 void report(const CloudWriteOptions& options, double share) {
@@ -122,7 +108,7 @@ std::vector<std::string> lacksOf(const StoredCloud& stored) {
 }  // namespace
 
 void writeNpy(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
-  const ScalarType place = isWide(cloud, options) ? ScalarType::f64 : ScalarType::f32;
+  const ScalarType place = needsDoubles(cloud, options) ? ScalarType::f64 : ScalarType::f32;
   const std::vector<const Attribute*> extra = attributesBeside(cloud);
   std::string fields;
   for (const char* name : {"x", "y", "z"}) fields += fieldOf(name, place);
@@ -158,7 +144,7 @@ void writeNpz(const std::filesystem::path& path, const PointCloud& cloud, const 
     out.add(name + ".npy", array.bytes());
     report(options, ++done / static_cast<double>(4 + extra.size()));
   };
-  add("xyz", placesOf(cloud, isWide(cloud, options)));
+  add("xyz", placesOf(cloud, needsDoubles(cloud, options)));
   if (cloud.hasNormals()) {
     ArrayBytes array = arrayOf("<f4", cloud, 3, 12);
     for (const Vec3& normal : cloud.normals)

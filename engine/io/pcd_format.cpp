@@ -9,6 +9,7 @@
 #include "engine/io/lzf.hpp"
 #include "engine/io/pcd_rows.hpp"
 #include "engine/io/ply_writer.hpp"
+#include "engine/io/point_batch.hpp"
 #include "engine/io/row_output.hpp"
 #include "engine/io/text_number.hpp"
 
@@ -16,8 +17,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBatch = 4096;  // points
-constexpr std::size_t kLongestLine = std::size_t{1} << 20;
+constexpr std::size_t kMaxPcdRow = std::size_t{1} << 20;
 constexpr std::string_view kViewpoint = "comment viewpoint: ", kNoViewpoint = "0 0 0 1 0 0 0";
 
 class PcdBody {
@@ -43,7 +43,7 @@ class PcdBody {
                                          header_.points, rowBytes_, *there));
     if (file_.remaining()) rows_.reserve(header_.points);
     for (std::uint64_t done = 0; done < header_.points;) {
-      const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBatch, header_.points - done));
+      const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kPointBatch, header_.points - done));
       const auto bytes = file_.peek(count * rowBytes_);
       if (bytes.size() < count * rowBytes_)
         failAt(file_.offset() + bytes.size(),
@@ -77,8 +77,8 @@ class PcdBody {
   /// All of the first field, then all of the next one.
   void appendColumns(const std::vector<std::byte>& columns) {
     std::vector<std::byte> rows;
-    for (std::size_t begin = 0; begin < header_.points; begin += kBatch) {
-      const std::size_t count = std::min<std::size_t>(kBatch, header_.points - begin);
+    for (std::size_t begin = 0; begin < header_.points; begin += kPointBatch) {
+      const std::size_t count = std::min<std::size_t>(kPointBatch, header_.points - begin);
       rows.resize(count * rowBytes_);
       std::size_t field = 0, to = 0;
       for (const PcdField& one : header_.fields) {
@@ -103,14 +103,14 @@ class PcdBody {
       lines.clear();
     };
     std::uint64_t points = 0;
-    while (const auto line = file_.readLine(kLongestLine)) {
+    while (const auto line = file_.readLine(kMaxPcdRow)) {
       if (line->find_first_not_of(" \t") == line->npos) continue;
       if (points++ == header_.points)
         throw FileError::atLine(file_.path(), file_.line(),
                                 fmt::format("more than the {} points of the header", header_.points));
       appendLine(*line, rows);
       lines.push_back(file_.line());
-      if (lines.size() == kBatch) append();
+      if (lines.size() == kPointBatch) append();
     }
     append();
     if (points < header_.points)
@@ -178,7 +178,7 @@ StoredCloud readPcd(const std::filesystem::path& path, Log* log, const CloudRead
   return stored;
 }
 
-bool givesWay(const PointCloud& cloud, const std::string& name) {
+bool fieldGivesWay(const PointCloud& cloud, const std::string& name) {
   const std::vector<std::string> taken = namesGivingWay(cloud);
   return std::ranges::find(taken, name) != taken.end() || (cloud.hasNormals() && name.starts_with("normal_")) ||
          (cloud.hasColors() && (name == "rgb" || name == "rgba"));
@@ -213,12 +213,10 @@ std::string headerOf(const PointCloud& cloud, bool wide, const std::vector<const
 void writePcd(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
   std::vector<const Attribute*> extra;
   for (const Attribute& attribute : cloud.extra)
-    if (!givesWay(cloud, attribute.name)) extra.push_back(&attribute);
-  const bool wide = options.doubles || cloud.storedAs.position == ScalarType::f64 || cloud.origin != DVec3(0) ||
-                    !cloud.exactPositions.empty();
+    if (!fieldGivesWay(cloud, attribute.name)) extra.push_back(&attribute);
+  const bool wide = needsDoubles(cloud, options);
   RowOutput out(path, options.ascii);
   out.headerLine(headerOf(cloud, wide, extra, options.ascii));
-  constexpr std::size_t kBetweenReports = 1 << 16;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (options.progress && i % kBetweenReports == 0)
       options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));
@@ -244,7 +242,7 @@ std::vector<std::string> lacksOfPcd(const StoredCloud& stored) {
   std::vector<std::string> lost;
   if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
   for (const Attribute& attribute : stored.cloud.extra)
-    if (givesWay(stored.cloud, attribute.name))
+    if (fieldGivesWay(stored.cloud, attribute.name))
       lost.push_back(fmt::format("the field '{}', for the one that is written under its name", attribute.name));
   return lost;
 }

@@ -11,10 +11,10 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kLongestLine = std::size_t{1} << 16;
+constexpr std::size_t kMaxPcdHeaderLine = std::size_t{1} << 16;
 constexpr std::size_t kMostNumbers = 4096;  // of one point
 
-std::vector<std::string> wordsOf(std::string_view line) {
+std::vector<std::string> pcdWordsOf(std::string_view line) {
   std::vector<std::string> words;
   for (std::size_t begin = line.find_first_not_of(" \t"); begin != line.npos;
        begin = line.find_first_not_of(" \t", begin)) {
@@ -32,8 +32,8 @@ class PcdHeaderLines {
 
   PcdHeader read() {
     bool first = true;
-    while (const auto line = file_.readLine(kLongestLine)) {
-      const std::vector<std::string> words = wordsOf(*line);
+    while (const auto line = file_.readLine(kMaxPcdHeaderLine)) {
+      const std::vector<std::string> words = pcdWordsOf(*line);
       if (words.empty()) continue;
       if (words[0].starts_with('#')) {
         remark(*line);

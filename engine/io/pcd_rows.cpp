@@ -8,7 +8,7 @@ namespace palpate {
 
 namespace {
 
-std::string sharedName(const std::string& name) {
+std::string sharedFieldName(const std::string& name) {
   for (const char axis : {'x', 'y', 'z'})
     if (name == fmt::format("normal_{}", axis)) return fmt::format("n{}", axis);
   return name;
@@ -44,7 +44,7 @@ std::vector<PcdRows::Column> PcdRows::columnsOf(const PcdHeader& header, PlyElem
       continue;
     }
     for (std::size_t k = 0; k < field.count; ++k) {
-      const std::string name = sharedName(field.name);
+      const std::string name = sharedFieldName(field.name);
       const bool wide = field.bytes == 8 && field.type != 'F';
       ScalarType type = ScalarType::f64;
       if (!wide) {

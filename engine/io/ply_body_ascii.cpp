@@ -1,6 +1,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/ply_body.hpp"
+#include "engine/io/point_batch.hpp"
 #include "engine/io/text_number.hpp"
 
 namespace palpate {
@@ -79,19 +80,18 @@ class AsciiRows {
 };
 
 /// Bytes of the shortest row: a digit and a separator per value. The last line may end without one.
-std::uint64_t leastRowBytes(const PlyElement& element) { return 2 * element.properties.size(); }
+std::uint64_t minAsciiRowBytes(const PlyElement& element) { return 2 * element.properties.size(); }
 
 std::string brokenAsciiPromise(const ChunkedFile& file, const PlyElement& element) {
   PlyElement lastLineOpen = element;
   if (lastLineOpen.count > 0) --lastLineOpen.count;
-  const std::string broken = brokenPromise(file, lastLineOpen, leastRowBytes(element));
-  return broken.empty() ? broken : brokenPromise(file, element, leastRowBytes(element));
+  const std::string broken = brokenPromise(file, lastLineOpen, minAsciiRowBytes(element));
+  return broken.empty() ? broken : brokenPromise(file, element, minAsciiRowBytes(element));
 }
 
 }  // namespace
 
 void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyRowSink& vertices) {
-  constexpr std::size_t kBatch = 4096;
   const std::string broken = brokenAsciiPromise(file, element);
   if (!broken.empty()) throw FileError::atLine(file.path(), element.line, broken);
   if (file.remaining()) vertices.reserve(element.count);
@@ -118,7 +118,7 @@ void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyRowSink&
       walk.fail(fmt::format("vertex {} has more values than its {} properties; found {}", row + 1,
                             element.properties.size(), inQuotes(walk.rest())));
     }
-    if (lines.size() < kBatch && row + 1 < element.count) continue;
+    if (lines.size() < kPointBatch && row + 1 < element.count) continue;
     if (const auto bad = vertices.append(packed.data(), lines.size(), false))
       throw FileError::atLine(file.path(), lines[bad->row], bad->what);
     packed.clear();

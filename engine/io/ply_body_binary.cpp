@@ -2,6 +2,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/ply_body.hpp"
+#include "engine/io/point_batch.hpp"
 
 namespace palpate {
 namespace {
@@ -74,7 +75,7 @@ class BinaryRows {
 };
 
 /// Bytes of the shortest row: all lists empty.
-std::uint64_t leastRowBytes(const PlyElement& element) {
+std::uint64_t minBinaryRowBytes(const PlyElement& element) {
   std::uint64_t bytes = element.scalarBytes();
   for (const PlyProperty& property : element.properties) bytes += property.isList ? sizeOf(property.countType) : 0;
   return bytes;
@@ -97,7 +98,6 @@ void readPackedVertices(ChunkedFile& file, const PlyElement& element, bool swapB
 
 /// Packs the scalars of rows that also have lists, some thousand rows at a time.
 void readVerticesWithLists(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices) {
-  constexpr std::size_t kBatch = 4096;
   BinaryRows walk(file, element, swapBytes);
   std::vector<std::byte> packed;
   std::vector<std::uint64_t> offsets;
@@ -113,7 +113,7 @@ void readVerticesWithLists(ChunkedFile& file, const PlyElement& element, bool sw
         at += sizeOf(property.type);
       }
     }
-    if (offsets.size() < kBatch && row + 1 < element.count) continue;
+    if (offsets.size() < kPointBatch && row + 1 < element.count) continue;
     if (const auto bad = vertices.append(packed.data(), offsets.size(), swapBytes))
       walk.fail(offsets[bad->row], bad->what);
     packed.clear();
@@ -133,7 +133,7 @@ std::string brokenPromise(const ChunkedFile& file, const PlyElement& element, st
 }
 
 void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices) {
-  const std::string broken = brokenPromise(file, element, leastRowBytes(element));
+  const std::string broken = brokenPromise(file, element, minBinaryRowBytes(element));
   if (!broken.empty()) throw FileError::atByte(file.path(), file.offset(), broken);
   if (file.remaining()) vertices.reserve(element.count);
   if (element.hasLists())
@@ -143,7 +143,7 @@ void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapB
 }
 
 void passBinaryElement(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyFaces* faces) {
-  const std::string broken = brokenPromise(file, element, leastRowBytes(element));
+  const std::string broken = brokenPromise(file, element, minBinaryRowBytes(element));
   if (!broken.empty()) throw FileError::atByte(file.path(), file.offset(), broken);
   BinaryRows walk(file, element, swapBytes);
   if (element.properties.empty()) return;

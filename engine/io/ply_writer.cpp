@@ -23,7 +23,7 @@ struct Layout {
 std::size_t channelsOf(const PointCloud& cloud) { return cloud.storedAs.alpha ? 4 : 3; }
 
 // A lone nx of the input became an attribute; it gives way once the cloud has real normals.
-bool givesWay(const PointCloud& cloud, const std::string& name) {
+bool propertyGivesWay(const PointCloud& cloud, const std::string& name) {
   const bool isNormal = name == "nx" || name == "ny" || name == "nz";
   const auto* end = kColorNames.begin() + channelsOf(cloud);
   return (cloud.hasNormals() && isNormal) || (cloud.hasColors() && std::find(kColorNames.begin(), end, name) != end);
@@ -35,7 +35,7 @@ Layout layoutOf(const PointCloud& cloud, bool doubles) {
       doubles || stored.position == ScalarType::f64 || cloud.origin != DVec3(0) || !cloud.exactPositions.empty();
   Layout layout{wide ? ScalarType::f64 : ScalarType::f32, stored.normal, stored.color, channelsOf(cloud), {}};
   for (const Attribute& attribute : cloud.extra)
-    if (!givesWay(cloud, attribute.name)) layout.extra.push_back(&attribute);
+    if (!propertyGivesWay(cloud, attribute.name)) layout.extra.push_back(&attribute);
   return layout;
 }
 
@@ -90,8 +90,20 @@ void checkSizes(const PointCloud& cloud) {
 std::vector<std::string> namesGivingWay(const PointCloud& cloud) {
   std::vector<std::string> names;
   for (const Attribute& attribute : cloud.extra)
-    if (givesWay(cloud, attribute.name)) names.push_back(attribute.name);
+    if (propertyGivesWay(cloud, attribute.name)) names.push_back(attribute.name);
   return names;
+}
+
+std::vector<const Attribute*> attributesBeside(const PointCloud& cloud) {
+  std::vector<const Attribute*> others;
+  for (const Attribute& attribute : cloud.extra)
+    if (!propertyGivesWay(cloud, attribute.name)) others.push_back(&attribute);
+  return others;
+}
+
+bool needsDoubles(const PointCloud& cloud, const CloudWriteOptions& options) {
+  return options.doubles || cloud.storedAs.position == ScalarType::f64 || cloud.origin != DVec3(0) ||
+         !cloud.exactPositions.empty();
 }
 
 void writePly(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
@@ -99,7 +111,6 @@ void writePly(const std::filesystem::path& path, const PointCloud& cloud, const 
   const Layout layout = layoutOf(cloud, options.doubles);
   RowOutput out(path, options.ascii);
   writeHeader(out, cloud, layout, options);
-  constexpr std::size_t kBetweenReports = 1 << 16;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (options.progress && i % kBetweenReports == 0)
       options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));

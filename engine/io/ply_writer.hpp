@@ -9,6 +9,11 @@ namespace palpate {
 
 /// Extra attributes that are not written because the cloud's normals or colours are, under their names.
 std::vector<std::string> namesGivingWay(const PointCloud& cloud);
+/// The others.
+std::vector<const Attribute*> attributesBeside(const PointCloud& cloud);
+
+/// Whether its places are written in double precision.
+bool needsDoubles(const PointCloud& cloud, const CloudWriteOptions& options);
 
 /// Writes x y z [nx ny nz] [red green blue [alpha]] and the extra attributes, in the types that the cloud was stored
 /// as, and an element of faces where there are triangles. Binary little-endian unless ASCII is asked for. The file

@@ -14,7 +14,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kLongestLine = std::size_t{1} << 16;
+constexpr std::size_t kMaxLogLine = std::size_t{1} << 16;
 constexpr std::uint64_t kMostNumber = 100'000'000;  // of a frame: months at 30 Hz
 
 using Pictures = std::map<std::uint64_t, std::filesystem::path>;  // by number
@@ -64,13 +64,13 @@ Pictures picturesIn(const std::filesystem::path& folder) {
 }
 
 /// Blocks of five lines: two numbers of the frame and one of the next, and four rows of its pose.
-Poses readPoses(const std::filesystem::path& path) {
+Poses readLog(const std::filesystem::path& path) {
   ChunkedFile file(path);
   Poses poses;
   const auto fail = [&](std::string_view what) { throw FileError::atLine(path, file.line(), what); };
   const auto next = [&] {
-    auto line = file.readLine(kLongestLine);
-    while (line && line->find_first_not_of(" \t\r") == line->npos) line = file.readLine(kLongestLine);
+    auto line = file.readLine(kMaxLogLine);
+    while (line && line->find_first_not_of(" \t\r") == line->npos) line = file.readLine(kMaxLogLine);
     return line;
   };
   while (const auto head = next()) {
@@ -123,7 +123,7 @@ RgbdList listRedwood(const std::filesystem::path& folder, double rate_Hz) {
   const std::filesystem::path log = folder / "trajectory.log";
   std::error_code ignored;
   const bool hasPoses = std::filesystem::exists(log, ignored);
-  const Poses poses = hasPoses ? renumbered(readPoses(log), depths) : Poses{};
+  const Poses poses = hasPoses ? renumbered(readLog(log), depths) : Poses{};
 
   // What has a picture or a pose was a frame.
   std::map<std::uint64_t, RgbdFiles> frames;

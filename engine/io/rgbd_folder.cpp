@@ -7,6 +7,7 @@
 #include "engine/io/camera_text.hpp"
 #include "engine/io/colmap_model.hpp"
 #include "engine/io/image_file.hpp"
+#include "engine/io/is_file.hpp"
 
 namespace palpate {
 
@@ -15,11 +16,6 @@ namespace {
 /// PrimeSense's, as the TUM benchmark and Open3D take it where nothing is calibrated.
 constexpr DepthCamera kUsualCamera{.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5};
 constexpr double kUsualRate_Hz = 30;
-
-bool isFile(const std::filesystem::path& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path, ignored);
-}
 
 std::filesystem::path ownIntrinsics(const std::filesystem::path& folder) {
   for (const char* name : {"intrinsics.json", "intrinsic.json", "camera_intrinsic.json"})

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <cstddef>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +15,8 @@
 #include "engine/core/atomic_file.hpp"
 
 namespace palpate {
+
+inline constexpr std::size_t kBetweenReports = 1 << 16;  ///< points that are written between reports of progress
 
 /// Collects bytes and hands them to the file in large pieces: numbers in binary, little endian, or as the shortest
 /// decimals that read back as the same, with a blank or another sign between them.

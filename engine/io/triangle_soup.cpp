@@ -14,7 +14,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kFarthest = 1e30;  // as of all clouds
+constexpr double kMaxCorner = 1e30;  // as of all clouds
 
 /// Triangles by how much area there is up to their end.
 class AreaOfTriangles {
@@ -49,7 +49,7 @@ class AreaOfTriangles {
     for (std::size_t k = 0; k < 3; ++k) {
       corners[k] = soup_.corners[soup_.triangles[t][k]];
       for (int axis = 0; axis < 3; ++axis)
-        if (!(std::abs(corners[k][axis]) < kFarthest)) return 0;
+        if (!(std::abs(corners[k][axis]) < kMaxCorner)) return 0;
     }
     return 0.5 * glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
   }
@@ -114,7 +114,7 @@ SampledSoup sampleSoup(const TriangleSoup& soup, std::size_t count, std::uint64_
   for (std::size_t t = 0; t < soup.triangles.size(); ++t)
     for (const std::uint32_t corner : soup.triangles[t]) {
       const DVec3& place = soup.corners[corner];
-      if (!(std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}) < kFarthest)) continue;
+      if (!(std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}) < kMaxCorner)) continue;
       box = {glm::min(box.min, place), glm::max(box.max, place)};
     }
   PointCloud& cloud = result.cloud;

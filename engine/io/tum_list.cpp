@@ -6,6 +6,7 @@
 #include "engine/io/camera_pose.hpp"
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/in_quotes.hpp"
+#include "engine/io/is_file.hpp"
 #include "engine/io/rgbd_list.hpp"
 #include "engine/io/text_number.hpp"
 
@@ -13,7 +14,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kLongestLine = std::size_t{1} << 16;
+constexpr std::size_t kMaxListLine = std::size_t{1} << 16;
 constexpr double kDepthScale = 5000;
 constexpr double kSameMoment_s = 0.02;  // between depth and its colours
 constexpr double kLongestGap_s = 1;     // between two poses: what was in between is anybody's guess
@@ -29,11 +30,6 @@ struct StampedPose {
   CameraPose pose;
 };
 
-bool isFile(const std::filesystem::path& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path, ignored);
-}
-
 /// The lines of a list that say something.
 class Lines {
  public:
@@ -41,7 +37,7 @@ class Lines {
 
   bool next() {
     do {
-      const auto line = file_.readLine(kLongestLine);
+      const auto line = file_.readLine(kMaxListLine);
       if (!line) return false;
       rest_ = *line;
       const std::size_t begin = rest_.find_first_not_of(" \t\r");

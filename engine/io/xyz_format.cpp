@@ -10,6 +10,7 @@
 #include "engine/io/in_quotes.hpp"
 #include "engine/io/ply_vertices.hpp"
 #include "engine/io/ply_writer.hpp"
+#include "engine/io/point_batch.hpp"
 #include "engine/io/row_output.hpp"
 #include "engine/io/text_number.hpp"
 
@@ -17,8 +18,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kLongestLine = std::size_t{1} << 20;
-constexpr std::size_t kBatch = 4096;  // rows
+constexpr std::size_t kMaxTextRow = std::size_t{1} << 20;
 constexpr std::string_view kBetween = " \t,;\r\v\f";
 constexpr std::array<std::string_view, 3> kChannels{"red", "green", "blue"};
 
@@ -27,7 +27,7 @@ using Words = std::vector<std::string_view>;
 enum class TextKind { xyz, csv, pts };
 
 /// What programs call normals besides.
-std::string sharedName(std::string name) {
+std::string sharedColumnName(std::string name) {
   for (const char axis : {'x', 'y', 'z'})
     if (name == fmt::format("normal_{}", axis) || name == fmt::format("normal{}", axis))
       return fmt::format("n{}", axis);
@@ -71,7 +71,7 @@ std::vector<std::string> columnNames(const Words& words) {
   std::vector<std::string> names(words.begin(), words.end()), lower;
   for (std::string& name : names) {
     if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-    lower.push_back(sharedName(lowerCase(name)));
+    lower.push_back(sharedColumnName(lowerCase(name)));
   }
   const auto has = [&](std::string_view name) { return std::ranges::find(lower, name) != lower.end(); };
   const bool colored = has("r") && has("g") && has("b");  // alone such a letter means anything
@@ -113,7 +113,7 @@ class XyzRows {
   const Words& words() const { return words_; }
   void next() {
     do {
-      const auto line = file_.readLine(kLongestLine);
+      const auto line = file_.readLine(kMaxTextRow);
       words_.clear();
       if (!line) return checkEnd();
       split(*line, words_);
@@ -154,7 +154,7 @@ class XyzRows {
 
   // To the first point, past the line that names the columns.
   void begin() {
-    while (const auto line = file_.readLine(kLongestLine)) {
+    while (const auto line = file_.readLine(kMaxTextRow)) {
       const std::size_t first = line->find_first_not_of(kBetween);
       if (first == line->npos) continue;
       const bool remark = isRemark(line->substr(first));
@@ -258,28 +258,13 @@ StoredCloud readText(const std::filesystem::path& path, Log* log, const CloudRea
         packed.insert(packed.end(), bytes, bytes + sizeof(T));
       });
     }
-    if (lines.size() == kBatch) append();
+    if (lines.size() == kPointBatch) append();
   }
   append();
   return {.cloud = vertices.finish(log)};
 }
 
-/// Those whose names are not taken by normals and colours.
-std::vector<const Attribute*> attributesBeside(const PointCloud& cloud) {
-  const std::vector<std::string> taken = namesGivingWay(cloud);
-  std::vector<const Attribute*> attributes;
-  for (const Attribute& attribute : cloud.extra)
-    if (std::ranges::find(taken, attribute.name) == taken.end()) attributes.push_back(&attribute);
-  return attributes;
-}
-
-bool isWide(const PointCloud& cloud, const CloudWriteOptions& options) {
-  return options.doubles || cloud.storedAs.position == ScalarType::f64 || cloud.origin != DVec3(0) ||
-         !cloud.exactPositions.empty();
-}
-
 void report(const CloudWriteOptions& options, std::size_t i, std::size_t points) {
-  constexpr std::size_t kBetweenReports = 1 << 16;
   if (options.progress && i % kBetweenReports == 0)
     options.progress(static_cast<double>(i) / static_cast<double>(points));
 }
@@ -306,7 +291,7 @@ void writeText(const std::filesystem::path& path, const PointCloud& cloud, const
   for (const Attribute* attribute : extra) names += fmt::format(" {}", attribute->name);
   std::ranges::replace(names, ' ', kBetweenNumbers);
   if (kKind == TextKind::csv || names.size() > std::string_view("x y z").size()) out.headerLine(names);
-  const bool wide = isWide(cloud, options);
+  const bool wide = needsDoubles(cloud, options);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     report(options, i, cloud.size());
     writePlace(out, cloud, wide, i);
@@ -330,7 +315,7 @@ void writePts(const std::filesystem::path& path, const PointCloud& cloud, const 
   RowOutput out(path, true);
   out.headerLine(fmt::format("{}", cloud.size()));
   const Attribute* intensity = intensityOf(cloud);
-  const bool wide = isWide(cloud, options);
+  const bool wide = needsDoubles(cloud, options);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     report(options, i, cloud.size());
     writePlace(out, cloud, wide, i);

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <numbers>
 
 #include "engine/matter/matter_rules.hpp"
 
 namespace palpate {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // Points have no compression of their own, so that matter under pressure comes nearer to them than to its own kind, by
 // so much whatever the pressure is: measured on balls of 3, 4 and 5 spacings, whose buoyancy was that of smaller ones.
@@ -21,11 +20,11 @@ constexpr double kWithin_spacings = 0.5;
 // Of the support radius, in a substep.
 constexpr float kPush_supports = 0.05f;
 
-double ballVolume(double radius) { return radius > 0 ? 4 * kPi / 3 * radius * radius * radius : 0; }
+double ballVolume(double radius) { return radius > 0 ? 4 * std::numbers::pi / 3 * radius * radius * radius : 0; }
 
 // Points of equal area on a sphere, along a spiral by the golden angle (Vogel 1979).
 void addShell(std::size_t count, double radius, double volume, std::vector<BoundaryPoint>& points) {
-  const double turn = kPi * (3 - std::sqrt(5.0));
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
   for (std::size_t k = 0; k < count; ++k) {
     const double y = 1 - 2 * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
     const double across = std::sqrt(1 - y * y), angle = turn * static_cast<double>(k);

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint32_t kMostListedInWater = 128, kMostListedInSand = 64;
-constexpr const char* kStep = "step";
+constexpr const char* kMatterStep = "step";
 constexpr std::uint32_t kSwiftSteps = 16;  // that follow the beginning, and a step which needed lists at least twice
 
 float listed_m(const MatterScene& scene, const MatterPlan& plan) {
@@ -123,7 +123,7 @@ void GpuMatterWorld::takeParameters() {
 void GpuMatterWorld::record(CommandList& step, bool swift) {
   step.begin();
   {
-    const auto section = step.section(kStep);
+    const auto section = step.section(kMatterStep);
     for (std::uint32_t substep = 0; substep < sizes_.substeps; ++substep)
       passes_.record(step, memory_, sizes_, substep, swift ? 1 : substep == 0 ? sizes_.substeps : 0);
     step.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
@@ -196,7 +196,7 @@ void GpuMatterWorld::choose(const shared::MatterControl& before) {
 }
 
 std::optional<double> GpuMatterWorld::gpuTime_us() const {
-  const double time_us = ran_->sectionTime_us(kStep);
+  const double time_us = ran_->sectionTime_us(kMatterStep);
   return time_us > 0 ? std::optional(time_us) : std::nullopt;
 }
 

@@ -2,6 +2,7 @@
 
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/matter/matter_pipeline.hpp"
 #include "shaders/compiled.hpp"
 #include "shaders/shared/soft_descent.h"
 
@@ -12,15 +13,6 @@ namespace {
 constexpr std::uint32_t kRoundsAtOnce = 20;  // even, so that a list can follow itself
 constexpr std::uint32_t kMostRounds = 300;
 constexpr double kLeft = 1e-3;  // of the residual; the compliance is as exact as the square of that
-
-ComputePipeline pass(Device& device, const ShaderCode& code) {
-  return {device, code, {.workgroupSize = shared::kMatterBlock, .pushBytes = sizeof(shared::SoftDescentArgs)}};
-}
-
-template <class T>
-Buffer onDevice(Device& device, std::uint64_t count, const char* name) {
-  return Buffer::of<T>(device, count, Memory::device, name);
-}
 
 double sumOf(const Buffer& read, std::uint32_t row, std::uint32_t blocks) {
   double sum = 0;
@@ -37,19 +29,19 @@ GpuSoftCompliance::GpuSoftCompliance(Device& device, Queue& queue, const SoftMem
       queue_(queue),
       memory_(memory),
       sizes_(sizes),
-      way_(pass(device, shader_code::matter_soft_way)),
-      trial_(pass(device, shader_code::matter_soft_trial)),
+      way_(matterPipeline<shared::SoftDescentArgs>(device, shader_code::matter_soft_way)),
+      trial_(matterPipeline<shared::SoftDescentArgs>(device, shader_code::matter_soft_trial)),
       cells_(SoftPasses::trialPass(device, sizes)),
-      answer_(pass(device, shader_code::matter_soft_answer)),
-      descend_(pass(device, shader_code::matter_soft_descend)),
-      trialNodes_(onDevice<Vec4>(device, std::uint64_t{shared::kNodeVec4s} * sizes.nodes, "soft trial")),
-      load_(onDevice<Vec4>(device, sizes.nodes, "soft load")),
-      vectors_(onDevice<Vec4>(device, std::uint64_t{shared::kDescentVectors} * sizes.nodes, "soft descent")),
-      sums_(onDevice<Vec4>(device, std::uint64_t{shared::kDescentRows} * sizes.nodeBlocks(), "soft descent sums")),
+      answer_(matterPipeline<shared::SoftDescentArgs>(device, shader_code::matter_soft_answer)),
+      descend_(matterPipeline<shared::SoftDescentArgs>(device, shader_code::matter_soft_descend)),
+      trialNodes_(softBuffer<Vec4>(device, std::uint64_t{shared::kNodeVec4s} * sizes.nodes, "trial")),
+      load_(softBuffer<Vec4>(device, sizes.nodes, "load")),
+      vectors_(softBuffer<Vec4>(device, std::uint64_t{shared::kDescentVectors} * sizes.nodes, "descent")),
+      sums_(softBuffer<Vec4>(device, std::uint64_t{shared::kDescentRows} * sizes.nodeBlocks(), "descent sums")),
       sumsRead_(Buffer::of<Vec4>(device, std::uint64_t{shared::kDescentRows} * sizes.nodeBlocks(), Memory::readback,
                                  "soft descent sums read")),
       begin_(device, queue, "soft descent begins"),
-      rounds_(device, queue, "soft descent") {
+      rounds_(device, queue, "descent") {
   record(hold_1_s2);
 }
 

@@ -6,17 +6,13 @@
 #include <cmath>
 
 #include "engine/core/check.hpp"
+#include "engine/matter/matter_pipeline.hpp"
 #include "shaders/compiled.hpp"
 #include "shaders/shared/soft_press.h"
 
 namespace palpate {
 
 namespace {
-
-template <class Args>
-ComputePipeline pass(Device& device, const ShaderCode& code) {
-  return {device, code, {.workgroupSize = shared::kMatterBlock, .pushBytes = sizeof(Args)}};
-}
 
 std::uint64_t workgroups(std::uint32_t count) { return std::uint64_t{count} * shared::kMatterBlock; }
 
@@ -57,12 +53,12 @@ GpuSoftPress::GpuSoftPress(Device& device, const SoftMemory& memory, const SoftS
     : device_(device),
       body_(memory),
       sizes_(sizes),
-      box_(pass<shared::SoftBoxArgs>(device, shader_code::matter_soft_box)),
-      reach_(pass<shared::SoftReachArgs>(device, shader_code::matter_soft_reach)),
-      hold_(pass<shared::SoftHoldArgs>(device, shader_code::matter_soft_hold)),
-      share_(pass<shared::SoftShareArgs>(device, shader_code::matter_soft_share)),
-      couple_(pass<shared::SoftCoupleArgs>(device, shader_code::matter_soft_couple)),
-      press_(pass<shared::SoftPressArgs>(device, shader_code::matter_soft_press)),
+      box_(matterPipeline<shared::SoftBoxArgs>(device, shader_code::matter_soft_box)),
+      reach_(matterPipeline<shared::SoftReachArgs>(device, shader_code::matter_soft_reach)),
+      hold_(matterPipeline<shared::SoftHoldArgs>(device, shader_code::matter_soft_hold)),
+      share_(matterPipeline<shared::SoftShareArgs>(device, shader_code::matter_soft_share)),
+      couple_(matterPipeline<shared::SoftCoupleArgs>(device, shader_code::matter_soft_couple)),
+      press_(matterPipeline<shared::SoftPressArgs>(device, shader_code::matter_soft_press)),
       boxes_(Buffer::of<Vec4>(device, std::uint64_t{shared::kBoxVec4s} * sizes.skinCount, palpate::Memory::device,
                               "soft boxes")),
       blockBoxes_(Buffer::of<Vec4>(device, std::uint64_t{shared::kBoxVec4s} * sizes.nodeBlocks(),

@@ -16,7 +16,7 @@ namespace palpate {
 
 namespace {
 
-constexpr const char *kStep = "step", *kFrame = "frame";
+constexpr const char *kSoftStep = "step", *kFrame = "frame";
 
 SoftLayout layoutOf(const MatterScene& scene, const SoftSolid& solid) {
   if (scene.preset != SoftPreset::elastic) throw Error("preset: shapes are matched on the CPU alone; take cpu");
@@ -186,7 +186,7 @@ void GpuSoftWorld::uploadPoints(const SoftLayout& layout) {
 void GpuSoftWorld::record(CommandList& list, const GpuSoftPress* press) {
   list.begin();
   {
-    const auto section = list.section(kStep);
+    const auto section = list.section(kSoftStep);
     passes_.recordStep(list, memory_, sizes_, press);
     list.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
   }
@@ -292,7 +292,7 @@ MatterSimulation::StepReport GpuSoftWorld::run(std::span<const HandPose> from, s
 }
 
 std::optional<double> GpuSoftWorld::gpuTime_us() const {
-  const double time_us = ran_->sectionTime_us(kStep);
+  const double time_us = ran_->sectionTime_us(kSoftStep);
   return time_us > 0 ? std::optional(time_us) : std::nullopt;
 }
 

@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 template <class T>
-Buffer onDevice(Device& device, std::uint64_t count, const char* name) {
+Buffer matterBuffer(Device& device, std::uint64_t count, const char* name) {
   return Buffer::of<T>(device, count, Memory::device, std::string("matter ") + name);
 }
 
@@ -36,28 +36,28 @@ MatterMemory::MatterMemory(Device& device, const MatterSizes& sizes)
                                          "matter hands")),
       state(device, stateBytes(sizes), Memory::device, "matter state"),
       stateRead(device, stateBytes(sizes), Memory::readback, "matter state read"),
-      particles{.places = onDevice<Vec4>(device, sizes.particles, "places"),
-                .positions = onDevice<Vec4>(device, sizes.particles, "positions"),
-                .velocities = onDevice<Vec4>(device, std::uint64_t{2} * sizes.particles, "velocities"),
-                .ids = onDevice<std::uint32_t>(device, sizes.particles, "ids")},
-      sorted{.places = onDevice<Vec4>(device, sizes.particles, "sorted places"),
-             .positions = onDevice<Vec4>(device, sizes.particles, "sorted positions"),
-             .velocities = onDevice<Vec4>(device, sizes.particles, "sorted velocities"),
-             .ids = onDevice<std::uint32_t>(device, sizes.particles, "sorted ids")},
-      pressed(onDevice<Vec4>(device, sizes.particles, "pressed places")),
-      lists(onDevice<std::uint32_t>(device, std::uint64_t{sizes.mostListed} * sizes.stride(), "lists")),
-      listLengths(onDevice<std::uint32_t>(device, sizes.particles, "list lengths")),
-      sort{.firsts = onDevice<std::uint32_t>(device, std::uint64_t{sizes.cells} + 1, "firsts"),
-           .tileSums = onDevice<std::uint32_t>(device, sizes.tiles(), "tile sums"),
-           .cells = onDevice<std::uint32_t>(device, sizes.particles, "cells"),
-           .arrivals = onDevice<std::uint32_t>(device, sizes.particles, "arrivals"),
-           .order = onDevice<std::uint32_t>(device, sizes.particles, "order")},
-      sums(onDevice<Vec4>(device, rowsOfSums(sizes) * sizes.blocks, "sums")),
-      bodyPoints(onDevice<Vec4>(device, std::uint64_t{sizes.bodyPoints} + sizes.modelNodes, "body points")),
-      bodyFirsts(onDevice<std::uint32_t>(device, std::uint64_t{sizes.bodyCells} + 1, "body firsts")),
-      contacts(onDevice<glm::uvec4>(device, contactsOf(sizes), "contacts")),
-      contactCounts(
-          onDevice<std::uint32_t>(device, sizes.remembers ? std::uint64_t{2} * sizes.particles : 0, "contact counts")) {
+      particles{.places = matterBuffer<Vec4>(device, sizes.particles, "places"),
+                .positions = matterBuffer<Vec4>(device, sizes.particles, "positions"),
+                .velocities = matterBuffer<Vec4>(device, std::uint64_t{2} * sizes.particles, "velocities"),
+                .ids = matterBuffer<std::uint32_t>(device, sizes.particles, "ids")},
+      sorted{.places = matterBuffer<Vec4>(device, sizes.particles, "sorted places"),
+             .positions = matterBuffer<Vec4>(device, sizes.particles, "sorted positions"),
+             .velocities = matterBuffer<Vec4>(device, sizes.particles, "sorted velocities"),
+             .ids = matterBuffer<std::uint32_t>(device, sizes.particles, "sorted ids")},
+      pressed(matterBuffer<Vec4>(device, sizes.particles, "pressed places")),
+      lists(matterBuffer<std::uint32_t>(device, std::uint64_t{sizes.mostListed} * sizes.stride(), "lists")),
+      listLengths(matterBuffer<std::uint32_t>(device, sizes.particles, "list lengths")),
+      sort{.firsts = matterBuffer<std::uint32_t>(device, std::uint64_t{sizes.cells} + 1, "firsts"),
+           .tileSums = matterBuffer<std::uint32_t>(device, sizes.tiles(), "tile sums"),
+           .cells = matterBuffer<std::uint32_t>(device, sizes.particles, "cells"),
+           .arrivals = matterBuffer<std::uint32_t>(device, sizes.particles, "arrivals"),
+           .order = matterBuffer<std::uint32_t>(device, sizes.particles, "order")},
+      sums(matterBuffer<Vec4>(device, rowsOfSums(sizes) * sizes.blocks, "sums")),
+      bodyPoints(matterBuffer<Vec4>(device, std::uint64_t{sizes.bodyPoints} + sizes.modelNodes, "body points")),
+      bodyFirsts(matterBuffer<std::uint32_t>(device, std::uint64_t{sizes.bodyCells} + 1, "body firsts")),
+      contacts(matterBuffer<glm::uvec4>(device, contactsOf(sizes), "contacts")),
+      contactCounts(matterBuffer<std::uint32_t>(device, sizes.remembers ? std::uint64_t{2} * sizes.particles : 0,
+                                                "contact counts")) {
   static_assert(sizeof(shared::MatterControl) == kSums && kSums + sizeof(shared::MatterSums) == kTools);
 }
 

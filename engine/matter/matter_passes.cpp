@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/matter/matter_pipeline.hpp"
 #include "shaders/compiled.hpp"
 #include "shaders/shared/matter_passes.h"
 #include "shaders/shared/prefix_scan.h"
@@ -9,11 +10,6 @@
 namespace palpate {
 
 namespace {
-
-template <class Args>
-ComputePipeline pass(Device& device, const ShaderCode& code) {
-  return {device, code, {.workgroupSize = shared::kMatterBlock, .pushBytes = sizeof(Args)}};
-}
 
 DeviceAddress control(const MatterMemory& memory) { return memory.state.address() + MatterMemory::kControl; }
 DeviceAddress tools(const MatterMemory& memory) { return memory.state.address() + MatterMemory::kTools; }
@@ -28,17 +24,17 @@ std::uint32_t threadsOf(const MatterSizes& sizes) {
 
 MatterPasses::MatterPasses(Device& device, Matter matter)
     : matter_(matter),
-      predict_(pass<shared::MatterPredictArgs>(device, shader_code::matter_predict)),
-      count_(pass<shared::MatterCountArgs>(device, shader_code::matter_count)),
-      scanReduce_(pass<shared::MatterScanArgs>(device, shader_code::matter_scan_reduce)),
-      scan_(pass<shared::MatterScanArgs>(device, shader_code::matter_scan)),
-      place_(pass<shared::MatterPlaceArgs>(device, shader_code::matter_place)),
-      sort_(pass<shared::MatterSortArgs>(device, shader_code::matter_sort)),
-      list_(pass<shared::MatterListArgs>(device, shader_code::matter_list)),
-      compress_(pass<shared::MatterCompressArgs>(device, shader_code::matter_compress)),
-      push_(pass<shared::MatterPushArgs>(device, shader_code::matter_push)),
-      rub_(pass<shared::MatterRubArgs>(device, shader_code::matter_rub)),
-      finish_(pass<shared::MatterFinishArgs>(device, shader_code::matter_finish)) {
+      predict_(matterPipeline<shared::MatterPredictArgs>(device, shader_code::matter_predict)),
+      count_(matterPipeline<shared::MatterCountArgs>(device, shader_code::matter_count)),
+      scanReduce_(matterPipeline<shared::MatterScanArgs>(device, shader_code::matter_scan_reduce)),
+      scan_(matterPipeline<shared::MatterScanArgs>(device, shader_code::matter_scan)),
+      place_(matterPipeline<shared::MatterPlaceArgs>(device, shader_code::matter_place)),
+      sort_(matterPipeline<shared::MatterSortArgs>(device, shader_code::matter_sort)),
+      list_(matterPipeline<shared::MatterListArgs>(device, shader_code::matter_list)),
+      compress_(matterPipeline<shared::MatterCompressArgs>(device, shader_code::matter_compress)),
+      push_(matterPipeline<shared::MatterPushArgs>(device, shader_code::matter_push)),
+      rub_(matterPipeline<shared::MatterRubArgs>(device, shader_code::matter_rub)),
+      finish_(matterPipeline<shared::MatterFinishArgs>(device, shader_code::matter_finish)) {
   static_assert(shared::kMatterBlock == shared::kScanWorkgroup);
 }
 

@@ -1,16 +1,16 @@
 #include "engine/matter/matter_rules.hpp"
 
+#include <numbers>
+
 #include "engine/core/vec.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 // Sum of the weights in a neighbourhood that is filled evenly, without grain, with one particle in a cube of spacing 1.
 double evenSum(double support_spacings) {
-  return 2 * kPi / 21 * support_spacings * support_spacings * support_spacings;
+  return 2 * std::numbers::pi / 21 * support_spacings * support_spacings * support_spacings;
 }
 
 // Square of the speed that the pushes of one iteration come to, before the moment of the weights scales it.

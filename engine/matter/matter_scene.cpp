@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
@@ -45,10 +46,8 @@ void requireFields(const MatterScene& scene) {
   requireBetween("substeps", scene.substeps, 0, kMostSubsteps);
 }
 
-constexpr double kPi = 3.14159265358979323846;
-
 double displaced_kg(const MatterScene& scene, double radius_mm) {
-  return scene.density_kg_m3 * 4 / 3 * kPi * std::pow(radius_mm * 1e-3, 3);
+  return scene.density_kg_m3 * 4 / 3 * std::numbers::pi * std::pow(radius_mm * 1e-3, 3);
 }
 
 void requireTool(const MatterScene& scene) {

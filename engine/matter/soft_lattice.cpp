@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
@@ -11,13 +12,12 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kMostCells = 64e6;  // of the box
+constexpr double kMaxBoxCells = 64e6;  // of the box
 constexpr float kLeastFilled = 0.2f;
 constexpr int kFarthestCell = 8;  // from a place that is embedded
 // Along each axis, where a cell is looked at that the surface of a ball may go through.
-constexpr int kSamples = 6;
+constexpr int kBallSamples = 6;
 
 IVec3 cornerOf(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
 
@@ -29,7 +29,8 @@ LatticeBox LatticeBox::about(const DVec3& low_m, const DVec3& high_m, double spa
   for (int k = 0; k < 3; ++k) {
     const double along = std::max(1.0, std::ceil((high_m[k] - low_m[k]) / spacing_m - 1e-6));
     count *= along;
-    if (!(count <= kMostCells)) throw Error("spacing_mm: makes more than {:g} cells; take a larger one", kMostCells);
+    if (!(count <= kMaxBoxCells))
+      throw Error("spacing_mm: makes more than {:g} cells; take a larger one", kMaxBoxCells);
     box.cells[k] = static_cast<int>(along);
   }
   box.filled.assign(static_cast<std::size_t>(count), 0);
@@ -142,8 +143,8 @@ SoftSolid boxSolid(const DVec3& low_m, const DVec3& size_m, double spacing_m) {
 
 std::vector<SurfacePlace> ballSurface(const DVec3& middle_m, double radius_m, double spacing_m, int perSpacing) {
   // Points of equal area along a spiral by the golden angle (Vogel 1979).
-  const double turn = kPi * (3 - std::sqrt(5.0)), apart_m = spacing_m / perSpacing;
-  const auto count = static_cast<int>(std::ceil(4 * kPi * radius_m * radius_m / (apart_m * apart_m)));
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0)), apart_m = spacing_m / perSpacing;
+  const auto count = static_cast<int>(std::ceil(4 * std::numbers::pi * radius_m * radius_m / (apart_m * apart_m)));
   std::vector<SurfacePlace> surface;
   for (int k = 0; k < count; ++k) {
     const double y = 1 - (2 * k + 1.0) / count, across = std::sqrt(1 - y * y);
@@ -159,11 +160,12 @@ SoftSolid ballSolid(const DVec3& middle_m, double radius_m, double spacing_m) {
   for (std::size_t c = 0; c < box.filled.size(); ++c) {
     const DVec3 low = box.corner + spacing_m * DVec3(box.cellOf(c)) - middle_m;
     int inside = 0;
-    for (int k = 0; k < kSamples * kSamples * kSamples; ++k) {
-      const DVec3 sample(k % kSamples + 0.5, k / kSamples % kSamples + 0.5, k / kSamples / kSamples + 0.5);
-      inside += glm::length(low + spacing_m / kSamples * sample) < radius_m ? 1 : 0;
+    for (int k = 0; k < kBallSamples * kBallSamples * kBallSamples; ++k) {
+      const DVec3 sample(k % kBallSamples + 0.5, k / kBallSamples % kBallSamples + 0.5,
+                         k / kBallSamples / kBallSamples + 0.5);
+      inside += glm::length(low + spacing_m / kBallSamples * sample) < radius_m ? 1 : 0;
     }
-    box.filled[c] = static_cast<float>(inside) / (kSamples * kSamples * kSamples);
+    box.filled[c] = static_cast<float>(inside) / (kBallSamples * kBallSamples * kBallSamples);
   }
   std::vector<SurfacePlace> surface = ballSurface(middle_m, radius_m, spacing_m, kPlacesOfSpacing);
   std::vector<std::size_t> kept;

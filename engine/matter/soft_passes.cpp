@@ -3,21 +3,12 @@
 #include <algorithm>
 
 #include "engine/matter/gpu_soft_press.hpp"
+#include "engine/matter/matter_pipeline.hpp"
 #include "shaders/compiled.hpp"
 
 namespace palpate {
 
 namespace {
-
-template <class T>
-Buffer onDevice(Device& device, std::uint64_t count, const char* name) {
-  return Buffer::of<T>(device, count, Memory::device, std::string("soft ") + name);
-}
-
-template <class Args>
-ComputePipeline pass(Device& device, const ShaderCode& code) {
-  return {device, code, {.workgroupSize = shared::kMatterBlock, .pushBytes = sizeof(Args)}};
-}
 
 ComputePipeline cellsPass(Device& device, bool isSculpted, bool tries) {
   return {device,
@@ -46,22 +37,23 @@ SoftMemory::SoftMemory(Device& device, const SoftSizes& sizes)
                                          "soft hands")),
       state(device, stateBytes(sizes), Memory::device, "soft state"),
       stateRead(device, stateBytes(sizes), Memory::readback, "soft state read"),
-      nodes(onDevice<Vec4>(device, std::uint64_t{shared::kNodeVec4s} * sizes.nodes, "nodes")),
-      corners(onDevice<glm::uvec4>(device, sizes.slots, "corners")),
-      volumes(onDevice<float>(device, std::uint64_t{sizes.slots} + 1, "volumes")),
-      incident(onDevice<glm::uvec4>(device, std::uint64_t{shared::kIncidentUVec4s} * sizes.nodes, "incident")),
-      skinCells(onDevice<shared::SoftSkinCell>(device, std::uint64_t{sizes.skinCount} + 1, "skin cells")),
-      skin(onDevice<Vec4>(device, std::uint64_t{shared::kSkinVec4s} * sizes.skin, "skin")),
-      skinNormals(onDevice<Vec4>(device, sizes.skin, "skin normals")),
-      forces(onDevice<float>(device, planes(sizes, shared::kForcePlanes), "forces")),
-      cellSums(onDevice<Vec4>(device, std::uint64_t{shared::kSoftRowsOfAll + 2 * sizes.tools} * sizes.cellBlocks(),
-                              "cell sums")),
-      nodeSums(onDevice<Vec4>(device, std::uint64_t{shared::kSoftRowsOfAll} * sizes.nodeBlocks(), "node sums")),
-      points{.rests = onDevice<Vec4>(device, sizes.points, "points at rest"),
-             .shares = onDevice<Vec4>(device, sizes.points, "shares"),
-             .normalRests = onDevice<glm::uvec2>(device, sizes.points, "normals at rest")},
-      gradients(onDevice<float>(device, planes(sizes, shared::kGradientPlanes), "gradients")),
-      nodeGradients(onDevice<Vec4>(device, std::uint64_t{shared::kGradientVec4s} * sizes.nodes, "gradients of nodes")) {
+      nodes(softBuffer<Vec4>(device, std::uint64_t{shared::kNodeVec4s} * sizes.nodes, "nodes")),
+      corners(softBuffer<glm::uvec4>(device, sizes.slots, "corners")),
+      volumes(softBuffer<float>(device, std::uint64_t{sizes.slots} + 1, "volumes")),
+      incident(softBuffer<glm::uvec4>(device, std::uint64_t{shared::kIncidentUVec4s} * sizes.nodes, "incident")),
+      skinCells(softBuffer<shared::SoftSkinCell>(device, std::uint64_t{sizes.skinCount} + 1, "skin cells")),
+      skin(softBuffer<Vec4>(device, std::uint64_t{shared::kSkinVec4s} * sizes.skin, "skin")),
+      skinNormals(softBuffer<Vec4>(device, sizes.skin, "skin normals")),
+      forces(softBuffer<float>(device, planes(sizes, shared::kForcePlanes), "forces")),
+      cellSums(softBuffer<Vec4>(device, std::uint64_t{shared::kSoftRowsOfAll + 2 * sizes.tools} * sizes.cellBlocks(),
+                                "cell sums")),
+      nodeSums(softBuffer<Vec4>(device, std::uint64_t{shared::kSoftRowsOfAll} * sizes.nodeBlocks(), "node sums")),
+      points{.rests = softBuffer<Vec4>(device, sizes.points, "points at rest"),
+             .shares = softBuffer<Vec4>(device, sizes.points, "shares"),
+             .normalRests = softBuffer<glm::uvec2>(device, sizes.points, "normals at rest")},
+      gradients(softBuffer<float>(device, planes(sizes, shared::kGradientPlanes), "gradients")),
+      nodeGradients(
+          softBuffer<Vec4>(device, std::uint64_t{shared::kGradientVec4s} * sizes.nodes, "gradients of nodes")) {
   static_assert(kSums + sizeof(shared::MatterSums) == kTools);
 }
 
@@ -81,13 +73,13 @@ void SoftMemory::holdShapes(Device& device, const SoftSizes& sizes) {
 }
 
 SoftPasses::SoftPasses(Device& device)
-    : predict_(pass<shared::SoftPredictArgs>(device, shader_code::matter_soft_predict)),
+    : predict_(matterPipeline<shared::SoftPredictArgs>(device, shader_code::matter_soft_predict)),
       cells_(cellsPass(device, false, false)),
-      nodes_(pass<shared::SoftNodesArgs>(device, shader_code::matter_soft_nodes)),
-      finish_(pass<shared::SoftFinishArgs>(device, shader_code::matter_soft_finish)),
-      strain_(pass<shared::SoftStrainArgs>(device, shader_code::matter_soft_strain)),
-      blend_(pass<shared::SoftBlendArgs>(device, shader_code::matter_soft_blend)),
-      carry_(pass<shared::SoftCarryArgs>(device, shader_code::matter_soft_carry)) {}
+      nodes_(matterPipeline<shared::SoftNodesArgs>(device, shader_code::matter_soft_nodes)),
+      finish_(matterPipeline<shared::SoftFinishArgs>(device, shader_code::matter_soft_finish)),
+      strain_(matterPipeline<shared::SoftStrainArgs>(device, shader_code::matter_soft_strain)),
+      blend_(matterPipeline<shared::SoftBlendArgs>(device, shader_code::matter_soft_blend)),
+      carry_(matterPipeline<shared::SoftCarryArgs>(device, shader_code::matter_soft_carry)) {}
 
 void SoftPasses::recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes,
                             const GpuSoftPress* press) const {

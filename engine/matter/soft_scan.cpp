@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "engine/cloud/normals.hpp"
@@ -14,19 +15,18 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kLeastPoints = 100;
 constexpr std::size_t kNeighbours = 8;  // by whose distance a point has its area
 constexpr double kInside = 0.5;         // winding number from which on a place is inside
-constexpr int kSamples = 4;             // along each axis of a cell that the surface may go through
+constexpr int kCellSamples = 4;         // along each axis of a cell that the surface may go through
 constexpr double kWidestHole_spacings = 3;
 constexpr double kWidestHole_points = 3;  // in spacings of the points
-constexpr std::size_t kOfBlock = 256;     // points or cells that one thread works on at a time
+constexpr std::size_t kScanBlock = 256;   // points or cells that one thread works on at a time
 
 template <class Each>
 void forEachOf(std::size_t count, WorkerTeam& team, Each&& each) {
-  team.forEach((count + kOfBlock - 1) / kOfBlock, [&](std::size_t block) {
-    for (std::size_t i = block * kOfBlock; i < std::min((block + 1) * kOfBlock, count); ++i) each(i);
+  team.forEach((count + kScanBlock - 1) / kScanBlock, [&](std::size_t block) {
+    for (std::size_t i = block * kScanBlock; i < std::min((block + 1) * kScanBlock, count); ++i) each(i);
   });
 }
 
@@ -37,7 +37,7 @@ std::vector<OrientedArea> areasOf(std::span<const SurfacePlace> points, const Po
     std::array<double, kNeighbours + 1> distances2;
     const std::size_t found = tree.nearest(points[i].rest, near, distances2);
     // Half of the farthest neighbour is within the circle through it.
-    const double area = kPi * distances2[found - 1] / (static_cast<double>(found) - 0.5);
+    const double area = std::numbers::pi * distances2[found - 1] / (static_cast<double>(found) - 0.5);
     areas[i] = {.place = points[i].rest, .normal = points[i].normal, .area = static_cast<float>(area)};
   });
   return areas;
@@ -140,11 +140,13 @@ void fill(Filling& filling) {
       return;
     }
     int inside = 0;
-    for (int k = 0; k < kSamples * kSamples * kSamples; ++k) {
-      const DVec3 sample = DVec3(k % kSamples, k / kSamples % kSamples, k / kSamples / kSamples) + 0.5;
-      inside += filling.winding.at(box.corner + box.spacing_m * (DVec3(cell) + sample / double(kSamples))) > kInside;
+    for (int k = 0; k < kCellSamples * kCellSamples * kCellSamples; ++k) {
+      const DVec3 sample =
+          DVec3(k % kCellSamples, k / kCellSamples % kCellSamples, k / kCellSamples / kCellSamples) + 0.5;
+      inside +=
+          filling.winding.at(box.corner + box.spacing_m * (DVec3(cell) + sample / double(kCellSamples))) > kInside;
     }
-    box.filled[c] = static_cast<float>(inside) / (kSamples * kSamples * kSamples);
+    box.filled[c] = static_cast<float>(inside) / (kCellSamples * kCellSamples * kCellSamples);
   });
 }
 

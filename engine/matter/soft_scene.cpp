@@ -11,9 +11,9 @@ namespace palpate {
 
 namespace {
 
-constexpr double kBytesOfNode = 400;    // with its cell
-constexpr double kBytesOfCell = 60;     // of the box about the body, while it is filled
-constexpr double kMostNodes = 1 << 27;  // as corners of cells are numbered
+constexpr double kBytesOfSoftNode = 400;  // with its cell
+constexpr double kBytesOfSoftCell = 60;   // of the box about the body, while it is filled
+constexpr double kMostNodes = 1 << 27;    // as corners of cells are numbered
 
 void requireMaterial(const MatterScene& scene) {
   requireBetween("young_Pa", scene.young_Pa, 1, 1e9);
@@ -92,7 +92,7 @@ MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes) {
     nodes *= along + 1;
   }
   plan.particles = static_cast<std::uint64_t>(std::min(nodes, 1e18));
-  plan.bytes = static_cast<std::uint64_t>(std::min(nodes * kBytesOfNode + cells * kBytesOfCell, 1e18));
+  plan.bytes = static_cast<std::uint64_t>(std::min(nodes * kBytesOfSoftNode + cells * kBytesOfSoftCell, 1e18));
   if (nodes > kMostNodes)
     throw Error("spacing_mm: makes {} nodes, {:.0f} at most; take a larger one", plan.particles, kMostNodes);
   if (plan.bytes > memory_bytes)

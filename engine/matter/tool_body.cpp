@@ -1,5 +1,6 @@
 #include "engine/matter/tool_body.hpp"
 
+#include <numbers>
 #include <utility>
 
 namespace palpate {
@@ -8,12 +9,11 @@ namespace {
 
 // Of the ball on its spring, critically damped.
 constexpr double kCouplingFrequency_Hz = 30;
-constexpr double kPi = 3.14159265358979323846;
 
 }  // namespace
 
 shared::ToolSpringOf<double> toolSpring(const MatterTool& tool, double step_s) {
-  const double angular = 2 * kPi * kCouplingFrequency_Hz;
+  const double angular = 2 * std::numbers::pi * kCouplingFrequency_Hz;
   return {.mass = tool.mass_kg,
           .stiffness = tool.mass_kg * angular * angular,
           .damping = 2 * tool.mass_kg * angular,

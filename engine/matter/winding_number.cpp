@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::uint32_t kPointsOfLeaf = 8;
 // In radii of a node: from there on its points look like one.
 constexpr double kFar = 3;
@@ -62,12 +62,12 @@ double WindingNumber::at(const DVec3& place) const {
         const OrientedArea& point = points_[k];
         const DVec3 away = DVec3(point.place) - place;
         const auto area = static_cast<double>(point.area);
-        const double nearest2 = std::max(glm::dot(away, away), area / kPi);  // the disc's own radius
+        const double nearest2 = std::max(glm::dot(away, away), area / std::numbers::pi);  // the disc's own radius
         if (nearest2 > 0) sum += area * glm::dot(DVec3(point.normal), away) / (nearest2 * std::sqrt(nearest2));
       }
     ++n;  // behind a leaf, as nothing is in it
   }
-  return sum / (4 * kPi);
+  return sum / (4 * std::numbers::pi);
 }
 
 }  // namespace palpate

@@ -10,12 +10,6 @@
 
 namespace palpate {
 
-namespace {
-
-constexpr std::uint64_t kWord = sizeof(std::uint32_t);
-
-}  // namespace
-
 MarchingCubes::MarchingCubes(Device& device, const PointCloud& cloud, const MeshPlan& plan, std::uint32_t spare,
                              bool painted)
     : device_(device),
@@ -56,11 +50,11 @@ void MarchingCubes::listBlocks(MeshStep& step) {
   list.begin();
   {
     const auto section = list.section("list");
-    list.fill(storage_.now().table, 0, entries * kWord);
+    list.fill(storage_.now().table, 0, entries * kMeshWordBytes);
     passes_.recordMark(list, args(points_.slots()));
     scan_.record(list, {storage_.now().table.address(), storage_.scratch().address()}, entries);
   }
-  list.copy(storage_.now().table, there, kWord, (entries - 1) * kWord);
+  list.copy(storage_.now().table, there, kMeshWordBytes, (entries - 1) * kMeshWordBytes);
   list.end();
   device_.throughputQueue().run(list);
   step.gpu_us.list = list.sectionTime_us("list");
@@ -83,10 +77,10 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
     {
       const auto overlap = list.independent();
       passes_.recordList(list, args(shared::blockCount(plan_.lattice)));
-      list.fill(storage_.masks(), 0, slots * shared::kMeshMaskWords * kWord);
-      list.fill(storage_.now().vertexStarts, 0, kWord, slots * kWord);
-      list.fill(storage_.triangleStarts(), 0, kWord, slots * kWord);
-      if (update) list.fill(storage_.touched(), 0, slots * kWord);
+      list.fill(storage_.masks(), 0, slots * shared::kMeshMaskWords * kMeshWordBytes);
+      list.fill(storage_.now().vertexStarts, 0, kMeshWordBytes, slots * kMeshWordBytes);
+      list.fill(storage_.triangleStarts(), 0, kMeshWordBytes, slots * kMeshWordBytes);
+      if (update) list.fill(storage_.touched(), 0, slots * kMeshWordBytes);
     }
     if (update) passes_.recordTouch(list, args(points_.moveCount()));
   }
@@ -107,8 +101,8 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
                    PrefixScan::Io{storage_.triangleStarts().address(), storage_.scratch().address() + scanBytes}},
         static_cast<std::uint32_t>(ends));
   }
-  list.copy(storage_.now().vertexStarts, totals, kWord, slots * kWord);
-  list.copy(storage_.triangleStarts(), totals, kWord, slots * kWord, kWord);
+  list.copy(storage_.now().vertexStarts, totals, kMeshWordBytes, slots * kMeshWordBytes);
+  list.copy(storage_.triangleStarts(), totals, kMeshWordBytes, slots * kMeshWordBytes, kMeshWordBytes);
   list.end();
   device_.throughputQueue().run(list);
   step.gpu_us.list += list.sectionTime_us("list");

@@ -10,8 +10,6 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint64_t kWord = sizeof(std::uint32_t);
-
 std::vector<UVec2> packedCases() {
   std::vector<UVec2> cases;
   for (const CellCase& cell : kCellCases) {
@@ -20,10 +18,6 @@ std::vector<UVec2> packedCases() {
     cases.emplace_back(static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32));
   }
   return cases;
-}
-
-Buffer words(Device& device, std::uint64_t count, const char* name) {
-  return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
 }
 
 }  // namespace
@@ -42,38 +36,38 @@ MeshStorage::MeshStorage(Device& device, const shared::MeshLattice& lattice)
       scratch_(device, PrefixScan::scratchBytes(shared::blockCount(lattice) + 1), Memory::device, "mesh scratch"),
       cellCases_(Buffer::of<UVec2>(device, kCellCases.size(), Memory::device, "cell cases")),
       states_{makeState(device), makeState(device)},
-      blocks_(words(device, 0, "mesh blocks")),
-      cases_(words(device, 0, "mesh cases")),
-      masks_(words(device, 0, "mesh masks")),
-      ranks_(words(device, 0, "mesh ranks")),
-      triangleStarts_(words(device, 0, "mesh triangle starts")),
-      touched_(words(device, 0, "mesh touched blocks")),
-      triangles_(words(device, 0, "mesh triangles")) {
+      blocks_(deviceWords(device, 0, "mesh blocks")),
+      cases_(deviceWords(device, 0, "mesh cases")),
+      masks_(deviceWords(device, 0, "mesh masks")),
+      ranks_(deviceWords(device, 0, "mesh ranks")),
+      triangleStarts_(deviceWords(device, 0, "mesh triangle starts")),
+      touched_(deviceWords(device, 0, "mesh touched blocks")),
+      triangles_(deviceWords(device, 0, "mesh triangles")) {
   upload(device, device.throughputQueue(), cellCases_, packedCases());
 }
 
 MeshStorage::State MeshStorage::makeState(Device& device) {
-  return {words(device, 0, "mesh table"), words(device, 0, "mesh values"), words(device, 0, "mesh vertex starts"),
-          words(device, 0, "mesh vertices")};
+  return {deviceWords(device, 0, "mesh table"), deviceWords(device, 0, "mesh values"),
+          deviceWords(device, 0, "mesh vertex starts"), deviceWords(device, 0, "mesh vertices")};
 }
 
-void MeshStorage::growTable(std::uint32_t entries) { growBuffer(device_, current().table, entries * kWord); }
+void MeshStorage::growTable(std::uint32_t entries) { growBuffer(device_, current().table, entries * kMeshWordBytes); }
 
 void MeshStorage::growBlocks(std::uint64_t slots, bool update, std::uint64_t scanBytes) {
-  growBuffer(device_, current().values, slots * shared::kMeshBlockNodes * kWord);
-  growBuffer(device_, current().vertexStarts, (slots + 1) * kWord);
-  growBuffer(device_, triangleStarts_, (slots + 1) * kWord);
-  growBuffer(device_, blocks_, slots * kWord);
-  growBuffer(device_, cases_, slots * shared::kMeshCaseWords * kWord);
-  growBuffer(device_, masks_, slots * shared::kMeshMaskWords * kWord);
-  growBuffer(device_, ranks_, slots * shared::kMeshMaskWords * kWord);
-  if (update) growBuffer(device_, touched_, slots * kWord);
+  growBuffer(device_, current().values, slots * shared::kMeshBlockNodes * kMeshWordBytes);
+  growBuffer(device_, current().vertexStarts, (slots + 1) * kMeshWordBytes);
+  growBuffer(device_, triangleStarts_, (slots + 1) * kMeshWordBytes);
+  growBuffer(device_, blocks_, slots * kMeshWordBytes);
+  growBuffer(device_, cases_, slots * shared::kMeshCaseWords * kMeshWordBytes);
+  growBuffer(device_, masks_, slots * shared::kMeshMaskWords * kMeshWordBytes);
+  growBuffer(device_, ranks_, slots * shared::kMeshMaskWords * kMeshWordBytes);
+  if (update) growBuffer(device_, touched_, slots * kMeshWordBytes);
   growBuffer(device_, scratch_, 2 * scanBytes);
 }
 
 void MeshStorage::growMesh(std::uint64_t vertices, std::uint64_t triangles) {
   growBuffer(device_, current().vertices, vertices * sizeof(shared::MeshVertex));
-  growBuffer(device_, triangles_, triangles * 3 * kWord);
+  growBuffer(device_, triangles_, triangles * 3 * kMeshWordBytes);
 }
 
 void MeshStorage::writeAddresses(DeviceAddress colors, DeviceAddress moves) {

@@ -8,6 +8,8 @@
 
 namespace palpate {
 
+inline constexpr std::uint64_t kMeshWordBytes = sizeof(std::uint32_t);
+
 /// Makes room for so many bytes; what was in it is lost where it had less.
 void growBuffer(Device& device, Buffer& buffer, std::uint64_t bytes);
 

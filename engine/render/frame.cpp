@@ -18,10 +18,6 @@ std::uint32_t checkedSide(std::uint32_t side) {
   return side;
 }
 
-Buffer words(Device& device, std::uint64_t count, const char* name) {
-  return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
-}
-
 }  // namespace
 
 void Frame::checkSize(std::uint32_t width, std::uint32_t height) {
@@ -36,9 +32,9 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
       triangles_(device),
       shading_(device, size_),
       constants_(Buffer::of<shared::RenderFrame>(device, kInFlight, Memory::upload, "frame constants")),
-      depth_(words(device, samples(), "frame depth")),
-      normalSums_(words(device, 4 * samples(), "frame normal sums")),
-      colorSums_(words(device, 3 * samples(), "frame color sums")) {}
+      depth_(deviceWords(device, samples(), "frame depth")),
+      normalSums_(deviceWords(device, 4 * samples(), "frame normal sums")),
+      colorSums_(deviceWords(device, 3 * samples(), "frame color sums")) {}
 
 void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
   const Drawn about = drawn(cloud, options);

@@ -5,14 +5,6 @@
 
 namespace palpate {
 
-namespace {
-
-Buffer words(Device& device, std::uint64_t count, const char* name) {
-  return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
-}
-
-}  // namespace
-
 Shading::Shading(Device& device, const FrameSize& size)
     : device_(device),
       size_(size),
@@ -21,14 +13,14 @@ Shading::Shading(Device& device, const FrameSize& size)
       shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs)}),
       resolve_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs), .constants = {0}}),
       overlay_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs), .constants = {1}}),
-      smoothed_(words(device, 0, "frame smoothed depth")),
-      source_(words(device, samples(), "frame source")),
-      shaded_(words(device, 2 * samples(), "frame shaded")),
-      image_(words(device, pixels(), "frame image")),
-      depthImage_(words(device, pixels(), "frame depth image")) {}
+      smoothed_(deviceWords(device, 0, "frame smoothed depth")),
+      source_(deviceWords(device, samples(), "frame source")),
+      shaded_(deviceWords(device, 2 * samples(), "frame shaded")),
+      image_(deviceWords(device, pixels(), "frame image")),
+      depthImage_(deviceWords(device, pixels(), "frame depth image")) {}
 
 DeviceAddress Shading::recordSmoothing(CommandList& list, const RasterTarget& target) {
-  if (smoothed_.bytes() == 0) smoothed_ = words(device_, samples(), "frame smoothed depth");
+  if (smoothed_.bytes() == 0) smoothed_ = deviceWords(device_, samples(), "frame smoothed depth");
   const auto section = list.section("smooth");
   list.dispatch(smoothDepth_, samples(),
                 shared::SmoothDepthArgs{.frame = target.frame, .depth = target.depth, .smoothed = smoothed_.address()});

@@ -37,10 +37,6 @@ std::uint64_t dirtyWords(std::uint64_t moves, const HashGrid& grid) {
   return 1 + std::uint64_t{shared::dirtyListFrom(grid)} + dirtyListFor(moves, std::uint64_t{grid.bucketMask} + 1);
 }
 
-Buffer words(Device& device, std::uint64_t count, const char* name) {
-  return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
-}
-
 }  // namespace
 
 std::uint32_t HashUpdate::spareSlots(std::uint64_t points) {
@@ -62,14 +58,15 @@ HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud&
       counters_(Buffer::of<shared::HashUpdate>(device, 1, Memory::device, "update counters")),
       report_(Buffer::of<shared::HashUpdate>(device, 1, Memory::readback, "update report")),
       moves_(Buffer::of<shared::PointMove>(device, mostMoves_, Memory::device, "point moves")),
-      marks_(words(device, hash.grid().bucketMask + 1, "bucket marks")),
-      touched_(words(device, (kBucketsPerMove + kWordsPerArrival) * std::uint64_t{mostMoves_}, "touched buckets")),
+      marks_(deviceWords(device, hash.grid().bucketMask + 1, "bucket marks")),
+      touched_(
+          deviceWords(device, (kBucketsPerMove + kWordsPerArrival) * std::uint64_t{mostMoves_}, "touched buckets")),
       fitted_(Buffer::of<Vec4>(device, mostMoves_, Memory::device, "fitted normals")),
-      changed_(words(device, mostMoves_, "changed slots")),
-      bySlot_(words(device, live.slots(), "moves of slots")),
-      dirty_(words(device, dirtyWords(mostMoves_, hash.grid()), "dirty buckets")),
-      capacities_{words(device, hash.grid().bucketMask + 1, "bucket capacities"),
-                  words(device, hash.grid().bucketMask + 1, "bucket capacities")} {
+      changed_(deviceWords(device, mostMoves_, "changed slots")),
+      bySlot_(deviceWords(device, live.slots(), "moves of slots")),
+      dirty_(deviceWords(device, dirtyWords(mostMoves_, hash.grid()), "dirty buckets")),
+      capacities_{deviceWords(device, hash.grid().bucketMask + 1, "bucket capacities"),
+                  deviceWords(device, hash.grid().bucketMask + 1, "bucket capacities")} {
   const UVec3 none(0, 1, 1);
   const shared::HashUpdate begin{.moveGroups = none,
                                  .movedGroups = none,

@@ -12,10 +12,10 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint64_t kWord = sizeof(std::uint32_t);
+constexpr std::uint64_t kCounterBytes = sizeof(std::uint32_t);
 // The scratch begins with the next tile of each pass, then the histograms, then the tiles' words of each pass.
-constexpr std::uint64_t kHistogramsAt = shared::kSortMaxPasses * kWord;
-constexpr std::uint64_t kTilesAt = kHistogramsAt + shared::kSortMaxPasses * shared::kSortRadix * kWord;
+constexpr std::uint64_t kHistogramsAt = shared::kSortMaxPasses * kCounterBytes;
+constexpr std::uint64_t kTilesAt = kHistogramsAt + shared::kSortMaxPasses * shared::kSortRadix * kCounterBytes;
 
 // A tile is what one workgroup sorts. How fast that goes is decided by how many keys a processor of the GPU has under
 // way, in several workgroups that hide each other's waits, and that by shared memory: NVIDIA's Vulkan driver gives all
@@ -30,7 +30,7 @@ std::uint64_t tilesFor(const RadixDigit& digit, std::uint64_t count) {
 }
 
 std::uint64_t tileBytes(const RadixDigit& digit, std::uint64_t count) {
-  return tilesFor(digit, count) * kWord << digit.bits;
+  return tilesFor(digit, count) * kCounterBytes << digit.bits;
 }
 
 constexpr std::uint32_t kHistogramWorkgroup = 1024, kHistogramBytes = 24 * 1024;
@@ -40,7 +40,7 @@ PipelineOptions histogramOptions(std::uint32_t keyBits) {
   const auto passes = static_cast<std::uint32_t>(std::max<std::size_t>(1, digits.size()));
   const std::uint32_t mostBits = digits.empty() ? 1 : digits.front().bits;  // the longer ones come first
   // Two workgroups fill a processor with invocations, so that each may have half of its shared memory.
-  constexpr std::uint32_t kMostCounters = kHistogramBytes / kWord;
+  constexpr std::uint32_t kMostCounters = kHistogramBytes / kCounterBytes;
   const std::uint32_t copies = std::min(32u, std::bit_floor((kMostCounters / passes) >> mostBits));
   return {.workgroupSize = kHistogramWorkgroup,
           .pushBytes = sizeof(shared::RadixHistogramArgs),
@@ -71,7 +71,7 @@ bool LookBackSort::fits(const Device& device, std::uint32_t keyBits) {
   return std::ranges::all_of(radixDigits(keyBits), [&](const RadixDigit& digit) {
     const std::uint32_t radix = 1u << digit.bits;
     const std::uint32_t pool = std::max(subgroups * radix, kSweepWorkgroup * itemsFor(digit));
-    return (pool + radix) * kWord + kRest <= sharedBytes(device);
+    return (pool + radix) * kCounterBytes + kRest <= sharedBytes(device);
   });
 }
 
@@ -94,16 +94,17 @@ PairSort::Sorted LookBackSort::record(CommandList& list, const Io& io, std::uint
   DeviceAddress tiles = scratch + kTilesAt;
   for (std::size_t pass = 0; pass < sweeps_.size(); ++pass) {
     const RadixDigit& digit = sweeps_[pass].digit;
-    list.dispatch(sweeps_[pass].pipeline, tilesFor(digit, count) * kSweepWorkgroup,
-                  shared::RadixSweepArgs{.keysIn = from.keys,
-                                         .valuesIn = from.values,
-                                         .keysOut = to.keys,
-                                         .valuesOut = to.values,
-                                         .histogram = scratch + kHistogramsAt + pass * shared::kSortRadix * kWord,
-                                         .nextTile = scratch + pass * kWord,
-                                         .tiles = tiles,
-                                         .count = count,
-                                         .shift = digit.shift});
+    list.dispatch(
+        sweeps_[pass].pipeline, tilesFor(digit, count) * kSweepWorkgroup,
+        shared::RadixSweepArgs{.keysIn = from.keys,
+                               .valuesIn = from.values,
+                               .keysOut = to.keys,
+                               .valuesOut = to.values,
+                               .histogram = scratch + kHistogramsAt + pass * shared::kSortRadix * kCounterBytes,
+                               .nextTile = scratch + pass * kCounterBytes,
+                               .tiles = tiles,
+                               .count = count,
+                               .shift = digit.shift});
     tiles += tileBytes(digit, count);
     std::swap(from, to);
   }

@@ -12,10 +12,6 @@ namespace palpate {
 
 namespace {
 
-Buffer words(Device& device, std::uint64_t count, const char* name) {
-  return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
-}
-
 std::uint32_t keyBits(const HashGrid& grid, Slots slots) {
   const std::uint32_t last = slots == Slots::spare ? shared::emptyBucket(grid) : grid.bucketMask;
   return static_cast<std::uint32_t>(std::bit_width(last));
@@ -33,10 +29,10 @@ Buffer makeRanges(Device& device, std::uint32_t buckets) {
 }  // namespace
 
 HashBuildScratch::HashBuildScratch(Device& device, std::uint32_t slots)
-    : keys(words(device, slots, "hash keys")),
-      order(words(device, slots, "hash order")),
-      keysAlt(words(device, slots, "hash keys alt")),
-      orderAlt(words(device, slots, "hash order alt")) {}
+    : keys(deviceWords(device, slots, "hash keys")),
+      order(deviceWords(device, slots, "hash order")),
+      keysAlt(deviceWords(device, slots, "hash keys alt")),
+      orderAlt(deviceWords(device, slots, "hash order alt")) {}
 
 SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, SortMethod sort,
                          BucketOrder order, Slots slots, Queue* queue)

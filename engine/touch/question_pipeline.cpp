@@ -11,7 +11,6 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPoll_us = 1;    // a budget that lets no thread sleep
 constexpr double kSleep_us = 40;  // between polls, where spinning would starve the driver
 
 // A question that was submitted ahead ends within so long after it was withdrawn, where the GPU hears the host at all.

@@ -19,6 +19,8 @@ namespace palpate {
 
 class Device;
 
+inline constexpr double kPoll_us = 1;  ///< a budget that lets no thread sleep
+
 /// The probes of a hand, numbered through all hands.
 struct ProbeRange {
   std::uint32_t first = 0, count = 0;

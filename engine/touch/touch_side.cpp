@@ -13,8 +13,6 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPoll_us = 1;  // a budget that lets no thread sleep
-
 // RGBA8 of every point; none where the cloud has none and none are painted.
 std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const TouchOptions& options) {
   std::vector<std::uint32_t> colors;

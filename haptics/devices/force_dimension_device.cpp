@@ -8,20 +8,20 @@
 namespace palpate {
 namespace {
 
-constexpr double kMm_per_m = 1000;
+constexpr double kMm_per_metre = 1000;
 constexpr unsigned char kWatchdog_ms = 20;
 
 /// Per device: what it bears, and the half edges of a cube that lies within its reach.
-struct ModelLimits {
+struct DhdModel {
   std::string_view name;
   double peak_N, continuous_N, reach_mm;
 };
-constexpr ModelLimits kModels[]{
+constexpr DhdModel kDhdModels[]{
     {"omega", 12, 12, 55},  {"delta", 20, 20, 130}, {"sigma", 20, 20, 70},
     {"lambda", 20, 20, 70}, {"alcon", 8, 8, 50},    {"", 8, 8, 50},
 };
 
-VendorLibrary loaded() {
+VendorLibrary loadedDhd() {
   VendorLibrary library(dhd::librarySearch());
   if (!library.isLoaded()) throw Error("dhd: {}", library.whyNot());
   return library;
@@ -29,7 +29,7 @@ VendorLibrary loaded() {
 
 }  // namespace
 
-ForceDimensionDevice::ForceDimensionDevice(int index) : library_(loaded()), dhd_(library_) {
+ForceDimensionDevice::ForceDimensionDevice(int index) : library_(loadedDhd()), dhd_(library_) {
   const int id = dhd_.openID(static_cast<char>(index));
   if (id < 0)
     throw Error(
@@ -45,7 +45,7 @@ ForceDimensionDevice::ForceDimensionDevice(int index) : library_(loaded()), dhd_
     facts_.driver = fmt::format("{}.{}.{}.{}", parts[0], parts[1], parts[2], parts[3]);
   }
   const auto model = std::ranges::find_if(
-      kModels, [&](const ModelLimits& limits) { return facts_.model.find(limits.name) != std::string::npos; });
+      kDhdModels, [&](const DhdModel& limits) { return facts_.model.find(limits.name) != std::string::npos; });
   facts_.workspaceMin_mm = DVec3(-model->reach_mm);
   facts_.workspaceMax_mm = DVec3(model->reach_mm);
   limits_ = {
@@ -80,7 +80,7 @@ DeviceState ForceDimensionDevice::read(double /*time_s*/) noexcept {
     fail("the driver gives a position that is no number");
     return {};
   }
-  return {.position = kMm_per_m * DVec3(y_m, z_m, x_m), .buttons = dhd_.getButtonMask(device_), .ok = true};
+  return {.position = kMm_per_metre * DVec3(y_m, z_m, x_m), .buttons = dhd_.getButtonMask(device_), .ok = true};
 }
 
 bool ForceDimensionDevice::write(const DVec3& force_N) noexcept {

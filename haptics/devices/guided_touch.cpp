@@ -9,7 +9,7 @@ namespace {
 
 // An aim that jumps from picture to picture becomes a motion: it is approached with this time constant, and not faster
 // than a quick hand.
-constexpr double kGlide_s = 0.03, kFastest_mm_per_s = 600;
+constexpr double kGlide_s = 0.03, kMaxGlide_mm_per_s = 600;
 constexpr double kSmallestStep_mm = 1e-3;  // of what the stylus tells: no encoder that could be felt
 
 const DVec3 kNoStops_mm(1e6);  // a mouse has none
@@ -31,7 +31,7 @@ GuidedTouch::GuidedTouch(const WorkspaceMap& map, const DVec3& parked)
           [this, unitsPer_mm = map.scale](double time_s) {
             const double dt_s = std::max(time_s - std::exchange(glideTime_s_, time_s), 0.0);
             const DVec3 way = (last_.lifted ? parked_ : last_.place) - glide_;
-            const double length = glm::length(way), farthest = kFastest_mm_per_s * unitsPer_mm * dt_s;
+            const double length = glm::length(way), farthest = kMaxGlide_mm_per_s * unitsPer_mm * dt_s;
             double share = 1 - std::exp(-dt_s / kGlide_s);
             if (share * length > farthest) share = farthest / length;
             glide_ += share * way;

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kFastest_mm_per_s = 120;  // at the full push: across the workspace in a second or so
+constexpr double kMaxPush_mm_per_s = 120;  // at the full push: across the workspace in a second or so
 constexpr double kEase_s = 0.03;           // reports come every 4 to 16 ms, and the hand goes smoothly all the same
 // How far the intention may be ahead of the stylus: with the cap at rest and with the full push. Times the stiffness of
 // the hand that is the force with which it presses: 0.3 N, and a little less than a Touch can answer at most.
@@ -20,7 +20,7 @@ constexpr double kYield_s = 0.1;
 // Of the hand. Critical for its mass between its own spring and a surface of 1.5 N/mm, so that a push into a wall comes
 // to rest there, also at a few hundred ticks per second; there is no real hand that would have to feel it.
 constexpr double kDamping_N_s_per_mm = 0.02;
-constexpr double kWait_s = 0.5;  // forces ramp up for so long
+constexpr double kForceRamp_s = 0.5;  // forces ramp up for so long
 
 SimulatedTouchOptions steeredHand() {
   SimulatedTouchOptions hand = guidedHand(kTouchWorkspace_mm);
@@ -55,11 +55,11 @@ DeviceState HidDevice::read(double time_s) noexcept {
     intended_mm_ = position_mm_;
     speed_mm_per_s_ = DVec3(0);
     intendedTime_s_ = time_s;
-    waitsUntil_s_ = time_s + kWait_s;
+    waitsUntil_s_ = time_s + kForceRamp_s;
     hand_.putDown(time_s);
   }
   const bool waits = time_s < waitsUntil_s_;
-  asked_mm_per_s_ = waits ? DVec3(0) : kFastest_mm_per_s * push.motion.push;
+  asked_mm_per_s_ = waits ? DVec3(0) : kMaxPush_mm_per_s * push.motion.push;
   DeviceState state = hand_.read(time_s);
   state.buttons = push.motion.buttons;
   position_mm_ = state.position;
@@ -70,7 +70,7 @@ DVec3 HidDevice::intendedAt(double time_s) noexcept {
   const double dt_s = time_s - std::exchange(intendedTime_s_, time_s);
   if (!(dt_s > 0)) return intended_mm_;
   speed_mm_per_s_ += (1 - std::exp(-dt_s / kEase_s)) * (asked_mm_per_s_ - speed_mm_per_s_);
-  const double push = glm::length(speed_mm_per_s_) / kFastest_mm_per_s;
+  const double push = glm::length(speed_mm_per_s_) / kMaxPush_mm_per_s;
   const double enough_mm = kAheadAtRest_mm + push * (kFarthestAhead_mm - kAheadAtRest_mm);
   const DVec3 hand_mm = hand_.position_mm(), ahead_mm = intended_mm_ - hand_mm + dt_s * speed_mm_per_s_;
   const double before_mm = glm::distance(intended_mm_, hand_mm), length_mm = glm::length(ahead_mm);

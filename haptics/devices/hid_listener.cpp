@@ -11,7 +11,7 @@ namespace {
 constexpr double kDeadCap = 0.06, kDeadStick = 0.15;
 constexpr int kPatience_ms = 50;  // of a read: how late the listener hears that it should stop
 // A cap that is held reports all the time; silence for so long means that it was let go and nobody heard.
-constexpr double kSilence_s = 0.5;
+constexpr double kReportTimeout_s = 0.5;
 
 bool isPad(const HidInfo& device) { return kindOf(device) == HidKind::dualSense; }
 
@@ -60,7 +60,7 @@ void HidListener::listen(const std::stop_token& stop) {
     } else if (*bytes > 0 && take_({report.data(), std::min(*bytes, report.size())}, motion)) {
       heard = Stopwatch();
       publish(true);
-    } else if (heard.elapsed_s() > kSilence_s && (motion.push != DVec3(0) || motion.turn != DVec3(0))) {
+    } else if (heard.elapsed_s() > kReportTimeout_s && (motion.push != DVec3(0) || motion.turn != DVec3(0))) {
       motion.push = motion.turn = DVec3(0);
       publish(true);
     }

@@ -20,11 +20,11 @@ using namespace hdapi;
 using namespace std::chrono_literals;
 
 /// What each model bears and still renders calmly, whatever its driver says; a name stands before those it contains.
-struct ModelLimits {
+struct HdModel {
   std::string_view name;
   double peak_N, stiffness_N_per_mm, damping_N_s_per_mm;
 };
-constexpr ModelLimits kModels[]{
+constexpr HdModel kHdModels[]{
     {"Touch X", 7.9, 1.0, 0.005}, {"Desktop", 7.9, 1.0, 0.005}, {"Premium", 8.5, 0.8, 0.005},
     {"Omni", 3.3, 0.7, 0.005},    {"", 3.3, 0.4, 0.005},
 };
@@ -40,7 +40,7 @@ constexpr double kZeroWait_us = 5000;
 constexpr std::size_t kMostMotors = 8;
 constexpr double kDriverRate_Hz = 1000;
 
-VendorLibrary loaded() {
+VendorLibrary loadedHd() {
   VendorLibrary library(librarySearch());
   if (!library.isLoaded()) throw Error("openhaptics: {}", library.whyNot());
   return library;
@@ -81,7 +81,7 @@ double upTo(double most, double told) { return std::isfinite(told) && told > 0 ?
 }  // namespace
 
 OpenHapticsDevice::OpenHapticsDevice(const OpenHapticsOptions& options)
-    : options_(options), library_(loaded()), hd_(library_), calls_(std::make_shared<Calls>()) {
+    : options_(options), library_(loadedHd()), hd_(library_), calls_(std::make_shared<Calls>()) {
   whileSchedulerStands(hd_, [this] {
     open();
     return 1;
@@ -174,7 +174,7 @@ void OpenHapticsDevice::learnFacts() {
 
 void OpenHapticsDevice::learnLimits() {
   const auto model = std::ranges::find_if(
-      kModels, [&](const ModelLimits& limits) { return facts_.model.find(limits.name) != std::string::npos; });
+      kHdModels, [&](const HdModel& limits) { return facts_.model.find(limits.name) != std::string::npos; });
   double peak_N = 0, continuous_N = 0, heat[kMostMotors]{};
   hd_.getDoublev(kMaxForce, &peak_N);
   hd_.getDoublev(kMaxContinuousForce, &continuous_N);

@@ -13,8 +13,8 @@ constexpr int kLeastTap = 130, kMostTap = 255;
 constexpr int kLeastHum = 24, kMostHum = 200, kHumStep = 8;  // below the least the heavy motor does not turn
 constexpr double kSmallestShare = 0.01;
 constexpr auto kPeriod = std::chrono::milliseconds(10);
-constexpr double kSilence_s = 0.1;  // no servo loop pauses so long
-constexpr double kAgain_s = 0.5;    // a report may be lost
+constexpr double kForceTimeout_s = 0.1;  // no servo loop pauses so long
+constexpr double kAgain_s = 0.5;         // a report may be lost
 
 static_assert(std::atomic<HidConnection*>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
                   std::atomic<float>::is_always_lock_free,
@@ -100,7 +100,7 @@ void Rumble::drive(const std::stop_token& stop) {
     const std::uint32_t ticks = ticks_.load(std::memory_order_relaxed);
     if (std::exchange(heard, ticks) != ticks) heardAt_s = now_s;
     RumbleMotors motors = shape.at(now_s, share_.load(std::memory_order_relaxed), contacts_.load());
-    if (stopped_ || now_s - heardAt_s > kSilence_s) motors = {};
+    if (stopped_ || now_s - heardAt_s > kForceTimeout_s) motors = {};
     if (motors != sent_ || (motors != RumbleMotors{} && now_s - sentAt_s > kAgain_s)) {
       send(motors);
       sentAt_s = now_s;

@@ -12,7 +12,7 @@ constexpr double kStep_s = 50e-6;   // twenty steps of physics in a tick of 1 kH
 constexpr double kUsedShare = 0.9;  // of the workspace; the rest keeps the hand clear of the stops
 constexpr double kMm_per_m = 1000;  // 1 N on 1 kg gives 1 m/s^2
 
-void checkOption(double value, const char* name, bool mayBeZero = true) {
+void checkDeviceOption(double value, const char* name, bool mayBeZero = true) {
   if (!std::isfinite(value) || value < 0 || (value == 0 && !mayBeZero))
     throw UsageError("{} is {}; it must be finite and {}", name, value, mayBeZero ? "zero or more" : "above zero");
 }
@@ -33,14 +33,14 @@ SimulatedTouch::SimulatedTouch(Path path, const WorkspaceMap& map, const Simulat
 
 SimulatedTouch::SimulatedTouch(Intention intention, const WorkspaceMap& map, const SimulatedTouchOptions& options)
     : intention_(std::move(intention)), map_(map), options_(options) {
-  checkOption(options.handStiffness_N_per_mm, "the hand's stiffness (N/mm)");
-  checkOption(options.handDamping_N_s_per_mm, "the hand's damping (N s/mm)");
-  checkOption(options.mass_kg, "the mass of the stylus (kg)", false);
-  checkOption(options.viscosity_N_s_per_mm, "the viscosity of the joints (N s/mm)");
-  checkOption(options.friction_N, "the friction of the joints (N)");
-  checkOption(options.encoderStep_mm, "the encoder's step (mm)", false);
-  checkOption(options.lead_s, "the time before the path begins (s)");
-  checkOption(map.scale, "the scale of the workspace", false);
+  checkDeviceOption(options.handStiffness_N_per_mm, "the hand's stiffness (N/mm)");
+  checkDeviceOption(options.handDamping_N_s_per_mm, "the hand's damping (N s/mm)");
+  checkDeviceOption(options.mass_kg, "the mass of the stylus (kg)", false);
+  checkDeviceOption(options.viscosity_N_s_per_mm, "the viscosity of the joints (N s/mm)");
+  checkDeviceOption(options.friction_N, "the friction of the joints (N)");
+  checkDeviceOption(options.encoderStep_mm, "the encoder's step (mm)", false);
+  checkDeviceOption(options.lead_s, "the time before the path begins (s)");
+  checkDeviceOption(map.scale, "the scale of the workspace", false);
 }
 
 DeviceLimits SimulatedTouch::limits() const { return {.forceDelay_ticks = 1}; }

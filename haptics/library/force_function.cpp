@@ -2,14 +2,11 @@
 
 #include "engine/core/error.hpp"
 #include "haptics/devices/shared_library.hpp"
+#include "haptics/library/options.hpp"
 
 namespace palpate::library {
 
 namespace {
-
-void put(const DVec3& vector, double (&to)[3]) {
-  for (int k = 0; k < 3; ++k) to[k] = vector[k];
-}
 
 pp_force_law loaded(const std::string& library) {
   const std::size_t colon = library.rfind(':');
@@ -27,9 +24,9 @@ pp_force_law loaded(const std::string& library) {
 
 pp_contact contactOf(const Contact& contact, const DVec3& hip, const DVec3& force_N, double mm_per_unit) {
   pp_contact told{};
-  put(contact.proxy, told.proxy);
-  put(contact.normal, told.normal);
-  put(force_N, told.force_N);
+  putVector(contact.proxy, told.proxy);
+  putVector(contact.normal, told.normal);
+  putVector(force_N, told.force_N);
   told.penetration_mm = contact.touching ? mm_per_unit * glm::length(contact.proxy - hip) : 0;
   told.neighbours = contact.neighbours;
   told.contact = contact.touching;
@@ -46,7 +43,7 @@ DVec3 ForceFunction::call(void* user, const Contact& contact, const Pose& pose, 
   const auto& self = *static_cast<const ForceFunction*>(user);
   pp_pose told{};
   told.t_s = pose.time_s;
-  put(pose.hip, told.hip);
+  putVector(pose.hip, told.hip);
   told.feels = !pose.sculpts;
   const pp_contact answer = contactOf(contact, pose.hip, usual_N, self.mm_per_unit_);
   double force_N[3]{};

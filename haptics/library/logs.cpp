@@ -21,20 +21,16 @@ struct LogObject {
 
 namespace {
 
-void put(const DVec3& vector, double (&to)[3]) {
-  for (int k = 0; k < 3; ++k) to[k] = vector[k];
-}
-
 pp_log_tick tickOf(const LoggedTick& tick) {
   pp_log_tick told{};
   told.t_s = tick.time_s;
-  put(tick.device, told.device);
+  putVector(tick.device, told.device);
   told.turn[0] = tick.turn.w;
   told.turn[1] = tick.turn.x;
   told.turn[2] = tick.turn.y;
   told.turn[3] = tick.turn.z;
-  put(tick.proxy, told.proxy);
-  put(tick.force_N, told.force_N);
+  putVector(tick.proxy, told.proxy);
+  putVector(tick.force_N, told.force_N);
   told.edits = tick.edits;
   told.neighbours = tick.neighbours;
   told.buttons = tick.buttons();
@@ -79,7 +75,7 @@ std::shared_ptr<LogObject> logOf(const std::string& file) {
   view.lost_ticks = record.end ? record.end->lostTicks : 0;
   view.merged_edits = record.mergedEdits;
   view.map_scale = session.map.scale;
-  put(session.map.offset, view.map_offset);
+  putVector(session.map.offset, view.map_offset);
   view.ended = record.end.has_value();
   return log;
 }

@@ -12,10 +12,6 @@ namespace {
 
 constexpr float kUnits_per_m = 1e3f;  // of a scene: millimetres
 
-void put(const DVec3& vector, double (&to)[3]) {
-  for (int k = 0; k < 3; ++k) to[k] = vector[k];
-}
-
 // Soft bodies are moved by the CPU unless somebody names a GPU.
 std::string backendOf(const MatterScene& scene, const pp_matter_options& options) {
   return scene.matter == Matter::soft && !options.gpu && !options.vulkan
@@ -108,10 +104,10 @@ pp_matter_state OpenMatter::state() const {
   state.t_s = seen.time_s;
   state.kinetic_J = seen.kinetic_J;
   state.potential_J = seen.potential_J;
-  put(seen.momentum, state.momentum_kg_m_s);
+  putVector(seen.momentum, state.momentum_kg_m_s);
   state.max_compression = seen.maxCompression;
   state.front_mm = static_cast<double>(kUnits_per_m) * seen.front_m;
-  if (world_->model()) put(world_->onModel().force_N, state.on_model_N);
+  if (world_->model()) putVector(world_->onModel().force_N, state.on_model_N);
   putText(machine_, state.machine);
   return state;
 }

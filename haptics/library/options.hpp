@@ -49,6 +49,10 @@ void giveInfo(Info* to, Info value, std::string_view name) {
   std::memcpy(to, &value, to->size);
 }
 
+inline void putVector(const DVec3& vector, double (&to)[3]) {
+  for (int k = 0; k < 3; ++k) to[k] = vector[k];
+}
+
 /// Cut off where it does not fit.
 template <std::size_t kSize>
 void putText(std::string_view text, char (&to)[kSize]) {

@@ -9,7 +9,6 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::uint32_t kDropped = 0xffffffff;
 constexpr std::size_t kMostBricks = 200'000;  // that are known, or come, at once
 
 }  // namespace
@@ -42,7 +41,7 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
   for (std::uint32_t i = 0; i < sample.parts._length; ++i) {
     const BrickPart& part = sample.parts._buffer[i];
     require(BrickGrid::isKey(part.key), "a brick has no such place");
-    if (part.total == kDropped) {
+    if (part.total == kBrickDropped) {
       next_.dropped.push_back(part.key);
       require(next_.dropped.size() <= kMostBricks, "too many bricks");
       continue;

@@ -8,7 +8,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kKept = 1.3;              // radii of a ball up to which a brick is kept that has come
+constexpr double kKeptRadii = 1.3;         // radii of a ball up to which a brick is kept that has come
 constexpr std::size_t kMostKept = 60'000;  // bricks; those that are wanted are fewer
 
 }  // namespace
@@ -72,7 +72,7 @@ void BrickLedger::dropFar(std::span<const Ball> balls, const ServedBricks& brick
   const BrickGrid& grid = bricks.grid();
   const auto isNear = [&](BrickKey key) {
     return std::ranges::any_of(balls, [&](const Ball& ball) {
-      const double radius = kKept * std::min(ball.radius, kMostReach_edges * grid.edge()) + grid.edge();
+      const double radius = kKeptRadii * std::min(ball.radius, kMostReach_edges * grid.edge()) + grid.edge();
       return grid.distance(BrickGrid::brickOf(key), ball.center) <= radius;
     });
   };

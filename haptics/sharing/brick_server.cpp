@@ -6,28 +6,27 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostClients = 64;     // at a time; one more takes the place of who was heard longest ago,
-constexpr double kGone_s = 5;                // and so long ago: who is near his hand asks twenty times a second
-constexpr std::int32_t kMostWaiting = 4096;  // requests
-constexpr double kLooking_s = 0.005;         // of a turn, for what they ask for: others wait, too
-constexpr double kShowApart_s = 0.005;       // between two times that a frame is looked through
-constexpr double kForgotten_s = 30;          // a client that says nothing for so long is gone
-constexpr LedgerLimits kStill{.known = 1 << 17, .atOnce = 1024};
-constexpr LedgerLimits kMoving{.known = 1 << 13, .atOnce = 1 << 13};
+constexpr std::size_t kMaxBrickClients = 64;      // at a time; one more takes the place of who was heard longest ago,
+constexpr double kHandTimeout_s = 5;              // and so long ago: who is near his hand asks twenty times a second
+constexpr std::int32_t kMaxBrickRequests = 4096;  // requests
+constexpr double kLooking_s = 0.005;              // of a turn, for what they ask for: others wait, too
+constexpr double kShowApart_s = 0.005;            // between two times that a frame is looked through
+constexpr double kClientTimeout_s = 30;           // a client that says nothing for so long is gone
+constexpr LedgerLimits kStillLimits{.known = 1 << 17, .atOnce = 1024};
+constexpr LedgerLimits kMovingLimits{.known = 1 << 13, .atOnce = 1 << 13};
 constexpr std::uint64_t kFewestSamples = 256, kMostSamples = 1024;  // on their way to a client
 constexpr double kProbe_s = 1;     // after which a client is shown that something has come before
 constexpr double kSoon_s = 0.002;  // a link that has no room
 constexpr double kIdle_s = 0.05;
 // Of a sample, which is one frame of Ethernet (messages.hpp).
 constexpr std::size_t kRoom_bytes = 1200, kHead_bytes = 16, kPoint_bytes = 32, kVelocity_bytes = 12;
-constexpr std::uint32_t kDropped = 0xffffffff;
 
 }  // namespace
 
 BrickServer::BrickServer(const Parts& parts)
     : parts_(parts),
       facts_(parts.participant, parts.topics.facts, reliableQos(true)),
-      nears_(parts.participant, parts.topics.nears, keepingLast(bestEffortQos(), kMostWaiting)),
+      nears_(parts.participant, parts.topics.nears, keepingLast(bestEffortQos(), kMaxBrickRequests)),
       bricks_(parts.facts.edge) {
   const FarFacts& known = parts.facts;
   set(said_.session, parts.session);
@@ -58,7 +57,7 @@ void BrickServer::take() {
   nears_.take([&](const Near& near) {
     if (isSame(near.session, parts_.session)) take(near);
   });
-  std::erase_if(clients_, [](const auto& client) { return client.second.heard.elapsed_s() > kForgotten_s; });
+  std::erase_if(clients_, [](const auto& client) { return client.second.heard.elapsed_s() > kClientTimeout_s; });
 }
 
 bool BrickServer::isWhole(const Near& near) const {
@@ -74,10 +73,10 @@ bool BrickServer::isWhole(const Near& near) const {
 BrickServer::Client* BrickServer::clientOf(const Near& near) {
   const Id id = idOf(near.client);
   if (const auto there = clients_.find(id); there != clients_.end()) return &there->second;
-  if (clients_.size() >= kMostClients) {
+  if (clients_.size() >= kMaxBrickClients) {
     const auto last =
         std::ranges::max_element(clients_, {}, [](const auto& entry) { return entry.second.heard.elapsed_s(); });
-    if (last->second.heard.elapsed_s() < kGone_s) return nullptr;
+    if (last->second.heard.elapsed_s() < kHandTimeout_s) return nullptr;
     clients_.erase(last);
   }
   ++counts_.clients;
@@ -219,10 +218,10 @@ bool BrickServer::begin(const Id& id, Client& client) {
   if (client.epoch == 0 || !isNews || !mayBegin(client)) return false;
   const bool moves = parts_.facts.moves;
   if (moves && !shown_.since) return false;
-  Outgoing going{
-      .step = client.ledger.next(client.wanted.balls, client.wanted.bricks, bricks_, moves ? kMoving : kStill),
-      .true_s = bricks_.true_s(),
-      .acked = client.acked};
+  Outgoing going{.step = client.ledger.next(client.wanted.balls, client.wanted.bricks, bricks_,
+                                            moves ? kMovingLimits : kStillLimits),
+                 .true_s = bricks_.true_s(),
+                 .acked = client.acked};
   client.wantsMore = !going.step.whole;
   client.seen = bricks_.version();
   if (going.step.whole) going.acked = acked;
@@ -241,7 +240,7 @@ void BrickServer::fill(Bricks& sample, Outgoing& going) {
   std::size_t room = kRoom_bytes;
   const BrickLedger::Step& step = going.step;
   for (; going.gone.dropped < step.dropped.size() && room >= kHead_bytes; ++going.gone.dropped, room -= kHead_bytes)
-    heads_.push_back({.key = step.dropped[going.gone.dropped], .total = kDropped, .count = 0});
+    heads_.push_back({.key = step.dropped[going.gone.dropped], .total = kBrickDropped, .count = 0});
   while (going.gone.brick < step.bricks.size() && room >= kHead_bytes) {
     const auto& [key, brick] = step.bricks[going.gone.brick];
     const bool moves = !brick->velocities.empty();

@@ -19,7 +19,7 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kLook_s = 0.05;         // how often an end that is asked for is seen
+constexpr double kEndPoll_s = 0.05;      // how often an end that is asked for is seen
 constexpr double kAskAgain_s = 3;        // for what has not come; what is lost on the way DDS sends again by itself
 constexpr double kSecondServer_s = 0.3;  // in which another session of the same name is found, if there is one
 constexpr double kFewestAhead = 64, kMostAhead = 4096;  // blocks that are asked for and have not come
@@ -51,7 +51,7 @@ class Fetch {
     while (complete_ < blocks_) {
       if (options_.stop && options_.stop()) throw NetworkError("interrupted after {} of {} points", taken_, points_);
       ask();
-      wait_.sleep(kLook_s);
+      wait_.sleep(kEndPoll_s);
       const std::uint64_t before = taken_;
       reader_.take([&](const Block& block) { take(block); });
       if (taken_ != before) lastCame_ = {};
@@ -154,7 +154,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
   std::vector<SessionNotice> known;
   do {
     if (options.stop && options.stop()) throw NetworkError("interrupted while '{}' was looked for", name);
-    known = notices.listenFor(name, kLook_s);
+    known = notices.listenFor(name, kEndPoll_s);
   } while (std::ranges::find(known, name, &SessionNotice::name) == known.end() &&
            since.elapsed_s() < options.patience_s);
   known = notices.listen(kSecondServer_s, options.stop);
@@ -202,7 +202,7 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
   Stopwatch lastCame, lastAsked;
   for (bool isWhole = false; !isWhole;) {
     throwIfStopped(options.stop);
-    wait.sleep(kLook_s);
+    wait.sleep(kEndPoll_s);
     bool again = lastAsked.elapsed_s() > kAskAgain_s && lastCame.elapsed_s() > kAskAgain_s;
     results.take([&](const Result& result) {
       const std::optional<Results> said = resultsOf(session, result, states.size(), come);

@@ -23,18 +23,18 @@ using namespace sharing;
 namespace {
 
 constexpr std::size_t kLongestName = 200;
-constexpr std::size_t kMostClients =
-    64;                            // at a time; one more takes the place of who has asked for nothing for longest,
-constexpr double kGone_s = 5;      // and for so long: who waits for points asks again before
-constexpr double kFull_s = 0.002;  // after which links that had no room are tried again
-constexpr std::int32_t kMostWaiting = 4096;  // requests, and pings
+constexpr std::size_t kMaxFollowers =
+    64;  // at a time; one more takes the place of who has asked for nothing for longest,
+constexpr double kFollowerTimeout_s = 5;     // and for so long: who waits for points asks again before
+constexpr double kFull_s = 0.002;            // after which links that had no room are tried again
+constexpr std::int32_t kMaxRequests = 4096;  // requests, and pings
 // Blocks that are kept for clients who may not have them yet, 1.4 KB each: of all together, and what each may have of
 // them.
-constexpr std::uint64_t kMostUnacked = 65'536, kLeastUnacked = 512;
-constexpr double kLook_s = 0.05;        // how often an end that is asked for is seen
+constexpr std::uint64_t kMaxUnacked = 65'536, kMinUnacked = 512;
+constexpr double kServerPoll_s = 0.05;  // how often an end that is asked for is seen
 constexpr double kFrameLook_s = 0.004;  // how often a new frame is looked for
 
-void requireName(const std::string& name) {
+void requireSessionName(const std::string& name) {
   if (name.empty() || name.size() > kLongestName || printable(name.c_str()) != name)
     throw UsageError("name: '{}' is none for a session: 1 to {} bytes without control characters",
                      printable(name.c_str()), kLongestName);
@@ -76,8 +76,8 @@ struct CloudServer::Link {
         topics(participant),
         name(participant, topics, parts.name, parts.log),
         echoes(participant, topics.echoes, bestEffortQos()),
-        requests(participant, topics.requests, keepingLast(reliableQos(false), kMostWaiting)),
-        pings(participant, topics.pings, keepingLast(bestEffortQos(), kMostWaiting)),
+        requests(participant, topics.requests, keepingLast(reliableQos(false), kMaxRequests)),
+        pings(participant, topics.pings, keepingLast(bestEffortQos(), kMaxRequests)),
         versions(participant),
         wait(participant),
         shared(statesOf(cloud)) {
@@ -155,10 +155,10 @@ struct CloudServer::Link {
   Client* clientOf(const Request& request) {
     const Id id = idOf(request.client);
     if (const auto there = clients.find(id); there != clients.end()) return &there->second;
-    if (clients.size() >= kMostClients) {
+    if (clients.size() >= kMaxFollowers) {
       const auto last =
           std::ranges::max_element(clients, {}, [](const auto& entry) { return entry.second.lastAsked.elapsed_s(); });
-      if (last->second.lastAsked.elapsed_s() < kGone_s) return nullptr;
+      if (last->second.lastAsked.elapsed_s() < kFollowerTimeout_s) return nullptr;
       unacked -= last->second.unacked;
       clients.erase(last);
     }
@@ -195,11 +195,11 @@ struct CloudServer::Link {
     constexpr std::uint32_t kInTurn = 64;  // blocks
     bool isLeft = false;
     const std::uint64_t before = counts.blocks;
-    if (unacked >= kMostUnacked) countUnacked();
+    if (unacked >= kMaxUnacked) countUnacked();
     for (auto& [id, client] : clients) {
       for (std::uint32_t i = 0; i < kInTurn && !client.asked.empty(); ++i) {
         Range& range = client.asked.front();
-        if (unacked >= kMostUnacked && client.unacked >= kLeastUnacked) break;
+        if (unacked >= kMaxUnacked && client.unacked >= kMinUnacked) break;
         if (!writeBlock(client, range.first, range.every)) break;
         ++unacked;
         ++client.unacked;
@@ -207,7 +207,7 @@ struct CloudServer::Link {
       }
       isLeft = isLeft || !client.asked.empty();
     }
-    return !isLeft ? kLook_s : counts.blocks == before ? kFull_s : 0;
+    return !isLeft ? kServerPoll_s : counts.blocks == before ? kFull_s : 0;
   }
 
   // What has come to those who read it nobody keeps any more.
@@ -264,7 +264,7 @@ struct CloudServer::Link {
 };
 
 CloudServer::CloudServer(const PointCloud& cloud, Parts parts) {
-  requireName(parts.name);
+  requireSessionName(parts.name);
   if (parts.facts && parts.facts->matter.size() >= sizeof(Facts::matter))
     throw UsageError("matter: a scene of {} bytes is too long to be told", parts.facts->matter.size());
   if (parts.motion && parts.sculptable)
@@ -282,7 +282,7 @@ void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
   const Stopwatch since;
   double next_s = 0;
   while (!stop && !(seconds > 0 && since.elapsed_s() >= seconds)) {
-    if (next_s > 0) link_->wait.sleep(std::min(kLook_s, next_s));
+    if (next_s > 0) link_->wait.sleep(std::min(kServerPoll_s, next_s));
     link_->pings.take([&](const Ping& ping) {
       if (!isSame(ping.session, link_->session)) return;
       link_->echoes.write(ping);
@@ -313,7 +313,7 @@ ServedCounts CloudServer::counts() const {
   counts.refused += near.refused;
   if (link_->moving) counts.frames = link_->moving->frames();
   if (!link_->strokes) return counts;
-  const StrokeCounts& strokes = link_->strokes->counts();
+  const StrokeTally& strokes = link_->strokes->counts();
   counts.sculptors = strokes.sculptors;
   counts.pieces = strokes.pieces;
   counts.states = strokes.states;

@@ -42,7 +42,8 @@ constexpr bool kCanEncrypt = false;
 #endif
 constexpr std::string_view kHasKeys = "palpate=keys;";  // the user data of who has some
 constexpr std::uint32_t kLastDomain = 230;              // of those that have ports
-constexpr auto kPatience = DDS_MSECS(0);  // of a writer whose readers do not keep up: others have their turn meanwhile
+constexpr auto kWriterPatience =
+    DDS_MSECS(0);  // of a writer whose readers do not keep up: others have their turn meanwhile
 
 // Without characters that would end what they stand in.
 std::string plain(const std::string& word, const char* what) {
@@ -154,7 +155,7 @@ dds_return_t checked(dds_return_t result, const char* what) {
 
 Qos reliableQos(bool lasting, const std::string& partition) {
   Qos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, kPatience);
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, kWriterPatience);
   dds_qset_durability(qos.get(), lasting ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), lasting ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL, lasting ? 1 : 0);
   setPartition(*qos, partition);

@@ -21,12 +21,12 @@ using namespace sharing;
 namespace {
 
 constexpr std::size_t kRoom = 1 << 18;   // points that are known at once, twice what a server gives
-constexpr double kLook_s = 0.004;        // how often is looked where the hands are
+constexpr double kHandPoll_s = 0.004;    // how often is looked where the hands are
 constexpr double kAsk_s = 0.05;          // between two questions where nothing is new
 constexpr double kNews_s = 0.005;        // and where something is
-constexpr double kSilent_s = 3;          // after which another server of the same points is looked for
-constexpr double kStuck_s = 5;           // after which strokes that were sent and not taken go again,
-constexpr int kMostStuck = 12;           // so many times in a row, though the server is heard
+constexpr double kServerTimeout_s = 3;   // after which another server of the same points is looked for
+constexpr double kStrokeTimeout_s = 5;   // after which strokes that were sent and not taken go again,
+constexpr int kMaxStrokeRetries = 12;    // so many times in a row, though the server is heard
 constexpr int kMostSpoilt = 100;         // samples that are none, before one step has come whole
 constexpr double kFirstTrip_s = 0.1;     // until one is known
 constexpr double kLeastSpeed_mm_s = 60;  // of a hand that may set out
@@ -112,7 +112,7 @@ class FarLink final : public FarCloud {
   void run(const std::stop_token& stop) {
     try {
       while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
-        wait_->sleep(kLook_s);
+        wait_->sleep(kHandPoll_s);
         {
           const std::scoped_lock hold(lock_);
           turn();
@@ -182,9 +182,9 @@ class FarLink final : public FarCloud {
     made_.clear();
     source_.takeMade(made_);
     for (const PointState& state : made_) outbox_.add(state);
-    if (outbox_.isEmpty() || lastHeard_.elapsed_s() > kSilent_s) progressed_ = {};
-    if (progressed_.elapsed_s() > kStuck_s) {
-      if (++stuck_ > kMostStuck)
+    if (outbox_.isEmpty() || lastHeard_.elapsed_s() > kServerTimeout_s) progressed_ = {};
+    if (progressed_.elapsed_s() > kStrokeTimeout_s) {
+      if (++stuck_ > kMaxStrokeRetries)
         return fail(fmt::format("'{}' of {} takes nothing of what this hand does; join it again", to_.name, to_.host));
       sendAgain();
       progressed_ = {};
@@ -225,7 +225,7 @@ class FarLink final : public FarCloud {
     if (!isWhole && std::exchange(wasWhole_, false))
       say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades until it is", to_.name, to_.host,
                       silent_s));
-    if (silent_s <= kSilent_s) return;
+    if (silent_s <= kServerTimeout_s) return;
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != to_.name || notice.session == server_ || left_.contains(notice.session)) continue;
       if (notice.checksum != parts_.notice.checksum || notice.version != kVersion)

@@ -7,7 +7,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kForgotten_s = 2;    // in which a speed falls to a third
+constexpr double kSpeedDecay_s = 2;   // in which a speed falls to a third
 constexpr double kShortest_s = 1e-3;  // between two places that say a speed
 
 }  // namespace
@@ -17,7 +17,7 @@ Ball HandBalls::ballOf(Hand& hand, const HandReach& reach, double steady_s, doub
   const double since_s = steady_s - *hand.last_s;
   if (since_s >= kShortest_s) {
     hand.speed =
-        std::max(hand.speed * std::exp(-since_s / kForgotten_s), glm::distance(reach.hip, hand.last) / since_s);
+        std::max(hand.speed * std::exp(-since_s / kSpeedDecay_s), glm::distance(reach.hip, hand.last) / since_s);
     hand.last = reach.hip;
     hand.last_s = steady_s;
   }

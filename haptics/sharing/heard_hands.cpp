@@ -21,12 +21,12 @@ HeardHands::HeardHands(const Participant& participant, const Topics& topics, con
 
 void HeardHands::hear(const Id& session, const std::optional<Id>& own) {
   seen_.forget();
-  reader_.take([&](const Hand& hand) {
+  reader_.take([&](const HandSample& hand) {
     if (isSame(hand.session, session) && !(own && isSame(hand.client, *own))) hear(hand);
   });
 }
 
-void HeardHands::hear(const Hand& hand) {
+void HeardHands::hear(const HandSample& hand) {
   const HandPlace place{.position = DVec3(hand.position[0], hand.position[1], hand.position[2]),
                         .proxy = DVec3(hand.proxy[0], hand.proxy[1], hand.proxy[2]),
                         .touching = hand.touching,

@@ -37,10 +37,10 @@ class HeardHands {
   std::vector<SeenHand> all() const { return seen_.all(); }
 
  private:
-  void hear(const Hand& hand);
+  void hear(const HandSample& hand);
 
   PresenceRoom room_;
-  Reader<Hand> reader_;
+  Reader<HandSample> reader_;
   SeenOthers<SeenHand> seen_;
 };
 

@@ -8,14 +8,14 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kKept = 128;
+constexpr std::size_t kKeptTrips = 128;
 constexpr double kLate_s = 2;  // after which a ping counts as lost, until its echo comes all the same
 
 }  // namespace
 
 std::uint32_t LinkStatistics::sent(double now_s) {
   last_.push_back({.sent_s = now_s});
-  if (last_.size() > kKept) {
+  if (last_.size() > kKeptTrips) {
     lostBefore_ += last_.front().trip_s < 0;
     last_.pop_front();
   }

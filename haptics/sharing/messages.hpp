@@ -23,7 +23,7 @@ using State = palpate_sharing_State;
 using Stroke = palpate_sharing_Stroke;
 using Result = palpate_sharing_Result;
 using ResumeRequest = palpate_sharing_Resume;
-using Hand = palpate_sharing_Hand;
+using HandSample = palpate_sharing_Hand;
 using Camera = palpate_sharing_Camera;
 using Facts = palpate_sharing_Facts;
 using Near = palpate_sharing_Near;
@@ -40,6 +40,9 @@ inline constexpr std::uint32_t kMostRequested = 4096;  // blocks at a time
 /// States of a stroke or a result, which fit into one frame, too.
 inline constexpr std::uint32_t kStates = 36;
 
+/// The `total` of a brick's head that says that the brick is no longer kept up.
+inline constexpr std::uint32_t kBrickDropped = 0xffffffff;
+
 /// All that a session's sides speak by.
 struct Topics {
   explicit Topics(dds_entity_t participant);
@@ -51,7 +54,7 @@ struct Topics {
   Topic<Stroke> strokeCopies;
   Topic<Result> resultCopies;
   Topic<ResumeRequest> resumes;
-  Topic<Hand> hands;
+  Topic<HandSample> hands;
   Topic<Camera> cameras;
   Topic<Facts> facts;
   Topic<Near> nears;

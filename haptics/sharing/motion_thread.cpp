@@ -8,14 +8,14 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kGone_s = 1;  // after which a hand that says nothing touches nothing
+constexpr double kSilentHand_s = 1;  // after which a hand that says nothing touches nothing
 
 }  // namespace
 
 MotionThread::MotionThread(const Parts& parts)
     : motion_(parts.motion),
       apart_s_(1 / parts.rate_Hz),
-      hands_(parts.participant, parts.topics, parts.cloud, kGone_s),
+      hands_(parts.participant, parts.topics, parts.cloud, kSilentHand_s),
       session_(parts.session),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 

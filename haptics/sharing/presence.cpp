@@ -17,7 +17,7 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kLook_s = 0.004;      // for hands and a camera that have moved
+constexpr double kPosePoll_s = 0.004;  // for hands and a camera that have moved
 constexpr double kHand_s = 1.0 / 60;   // between two places of a hand
 constexpr double kEnded_s = 1;         // hands of which nothing more is said are shown for so long
 constexpr double kMoved_s = 1.0 / 30;  // between two places of a camera that moves
@@ -74,7 +74,7 @@ class Presence final : public SharedPresence {
   void run(const std::stop_token& stop) {
     try {
       while (!stop.stop_requested()) {
-        std::this_thread::sleep_for(std::chrono::duration<double>(kLook_s));
+        std::this_thread::sleep_for(std::chrono::duration<double>(kPosePoll_s));
         const std::scoped_lock hold(lock_);
         findServer();
         hands_.hear(served_, session_->client);
@@ -119,7 +119,7 @@ class Presence final : public SharedPresence {
 
   void showHand(std::uint8_t which, const HandPlace& place) {
     if (!room_.has(place.position) || !room_.has(place.proxy)) return;
-    Hand hand{};
+    HandSample hand{};
     set(hand.session, served_);
     set(hand.client, session_->client);
     hand.which = which;
@@ -165,7 +165,7 @@ class Presence final : public SharedPresence {
   LatestValue<Moved> moved_;
   std::uint64_t told_ = 0;   // that thread's alone
   mutable std::mutex lock_;  // of all that follows
-  Writer<Hand> handWriter_;
+  Writer<HandSample> handWriter_;
   HeardHands hands_;
   Writer<Camera> cameraWriter_;
   Reader<Camera> cameraReader_;

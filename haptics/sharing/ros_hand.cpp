@@ -18,12 +18,6 @@ constexpr double kMetresPerMm = 1e-3;
 constexpr std::size_t kWaiting = 1 << 13;  // ticks that may wait, eight seconds at 1 kHz
 constexpr auto kLook = std::chrono::milliseconds(2);
 
-struct HandTick {
-  double time_s = 0;
-  DVec3 hip{0}, proxy{0}, force_N{0}, torque_mNm{0};
-  DQuat turn{1, 0, 0, 0};
-};
-
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
       .count();
@@ -42,6 +36,12 @@ void requireRosName(const std::string& name) { rosName(name); }
 
 class RosHand::Link {
  public:
+  struct Tick {
+    double time_s = 0;
+    DVec3 hip{0}, proxy{0}, force_N{0}, torque_mNm{0};
+    DQuat turn{1, 0, 0, 0};
+  };
+
   Link(const RosPublishing& publishing, double rate_Hz)
       : publishing_(publishing),
         frame_(rosName(publishing.name)),
@@ -56,7 +56,7 @@ class RosHand::Link {
         thread_([this](const std::stop_token& stop) { publish(stop); }) {}
 
   // On the servo thread.
-  void add(const HandTick& tick) noexcept {
+  void add(const Tick& tick) noexcept {
     constexpr double kRounding_s = 1e-9;
     if (next_s_ && tick.time_s < *next_s_ - kRounding_s) return;
     // By a grid, so that what one was late the next one is not; unless whole ones were left out.
@@ -106,7 +106,7 @@ class RosHand::Link {
     }
   }
 
-  void write(const HandTick& tick) {
+  void write(const Tick& tick) {
     if (!began_ns_) began_ns_ = now_ns() - static_cast<std::int64_t>(tick.time_s * 1e9);
     RosHeader header{};
     const std::int64_t time_ns = *began_ns_ + static_cast<std::int64_t>(tick.time_s * 1e9);
@@ -144,7 +144,7 @@ class RosHand::Link {
   // The servo thread's.
   std::optional<double> next_s_;
   // Between both.
-  std::vector<HandTick> ticks_;
+  std::vector<Tick> ticks_;
   std::atomic<std::uint64_t> added_ = 0, taken_ = 0, lost_ = 0;
   std::jthread thread_;  // ends before all that it uses
 };

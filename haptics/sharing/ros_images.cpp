@@ -24,7 +24,7 @@ constexpr std::array<Encoding, 3> kEncodings{
     {{"16UC1", ScalarType::u16, 1000}, {"mono16", ScalarType::u16, 1000}, {"32FC1", ScalarType::f32, 1}}};
 
 template <class... Args>
-[[noreturn]] void refuse(fmt::format_string<Args...> text, Args&&... args) {
+[[noreturn]] void refuseImage(fmt::format_string<Args...> text, Args&&... args) {
   throw NetworkError("an Image {}", fmt::format(text, std::forward<Args>(args)...));
 }
 
@@ -40,19 +40,20 @@ std::string shown(std::string_view text) {
 const Encoding& encodingOf(const RosPicture& picture) {
   const auto* const found = std::ranges::find(kEncodings, picture.encoding, &Encoding::name);
   if (found == kEncodings.end())
-    refuse("of depth is 16UC1 (millimetres) or 32FC1 (metres), and this one is '{}'", shown(picture.encoding));
+    refuseImage("of depth is 16UC1 (millimetres) or 32FC1 (metres), and this one is '{}'", shown(picture.encoding));
   return *found;
 }
 
 void requireWhole(const RosPicture& picture, const DepthCamera& camera, std::size_t bytes) {
   if (picture.width != camera.width || picture.height != camera.height)
-    refuse("of {} x {} pixels has come, and the camera has {} x {}", picture.width, picture.height, camera.width,
-           camera.height);
+    refuseImage("of {} x {} pixels has come, and the camera has {} x {}", picture.width, picture.height, camera.width,
+                camera.height);
   const std::uint64_t row = std::uint64_t{picture.width} * bytes;
-  if (row > picture.step) refuse("contradicts itself: a row of {} pixels has {} bytes", picture.width, picture.step);
+  if (row > picture.step)
+    refuseImage("contradicts itself: a row of {} pixels has {} bytes", picture.width, picture.step);
   const std::uint64_t least = std::uint64_t{picture.height - 1} * picture.step + row;
   if (least > picture.data.size())
-    refuse("contradicts itself: {} bytes are announced, and {} there", least, picture.data.size());
+    refuseImage("contradicts itself: {} bytes are announced, and {} there", least, picture.data.size());
 }
 
 template <class T, bool swaps>
@@ -79,17 +80,18 @@ bool isRectified(const std::string& pictures) {
 }
 
 DepthCamera rosCamera(const RosCalibration& calibration, bool isRectified) {
-  const auto refuse = [](const std::string& why) { throw NetworkError("a CameraInfo {}", why); };
+  const auto refuseImage = [](const std::string& why) { throw NetworkError("a CameraInfo {}", why); };
   const bool distorts = std::ranges::any_of(calibration.d, [](double value) { return value != 0; });
   if (distorts && !isRectified)
-    refuse(fmt::format("says that the lens distorts ({}); pictures that are rectified are without: a topic image_rect",
-                       shown(calibration.distortion)));
+    refuseImage(
+        fmt::format("says that the lens distorts ({}); pictures that are rectified are without: a topic image_rect",
+                    shown(calibration.distortion)));
   if (calibration.binningX > 1 || calibration.binningY > 1 || calibration.isPart)
-    refuse("is of pictures that are binned, or of a region; only whole ones are taken");
+    refuseImage("is of pictures that are binned, or of a region; only whole ones are taken");
   const auto isSide = [](std::uint32_t side) { return side >= 2 && side <= kLongestSide; };
   if (!isSide(calibration.width) || !isSide(calibration.height))
-    refuse(fmt::format("is of {} x {} pixels; sides are from 2 to {}", calibration.width, calibration.height,
-                       kLongestSide));
+    refuseImage(fmt::format("is of {} x {} pixels; sides are from 2 to {}", calibration.width, calibration.height,
+                            kLongestSide));
   const std::array<double, 9>& k = calibration.k;
   const std::array<double, 12>& p = calibration.p;
   const DepthCamera camera{.width = calibration.width,
@@ -101,8 +103,8 @@ DepthCamera rosCamera(const RosCalibration& calibration, bool isRectified) {
   // A camera that sees a millionth of a degree, or all around, is none; ROS says by 0 that it is not calibrated.
   const auto isFocal = [](double pixels) { return pixels > 1e-2 && pixels < 1e7; };
   if (!isFocal(camera.fx) || !isFocal(camera.fy) || !(std::abs(camera.cx) < 1e7) || !(std::abs(camera.cy) < 1e7))
-    refuse(fmt::format("has focal lengths of {} and {} pixels, about {}, {}: the camera is not calibrated", camera.fx,
-                       camera.fy, camera.cx, camera.cy));
+    refuseImage(fmt::format("has focal lengths of {} and {} pixels, about {}, {}: the camera is not calibrated",
+                            camera.fx, camera.fy, camera.cx, camera.cy));
   return camera;
 }
 
@@ -124,7 +126,7 @@ void takeRosColors(const RosPicture& picture, const DepthCamera& camera,
                    std::vector<std::array<std::uint8_t, 3>>& colors) {
   const bool isBgr = picture.encoding == "bgr8";
   if (!isBgr && picture.encoding != "rgb8")
-    refuse("of colour is rgb8 or bgr8, and this one is '{}'", shown(picture.encoding));
+    refuseImage("of colour is rgb8 or bgr8, and this one is '{}'", shown(picture.encoding));
   constexpr std::size_t kBytes = 3;
   requireWhole(picture, camera, kBytes);
   colors.resize(std::size_t{picture.width} * picture.height);

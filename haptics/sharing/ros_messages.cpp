@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kDepth = 10;  // ROS's own
 // Of a writer whose readers do not keep up; the next message comes soon.
-constexpr auto kPatience = DDS_MSECS(2);
+constexpr auto kRosPatience = DDS_MSECS(2);
 
 void setUserData(const Qos& qos, const std::string& text) { dds_qset_userdata(qos.get(), text.data(), text.size()); }
 
@@ -60,7 +60,7 @@ RosType rosTypeOf<RosCameraInfo>() {
 Qos rosQos(RosDelivery delivery, const RosType& type) {
   Qos qos(dds_create_qos());
   const bool isReliable = delivery != RosDelivery::bestEffort, lasts = delivery == RosDelivery::latched;
-  dds_qset_reliability(qos.get(), isReliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, kPatience);
+  dds_qset_reliability(qos.get(), isReliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, kRosPatience);
   dds_qset_durability(qos.get(), lasts ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, lasts ? 1 : kDepth);
   setUserData(qos, fmt::format("typehash={};", type.hash));

@@ -28,6 +28,18 @@ struct RosType {
 /// Of one of the messages that are topics.
 template <class T>
 RosType rosTypeOf();
+template <>
+RosType rosTypeOf<RosPoseStamped>();
+template <>
+RosType rosTypeOf<RosWrenchStamped>();
+template <>
+RosType rosTypeOf<RosTFMessage>();
+template <>
+RosType rosTypeOf<RosPointCloud2>();
+template <>
+RosType rosTypeOf<RosImage>();
+template <>
+RosType rosTypeOf<RosCameraInfo>();
 
 /// How ROS keeps and hands on what is sent.
 enum class RosDelivery {

@@ -24,26 +24,28 @@ constexpr std::size_t kMostFields = 256;
 ScalarType scalarOf(std::uint8_t type) { return static_cast<ScalarType>(type - RosField::i8); }
 
 template <class... Args>
-[[noreturn]] void refuse(fmt::format_string<Args...> text, Args&&... args) {
+[[noreturn]] void refusePoints(fmt::format_string<Args...> text, Args&&... args) {
   throw NetworkError("a PointCloud2 contradicts itself: {}", fmt::format(text, std::forward<Args>(args)...));
 }
 
 // The message says of all of it where it is, and it is there.
 void requireWhole(const RosPoints& points) {
-  if (points.fields.size() > kMostFields) refuse("its points have {} fields", points.fields.size());
+  if (points.fields.size() > kMostFields) refusePoints("its points have {} fields", points.fields.size());
   for (std::size_t i = 0; i < points.fields.size(); ++i) {
     const RosField& field = points.fields[i];
-    if (field.type < RosField::i8 || field.type > RosField::f64) refuse("field {} has type {}", i + 1, field.type);
+    if (field.type < RosField::i8 || field.type > RosField::f64)
+      refusePoints("field {} has type {}", i + 1, field.type);
     const std::uint64_t end = field.offset + std::uint64_t{field.count} * sizeOf(scalarOf(field.type));
-    if (end > points.pointStep) refuse("field {} ends at byte {} of points of {}", i + 1, end, points.pointStep);
+    if (end > points.pointStep) refusePoints("field {} ends at byte {} of points of {}", i + 1, end, points.pointStep);
   }
   const std::uint64_t row = std::uint64_t{points.width} * points.pointStep;
   if (points.height == 0 || points.width == 0) return;
   if (row > points.rowStep)
-    refuse("a row of {} points of {} bytes has {}", points.width, points.pointStep, points.rowStep);
+    refusePoints("a row of {} points of {} bytes has {}", points.width, points.pointStep, points.rowStep);
   // Not even the bytes behind the last point of the last row are always sent.
   const std::uint64_t least = std::uint64_t{points.height - 1} * points.rowStep + row;
-  if (least > points.data.size()) refuse("{} bytes of points are announced, and {} there", least, points.data.size());
+  if (least > points.data.size())
+    refusePoints("{} bytes of points are announced, and {} there", least, points.data.size());
 }
 
 // Reads one field of all points, whatever its type.

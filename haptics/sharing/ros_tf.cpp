@@ -13,7 +13,7 @@ namespace {
 constexpr std::int32_t kWaiting = 1000;  // messages that nobody has looked at, as many as a robot sends in seconds
 constexpr std::uint32_t kMostOfMessage = 4096;  // transforms of one that are looked at
 
-const std::string kMoving = kRosTopics + "tf", kFixed = kRosTopics + "tf_static";
+const std::string kMovingTopic = kRosTopics + "tf", kFixedTopic = kRosTopics + "tf_static";
 
 std::string_view textOf(const char* text) { return text ? text : ""; }
 
@@ -31,8 +31,8 @@ RosTransform transformOf(const geometry_msgs_msg_dds__TransformStamped_& sent) {
 RosTransformIntake::RosTransformIntake(dds_entity_t participant, const std::string& target) : target_(target) {
   if (target.empty()) return;
   const RosType type = rosTypeOf<RosTFMessage>();
-  hearing_.emplace(Hearing{.moving = {participant, type.descriptor, kMoving},
-                           .fixed = {participant, type.descriptor, kFixed},
+  hearing_.emplace(Hearing{.moving = {participant, type.descriptor, kMovingTopic},
+                           .fixed = {participant, type.descriptor, kFixedTopic},
                            .movingReaders = {},
                            .fixedReaders = {},
                            .transforms = {}});
@@ -66,7 +66,8 @@ RosTransformPublisher::RosTransformPublisher(dds_entity_t participant, std::stri
                                              bool isStatic)
     : parent_(std::move(parent)),
       child_(std::move(child)),
-      publisher_(participant, isStatic ? kFixed : kMoving, isStatic ? RosDelivery::latched : RosDelivery::reliable) {}
+      publisher_(participant, isStatic ? kFixedTopic : kMovingTopic,
+                 isStatic ? RosDelivery::latched : RosDelivery::reliable) {}
 
 bool RosTransformPublisher::write(std::int64_t time_ns, const DVec3& place_m, const DQuat& turn) {
   geometry_msgs_msg_dds__TransformStamped_ transform{};

@@ -244,7 +244,7 @@ std::string xmlTime(std::int64_t time_s) {
                      clock.minutes().count(), clock.seconds().count());
 }
 
-void requireName(const std::string& name) {
+void requireHolder(const std::string& name) {
   constexpr std::size_t kLongest = 64;  // of a common name
   const bool isName = !name.empty() && name.size() <= kLongest && name != kAuthority && name[0] != '.' &&
                       name[0] != '-' && std::ranges::all_of(name, [](unsigned char c) {
@@ -272,7 +272,7 @@ bool hasAuthority(const fs::path& folder) {
 
 MadeKeys makeKeys(const KeyRequest& request) {
   using namespace std::chrono;
-  requireName(request.name);
+  requireHolder(request.name);
   if (request.days == 0 || request.days > kMostDays)
     throw UsageError("days: is {}; there are 1 to {}", request.days, kMostDays);
   const std::int64_t now_s =

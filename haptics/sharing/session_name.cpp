@@ -7,7 +7,7 @@ namespace palpate::sharing {
 namespace {
 
 constexpr double kOthers_s = 1;  // in which a session of the same name is found, if there is one
-constexpr double kLook_s = 0.1;
+constexpr double kNamePoll_s = 0.1;
 constexpr double kYoung_s = 10;  // later it has clients to lose
 
 }  // namespace
@@ -33,7 +33,7 @@ void SessionName::announce(const Notice& notice) {
 }
 
 void SessionName::watch() {
-  if (sinceLook_.elapsed_s() < kLook_s) return;
+  if (sinceLook_.elapsed_s() < kNamePoll_s) return;
   sinceLook_ = {};
   const bool isYoung = sinceAnnounced_.elapsed_s() < kYoung_s;
   for (const SessionNotice& other : others_.known()) {

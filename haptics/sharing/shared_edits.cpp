@@ -23,14 +23,14 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kLook_s = 0.004;   // how often what can be offered is looked for; what this hand has done wakes
-constexpr double kSilent_s = 3;     // after which the server is asked again
-constexpr double kStuck_s = 5;      // the same for pieces that were sent and not taken
-constexpr double kNear = 3;         // cells of the index from a proxy, within which a change may be felt there
-constexpr double kSettled_s = 0.3;  // at rest, before it is judged whether the points are the same
+constexpr double kEditPoll_s = 0.004;   // how often what can be offered is looked for; what this hand has done wakes
+constexpr double kServerSilence_s = 3;  // after which the server is asked again
+constexpr double kPieceTimeout_s = 5;   // the same for pieces that were sent and not taken
+constexpr double kNear = 3;             // cells of the index from a proxy, within which a change may be felt there
+constexpr double kSettled_s = 0.3;      // at rest, before it is judged whether the points are the same
 constexpr int kMostDiffered = 3;
 constexpr std::int32_t kMostCopiesWaiting = 4096;  // which come the reliable way where they do not as copies
-constexpr int kMostStuck = 12;                     // times in a row that nothing was taken, though the server is heard
+constexpr int kMaxPieceRetries = 12;               // times in a row that nothing was taken, though the server is heard
 
 class SharedEdits final : public SharedFollower {
  public:
@@ -104,7 +104,7 @@ class SharedEdits final : public SharedFollower {
   void run(const std::stop_token& stop) {
     try {
       while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
-        wait_->sleep(kLook_s);
+        wait_->sleep(kEditPoll_s);
         wakeUp_.take();
         {
           const std::scoped_lock hold(lock_);
@@ -186,10 +186,10 @@ class SharedEdits final : public SharedFollower {
 
   // A server that takes nothing, or has begun anew, is said.
   void watchServer() {
-    if (lastHeard_.elapsed_s() <= kSilent_s) {
+    if (lastHeard_.elapsed_s() <= kServerSilence_s) {
       if (exchange_.isDelivered()) lastTaken_ = {};
-      if (lastTaken_.elapsed_s() > kStuck_s) {
-        if (++stuck_ > kMostStuck)
+      if (lastTaken_.elapsed_s() > kPieceTimeout_s) {
+        if (++stuck_ > kMaxPieceRetries)
           return fail(
               fmt::format("'{}' of {} takes nothing of what this hand does; save what is here, and join it again",
                           session_.name, session_.host));
@@ -198,7 +198,7 @@ class SharedEdits final : public SharedFollower {
       }
       return;
     }
-    if (lastResumed_.elapsed_s() > kSilent_s) resume(exchange_.resume());
+    if (lastResumed_.elapsed_s() > kServerSilence_s) resume(exchange_.resume());
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != session_.name || notice.session == session_.session) continue;
       fail(fmt::format(

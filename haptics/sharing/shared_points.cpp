@@ -8,8 +8,8 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostClients = 4096;    // of whom it is known which of their pieces have been taken
-constexpr std::size_t kLeastOrder = 1 << 20;  // of the order that is kept
+constexpr std::size_t kMaxPointClients = 4096;  // of whom it is known which of their pieces have been taken
+constexpr std::size_t kLeastOrder = 1 << 20;    // of the order that is kept
 constexpr float kLongestNormal = 1.01F;
 
 }  // namespace
@@ -31,7 +31,7 @@ SharedPoints::Taken SharedPoints::take(const Id& client, std::uint64_t number, s
   if (number != last + 1) return Taken::early;
   if (states.empty() || !std::ranges::all_of(states, [&](const PointState& s) { return isWhole(s, points_.size()); }))
     return Taken::refused;
-  if (found == clients_.end() && clients_.size() >= kMostClients) return Taken::refused;
+  if (found == clients_.end() && clients_.size() >= kMaxPointClients) return Taken::refused;
   Client& own = clients_[client];
   if (own.number == 0) own.number = static_cast<std::uint32_t>(clients_.size());
   own.last = number;

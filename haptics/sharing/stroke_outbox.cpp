@@ -6,7 +6,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostUnacked = 4096;  // pieces; what is made meanwhile goes together, each point once
+constexpr std::size_t kMaxUnackedPieces = 4096;  // pieces; what is made meanwhile goes together, each point once
 
 }  // namespace
 
@@ -16,7 +16,7 @@ void StrokeOutbox::add(const PointState& state) {
 
 const StrokePiece* StrokeOutbox::nextPiece(std::size_t most) {
   if (toSend_ < unacked_.size()) return &unacked_[toSend_++];
-  if (queue_.empty() || unacked_.size() >= kMostUnacked) return nullptr;
+  if (queue_.empty() || unacked_.size() >= kMaxUnackedPieces) return nullptr;
   StrokePiece piece{.number = ++lastPiece_, .states = {}};
   while (!queue_.empty() && piece.states.size() < most) {
     const std::uint32_t point = queue_.front();

@@ -14,7 +14,7 @@
 
 namespace palpate::sharing {
 
-struct StrokeCounts {
+struct StrokeTally {
   std::uint64_t pieces = 0, states = 0;  ///< of strokes, that were taken; those in the journal included
   std::uint64_t copied = 0;              ///< of the pieces, whose copy came before they did
   std::uint64_t again = 0;               ///< that the reliable way brought before, or too early
@@ -42,7 +42,7 @@ class StrokeServer {
   void heard(const Id& client);
   /// What is due, as far as the links take it; so many seconds later there is more to do.
   double write();
-  const StrokeCounts& counts() const { return counts_; }
+  const StrokeTally& counts() const { return counts_; }
 
  private:
   // Somebody who hears of the others.
@@ -74,7 +74,7 @@ class StrokeServer {
   std::map<Id, Follower> followers_;
   std::map<Id, std::uint64_t> reliable_;  // by client, the last piece that has come the reliable way
   std::vector<PointState> states_;
-  StrokeCounts counts_;
+  StrokeTally counts_;
 };
 
 }  // namespace palpate::sharing

@@ -196,9 +196,9 @@ TEST_CASE(
   // One from far ahead, in the server's name, to the hand that is honest.
   const std::uint64_t resumed = hand.counts().resumed;
   std::optional<Id> victim;
-  const Reader<sharing::Hand> hands(session.participant, session.topics.hands, bestEffortQos());
+  const Reader<sharing::HandSample> hands(session.participant, session.topics.hands, bestEffortQos());
   REQUIRE(within(10, [&] {
-    hands.take([&](const sharing::Hand& seen) { victim = idOf(seen.client); });
+    hands.take([&](const sharing::HandSample& seen) { victim = idOf(seen.client); });
     return victim.has_value();
   }));
   set(own, *victim);

@@ -335,7 +335,7 @@ TEST_CASE("hands that are farther than anything is do not press what moves") {
   });
   const Participant participant(ownNetwork());
   const Topics topics(participant);
-  const Writer<sharing::Hand> hands(participant, topics.hands, bestEffortQos());
+  const Writer<sharing::HandSample> hands(participant, topics.hands, bestEffortQos());
   const Reader<Facts> facts(participant, topics.facts, reliableQos(true));
   std::optional<Facts> heard;
   REQUIRE(within(30, [&] {
@@ -344,7 +344,7 @@ TEST_CASE("hands that are farther than anything is do not press what moves") {
   }));
   std::uint32_t number = 0;
   const auto send = [&](const std::string& name, double x, double proxy) {
-    sharing::Hand hand{};
+    sharing::HandSample hand{};
     std::memcpy(hand.session, heard->session, sizeof hand.session);
     put(hand.name, name);
     hand.client[0] = name.back();

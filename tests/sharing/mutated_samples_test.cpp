@@ -188,13 +188,13 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
                                 resume.epoch = mutant.roll() % 100;
                                 resume.upTo = mutant.roll() % 1000;
                               });
-  mutant.write<sharing::Hand>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes,
-                              [&](sharing::Hand& shown) {
-                                id(shown.client);
-                                put(shown.name, "mutant");
-                                shown.which = static_cast<std::uint8_t>(mutant.roll());
-                                shown.number = mutant.roll();
-                              });
+  mutant.write<sharing::HandSample>(palpate_sharing_Hand_desc, topics.hands, bestEffortQos(), kTimes,
+                                    [&](sharing::HandSample& shown) {
+                                      id(shown.client);
+                                      put(shown.name, "mutant");
+                                      shown.which = static_cast<std::uint8_t>(mutant.roll());
+                                      shown.number = mutant.roll();
+                                    });
   std::size_t cameras = 0;
   mutant.write<Camera>(palpate_sharing_Camera_desc, topics.cameras, bestEffortQos(), kTimes, [&](Camera& camera) {
     id(camera.client);
@@ -219,9 +219,9 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     notice.session[5] ^= static_cast<std::uint8_t>(1 + mutant.roll() % 200);
   });
   std::optional<Id> victim;
-  const Reader<sharing::Hand> hands(mutant.participant(), topics.hands, bestEffortQos());
+  const Reader<sharing::HandSample> hands(mutant.participant(), topics.hands, bestEffortQos());
   while (!victim)
-    hands.take([&](const sharing::Hand& shown) {
+    hands.take([&](const sharing::HandSample& shown) {
       if (std::string(shown.name) == "honest") victim = idOf(shown.client);
     });
   std::uint8_t partition[16];

@@ -277,10 +277,10 @@ TEST_CASE(
   const Looking ada("felt by strangers", "Ada", true), bert("felt by strangers", "Bert");
   const Participant participant(ownNetwork());
   const Topics topics(participant);
-  std::optional<Writer<Hand>> writer(std::in_place, participant, topics.hands, bestEffortQos());
+  std::optional<Writer<HandSample>> writer(std::in_place, participant, topics.hands, bestEffortQos());
   std::uint32_t number = 0;
   const auto good = [&] {
-    Hand hand{};
+    HandSample hand{};
     set(hand.session, ada.joined.session->session);
     hand.client[0] = 1;
     put(hand.name, "a\033[31mb");
@@ -288,32 +288,32 @@ TEST_CASE(
     hand.number = ++number;
     return hand;
   };
-  const auto isSeen = [&](const std::function<void(Hand&)>& spoil, double seconds) {
+  const auto isSeen = [&](const std::function<void(HandSample&)>& spoil, double seconds) {
     return within(seconds, [&] {
-      Hand hand = good();
+      HandSample hand = good();
       spoil(hand);
       writer->write(hand);
       return !ada.presence->hands().empty() || !bert.presence->hands().empty();
     });
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kShort_s = 0.3;
-  REQUIRE(isSeen([](Hand&) {}, 10));
+  REQUIRE(isSeen([](HandSample&) {}, 10));
   REQUIRE(within(30, [&] {
     writer->write(good());
     return ada.presence->hands().size() == 1 && bert.presence->hands().size() == 1;
   }));
   CHECK(ada.presence->hands().at(0).name == "a?[31mb");
   REQUIRE(within(30, [&] { return ada.presence->hands().empty() && bert.presence->hands().empty(); }));
-  CHECK_FALSE(isSeen([&](Hand& hand) { hand.position[1] = kNan; }, kShort_s));
-  CHECK_FALSE(isSeen([&](Hand& hand) { hand.proxy[2] = kNan; }, kShort_s));
-  CHECK_FALSE(isSeen([](Hand& hand) { hand.position[0] = 1e300; }, kShort_s));
-  CHECK_FALSE(isSeen([](Hand& hand) { hand.proxy[0] = 1e12; }, kShort_s));
-  CHECK_FALSE(isSeen([](Hand& hand) { hand.which = kMostHands; }, kShort_s));
-  CHECK_FALSE(isSeen([](Hand& hand) { hand.session[3] ^= 1; }, kShort_s));
+  CHECK_FALSE(isSeen([&](HandSample& hand) { hand.position[1] = kNan; }, kShort_s));
+  CHECK_FALSE(isSeen([&](HandSample& hand) { hand.proxy[2] = kNan; }, kShort_s));
+  CHECK_FALSE(isSeen([](HandSample& hand) { hand.position[0] = 1e300; }, kShort_s));
+  CHECK_FALSE(isSeen([](HandSample& hand) { hand.proxy[0] = 1e12; }, kShort_s));
+  CHECK_FALSE(isSeen([](HandSample& hand) { hand.which = kMostHands; }, kShort_s));
+  CHECK_FALSE(isSeen([](HandSample& hand) { hand.session[3] ^= 1; }, kShort_s));
   // One that says the same for ever is there once, and gone when it ends.
   std::size_t most = 0;
   within(3, [&] {
-    Hand hand = good();
+    HandSample hand = good();
     hand.number = 0xffffffff;
     writer->write(hand);
     most = std::max(most, ada.presence->hands().size());
@@ -324,7 +324,7 @@ TEST_CASE(
   // One after the other, so that none is lost for another one's sake; and again, since the silent ones go.
   CHECK(within(30, [&] {
     for (std::uint32_t i = 0; i < 4800; ++i) {
-      Hand hand = good();
+      HandSample hand = good();
       hand.client[1] = static_cast<std::uint8_t>(i / 8);
       hand.client[2] = static_cast<std::uint8_t>(i / 8 >> 8);
       hand.which = i % 8;
