@@ -57,21 +57,21 @@ ThinnedCloud::ThinnedCloud(const PointCloud& cloud, std::size_t most) : ThinnedC
 ThinnedCloud::ThinnedCloud(Surfels surfels)
     : positions_(std::move(surfels.positions)), normals_(std::move(surfels.normals)), tree_(positions_) {}
 
-std::vector<Neighbour> ThinnedCloud::nearest(const DVec3& p, std::size_t count) const {
+std::vector<CloudNeighbour> ThinnedCloud::nearest(const DVec3& p, std::size_t count) const {
   std::vector<std::uint32_t> indices(count);
   std::vector<double> squares(count);
   const std::size_t found = tree_.nearest(Vec3(p), indices, squares);
-  std::vector<Neighbour> result(found);
+  std::vector<CloudNeighbour> result(found);
   for (std::size_t i = 0; i < found; ++i) result[i] = {indices[i], std::sqrt(squares[i])};
   return result;
 }
 
 std::optional<LocalPlane> ThinnedCloud::planeNear(const DVec3& p, const DVec3& facing) const {
-  const std::vector<Neighbour> neighbours = nearest(p, kPlaneNeighbours);
+  const std::vector<CloudNeighbour> neighbours = nearest(p, kPlaneNeighbours);
   LocalPlane plane{.reach = neighbours.back().distance};
   const double support = plane.reach * 1.001;  // so that even the farthest weighs something
   double sum = 0;
-  for (const Neighbour& neighbour : neighbours) {
+  for (const CloudNeighbour& neighbour : neighbours) {
     if (glm::dot(normal(neighbour.index), facing) < kSameFace) continue;
     const double weight = support > 0 ? wendland(neighbour.distance / support) : 1;
     sum += weight;

@@ -11,7 +11,8 @@
 
 namespace palpate {
 
-struct Neighbour {
+/// A point of the thinned cloud near a position.
+struct CloudNeighbour {
   std::uint32_t index = 0;
   double distance = 0;  ///< model units
 };
@@ -34,7 +35,7 @@ class ThinnedCloud {
   DVec3 position(std::size_t i) const { return DVec3(positions_[i]); }
   DVec3 normal(std::size_t i) const { return DVec3(normals_[i]); }
 
-  std::vector<Neighbour> nearest(const DVec3& p, std::size_t count) const;
+  std::vector<CloudNeighbour> nearest(const DVec3& p, std::size_t count) const;
   double distanceTo(const DVec3& p) const { return nearest(p, 1).front().distance; }
 
   /// The plane through the neighbours of `p` that face the same way as `facing`; none when there is no such neighbour.

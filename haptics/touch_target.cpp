@@ -35,8 +35,8 @@ struct Surroundings {
 Surroundings surroundingsOf(const ThinnedCloud& sample, std::size_t candidate, double radius) {
   Surroundings result;
   const DVec3 own = sample.normal(candidate);
-  const std::vector<Neighbour> neighbours = sample.nearest(sample.position(candidate), kSurroundings);
-  for (const Neighbour& neighbour : neighbours) {
+  const std::vector<CloudNeighbour> neighbours = sample.nearest(sample.position(candidate), kSurroundings);
+  for (const CloudNeighbour& neighbour : neighbours) {
     if (neighbour.distance > radius) break;
     const DVec3 normal = sample.normal(neighbour.index);
     if (glm::dot(normal, own) > 0) result.normal += normal;
@@ -45,7 +45,7 @@ Surroundings surroundingsOf(const ThinnedCloud& sample, std::size_t candidate, d
   result.normal = length > 0 ? result.normal / length : own;
 
   std::size_t count = 0;
-  for (const Neighbour& neighbour : neighbours) {
+  for (const CloudNeighbour& neighbour : neighbours) {
     if (neighbour.distance > radius) break;
     const double cosine = glm::dot(sample.normal(neighbour.index), result.normal);
     result.flatness += cosine;
