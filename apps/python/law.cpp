@@ -114,7 +114,6 @@ Law::Law(const py::object& given, bool allowPython) {
   }
   const py::object address = py::hasattr(given, "address") ? py::object(given.attr("address")) : given;
   if (py::isinstance<py::int_>(address) && !py::isinstance<py::bool_>(address)) {
-    // NOLINTNEXTLINE(performance-no-int-to-ptr): Python gives the address of a compiled function as a number
     function_ = reinterpret_cast<pp_force_law>(address.cast<std::uintptr_t>());
     return;
   }
