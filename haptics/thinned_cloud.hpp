@@ -11,6 +11,7 @@
 
 namespace palpate {
 
+/// A point of the thinned cloud near a position.
 struct NearPoint {
   std::uint32_t index = 0;
   double distance = 0;  ///< model units

@@ -95,6 +95,7 @@ std::vector<EditCrossover> crossovers(const std::vector<EditCost>& costs) {
     }
   }
   std::vector<EditCrossover> results;
+  results.reserve(byModel.size());
   for (const auto& [model, crossover] : byModel) results.push_back(crossover);
   return results;
 }

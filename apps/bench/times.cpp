@@ -61,11 +61,11 @@ void printTables(std::FILE* out, const std::string& bench, const std::vector<Ben
       kinds.push_back(kind);
   for (const auto& [backend, input] : kinds) {
     std::vector<BenchRecord> records;
-    std::ranges::copy_if(all, std::back_inserter(records), [&](const BenchRecord& record) {
+    std::ranges::copy_if(all, std::back_inserter(records), [&, &backend = backend, &input = input](const auto& record) {
       return record.bench == bench && record.backend == backend && record.input == input;
     });
     for (const auto& [time, clock] : {std::pair{&BenchRecord::gpu_us, "on the GPU"}, {&BenchRecord::wall_us, "in all"}})
-      if (std::ranges::any_of(records, [&](const BenchRecord& record) { return (record.*time).count > 0; }))
+      if (std::ranges::any_of(records, [time = time](const BenchRecord& each) { return (each.*time).count > 0; }))
         printTable(out, fmt::format("{}, {}, {}, {}", bench, backend, input, clock), records, time);
   }
 }

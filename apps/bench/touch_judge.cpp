@@ -200,6 +200,7 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgeP
   std::vector<JudgedTick> everyTick;
   for (const auto& ticks : judged) everyTick.insert(everyTick.end(), ticks.begin(), ticks.end());
   std::vector<double> step_us;
+  step_us.reserve(everyTick.size());
   for (const JudgedTick& tick : everyTick) step_us.push_back(tick.row.step_us);
   result.step_us = summarize(std::move(step_us));
   result.lateShare = lateShare(everyTick, 1e6 / kRate_Hz);

@@ -130,10 +130,9 @@ const Json& Json::at(std::size_t index) const {
   return *this;
 }
 
-Json Json::value(std::string_view name, Json otherwise) const {
+Json Json::value(std::string_view name, const Json& otherwise) const {
   const auto* members = std::get_if<std::vector<Member>>(&value_);
-  return members && std::ranges::find(*members, name, &Member::first) != members->end() ? at(name)
-                                                                                        : std::move(otherwise);
+  return members && std::ranges::find(*members, name, &Member::first) != members->end() ? at(name) : otherwise;
 }
 
 void Json::push_back(Json value) {

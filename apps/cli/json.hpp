@@ -55,7 +55,7 @@ class Json {
   const Json& at(std::string_view name) const;
   const Json& at(std::size_t index) const;
   /// The member of that name, or `otherwise`.
-  Json value(std::string_view name, Json otherwise) const;
+  Json value(std::string_view name, const Json& otherwise) const;
   void push_back(Json value);
 
   const std::vector<Member>& items() const;  ///< of an object

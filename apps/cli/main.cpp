@@ -147,6 +147,6 @@ int run(std::vector<std::string> arguments) {
 
 int main(int argc, char** argv) {
   std::vector<std::string> words = palpate::commandLine(argc, argv);
-  words.erase(words.begin());  // the program's own name
+  if (!words.empty()) words.erase(words.begin());  // the program's own name, which a caller may leave out
   return palpate::run(std::move(words));
 }

@@ -222,8 +222,10 @@ void touch(Context& context, const TouchCommandOptions& options) {
   if (!options.join.ros.name.empty())
     ros.emplace(options.join.ros.publishing(options.join.network, model.scale.mm_per_unit), options.join.ros.rate_Hz);
   std::vector<HandSource> sources;
+  sources.reserve(config.hands.size());
   for (const HandConfig& hand : config.hands) sources.push_back(openHand(context, model, config, hand));
   std::vector<OpenHand> hands;
+  hands.reserve(sources.size());
   for (const HandSource& source : sources) hands.push_back(source.hand());
   start.ended("hands");
   if (config.brush)

@@ -31,6 +31,7 @@ std::vector<std::string> gpuNames() {
 }  // namespace
 
 PYBIND11_MODULE(_palpate, module) {
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): the type that pybind11 takes
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

@@ -146,6 +146,7 @@ py::array PySession::along(const py::object& given, const pp_brush* brush) {
   const auto paths = pathsOf(given, hands_);
   if (law_.python()) law_.python()->begin();
   std::vector<const pp_path*> pointers;
+  pointers.reserve(paths.size());
   for (const auto& path : paths) pointers.push_back(&path->path);
   std::uint64_t ticks = 0;
   with([&](pp::Session& session) {

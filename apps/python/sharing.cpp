@@ -44,7 +44,7 @@ pp::Session join(const JoinTuple& how, const pp_session_options& options) {
   join.read_only = readOnly ? 1 : 0;
   join.patience_s = patience_s;
   join.near_hands = near ? 1 : 0;
-  return on.waiting([&] { return pp::Session::joined(name, join, options); });
+  return on.waiting([&, &name = name] { return pp::Session::joined(name, join, options); });
 }
 
 namespace {

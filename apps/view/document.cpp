@@ -256,7 +256,7 @@ void Document::letFramesGoOn() {
 }
 
 void Document::play(const std::string& log) {
-  for (const std::string& sentence : session_->play(log)) messages_.say(log + ": " + sentence);
+  for (const std::string& sentence : session_->play(log)) messages_.say(fmt::format("{}: {}", log, sentence));
 }
 
 std::string Document::freeName(const std::string& what, const std::string& ending) const {

@@ -32,7 +32,8 @@ bool FileBrowser::Filter::lets(const std::filesystem::path& file) const {
          std::ranges::any_of(endings, [&](const std::string& ending) { return lower.ends_with(ending); });
 }
 
-FileBrowser::FileBrowser(std::filesystem::path folder, std::vector<Filter> filters) : filters_(std::move(filters)) {
+FileBrowser::FileBrowser(const std::filesystem::path& folder, std::vector<Filter> filters)
+    : filters_(std::move(filters)) {
   std::error_code failed;
   folder_ = std::filesystem::current_path(failed);
   go(folder.empty() ? folder_ : folder);

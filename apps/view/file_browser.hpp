@@ -25,7 +25,7 @@ class FileBrowser {
   };
 
   /// The first filter is in force. `folder`: where it begins; the working folder where there is no such one.
-  FileBrowser(std::filesystem::path folder, std::vector<Filter> filters);
+  FileBrowser(const std::filesystem::path& folder, std::vector<Filter> filters);
 
   const std::filesystem::path& folder() const { return folder_; }
   /// Folders first, each kind by its name; what begins with a dot is left out.

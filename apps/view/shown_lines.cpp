@@ -45,7 +45,7 @@ void addHand(std::vector<SpaceLine>& lines, const SeenHand& hand, const DVec3& o
     for (int end = 0; end < 2; ++end) {
       DVec3 offset(0);
       offset[axis] = (end ? 1 : -1) * kBall * longestSide;
-      corners[static_cast<std::size_t>(2 * axis + end)] = at + offset;
+      corners[2 * static_cast<std::size_t>(axis) + static_cast<std::size_t>(end)] = at + offset;
     }
   for (std::size_t i = 0; i < corners.size(); ++i)
     for (std::size_t j = i + 1; j < corners.size(); ++j)

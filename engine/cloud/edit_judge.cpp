@@ -179,6 +179,7 @@ double EditJudge::heightFrom(const DVec3& place, std::uint32_t ancestor, double 
     }
   }
   std::vector<Vec3> positions;
+  positions.reserve(sheet.size());
   for (const std::uint32_t i : sheet) positions.push_back(before_.positions[i]);
   const PointTree tree(positions);
   return std::min(height, heightOver({tree, sheet}, place));

@@ -72,7 +72,7 @@ struct Outside {
   float margin;
   double share;
 };
-constexpr Outside kGoes{0, shared::kNearlyAll}, kStaysAway{shared::kBirthMargin, shared::kHalfOfThem};
+const Outside kGoes{0, shared::kNearlyAll}, kStaysAway{shared::kBirthMargin, shared::kHalfOfThem};
 
 // Whether a place near `self` has come through the far sheet of a plate.
 bool standsThrough(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,

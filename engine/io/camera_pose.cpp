@@ -18,7 +18,8 @@ constexpr double kLastRow = 1e-6;
 glm::dmat3 turnOf(const std::array<double, 16>& rows) {
   glm::dmat3 turn;
   for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) turn[column][row] = rows[static_cast<std::size_t>(4 * row + column)];
+    for (int column = 0; column < 3; ++column)
+      turn[column][row] = rows[4 * static_cast<std::size_t>(row) + static_cast<std::size_t>(column)];
   return turn;
 }
 

@@ -30,7 +30,7 @@ static_assert(STBI_MAX_DIMENSIONS == kLongestImageSide);
 constexpr std::size_t kMostBytes = std::size_t{1} << 29;  // of a file: four bytes for each pixel of the largest picture
 // No picture packs more pixels into a byte: deflate's longest runs (1032 bytes) of pixels of one bit, and a JPEG has a
 // bit for 64 pixels at least.
-constexpr std::uint64_t kMostPixelsPerByte = 8 * 1032;
+constexpr std::uint64_t kMostPixelsPerByte = std::uint64_t{8} * 1032;
 
 using Bytes = std::vector<std::byte>;
 using Pixels = std::unique_ptr<void, decltype(&std::free)>;

@@ -65,6 +65,7 @@ bool anyRounded(const LasField& field, const std::byte* rows, std::size_t rowByt
 template <class T>
 bool isSet(const T& value) {
   constexpr std::array<std::byte, sizeof(T)> kNone{};
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits are meant
   return std::memcmp(&value, kNone.data(), sizeof(T)) != 0;
 }
 

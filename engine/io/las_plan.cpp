@@ -206,7 +206,7 @@ void LasPlan::encode(const PointCloud& cloud, std::size_t begin, std::size_t end
     const DVec3 place = grid.grid.nearest(cloud.fileCoordinates(i));
     for (int k = 0; k < 3; ++k) {
       const auto number = static_cast<std::int32_t>(place[k]);
-      std::memcpy(row + 4 * k, &number, sizeof number);
+      std::memcpy(row + k * sizeof number, &number, sizeof number);
     }
     if (points.colorAt == 0 || !cloud.hasColors()) continue;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -156,6 +156,7 @@ void readFields(const Json& object, MatterScene& scene) {
     const auto* const field = std::ranges::find(kFields, name, &Field::name);
     if (field == kFields.end()) {
       std::vector<std::string_view> names;
+      names.reserve(std::size(kFields));
       for (const Field& known : kFields) names.emplace_back(known.name);
       throw Error("{}: is not known; there are {}", inQuotes(name), fmt::join(names, ", "));
     }

@@ -132,7 +132,8 @@ class GltfReader {
     if (node.contains("matrix")) {
       const std::vector<double> m = numbersIn(node, "matrix", std::vector<double>(16));
       for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row) placement.turn[column][row] = m[static_cast<std::size_t>(4 * column + row)];
+        for (int row = 0; row < 3; ++row)
+          placement.turn[column][row] = m[4 * static_cast<std::size_t>(column) + static_cast<std::size_t>(row)];
       placement.shift = {m[12], m[13], m[14]};
       return placement;
     }

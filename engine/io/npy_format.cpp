@@ -224,7 +224,7 @@ NpyFile openNpz(const std::filesystem::path& path, Log* log) {
     file.table.addAlone(arrays[0].array);
   } else {
     // That of the places tells how many points there are.
-    std::ranges::stable_partition(arrays, [](const Named& one) { return NpyTable::isPlaces(one.name); });
+    std::stable_partition(arrays.begin(), arrays.end(), [](const Named& one) { return NpyTable::isPlaces(one.name); });
     for (const Named& one : arrays) file.table.addNamed(one.name, one.array);
   }
   file.table.settle();

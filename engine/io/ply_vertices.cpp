@@ -24,6 +24,7 @@ std::uint8_t toColor(T value) {
   double scaled = static_cast<double>(value);
   if constexpr (std::is_floating_point_v<T>) scaled *= 255.0;
   if constexpr (std::is_same_v<T, std::uint16_t>) scaled /= 257.0;
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): it is not negative
   return scaled > 0 ? static_cast<std::uint8_t>(std::min(scaled, 255.0) + 0.5) : std::uint8_t{0};  // NaN becomes 0
 }
 

@@ -88,7 +88,7 @@ std::filesystem::path nameBeside(const std::filesystem::path& file) {
   for (int number = 1;; ++number) {
     const std::string ending = number == 1 ? "-sculpted" : fmt::format("-sculpted-{}", number);
     std::filesystem::path name = whole;
-    name.replace_filename(stem + ending + extension);
+    name.replace_filename(fmt::format("{}{}{}", stem, ending, extension));
     std::error_code ignored;
     if (!std::filesystem::exists(std::filesystem::symlink_status(name, ignored))) return name;
   }

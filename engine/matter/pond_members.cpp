@@ -46,6 +46,7 @@ class TakenPlaces {
       : apart_m_(kApart_spacings * space.spacing_m),
         grid_(cellsOf({.size = space.box_m}, static_cast<float>(kReach_spacings) * space.spacing_m)) {
     std::vector<Vec4> places;
+    places.reserve(members.size());
     for (const PondMember& member : members) places.emplace_back(member.place, 0);
     std::vector<std::uint32_t> order;
     grid_.sort(places, order);

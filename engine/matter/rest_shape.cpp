@@ -110,8 +110,7 @@ std::size_t RestShape::yield(std::span<const RestPlace> places) {
       if (slot / 8 < lattice_.cells()) cells.push_back(slot / 8);
   }
   std::ranges::sort(cells);
-  const auto same = std::ranges::unique(cells);
-  cells.erase(same.begin(), same.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   // What stays takes others along: until all cells hold, or are as they were.
   std::vector<char> stays(places.size(), 0);
   for (bool again = true; again;) {

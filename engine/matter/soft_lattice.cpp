@@ -169,6 +169,7 @@ SoftSolid ballSolid(const DVec3& middle_m, double radius_m, double spacing_m) {
   }
   std::vector<SurfacePlace> surface = ballSurface(middle_m, radius_m, spacing_m, kPlacesOfSpacing);
   std::vector<std::size_t> kept;
+  kept.reserve(surface.size());
   for (const SurfacePlace& place : surface)
     kept.push_back(box.numberOf(glm::clamp(box.cellAt(DVec3(place.rest)), IVec3(0), box.cells - 1)));
   return {.lattice = SoftLattice(std::move(box), kept), .surface = std::move(surface)};

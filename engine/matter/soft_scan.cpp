@@ -78,8 +78,7 @@ void wind(Filling& filling) {
   for (const SurfacePlace& point : filling.points)
     filling.kept.push_back(filling.box.numberOf(filling.box.cellAt(DVec3(point.rest))));
   std::ranges::sort(filling.kept);
-  const auto same = std::ranges::unique(filling.kept);
-  filling.kept.erase(same.begin(), same.end());
+  filling.kept.erase(std::unique(filling.kept.begin(), filling.kept.end()), filling.kept.end());
 }
 
 void requireInside(const Filling& filling) {

@@ -16,7 +16,7 @@ class CudaBackend final : public BackendKind {
     // The one that is taken unless another is asked for stands first.
     static const std::vector<std::string> methods = [] {
       std::vector<std::string> names(cudaMethods().rbegin(), cudaMethods().rend());
-      std::ranges::stable_partition(names, [](const std::string& name) { return name == "fused"; });
+      std::stable_partition(names.begin(), names.end(), [](const std::string& name) { return name == "fused"; });
       return names;
     }();
     return methods;

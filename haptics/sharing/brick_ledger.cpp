@@ -24,8 +24,8 @@ std::vector<BrickKey> bricksIn(std::span<const Ball> balls, const BrickGrid& gri
   }
   if (balls.size() > 1) {  // of one that two balls reach the nearer one counts
     std::ranges::sort(found, {}, [](const auto& one) { return std::pair(one.second, one.first); });
-    const auto same = std::ranges::unique(found, {}, [](const auto& one) { return one.second; });
-    found.erase(same.begin(), same.end());
+    const auto isSame = [](const auto& one, const auto& other) { return one.second == other.second; };
+    found.erase(std::unique(found.begin(), found.end(), isSame), found.end());
   }
   std::ranges::sort(found);
   std::vector<BrickKey> keys;
