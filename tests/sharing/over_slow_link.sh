@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A cloud is served in one network namespace and joined in another one, over a link that delays and loses as it is told:
-# the trace is that of the file byte by byte, through a cable that is out for seconds, too, and a killed server is reported;
+# the trace is that of the file byte by byte, through a cable that is out for seconds, too; a killed server is reported;
 # hands at both ends sculpt at once, and have the same points in the end. Exit code 77, with the reason, where this
 # machine allows no such link.
 #   tests/sharing/over_slow_link.sh PALPATE
