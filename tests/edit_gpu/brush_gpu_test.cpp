@@ -6,7 +6,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::brush_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -19,7 +19,8 @@ TEST_CASE_FIXTURE(GpuFixture, "the GPU does what double does, with every brush")
   const Buffer input = Buffer::of<shared::BrushQuestion>(device, asked.size() + 1, Memory::device, "questions");
   const Buffer output = Buffer::of<shared::BrushAnswer>(device, asked.size() + 1, Memory::device, "answers");
   upload(device, input, asked);
-  const ComputePipeline pipeline(device, shader_code::edit_brush_probe, {.pushBytes = sizeof(shared::BrushProbeArgs)});
+  const ComputePipeline pipeline(device, shader_code::edit_gpu_brush_probe,
+                                 {.pushBytes = sizeof(shared::BrushProbeArgs)});
   const auto count = static_cast<std::uint32_t>(asked.size());
   CommandList list(device, device.latencyQueue(), "brushes");
   list.begin();
@@ -35,4 +36,4 @@ TEST_CASE_FIXTURE(GpuFixture, "the GPU does what double does, with every brush")
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::brush_gpu_test

@@ -1,10 +1,10 @@
 // A mesh that follows edits is the one that a build from nothing makes, bit by bit.
 #include <random>
 
-#include "tests/mesh_gpu/mesh_scenes.hpp"
 #include "tests/labels.hpp"
+#include "tests/mesh_gpu/mesh_scenes.hpp"
 
-namespace palpate {
+namespace palpate::mesh_update_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -127,4 +127,4 @@ TEST_CASE_FIXTURE(GpuFixture, "everything may go, and come back") {
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::mesh_update_test

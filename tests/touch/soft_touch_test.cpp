@@ -9,7 +9,7 @@
 #include "tests/near.hpp"
 #include "tests/touch/soft_scene.hpp"
 
-namespace palpate {
+namespace palpate::soft_touch_test {
 
 namespace {
 
@@ -505,4 +505,4 @@ TEST_CASE(
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_touch_test

@@ -5,11 +5,11 @@
 #include "engine/gpu/compute_pipeline.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 #include "tests/says.hpp"
 #include "tests/scenes.hpp"
-#include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::small_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -83,4 +83,4 @@ TEST_CASE("the smallest GPU that palpate takes feels and sculpts what every GPU 
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::small_gpu_test
