@@ -6,7 +6,6 @@ palpate_tests(library LINKS ${library_links})
 set_source_files_properties(library/touch_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_OWN_LAW="$<TARGET_FILE:own_law>")
 add_dependencies(tests_library own_law)
-set_source_files_properties(library/touch_test.cpp PROPERTIES COMPILE_OPTIONS -Wno-error)
 
 get_property(python GLOBAL PROPERTY PALPATE_PYTHON3)
 set(room_label program)

@@ -19,6 +19,7 @@ function(palpate_room name)
   add_library(palpate::${name} ALIAS palpate_${name})
   target_link_libraries(palpate_${name} PUBLIC ${ROOM_LINKS} PRIVATE palpate_build_options)
   target_include_directories(palpate_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  palpate_unite(palpate_${name})
   if(name STREQUAL core)
     palpate_precompile(palpate_core)
   else()
@@ -42,3 +43,14 @@ function(palpate_precompile target)
     <cmath> <condition_variable> <deque> <filesystem> <fstream> <functional> <map> <memory> <mutex> <numbers> <optional>
     <random> <set> <span> <sstream> <string> <thread> <variant> <vector>)
 endfunction()
+
+# palpate_unite(TARGET): several files are compiled as one, which reads the headers of palpate less often: a cold build
+# takes half the time. Files with flags of their own stay alone. Names in anonymous namespaces are therefore unique in a
+# target, not in a file. Only where PALPATE_PRECOMPILE is on; the other presets compile each file by its own includes.
+function(palpate_unite target)
+  if(PALPATE_PRECOMPILE)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${PALPATE_FILES_AT_ONCE})
+  endif()
+endfunction()
+set(PALPATE_FILES_AT_ONCE 6 CACHE STRING "How many files are compiled as one where PALPATE_PRECOMPILE is on")
+mark_as_advanced(PALPATE_FILES_AT_ONCE)

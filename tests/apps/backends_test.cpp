@@ -5,7 +5,7 @@
 #include "tests/apps/program.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::backends_test {
 
 TEST_CASE(
     "every query method gives the same trace, byte by byte; brute, which adds up in another order, the same force") {
@@ -129,4 +129,4 @@ TEST_CASE("a back end that is not there, and a method that it does not have, are
   CHECK(palpate("touch " + model + " --method naive-dp").code == 2);
 }
 
-}  // namespace palpate
+}  // namespace palpate::backends_test

@@ -10,7 +10,7 @@
 #include "tests/own_domain.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::bench_test {
 
 TEST_CASE("bench measures every job by every way of the back ends that are asked for, and plots it") {
   const ScratchFolder folder;
@@ -460,4 +460,4 @@ TEST_CASE("bench read reads what it is given, on as many threads as are asked fo
   CHECK(says(none.text, "none.las"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::bench_test

@@ -7,7 +7,7 @@
 #include "tests/rgbd_writer.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::cameras_test {
 
 namespace {
 
@@ -215,4 +215,4 @@ TEST_CASE(
   CHECK(blue > blueWithout + 50);
 }
 
-}  // namespace palpate
+}  // namespace palpate::cameras_test

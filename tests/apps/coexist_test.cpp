@@ -2,7 +2,7 @@
 // palpate bench coexist: touch and pictures at once. What it counts, never how fast.
 #include "tests/apps/program.hpp"
 
-namespace palpate {
+namespace palpate::coexist_test {
 
 namespace {
 
@@ -83,4 +83,4 @@ TEST_CASE("bench coexist refuses what cannot be measured") {
   CHECK(none.text.find("nowhere") != std::string::npos);
 }
 
-}  // namespace palpate
+}  // namespace palpate::coexist_test

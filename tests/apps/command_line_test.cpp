@@ -7,7 +7,7 @@
 #include "tests/apps/program.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::command_line_test {
 
 namespace {
 
@@ -239,4 +239,4 @@ TEST_CASE("touch says that a tool is smaller than the spacing, with both and wha
   CHECK(lacks(palpate("touch " + model + " --backend cpu --tool-radius 0.5").text, "smaller than the spacing"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::command_line_test

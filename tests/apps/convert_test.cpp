@@ -10,7 +10,7 @@
 #include "tests/rgbd_writer.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::convert_test {
 
 namespace {
 
@@ -288,4 +288,4 @@ TEST_CASE("from mesh to mesh the triangles stay, to points they are sampled, and
   CHECK(jsonOf(folder / "c.json")["to"] == "3DGS");
 }
 
-}  // namespace palpate
+}  // namespace palpate::convert_test

@@ -6,7 +6,7 @@
 #include "tests/labels.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::devices_test {
 
 namespace {
 
@@ -298,4 +298,4 @@ TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes 
   CHECK(outcome.text.find("SpaceMouse Compact") != outcome.text.rfind("SpaceMouse Compact"));  // it is told of again
 }
 
-}  // namespace palpate
+}  // namespace palpate::devices_test

@@ -5,7 +5,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::files_test {
 
 TEST_CASE("in the window a file is looked for by folder and format, saved elsewhere, and its mesh is exported") {
   if (!hasDisplay()) return;
@@ -190,4 +190,4 @@ TEST_CASE("a file of every format that is dropped on the window is opened") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::files_test

@@ -2,7 +2,7 @@
 #include "tests/apps/every_format.hpp"
 #include "tests/apps/program.hpp"
 
-namespace palpate {
+namespace palpate::formats_test {
 
 TEST_CASE("info, touch and render open a file of every format") {
   const ScratchFolder folder;
@@ -25,4 +25,4 @@ TEST_CASE("info, touch and render open a file of every format") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::formats_test

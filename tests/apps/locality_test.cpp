@@ -2,7 +2,7 @@
 
 #include "tests/apps/program.hpp"
 
-namespace palpate {
+namespace palpate::locality_test {
 
 TEST_CASE("bench locality plays every brush and gesture on every cloud, and fails where a promise is broken") {
   const ScratchFolder folder;
@@ -52,4 +52,4 @@ TEST_CASE("bench locality refuses what it does not know, and having nothing to e
   CHECK(palpate("bench locality build --backend cpu").code == 2);
 }
 
-}  // namespace palpate
+}  // namespace palpate::locality_test

@@ -3,7 +3,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::look_test {
 
 namespace {
 
@@ -206,4 +206,4 @@ TEST_CASE("the window has a model upright, turns it over on demand, and shows wh
   CHECK(says(played->outcome.text, "which show what is painted"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::look_test

@@ -5,7 +5,7 @@
 
 #include "tests/apps/program.hpp"
 
-namespace palpate {
+namespace palpate::lost_gpu_test {
 
 namespace {
 
@@ -96,4 +96,4 @@ TEST_CASE("the layer that takes the GPU away lets everything else pass") {
   CHECK(contentOf(with) == contentOf(without));
 }
 
-}  // namespace palpate
+}  // namespace palpate::lost_gpu_test

@@ -6,7 +6,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::matter_test {
 
 namespace {
 
@@ -378,4 +378,4 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
   CHECK_MESSAGE(message.find("keeps the cells") != std::string::npos, message);
 }
 
-}  // namespace palpate
+}  // namespace palpate::matter_test

@@ -5,7 +5,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::measure_test {
 
 namespace {
 
@@ -145,4 +145,4 @@ TEST_CASE("the command line takes a scale from two places, and convert writes it
   CHECK_FALSE(std::filesystem::exists(folder / "n.ply"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::measure_test

@@ -4,7 +4,7 @@
 #include "tests/apps/program.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::mesh_test {
 
 TEST_CASE("mesh writes a closed mesh of a closed shape, and says so") {
   const ScratchFolder folder;
@@ -98,4 +98,4 @@ TEST_CASE("bench mesh measures each pass and an edit, and holds the mesh against
   CHECK(palpate("bench mesh --sizes 2000 --backend cpu").code == 2);
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh_test

@@ -3,7 +3,7 @@
 
 #include "tests/apps/window_play.hpp"
 
-namespace palpate {
+namespace palpate::moving_test {
 
 TEST_CASE("a model that comes and goes under a hand at rest is felt by both back ends as deep as it is") {
   const ScratchFolder folder;
@@ -112,4 +112,4 @@ TEST_CASE("the window shows a model where it is, and takes no tool to it") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::moving_test

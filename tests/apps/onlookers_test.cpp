@@ -15,7 +15,7 @@
 #include "tests/own_domain.hpp"
 #include "tests/sharing/ros_discovery.hpp"
 
-namespace palpate {
+namespace palpate::onlookers_test {
 
 namespace {
 
@@ -156,4 +156,4 @@ TEST_CASE("a camera is hidden from nobody where nothing is joined") {
   CHECK(outcome.text.find("--hide-camera: is for --join") != std::string::npos);
 }
 
-}  // namespace palpate
+}  // namespace palpate::onlookers_test

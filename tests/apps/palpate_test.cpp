@@ -7,7 +7,7 @@
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::palpate_test {
 
 TEST_CASE("a press on a sphere: no force outside, along the true normal inside, at the depth that theory gives") {
   const ScratchFolder folder;
@@ -358,4 +358,4 @@ TEST_CASE("doctor, version and help answer") {
   CHECK(outcome.text.find("touch: family") != std::string::npos);
 }
 
-}  // namespace palpate
+}  // namespace palpate::palpate_test

@@ -5,7 +5,7 @@
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::ros_frames_test {
 
 using namespace sharing;
 
@@ -143,4 +143,4 @@ TEST_CASE("pictures of ROS become a map, which is kept, and are seen in the wind
   CHECK(Picture(seen->folder / "p.png").width == 640);
 }
 
-}  // namespace palpate
+}  // namespace palpate::ros_frames_test

@@ -3,7 +3,7 @@
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::ros_scanner_test {
 
 using namespace sharing;
 
@@ -92,4 +92,4 @@ TEST_CASE("topics of ROS that are no live camera, and options that do not go wit
   refuses("touch --live ros:/a//b --realtime", 2, "is no name there");
 }
 
-}  // namespace palpate
+}  // namespace palpate::ros_scanner_test

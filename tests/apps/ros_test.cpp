@@ -7,7 +7,7 @@
 #include "tests/own_domain.hpp"
 #include "tests/sharing/ros_discovery.hpp"
 
-namespace palpate {
+namespace palpate::ros_test {
 
 using namespace sharing;
 
@@ -155,4 +155,4 @@ TEST_CASE("what ROS cannot name, and options of its network without it, are refu
   CHECK(palpate("mesh ros:a -o never.ply").text.find("are not heard here") != std::string::npos);
 }
 
-}  // namespace palpate
+}  // namespace palpate::ros_test

@@ -6,7 +6,7 @@
 #include "tests/apps/program.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::saving_test {
 
 namespace {
 
@@ -126,4 +126,4 @@ TEST_CASE("a trace for which there is no room does not cost the sculpted points"
   CHECK_FALSE(std::filesystem::exists(folder / "t.csv"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::saving_test

@@ -8,7 +8,7 @@
 #include "tests/own_domain.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::security_test {
 
 namespace {
 
@@ -145,4 +145,4 @@ TEST_CASE("keys that cannot be used are refused before anything is sent, and so 
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::security_test

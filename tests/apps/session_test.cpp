@@ -7,7 +7,7 @@
 #include "tests/apps/running_program.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::session_test {
 
 namespace {
 
@@ -343,4 +343,4 @@ TEST_CASE("on a full disk the log ends, the session goes on, and what was there 
     CHECK(entry.path().extension() != ".tmp");
 }
 
-}  // namespace palpate
+}  // namespace palpate::session_test

@@ -12,7 +12,7 @@
 #include "tests/labels.hpp"
 #include "tests/own_domain.hpp"
 
-namespace palpate {
+namespace palpate::sharing_faults_test {
 
 namespace {
 
@@ -249,4 +249,4 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
   CHECK(serving.program.wait(SIGINT) == 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::sharing_faults_test

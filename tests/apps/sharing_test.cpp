@@ -13,7 +13,7 @@
 #include "tests/labels.hpp"
 #include "tests/own_domain.hpp"
 
-namespace palpate {
+namespace palpate::sharing_test {
 
 namespace {
 
@@ -581,4 +581,4 @@ TEST_CASE("what joins and cannot be served says so, and so do options that do no
   works("touch --join short" + domain() + " --backend cpu --duration 0.05");
 }
 
-}  // namespace palpate
+}  // namespace palpate::sharing_test

@@ -7,7 +7,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::simulate_test {
 
 namespace {
 
@@ -172,4 +172,4 @@ TEST_CASE("what cannot be simulated is refused in a sentence, and leaves no file
   CHECK(palpate("simulate water --probe 1,2").code == 2);
 }
 
-}  // namespace palpate
+}  // namespace palpate::simulate_test

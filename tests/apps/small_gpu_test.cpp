@@ -4,7 +4,7 @@
 #include "tests/apps/program.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::small_gpu_test {
 
 TEST_CASE("doctor names what a GPU lacks, and what is refused is refused for that") {
   const ScratchFolder folder;
@@ -36,4 +36,4 @@ TEST_CASE("where doctor says yes to the least of GPUs, models are touched, sculp
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::small_gpu_test

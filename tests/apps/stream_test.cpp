@@ -7,7 +7,7 @@
 #include "tests/near.hpp"
 #include "tests/rgbd_writer.hpp"
 
-namespace palpate {
+namespace palpate::stream_test {
 
 namespace {
 
@@ -249,4 +249,4 @@ TEST_CASE("in the window a frame that is held is sculpted, undone and saved, and
   CHECK(played->state("on.json")["edits"] == 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::stream_test

@@ -2,7 +2,7 @@
 #include "tests/apps/program.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::tool_test {
 
 namespace {
 
@@ -138,4 +138,4 @@ TEST_CASE("bench step measures what a tool costs beside a point") {
   CHECK(ways == "fused; fused, pad of 1; fused, pad of 4; direct; direct, pad of 1; direct, pad of 4; ");
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool_test

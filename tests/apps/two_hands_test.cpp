@@ -5,7 +5,7 @@
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::two_hands_test {
 
 namespace {
 
@@ -138,4 +138,4 @@ TEST_CASE("what does not go together with a second hand is wrong usage, in a sen
   CHECK(says(cuda.text, "--second-device: --backend cuda feels with one hand; take vulkan or cpu"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::two_hands_test

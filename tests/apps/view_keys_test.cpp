@@ -2,7 +2,7 @@
 #include "tests/apps/window_play.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::view_keys_test {
 
 namespace {
 
@@ -174,4 +174,4 @@ TEST_CASE("help, curves, colours, background and pictures to files") {
   CHECK(std::string(played->state("last.json")["last_message"]).find("sphere-2.png") != std::string::npos);
 }
 
-}  // namespace palpate
+}  // namespace palpate::view_keys_test

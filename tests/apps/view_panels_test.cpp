@@ -3,7 +3,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::view_panels_test {
 
 namespace {
 
@@ -339,4 +339,4 @@ TEST_CASE("what could not be opened is not offered again, and Tab takes the pane
   CHECK(message("back.json") == message("away.json"));  // nothing was clicked in vain
 }
 
-}  // namespace palpate
+}  // namespace palpate::view_panels_test

@@ -5,7 +5,7 @@
 #include "tests/lost_gpu/lost_gpu.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::view_present_test {
 
 namespace {
 
@@ -142,4 +142,4 @@ TEST_CASE("doctor says how pictures come to the display, or that there is none")
   CHECK(jsonOf(json)["display"].is_null());
 }
 
-}  // namespace palpate
+}  // namespace palpate::view_present_test

@@ -4,7 +4,7 @@
 #include "tests/apps/window_play.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::view_save_test {
 
 namespace {
 
@@ -223,4 +223,4 @@ TEST_CASE("a recording that meets a full disk is told once, and the session goes
   CHECK(says(replayed.text, "they were not written"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::view_save_test

@@ -2,7 +2,7 @@
 #include "tests/apps/window_play.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::view_start_test {
 
 TEST_CASE("models alone open the window, as view does") {
   if (!hasDisplay()) return;
@@ -39,4 +39,4 @@ TEST_CASE("the window says that a tool is smaller than the spacing, and is silen
   CHECK(played->state("again.json")["last_message"] == "forces off");
 }
 
-}  // namespace palpate
+}  // namespace palpate::view_start_test

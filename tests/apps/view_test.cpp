@@ -3,7 +3,7 @@
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::view_test {
 
 namespace {
 
@@ -392,4 +392,4 @@ TEST_CASE("without a display the window says what it needs") {
   CHECK(outcome.text.find("needs a display") != std::string::npos);
 }
 
-}  // namespace palpate
+}  // namespace palpate::view_test

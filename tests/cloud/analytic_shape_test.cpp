@@ -12,7 +12,7 @@
 #include "engine/core/error.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::analytic_shape_test {
 namespace {
 
 DVec3 numericalGradient(const AnalyticShape& shape, const DVec3& p, double step) {
@@ -210,4 +210,4 @@ TEST_CASE("jets carry exact derivatives") {
   CHECK(jet.uv == near((value(h, h) - value(h, -h) - value(-h, h) + value(-h, -h)) / (4 * h * h), 1e-5));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::analytic_shape_test

@@ -9,7 +9,7 @@
 #include "engine/cloud/uneven_clouds.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::edit_judge_test {
 namespace {
 
 using Words = std::vector<std::string_view>;
@@ -332,4 +332,4 @@ TEST_CASE("a normal at rest that turns over is told wherever it is") {
   CHECK(edited.verdict().broken(false) == Words{"turns normals at rest"});
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::edit_judge_test

@@ -13,7 +13,7 @@
 #include "tests/content_of.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::edited_cloud_test {
 
 TEST_CASE("saving onto a full disk says so, and leaves the older file and nothing else") {
   const ScratchFolder folder;
@@ -46,4 +46,4 @@ TEST_CASE("saving onto a full disk says so, and leaves the older file and nothin
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-}  // namespace palpate
+}  // namespace palpate::edited_cloud_test

@@ -10,7 +10,7 @@
 #include "tests/content_of.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::edited_cloud_test {
 
 namespace {
 
@@ -101,4 +101,4 @@ TEST_CASE("a cloud without points left is written and read") {
   CHECK(readPly(folder / "none.ply").empty());
 }
 
-}  // namespace palpate
+}  // namespace palpate::edited_cloud_test

@@ -4,7 +4,7 @@
 
 #include "engine/cloud/counter_random.hpp"
 
-namespace palpate::test {
+namespace palpate::test::eigen3_test {
 namespace {
 
 DVec3 multiply(const SymmetricMatrix3& m, const DVec3& v) {
@@ -60,4 +60,4 @@ TEST_CASE("the smallest eigenvector of points on a plane is its normal") {
   CHECK(std::abs(glm::dot(e.vectors[0], plane.n)) > 1 - 1e-14);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::eigen3_test

@@ -8,7 +8,7 @@
 #include "tests/gaussian_scenes.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::even_points_test {
 namespace {
 
 struct Points {
@@ -95,4 +95,4 @@ TEST_CASE("noise in normals is averaged out, and an edge between two faces stays
   CHECK(after < before / 3);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::even_points_test

@@ -12,7 +12,7 @@
 #include "tests/gaussian_scenes.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::gaussian_seeds_test {
 namespace {
 
 /// Discs along the axes, from tiny ones to some that are ten times as large as usual.
@@ -105,4 +105,4 @@ TEST_CASE("at each seed all is felt whose reach it is within, and nothing twice"
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::gaussian_seeds_test

@@ -15,7 +15,7 @@
 #include "tests/gaussian_scenes.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::gaussian_surface_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -299,4 +299,4 @@ TEST_CASE("a sheet whose Gaussians differ tenfold in size has no holes and no st
     }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::gaussian_surface_test

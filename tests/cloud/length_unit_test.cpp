@@ -8,7 +8,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::length_unit_test {
 
 TEST_CASE("a unit is what a comment of the file says it is") {
   const auto said = [](const char* comment) {
@@ -58,4 +58,4 @@ TEST_CASE("a round length is 1, 2 or 5 times a power of ten, and not above") {
   CHECK(roundLength(std::numeric_limits<double>::infinity()) == 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::length_unit_test

@@ -11,7 +11,7 @@
 #include "engine/cloud/counter_random.hpp"
 #include "engine/cloud/morton_sort.hpp"
 
-namespace palpate {
+namespace palpate::morton_cells_test {
 namespace {
 
 /// Cells no farther than `reach` from the middle, to both sides of it.
@@ -89,4 +89,4 @@ TEST_CASE("around a cell all that are occupied are found, each once, with any nu
   MortonCells().forEachAround(IVec3(kMortonReach), [](std::uint32_t) { FAIL("of no cells one was found"); });
 }
 
-}  // namespace palpate
+}  // namespace palpate::morton_cells_test

@@ -8,7 +8,7 @@
 #include "engine/cloud/thinning.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::noise_test {
 namespace {
 
 /// Relative: doctest's own tolerance grows by one.
@@ -112,4 +112,4 @@ TEST_CASE("points off a quadric have the variance that they were given, in any u
   CHECK_FALSE(varianceOffQuadric(std::vector<DVec3>(16, DVec3(1, 2, 3))));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::noise_test

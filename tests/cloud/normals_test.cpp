@@ -7,7 +7,7 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 
-namespace palpate::test {
+namespace palpate::test::normals_test {
 namespace {
 
 /// Cosine of the worst angle between the estimated normals and the true ones; below zero when any is turned round.
@@ -89,4 +89,4 @@ TEST_CASE("degenerate clouds still get unit normals") {
   CHECK(std::abs(cloud.normals[50].x) < 1e-5f);  // across the line
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::normals_test

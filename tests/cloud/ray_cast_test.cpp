@@ -5,7 +5,7 @@
 #include "engine/cloud/counter_random.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::ray_cast_test {
 
 TEST_CASE("rays meet a sphere where geometry says") {
   const DVec3 center(3, -2, 5);
@@ -47,4 +47,4 @@ TEST_CASE("rays meet every shape on its surface, from the side that its normal p
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::ray_cast_test

@@ -7,7 +7,7 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/cloud/spacing.hpp"
 
-namespace palpate::test {
+namespace palpate::test::sculpture_test {
 
 TEST_CASE("the sculpture is closed: the solid angle seen from any point is all or nothing") {
   // Gauss: the flux of (q - p) / |q - p|^3 through a closed surface is 4 pi for p inside and 0 outside.
@@ -64,4 +64,4 @@ TEST_CASE("parts of the sculpture that are far along the knot are far apart in s
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::sculpture_test

@@ -8,7 +8,7 @@
 #include "engine/cloud/counter_random.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::spacing_test {
 namespace {
 
 PointCloud randomSquare(std::size_t count) {
@@ -72,4 +72,4 @@ TEST_CASE("the spacing does not depend on the number of threads") {
   CHECK(meanSpacing(cloud, 1) == meanSpacing(cloud, 5));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::spacing_test

@@ -7,7 +7,7 @@
 #include "engine/cloud/analytic_shape.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::thinning_test {
 namespace {
 
 std::size_t countBetween(const PointCloud& cloud, float low, float high) {
@@ -39,4 +39,4 @@ TEST_CASE("a ratio of one keeps every point, and the same seed keeps the same po
   CHECK(thinnedAlong({}, 10).empty());
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::thinning_test

@@ -8,7 +8,7 @@
 #include "engine/core/error.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::triangle_mesh_test {
 namespace {
 
 struct Mesh {
@@ -114,4 +114,4 @@ TEST_CASE("triangles without area do no harm, and a mesh of nothing else is refu
   CHECK_THROWS_AS(TriangleMesh({}, {}), Error);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::triangle_mesh_test

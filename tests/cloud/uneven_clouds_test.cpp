@@ -9,7 +9,7 @@
 #include "engine/core/error.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::uneven_clouds_test {
 namespace {
 
 std::size_t countWhere(const PointCloud& cloud, auto&& holds) {
@@ -95,4 +95,4 @@ TEST_CASE("the two sheets of a plate look away from each other") {
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::uneven_clouds_test

@@ -14,7 +14,7 @@
 #include "engine/io/ply_reader.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::up_test {
 namespace {
 
 /// Random numbers one after the other.
@@ -298,4 +298,4 @@ TEST_CASE("real scans stand upright, whichever way their file has them") {
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::up_test

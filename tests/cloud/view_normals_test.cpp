@@ -9,7 +9,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::view_normals_test {
 namespace {
 
 struct SeenShape {
@@ -142,4 +142,4 @@ TEST_CASE("no point, one, all in one place and all on a line have unit normals t
     }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::view_normals_test

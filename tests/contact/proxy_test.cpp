@@ -12,7 +12,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::proxy_test {
 
 namespace {
 
@@ -291,4 +291,4 @@ TEST_CASE("a hand that goes along with a surface has no way, however fast both a
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::proxy_test

@@ -9,7 +9,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::surfaces_test {
 
 namespace {
 
@@ -229,4 +229,4 @@ TEST_CASE("points that all lie in one place, on one line or within rounding are 
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::surfaces_test

@@ -9,7 +9,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::contact_step_test {
 
 namespace {
 
@@ -176,4 +176,4 @@ TEST_CASE_FIXTURE(ContactFixture, "the averaged surface of a sphere lies where t
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::contact_step_test

@@ -14,7 +14,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::normal_estimate_test {
 
 namespace {
 
@@ -285,4 +285,4 @@ TEST_CASE_FIXTURE(GpuFixture, "the named neighbours stand nearest in the eight s
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::normal_estimate_test

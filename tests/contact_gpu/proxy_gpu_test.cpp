@@ -10,7 +10,7 @@
 #include "tests/contact/sheet.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::proxy_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -62,4 +62,4 @@ TEST_CASE("a hand that leaps farther than single precision counts neither stops 
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::proxy_gpu_test

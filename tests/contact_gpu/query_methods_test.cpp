@@ -6,7 +6,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::query_methods_test {
 
 namespace {
 
@@ -373,4 +373,4 @@ TEST_CASE("two steps that come late are held at either of them, and answered in 
   touch.finish();
 }
 
-}  // namespace palpate
+}  // namespace palpate::query_methods_test

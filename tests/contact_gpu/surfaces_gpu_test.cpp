@@ -6,7 +6,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::surfaces_gpu_test {
 
 namespace {
 
@@ -64,4 +64,4 @@ TEST_CASE("every kind of surface is the same on the GPU as in double precision")
     for (const std::string_view shape : {"torus", "cube", "bumpy-sphere"}) checkAgreement(plainDevice(), way, shape);
 }
 
-}  // namespace palpate
+}  // namespace palpate::surfaces_gpu_test

@@ -13,7 +13,7 @@
 #include "tests/content_of.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::atomic_file_test {
 
 TEST_CASE("an older file can be kept beside the new one, and no file is lost however often that is done") {
   const ScratchFolder folder;
@@ -106,4 +106,4 @@ TEST_CASE("a disk that takes no more is an error that names the file and keeps t
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-}  // namespace palpate
+}  // namespace palpate::atomic_file_test

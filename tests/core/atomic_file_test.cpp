@@ -9,7 +9,7 @@
 #include "tests/content_of.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::atomic_file_test {
 
 TEST_CASE("a file that is not committed leaves the older one as it was, and nothing else") {
   const ScratchFolder folder;
@@ -52,4 +52,4 @@ TEST_CASE("a folder that is not there is an error that names the file") {
   CHECK_THROWS_WITH_AS(AtomicFile(folder / "none" / "out.txt"), doctest::Contains("out.txt"), FileError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::atomic_file_test

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace palpate {
+namespace palpate::background_task_test {
 
 TEST_CASE("a task runs once for each start, and what it wrote is there when it has finished") {
   int runs = 0;
@@ -40,4 +40,4 @@ TEST_CASE("what a run throws comes out once where it is waited for") {
   CHECK(task.finishedWithin(0));
 }
 
-}  // namespace palpate
+}  // namespace palpate::background_task_test

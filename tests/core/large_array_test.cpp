@@ -9,7 +9,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/parallel.hpp"
 
-namespace palpate::test {
+namespace palpate::test::large_array_test {
 
 namespace {
 
@@ -83,4 +83,4 @@ TEST_CASE("an array grows no further than there is room for, and never shrinks")
   CHECK(std::accumulate(values.begin(), values.end(), std::uint64_t{0}) == 24);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::large_array_test

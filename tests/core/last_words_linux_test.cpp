@@ -15,7 +15,7 @@
 #include "tests/says.hpp"
 #include "tests/surroundings.hpp"
 
-namespace palpate {
+namespace palpate::last_words_test {
 
 namespace {
 
@@ -109,4 +109,4 @@ TEST_CASE("a test program that reads where nothing is says in which case") {
   CHECK(says(end.text, "ended by Segmentation fault in the case \"it reads where nothing is\" ("));
 }
 
-}  // namespace palpate
+}  // namespace palpate::last_words_test

@@ -4,7 +4,7 @@
 
 #include <thread>
 
-namespace palpate {
+namespace palpate::latest_value_test {
 namespace {
 
 struct Five {
@@ -47,4 +47,4 @@ TEST_CASE("a value is whole or not there, however fast it changes, and never an 
   CHECK(whole > 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::latest_value_test

@@ -8,7 +8,7 @@
 #include <functional>
 #include <numeric>
 
-namespace palpate {
+namespace palpate::parallel_collect_test {
 namespace {
 
 constexpr std::size_t kSizes[] = {0, 1, 2, 1023, 1024, 1025, 2047, 2048, 2049, 7 * 1024, 7 * 1024 + 1, 100'003};
@@ -115,4 +115,4 @@ TEST_CASE("an array that is not written first grows, is copied and is filled lik
   CHECK(moved == copy);
 }
 
-}  // namespace palpate
+}  // namespace palpate::parallel_collect_test

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace palpate {
+namespace palpate::parallel_radix_sort_test {
 namespace {
 
 constexpr std::size_t kSizes[] = {0, 1, 2, 1023, 1024, 1025, 2049, 100'003};
@@ -58,4 +58,4 @@ TEST_CASE("the value of a rank is the one that sorting puts there") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::parallel_radix_sort_test

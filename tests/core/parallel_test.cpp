@@ -8,7 +8,7 @@
 #include "engine/core/vec.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::parallel_test {
 
 TEST_CASE("every index is visited once, whatever the number of threads") {
   for (const std::size_t count : {0u, 1u, 1023u, 1024u, 1025u, 100'003u}) {
@@ -64,4 +64,4 @@ TEST_CASE("angles are right from nothing to half a turn") {
   CHECK(angleBetween_deg({1, 0, 0}, {-3, 0, 0}) == near(180, 1e-6));
 }
 
-}  // namespace palpate
+}  // namespace palpate::parallel_test

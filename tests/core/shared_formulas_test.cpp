@@ -15,7 +15,7 @@
 #include "shaders/shared/surface.h"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::shared_formulas_test {
 
 namespace {
 
@@ -287,4 +287,4 @@ TEST_CASE_TEMPLATE("the plane of points has their direction of least spread, whe
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::shared_formulas_test

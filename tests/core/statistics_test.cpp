@@ -4,7 +4,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::statistics_test {
 
 TEST_CASE("quantiles are nearest-rank samples") {
   std::vector<double> samples;
@@ -26,4 +26,4 @@ TEST_CASE("no samples and one sample have a summary too") {
   CHECK(summarize({7}).p999 == 7);
 }
 
-}  // namespace palpate
+}  // namespace palpate::statistics_test

@@ -9,7 +9,7 @@
 
 #include "tests/core/sleeping_thread.hpp"
 
-namespace palpate {
+namespace palpate::thread_priority_test {
 
 namespace {
 
@@ -73,4 +73,4 @@ TEST_CASE("a thread stays away from a core for a while, unless it has no other")
   }).join();
 }
 
-}  // namespace palpate
+}  // namespace palpate::thread_priority_test

@@ -7,7 +7,7 @@
 #include "engine/core/thread_priority.hpp"
 #include "tests/core/sleeping_thread.hpp"
 
-namespace palpate {
+namespace palpate::thread_priority_test {
 
 namespace {
 
@@ -64,4 +64,4 @@ TEST_CASE("a thread stays away from a core for a while") {
   }).join();
 }
 
-}  // namespace palpate
+}  // namespace palpate::thread_priority_test

@@ -9,7 +9,7 @@
 #include "engine/core/error.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::tool_shape_test {
 
 namespace {
 
@@ -126,4 +126,4 @@ TEST_CASE("what turns is told from what does not") {
   CHECK_FALSE(isTurn({std::numeric_limits<double>::quiet_NaN(), 0, 0, 0}));
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool_shape_test

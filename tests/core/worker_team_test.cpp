@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace palpate {
+namespace palpate::worker_team_test {
 
 TEST_CASE("a team does every part of every job once, whatever its size") {
   for (const unsigned threads : {1u, 2u, 5u}) {
@@ -28,4 +28,4 @@ TEST_CASE("what one job wrote the next one reads, on every thread") {
   for (const int value : values) CHECK(value == 50);
 }
 
-}  // namespace palpate
+}  // namespace palpate::worker_team_test

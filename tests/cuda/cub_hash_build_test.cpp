@@ -6,7 +6,7 @@
 #include "engine/spatial/cpu_hash.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 
-namespace palpate {
+namespace palpate::cub_hash_build_test {
 
 namespace {
 
@@ -94,4 +94,4 @@ TEST_CASE("negative and far coordinates, and outliers past every cell") {
   checkBuild(cloudOf(std::move(positions)), grid);
 }
 
-}  // namespace palpate
+}  // namespace palpate::cub_hash_build_test

@@ -6,7 +6,7 @@
 #include "engine/core/statistics.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 
-namespace palpate {
+namespace palpate::cuda_measure_test {
 
 TEST_CASE("CUB's sort is timed once per repetition") {
   NEEDS_CUDA_DEVICE();
@@ -60,4 +60,4 @@ TEST_CASE("a tick of every method is timed, back to back, at a million points") 
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::cuda_measure_test

@@ -7,7 +7,7 @@
 #include "tests/cuda/cuda_fixture.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::cuda_touch_test {
 
 namespace {
 
@@ -208,4 +208,4 @@ TEST_CASE("times are measured, and the machine has a name") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::cuda_touch_test

@@ -8,7 +8,7 @@
 #include "engine/spatial/cpu_hash.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 
-namespace palpate {
+namespace palpate::push_edit_test {
 
 namespace {
 
@@ -174,4 +174,4 @@ TEST_CASE("a session that sculpts leaves the same cloud, bit by bit, whatever th
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::push_edit_test

@@ -3,7 +3,7 @@
 
 #include "tests/cuda/cuda_fixture.hpp"
 
-namespace palpate {
+namespace palpate::resident_method_test {
 
 namespace {
 
@@ -92,4 +92,4 @@ TEST_CASE("a budget too short for any answer is kept to, and late answers are ta
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::resident_method_test

@@ -5,7 +5,7 @@
 #include "tests/edit/brush_questions.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::brush_test {
 
 TEST_CASE("single precision does what double does, with every brush") {
   const auto questions = randomQuestions(6000);
@@ -71,4 +71,4 @@ TEST_CASE("paint arrives at its colour and stays there, however weak it is") {
   CHECK(brush.painted({4.1, 0, 0}, 5) == 5);
 }
 
-}  // namespace palpate
+}  // namespace palpate::brush_test

@@ -9,7 +9,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 
-namespace palpate {
+namespace palpate::journal_test {
 
 namespace {
 
@@ -382,4 +382,4 @@ TEST_CASE("what others do amid random strokes: taken back, all but their points 
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::journal_test

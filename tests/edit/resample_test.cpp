@@ -11,7 +11,7 @@
 #include "tests/edit/surface_gaps.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::resample_test {
 
 namespace {
 
@@ -422,4 +422,4 @@ TEST_CASE("the result does not depend on the cells of the index or the number of
   CHECK(first.size() > rough.size());
 }
 
-}  // namespace palpate
+}  // namespace palpate::resample_test

@@ -6,7 +6,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::brush_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -36,4 +36,4 @@ TEST_CASE_FIXTURE(GpuFixture, "the GPU does what double does, with every brush")
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::brush_gpu_test

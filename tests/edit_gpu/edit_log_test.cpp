@@ -6,7 +6,7 @@
 #include "engine/gpu/transfer.hpp"
 #include "tests/gpu_fixture.hpp"
 
-namespace palpate {
+namespace palpate::edit_log_test {
 
 namespace {
 
@@ -139,4 +139,4 @@ TEST_CASE_FIXTURE(GpuFixture, "a fetch brings all states and marks to the host, 
                                            {5326, EditMark::Kind::stroke}});
 }
 
-}  // namespace palpate
+}  // namespace palpate::edit_log_test

@@ -14,7 +14,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::edit_pass_test {
 
 namespace {
 
@@ -165,4 +165,4 @@ TEST_CASE_FIXTURE(EditFixture, "a brush larger than the model moves every point 
   CHECK(moved.entries.size() == scene.cloud.size());
 }
 
-}  // namespace palpate
+}  // namespace palpate::edit_pass_test

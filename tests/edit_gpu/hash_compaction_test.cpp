@@ -6,7 +6,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::hash_compaction_test {
 
 namespace {
 
@@ -336,4 +336,4 @@ TEST_CASE("a compaction of a large cloud is made of short slices, or of a few lo
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::hash_compaction_test

@@ -3,7 +3,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::index_update_test {
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "after any edit the index holds every point in its bucket and nothing else") {
   const Scene scene = makeScene("sphere", 5'000);
@@ -40,4 +40,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "the same edits give the same order in every b
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::index_update_test

@@ -6,7 +6,7 @@
 #include <functional>
 #include <random>
 
-namespace palpate {
+namespace palpate::resample_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -108,4 +108,4 @@ TEST_CASE_FIXTURE(GpuFixture, "a gap that an edit has torn closes, and what come
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::resample_gpu_test

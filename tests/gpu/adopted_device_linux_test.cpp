@@ -15,7 +15,7 @@
 #include "tests/gpu/host_program.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::adopted_device_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -159,4 +159,4 @@ TEST_CASE("queues that are lent serve whom they were lent for, and who has none 
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::adopted_device_test

@@ -7,7 +7,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::all_pipelines_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -66,4 +66,4 @@ TEST_CASE_FIXTURE(AllPipelinesFixture, "every compute shader becomes a pipeline"
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::all_pipelines_test

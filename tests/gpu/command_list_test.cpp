@@ -10,7 +10,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::command_list_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -301,4 +301,4 @@ TEST_CASE_FIXTURE(CommandListFixture, "a device knows how much memory its buffer
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::command_list_test

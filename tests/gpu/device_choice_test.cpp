@@ -8,7 +8,7 @@
 #include "engine/gpu/command_list.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::device_choice_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -180,4 +180,4 @@ TEST_CASE("a grid past one axis goes to a second, covers all groups and wastes l
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::device_choice_test

@@ -6,7 +6,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::shared_layout_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -39,4 +39,4 @@ TEST_CASE_FIXTURE(GpuFixture, "a shader reads the numbers that C++ wrote, field 
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::shared_layout_test

@@ -8,7 +8,7 @@
 #include "engine/gpu/device.hpp"
 #include "tests/gpu_fixture.hpp"
 
-namespace palpate {
+namespace palpate::transfer_test {
 
 TEST_CASE_FIXTURE(GpuFixture, "what is uploaded comes back, however many pieces it takes") {
   constexpr std::uint64_t kPiece = std::uint64_t{64} << 20;
@@ -32,4 +32,4 @@ TEST_CASE_FIXTURE(GpuFixture, "what is uploaded comes back, however many pieces 
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::transfer_test

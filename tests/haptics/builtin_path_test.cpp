@@ -10,7 +10,7 @@
 #include "engine/core/error.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::builtin_path_test {
 namespace {
 
 struct Model {
@@ -188,4 +188,4 @@ TEST_CASE("what cannot be touched is refused in words") {
   CHECK_THROWS_AS(builtinPath("press", bare, {}, -1), UsageError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::builtin_path_test

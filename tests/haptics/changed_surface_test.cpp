@@ -7,7 +7,7 @@
 #include "haptics/servo_loop.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::changed_surface_test {
 namespace {
 
 /// The plane z = 0, which rises by a jump each tenth of a second from 1.5 s to 3 s.
@@ -107,4 +107,4 @@ TEST_CASE("a surface whose answers are late now and then goes nowhere by that") 
   CHECK(*others.counts().leastEnergy_mJ == near(*slow.counts().leastEnergy_mJ, 1e-6));
 }
 
-}  // namespace palpate
+}  // namespace palpate::changed_surface_test

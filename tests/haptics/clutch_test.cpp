@@ -6,7 +6,7 @@
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::clutch_test {
 namespace {
 
 /// Goes to the right at 100 mm/s, 1 mm deep in a plane, with buttons pressed as told.
@@ -98,4 +98,4 @@ TEST_CASE("a device without buttons sculpts whenever it touches") {
   for (const bool sculpts : floor.sculpts) CHECK(sculpts);
 }
 
-}  // namespace palpate
+}  // namespace palpate::clutch_test

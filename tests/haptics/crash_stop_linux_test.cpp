@@ -19,7 +19,7 @@
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/doomed_session.hpp"
 
-namespace palpate {
+namespace palpate::crash_stop_test {
 namespace {
 
 /// What a device felt, in memory that outlives the process that wrote it.
@@ -168,4 +168,4 @@ TEST_CASE("more devices than can be guarded are an error, and those that are sta
   const CrashStop after(device);
 }
 
-}  // namespace palpate
+}  // namespace palpate::crash_stop_test

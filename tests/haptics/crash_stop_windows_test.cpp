@@ -13,7 +13,7 @@
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/haptics/doomed_session.hpp"
 
-namespace palpate {
+namespace palpate::crash_stop_test {
 namespace {
 
 constexpr UINT kCrashed = 77;
@@ -76,4 +76,4 @@ TEST_CASE("a program that crashes or aborts in the middle of a touch leaves no f
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::crash_stop_test

@@ -7,7 +7,7 @@
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 
-namespace palpate {
+namespace palpate::force_dimension_device_test {
 namespace {
 
 const char* const kPressing = "0,0,26,0\n0.1,0,26,0\n0.4,0,18,0\n";
@@ -83,4 +83,4 @@ TEST_CASE("what goes wrong with a Force Dimension is said in words") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::force_dimension_device_test

@@ -7,7 +7,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::force_gate_test {
 namespace {
 
 constexpr double kTick_s = 0.001;
@@ -191,4 +191,4 @@ TEST_CASE("a script without a hand starts with the gate open, and its errors sti
   CHECK(glm::length(gate.pass(kPush, {.demand_N = 0.8}, kTick_s)) < 0.01);
 }
 
-}  // namespace palpate
+}  // namespace palpate::force_gate_test

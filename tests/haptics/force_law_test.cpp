@@ -8,7 +8,7 @@
 #include "engine/core/error.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::force_law_test {
 namespace {
 
 constexpr double kTick_s = 0.001;
@@ -254,4 +254,4 @@ TEST_CASE("a law of another program's has the say in contact, knows the usual fo
   CHECK(seen.calls == calls);
 }
 
-}  // namespace palpate
+}  // namespace palpate::force_law_test

@@ -3,7 +3,7 @@
 
 #include "tests/haptics/troubled_hands.hpp"
 
-namespace palpate {
+namespace palpate::four_hands_test {
 namespace {
 
 constexpr std::size_t kHands = 4;
@@ -102,4 +102,4 @@ TEST_CASE("a fault of one of four devices takes all forces away at its tick") {
     }
 }
 
-}  // namespace palpate
+}  // namespace palpate::four_hands_test

@@ -11,7 +11,7 @@
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::guided_touch_test {
 namespace {
 
 const DVec3 kParked(0, 0, 300);
@@ -140,4 +140,4 @@ TEST_CASE("a replay puts the stylus down where the session did, once") {
   CHECK(!device.read(0.002).putDown);
 }
 
-}  // namespace palpate
+}  // namespace palpate::guided_touch_test

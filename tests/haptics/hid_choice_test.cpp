@@ -6,7 +6,7 @@
 #include "haptics/devices/hid_node.hpp"
 #include "tests/haptics/fake_hid.hpp"
 
-namespace palpate {
+namespace palpate::hid_choice_test {
 namespace {
 
 std::string complaint(HidTransport& transport, std::string_view wanted) {
@@ -120,4 +120,4 @@ TEST_CASE("the doctor's list has each device that serves once, usable or with th
   CHECK(hid.opened() == 0);  // looking leaves nothing open
 }
 
-}  // namespace palpate
+}  // namespace palpate::hid_choice_test

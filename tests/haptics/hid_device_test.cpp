@@ -9,7 +9,7 @@
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::hid_device_test {
 namespace {
 
 const std::string kPath = "/dev/hidraw3";
@@ -329,4 +329,4 @@ TEST_CASE("a session with a 3D mouse runs through an unplugging without a missed
   CHECK(result.trace().rows.back().hip == result.trace().rows[result.trace().rows.size() - 10].hip);
 }
 
-}  // namespace palpate
+}  // namespace palpate::hid_device_test

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-namespace palpate {
+namespace palpate::hid_node_test {
 
 TEST_CASE("who may not open a device is told a command that mends it") {
   CHECK(hidPermissionMend("/dev/no-such-hidraw", true) == "run: third_party/install.sh --udev");
@@ -10,4 +10,4 @@ TEST_CASE("who may not open a device is told a command that mends it") {
   CHECK_FALSE(HidNode::isDenied("/dev/no-such-hidraw"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::hid_node_test

@@ -8,7 +8,7 @@
 #include "haptics/devices/hid_listener.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::hid_report_test {
 namespace {
 
 using Report = std::vector<std::uint8_t>;
@@ -139,4 +139,4 @@ TEST_CASE("what a push does has a dead zone, grows progressively and keeps the d
   CHECK(isNear(glm::normalize(oblique), {0.6, -0.8, 0}));
 }
 
-}  // namespace palpate
+}  // namespace palpate::hid_report_test

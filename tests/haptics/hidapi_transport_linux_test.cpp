@@ -10,7 +10,7 @@
 #include "tests/haptics/fake_hid.hpp"
 #include "tests/haptics/uhid_mouse.hpp"
 
-namespace palpate {
+namespace palpate::hidapi_transport_test {
 namespace {
 
 const std::string kSerial = "palpate-test-" + std::to_string(::getpid());
@@ -132,4 +132,4 @@ TEST_CASE("a report reaches the device, by the usual way and by that of a signal
   CHECK(report[6] == 6);
 }
 
-}  // namespace palpate
+}  // namespace palpate::hidapi_transport_test

@@ -10,7 +10,7 @@
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::information_age_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -105,4 +105,4 @@ TEST_CASE("a hand that nobody tells how the surface is loses its force smoothly,
   for (const TraceRow& row : result.trace().rows) REQUIRE(row.force_N == DVec3(0));
 }
 
-}  // namespace palpate
+}  // namespace palpate::information_age_test

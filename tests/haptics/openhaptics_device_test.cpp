@@ -12,7 +12,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::openhaptics_device_test {
 namespace {
 
 constexpr double kRadius = 20;
@@ -316,4 +316,4 @@ TEST_CASE("every error of the interface has a meaning and an advice") {
   CHECK(hdapi::meaningOf(0).severity == Severity::none);
 }
 
-}  // namespace palpate
+}  // namespace palpate::openhaptics_device_test

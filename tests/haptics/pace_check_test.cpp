@@ -9,7 +9,7 @@
 #include "engine/core/error.hpp"
 #include "haptics/tick_pacer.hpp"
 
-namespace palpate {
+namespace palpate::pace_check_test {
 
 TEST_CASE("every tick comes or is counted as missed, in the time that was asked for") {
   const Stopwatch watch;
@@ -29,4 +29,4 @@ TEST_CASE("a session has at least one tick, and no more than memory has rows for
   CHECK_THROWS_AS(plannedTicks(200'000, 1), UsageError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::pace_check_test

@@ -9,7 +9,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::passivity_test {
 namespace {
 
 constexpr double kTick_s = 0.001;
@@ -237,4 +237,4 @@ TEST_CASE("where the surface moves, what counts is the way of the hand relative 
   CHECK(pressed.leastEnergy_mJ() > -0.05);
 }
 
-}  // namespace palpate
+}  // namespace palpate::passivity_test

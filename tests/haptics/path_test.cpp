@@ -8,7 +8,7 @@
 #include "haptics/devices/path_device.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::path_test {
 namespace {
 
 class CsvFile {
@@ -93,4 +93,4 @@ TEST_CASE("a path that cannot be opened or is a folder is refused") {
   CHECK_THROWS_AS(readPathCsv(folder.path()), FileError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::path_test

@@ -13,7 +13,7 @@
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/haptics/fake_hid.hpp"
 
-namespace palpate {
+namespace palpate::rumble_test {
 namespace {
 
 const std::string kPad = "/dev/hidraw5";
@@ -230,4 +230,4 @@ TEST_CASE("whatever ends a session, the gamepad is silent afterwards") {
   CHECK(comesTrue([&] { return isSilent(hid->sent(kPad).back()); }));
 }
 
-}  // namespace palpate
+}  // namespace palpate::rumble_test

@@ -11,7 +11,7 @@
 
 #include "engine/core/clock.hpp"
 
-namespace palpate {
+namespace palpate::scheduling_statistics_test {
 
 TEST_CASE("a thread whose core goes to another one sees that in its account, and pages that it touches first") {
   cpu_set_t one;
@@ -53,4 +53,4 @@ TEST_CASE("a thread whose core goes to another one sees that in its account, and
   ::munmap(memory, kPages * kPage);
 }
 
-}  // namespace palpate
+}  // namespace palpate::scheduling_statistics_test

@@ -7,7 +7,7 @@
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/haptics/fake_hid.hpp"
 
-namespace palpate {
+namespace palpate::servo_allocation_test {
 namespace {
 
 /// Counts from the first read to the last write, with everything that happens between ticks.
@@ -94,4 +94,4 @@ TEST_CASE("no tick of a 3D mouse with a gamepad that rumbles allocates, also whi
   CHECK(!rendered);
 }
 
-}  // namespace palpate
+}  // namespace palpate::servo_allocation_test

@@ -13,10 +13,11 @@
 #include "engine/core/error.hpp"
 #include "haptics/devices/path_device.hpp"
 #include "tests/haptics/contact_doubles.hpp"
+#include "tests/haptics/troubled_hands.hpp"
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::servo_loop_test {
 namespace {
 
 constexpr double kRadius = 50;
@@ -61,13 +62,6 @@ class FaultyDevice : public HapticDevice {
   PathDevice play_;
   double now_s_ = 0;
 };
-
-std::string csvOf(const Trace& trace) {
-  const ScratchFolder folder;
-  writeTraceCsv(folder / "trace.csv", trace);
-  std::ifstream in(folder / "trace.csv", std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 }  // namespace
 
@@ -347,4 +341,4 @@ TEST_CASE("a session has at least one tick, and impossible rates and durations a
   CHECK_THROWS_AS(made({.rate_Hz = 1e9, .duration_s = 1}), UsageError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::servo_loop_test

@@ -9,7 +9,7 @@
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::servo_safety_test {
 namespace {
 
 /// A hand that goes where a path says and cannot be pushed, on a device that has the Touch's limits.
@@ -186,4 +186,4 @@ TEST_CASE("a controller that brakes needs a device that yields") {
   CHECK(*result.counts().leastEnergy_mJ == 0);  // it only ever pressed
 }
 
-}  // namespace palpate
+}  // namespace palpate::servo_safety_test

@@ -10,7 +10,7 @@
 #include "engine/core/error.hpp"
 #include "tests/haptics/logged_session.hpp"
 
-namespace palpate {
+namespace palpate::session_damage_test {
 
 TEST_CASE("a killed process leaves all but the last moments of its session") {
   const ScratchFolder folder;
@@ -161,4 +161,4 @@ TEST_CASE("a header for which there is no room is an error, and no log") {
   CHECK_THROWS_WITH_AS(SessionWriter("/dev/full", "a text"), doctest::Contains("free some space"), FileError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::session_damage_test

@@ -8,7 +8,7 @@
 #include "engine/core/error.hpp"
 #include "tests/haptics/logged_session.hpp"
 
-namespace palpate {
+namespace palpate::session_damage_test {
 
 TEST_CASE("cut off anywhere, a log is read up to its last whole block") {
   const ScratchFolder folder;
@@ -201,4 +201,4 @@ TEST_CASE("a log of version 2 is read, and a byte that changed costs its block t
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "changed"), doctest::Contains("header"), FileError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::session_damage_test

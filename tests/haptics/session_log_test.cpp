@@ -6,7 +6,7 @@
 #include "haptics/devices/replay_device.hpp"
 #include "tests/haptics/logged_session.hpp"
 
-namespace palpate {
+namespace palpate::session_log_test {
 
 TEST_CASE("a session log is read as it was written") {
   const ScratchFolder folder;
@@ -113,4 +113,4 @@ TEST_CASE("a replay device is where the recorded one was, tick by tick, with its
   CHECK(device.read(9).position == tickAt(99).device);
 }
 
-}  // namespace palpate
+}  // namespace palpate::session_log_test

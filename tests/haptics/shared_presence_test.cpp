@@ -6,7 +6,7 @@
 
 #include "haptics/shared_presence.hpp"
 
-namespace palpate {
+namespace palpate::shared_presence_test {
 
 namespace {
 
@@ -51,4 +51,4 @@ TEST_CASE("what no picture can have is no camera") {
   CHECK_FALSE(isCamera(camera));
 }
 
-}  // namespace palpate
+}  // namespace palpate::shared_presence_test

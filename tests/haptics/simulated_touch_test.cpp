@@ -10,7 +10,7 @@
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::simulated_touch_test {
 namespace {
 
 const DVec3 kRight(1, 0, 0);
@@ -172,4 +172,4 @@ TEST_CASE("a model of a hand and a stylus needs sensible numbers") {
   CHECK_THROWS_AS(SimulatedTouch(Path({{0, DVec3(0)}}), {.scale = 0}), UsageError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::simulated_touch_test

@@ -8,7 +8,7 @@
 #include "engine/cloud/counter_random.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::spectrum_test {
 namespace {
 
 std::vector<double> tone(double frequency_Hz, double amplitude, std::size_t count, double rate_Hz = 1000) {
@@ -55,4 +55,4 @@ TEST_CASE("a constant has its power at no frequency; nothing has no power") {
   CHECK(welchPower(std::vector<double>{1}).empty());
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::spectrum_test

@@ -7,7 +7,7 @@
 #include "engine/core/error.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::stability_test {
 
 TEST_CASE("a surface of 0.4 N/mm is held at rest and makes no energy, on a plane and on a sphere, also when late") {
   for (const StudySurface surface : {StudySurface::plane, StudySurface::sphere})
@@ -91,4 +91,4 @@ TEST_CASE("a study out of range is refused, and a bracket that holds no limit gi
   CHECK(largestStableStiffness({}, 25, 30) == 25);
 }
 
-}  // namespace palpate
+}  // namespace palpate::stability_test

@@ -7,7 +7,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::thermal_budget_test {
 namespace {
 
 constexpr double kTick_s = 0.001;
@@ -75,4 +75,4 @@ TEST_CASE("what has no motors is never limited, and limits that are no numbers a
   CHECK(drive(weak, 1, 1) < 0.01);
 }
 
-}  // namespace palpate
+}  // namespace palpate::thermal_budget_test

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace palpate {
+namespace palpate::tick_histogram_test {
 
 TEST_CASE("every time falls into the bin whose ends enclose it") {
   for (const double time_us : {1.0, 1.1, 2.0, 37.0, 1000.0, 99'999.0, 500'000.0}) {
@@ -40,4 +40,4 @@ TEST_CASE("quantiles are right to a bin and never beyond the longest") {
   CHECK(histogram.quantile_us(1) == 1000);
 }
 
-}  // namespace palpate
+}  // namespace palpate::tick_histogram_test

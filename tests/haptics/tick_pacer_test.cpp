@@ -6,7 +6,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::tick_pacer_test {
 namespace {
 
 /// Wakes a sleeper so much later than it asked for.
@@ -78,4 +78,4 @@ TEST_CASE("a query has a tick less the reserve for the force, which takes a fift
   CHECK(slow.budget_us(0, 200) == 20);
 }
 
-}  // namespace palpate
+}  // namespace palpate::tick_pacer_test

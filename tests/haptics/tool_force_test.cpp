@@ -11,7 +11,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::tool_force_test {
 
 namespace {
 
@@ -156,4 +156,4 @@ TEST_CASE("forces that are off, and answers that fail, leave no torque") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool_force_test

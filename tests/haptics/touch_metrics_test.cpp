@@ -9,7 +9,7 @@
 #include "haptics/truth_path.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::touch_metrics_test {
 namespace {
 
 constexpr double kStiffness = 0.4;
@@ -274,4 +274,4 @@ TEST_CASE("nothing to judge gives nothing, and no number that is none") {
   CHECK(cameThrough({}, DVec3(0), DVec3(0, 0, 1)) == false);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::touch_metrics_test

@@ -5,7 +5,7 @@
 #include "haptics/truth_path.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::touch_truth_test {
 namespace {
 
 constexpr double kStep = 0.05;
@@ -77,4 +77,4 @@ TEST_CASE("a press rests at its depth in its window, and taps begin and end in t
   CHECK(taps.to_s == near(5 * 2 * 6 / 100.0, 1e-6));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::touch_truth_test

@@ -11,7 +11,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::trace_test {
 namespace {
 
 std::string textOf(const std::filesystem::path& file) {
@@ -100,4 +100,4 @@ TEST_CASE("the summary counts ticks, contact and times") {
   CHECK(summarize(Trace{}).freshFraction == 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::trace_test

@@ -9,7 +9,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::trajectory_test {
 namespace {
 
 class TextFile {
@@ -110,4 +110,4 @@ TEST_CASE("forces are compared where the trajectory has some") {
   CHECK(difference.rms_N == near(std::sqrt((0.01 + 0.04 + 0.09) / 3), 1e-6));
 }
 
-}  // namespace palpate
+}  // namespace palpate::trajectory_test

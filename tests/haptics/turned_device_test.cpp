@@ -4,7 +4,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-namespace palpate {
+namespace palpate::turned_device_test {
 namespace {
 
 class Resting final : public HapticDevice {
@@ -45,4 +45,4 @@ TEST_CASE("a device goes where its user looks, and its forces come back the same
   CHECK(inner.last_N == DVec3(-0.2, 0.1, 0.5));
 }
 
-}  // namespace palpate
+}  // namespace palpate::turned_device_test

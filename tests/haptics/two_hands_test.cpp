@@ -9,7 +9,7 @@
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/haptics/troubled_hands.hpp"
 
-namespace palpate {
+namespace palpate::two_hands_test {
 
 TEST_CASE("two hands leave the traces that each leaves alone, byte for byte") {
   const auto check = [](HapticDevice& first, HapticDevice& second) {
@@ -235,4 +235,4 @@ TEST_CASE("two styluses of one driver feel the same sphere at once, and both are
   CHECK(std::abs(second.force_N.y) < 0.01);
 }
 
-}  // namespace palpate
+}  // namespace palpate::two_hands_test

@@ -7,7 +7,7 @@
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::vendor_library_test {
 namespace {
 
 std::string bytesOf(const std::filesystem::path& file) {
@@ -57,4 +57,4 @@ TEST_CASE("a library that is there and of no use is told from one that is not th
   CHECK(says(text, "PALPATE_HD_LIBRARY names it; mend that or unset it"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::vendor_library_test

@@ -6,7 +6,7 @@
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::vendor_library_test {
 
 TEST_CASE("a library is found by its variable, and stays loaded") {
   const std::string file = fakeDriverFile("fake_hd").string();
@@ -41,4 +41,4 @@ TEST_CASE("a library that is too old says which function it has not") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::vendor_library_test

@@ -6,7 +6,7 @@
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::vendor_library_test {
 
 TEST_CASE("without a library the places that were looked at are named, and what to install") {
   const VendorLibrary library(hdapi::librarySearch());
@@ -25,4 +25,4 @@ TEST_CASE("a library that is there and of no use is told from one that is not th
   CHECK(says(library.whyNot(), "is there but cannot be loaded: " + file));
 }
 
-}  // namespace palpate
+}  // namespace palpate::vendor_library_test

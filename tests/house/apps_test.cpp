@@ -11,7 +11,7 @@
 
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::apps_test {
 
 namespace {
 
@@ -63,4 +63,4 @@ TEST_CASE("a forbidden word is found as a word, not as a part of another one") {
   CHECK(forbiddenIn("std::unique_ptr<TouchBackend> backend; ServoLoops").empty());
 }
 
-}  // namespace palpate
+}  // namespace palpate::apps_test

@@ -12,7 +12,7 @@
 
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::architecture_test {
 
 namespace {
 
@@ -145,4 +145,4 @@ TEST_CASE("an include against the arrows is found out") {
   CHECK_FALSE(complaint("haptics/session/vulkan_backend.cpp", "engine/touch/touch_side.hpp"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::architecture_test

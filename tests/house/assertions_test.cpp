@@ -17,7 +17,7 @@
 
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::assertions_test {
 
 namespace {
 
@@ -258,4 +258,4 @@ TEST_CASE("a function that is said to assert and does not is found, calls of it 
   CHECK(silent("void checkAll(int n) { for (int i = 0; i < n; ++i) checkOne(i); }") == 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::assertions_test

@@ -15,7 +15,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::format_test {
 
 namespace {
 
@@ -170,4 +170,4 @@ TEST_CASE("another clang-format than version 14, or none, is refused with the pa
   CHECK(says(wrongVersion({127, "sh: 1: clang-format: not found\n"}), "package clang-format"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::format_test

@@ -11,7 +11,7 @@
 
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::host_test {
 
 namespace {
 
@@ -86,4 +86,4 @@ TEST_CASE("an include of Vulkan is found out, however far it is") {
   CHECK(wayWith("volk.h") == "a.cpp -> a.hpp -> b.hpp -> volk.h");
 }
 
-}  // namespace palpate
+}  // namespace palpate::host_test

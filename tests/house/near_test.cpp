@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace palpate {
+namespace palpate::near_test {
 
 TEST_CASE("a relative tolerance is a share of the value, however small that is") {
   CHECK(1.02 == near(1.0, 0.0201));
@@ -67,4 +67,4 @@ TEST_CASE("a failure shows the value and how far from it was allowed") {
   CHECK(doctest::toString(near(5, 0.02)) == "5 +- 0.1");
 }
 
-}  // namespace palpate
+}  // namespace palpate::near_test

@@ -10,7 +10,7 @@
 
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::random_order_test {
 
 namespace {
 
@@ -53,4 +53,4 @@ TEST_CASE("no call takes two random numbers, whose order would be the compiler's
   CHECK(files > 500);
 }
 
-}  // namespace palpate
+}  // namespace palpate::random_order_test

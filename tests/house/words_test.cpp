@@ -14,7 +14,7 @@
 
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::words_test {
 
 namespace {
 
@@ -107,4 +107,4 @@ TEST_CASE("a word that has gone is found in an identifier, and not in a comment,
         std::set<std::string>{"1'000", "a", "int", "say"});
 }
 
-}  // namespace palpate
+}  // namespace palpate::words_test

@@ -10,7 +10,7 @@
 #include "tests/rgbd_writer.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::camera_text_test {
 
 namespace {
 
@@ -124,4 +124,4 @@ TEST_CASE("between two poses the shorter arc is taken") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::camera_text_test

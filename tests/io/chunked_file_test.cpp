@@ -7,7 +7,7 @@
 
 #include "tests/io/ply_bytes.hpp"
 
-namespace palpate::test {
+namespace palpate::test::chunked_file_test {
 namespace {
 
 std::string someBytes(std::size_t count) {
@@ -65,4 +65,4 @@ TEST_CASE("a file that was cut since it was opened ends where it ends") {
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::chunked_file_test

@@ -13,7 +13,7 @@
 #include "engine/io/saving.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::cloud_formats_test {
 namespace {
 
 // Three numbers a line, of which the first line says how many follow.
@@ -160,4 +160,4 @@ TEST_CASE("what is only read is not written, and messages name what a table has"
   CHECK(kTable.endingsWritten() == ".ply, .tally, .tly");
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::cloud_formats_test

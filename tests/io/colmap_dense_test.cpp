@@ -13,7 +13,7 @@
 #include "tests/colmap_writer.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::colmap_dense_test {
 namespace {
 
 constexpr int kSide = 12;                       // points along an edge of a sheet, and
@@ -196,4 +196,4 @@ TEST_CASE("views that lie are refused, and take no memory") {
   CHECK(refusal(folder / "fused.ply").starts_with("fused.ply.vis: byte 8: ends within the 1048576 views of point 1;"));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::colmap_dense_test

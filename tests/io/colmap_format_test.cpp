@@ -18,7 +18,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::colmap_format_test {
 
 using namespace colmap;
 
@@ -222,4 +222,4 @@ TEST_CASE("a real reconstruction: every point has a normal that faces those who 
   CHECK(2 * inTheAir(reliable.cloud) < inTheAir(cloud));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::colmap_format_test

@@ -11,7 +11,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::colmap_frusta_test {
 namespace {
 
 const DQuat kTurn = glm::normalize(DQuat(0.8, 0.3, -0.4, 0.2));
@@ -80,4 +80,4 @@ TEST_CASE("the corners of what a depth camera sees are half a pixel beyond the m
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::colmap_frusta_test

@@ -16,7 +16,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::colmap_oracle_test {
 namespace {
 
 bool hasColmap() {
@@ -128,4 +128,4 @@ TEST_CASE("COLMAP's other forms of a real reconstruction are the same reconstruc
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::colmap_oracle_test

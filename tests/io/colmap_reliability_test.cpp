@@ -16,7 +16,7 @@
 #include "tests/colmap_writer.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::colmap_reliability_test {
 namespace {
 
 constexpr double kRadius = 10, kRing = 40;  // of the sphere, and of the cameras about it
@@ -192,4 +192,4 @@ TEST_CASE("where most are unreliable all stay") {
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::colmap_reliability_test

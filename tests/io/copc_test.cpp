@@ -6,7 +6,7 @@
 #include "tests/io/copc_bytes.hpp"
 #include "tests/io/damage.hpp"
 
-namespace palpate::test {
+namespace palpate::test::copc_test {
 
 TEST_CASE("all points of the octree come, in the order of the file, and what it was is said") {
   const CopcFile file = copcFile();
@@ -73,4 +73,4 @@ TEST_CASE("whatever is damaged in a COPC file, it is read or refused") {
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::copc_test

@@ -15,7 +15,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::depth_camera_test {
 
 namespace {
 
@@ -267,4 +267,4 @@ TEST_CASE("what is no video device says so") {
   CHECK_THROWS_WITH_AS(openDepthCamera("/dev/null", {.camera = kCamera}), "/dev/null: is no video device", Error);
 }
 
-}  // namespace palpate
+}  // namespace palpate::depth_camera_test

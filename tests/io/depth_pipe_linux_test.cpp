@@ -10,7 +10,7 @@
 
 #include "engine/io/depth_pipe.hpp"
 
-namespace palpate {
+namespace palpate::depth_pipe_test {
 
 namespace {
 
@@ -79,4 +79,4 @@ TEST_CASE("stop ends a read that waits, between frames and within one, and all t
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::depth_pipe_test

@@ -15,7 +15,7 @@
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::depth_pipe_test {
 
 namespace {
 
@@ -223,4 +223,4 @@ TEST_CASE("memory follows the bytes that are there, not what the first line says
   std::fclose(file);
 }
 
-}  // namespace palpate
+}  // namespace palpate::depth_pipe_test

@@ -8,7 +8,7 @@
 #include "engine/io/cloud_formats.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::desktop_test {
 
 namespace {
 
@@ -46,4 +46,4 @@ TEST_CASE("the desktop knows every ending that is read, and offers the program f
   CHECK(offered.find("text/csv;") != std::string::npos);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::desktop_test

@@ -12,7 +12,7 @@
 #include "tests/io/e57_bytes.hpp"
 #include "tests/io/las_points.hpp"
 
-namespace palpate::test {
+namespace palpate::test::e57_format_test {
 
 namespace {
 
@@ -295,4 +295,4 @@ TEST_CASE("a build without the library for XML says so" * doctest::skip(canReadE
   CHECK(refusalOfE57(file.text()).find("E57 needs the library pugixml") != std::string::npos);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::e57_format_test

@@ -18,7 +18,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::gaussian_format_test {
 
 using namespace gaussian;
 
@@ -274,4 +274,4 @@ TEST_CASE("points that are written as Gaussians are read again as the same surfa
                        FileError);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::gaussian_format_test

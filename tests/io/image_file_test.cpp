@@ -18,7 +18,7 @@
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 
-namespace palpate {
+namespace palpate::image_file_test {
 
 namespace {
 
@@ -170,4 +170,4 @@ TEST_CASE("a picture of another size has the nearest pixels") {
   CHECK(redOf(resized(image, {2, 1})) == std::vector<int>{1, 2});
 }
 
-}  // namespace palpate
+}  // namespace palpate::image_file_test

@@ -8,7 +8,7 @@
 #include "tests/io/damage.hpp"
 #include "tests/io/las_points.hpp"
 
-namespace palpate::test {
+namespace palpate::test::las_reading_test {
 
 using Color = std::array<std::uint8_t, 4>;
 
@@ -216,4 +216,4 @@ TEST_CASE("files of laser scanners come out as their headers say") {
   CHECK(glm::length(box.max + simple.origin - DVec3(638982.55, 853535.43, 586.38)) < 1e-2);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::las_reading_test

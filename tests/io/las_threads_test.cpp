@@ -7,7 +7,7 @@
 #include "tests/io/laz_bytes.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::las_threads_test {
 
 namespace {
 
@@ -152,4 +152,4 @@ TEST_CASE(
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::las_threads_test

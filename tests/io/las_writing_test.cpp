@@ -6,7 +6,7 @@
 #include "engine/io/saving.hpp"
 #include "tests/io/las_points.hpp"
 
-namespace palpate::test {
+namespace palpate::test::las_writing_test {
 
 TEST_CASE("every format of points is read as the specification has it, and written back byte by byte") {
   for (unsigned format = 0; format < kPlaces.size(); ++format) {
@@ -138,4 +138,4 @@ TEST_CASE("a class or a return that old formats cannot count makes it a newer on
   CHECK(valueOf(back, "scan_angle_rank", 4) == -12);  // which newer ones have otherwise
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::las_writing_test

@@ -5,7 +5,7 @@
 #include "tests/io/damage.hpp"
 #include "tests/io/laz_bytes.hpp"
 
-namespace palpate::test {
+namespace palpate::test::laz_reading_test {
 
 namespace {
 
@@ -176,4 +176,4 @@ TEST_CASE("whatever is flipped, cut or made extreme in a packed file, it is read
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::laz_reading_test

@@ -4,7 +4,7 @@
 
 #include "tests/io/laz_bytes.hpp"
 
-namespace palpate::test {
+namespace palpate::test::laz_side_by_side_test {
 
 namespace {
 
@@ -118,4 +118,4 @@ TEST_CASE("a decoder that is told how much is left decodes what the careful one 
   CHECK(!careful.isWrong());
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::laz_side_by_side_test

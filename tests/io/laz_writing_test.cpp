@@ -5,7 +5,7 @@
 #include "engine/io/saving.hpp"
 #include "tests/io/laz_bytes.hpp"
 
-namespace palpate::test {
+namespace palpate::test::laz_writing_test {
 
 TEST_CASE("LAS through LAZ is LAS as it is written without that, byte by byte") {
   for (const unsigned format : {0u, 1u, 2u, 3u, 6u, 7u, 8u})
@@ -80,4 +80,4 @@ TEST_CASE("wave packets are not packed, and an older file stays") {
   CHECK(bytesOf(folder / "a.laz") == "an older file");
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::laz_writing_test

@@ -9,7 +9,7 @@
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::matter_scene_file_test {
 
 namespace {
 
@@ -132,4 +132,4 @@ TEST_CASE("a file of a scene is refused by its name, the field and the bounds") 
   CHECK(says(readRefusal(std::string(2 << 20, ' ')), "scene.json: is too long"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::matter_scene_file_test

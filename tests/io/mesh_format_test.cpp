@@ -15,7 +15,7 @@
 #include "tests/io/gltf_bytes.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::mesh_format_test {
 
 namespace {
 
@@ -283,4 +283,4 @@ TEST_CASE("whatever is damaged in a mesh, it is read or refused") {
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::mesh_format_test

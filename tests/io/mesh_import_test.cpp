@@ -13,7 +13,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::mesh_import_test {
 
 namespace {
 
@@ -271,4 +271,4 @@ TEST_CASE("glTF: what reaches beyond its buffer, goes in circles or is packed is
   CHECK(says(refusal(importGltf, corner), "a triangle has corner 9 of 3, from 0 on"));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::mesh_import_test

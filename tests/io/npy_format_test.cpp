@@ -10,7 +10,7 @@
 #include "tests/io/damage.hpp"
 #include "tests/io/npy_bytes.hpp"
 
-namespace palpate::test {
+namespace palpate::test::npy_format_test {
 
 using namespace npy;
 
@@ -283,4 +283,4 @@ TEST_CASE("what is written as an archive reads back as it was, deflated where th
   CHECK(readCloud(folder / "c.npz").cloud.empty());
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::npy_format_test

@@ -11,7 +11,7 @@
 #include "engine/io/saving.hpp"
 #include "tests/io/damage.hpp"
 
-namespace palpate::test {
+namespace palpate::test::pcd_format_test {
 namespace {
 
 using Color = std::array<std::uint8_t, 4>;
@@ -259,4 +259,4 @@ TEST_CASE("what a PCD file has no place for is named") {
   CHECK(again(some.cloud, false).colors == some.cloud.colors);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::pcd_format_test

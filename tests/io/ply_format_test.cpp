@@ -7,7 +7,7 @@
 #include "engine/core/error.hpp"
 #include "tests/io/ply_bytes.hpp"
 
-namespace palpate::test {
+namespace palpate::test::ply_format_test {
 namespace {
 
 StoredCloud stored(const std::string& elements, const std::string& rows) {
@@ -79,4 +79,4 @@ TEST_CASE("what gives way to normals that came later is named") {
   CHECK(names(ply.lacks(cloud), "'nx' of vertex"));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::ply_format_test

@@ -8,7 +8,7 @@
 #include "engine/io/ply_reader.hpp"
 #include "tests/io/ply_bytes.hpp"
 
-namespace palpate::test {
+namespace palpate::test::ply_hostile_test {
 namespace {
 
 const std::string kXyz = "property float x\nproperty float y\nproperty float z\n";
@@ -192,4 +192,4 @@ TEST_CASE("faces that name vertices which are not there are refused when they ar
                  "has no faces"));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::ply_hostile_test

@@ -6,7 +6,7 @@
 #include "tests/io/ply_bytes.hpp"
 #include "tests/near.hpp"
 
-namespace palpate::test {
+namespace palpate::test::ply_reader_test {
 namespace {
 
 template <class T>
@@ -260,4 +260,4 @@ TEST_CASE("whole numbers may be written as reals and reals with a plus sign or t
   CHECK(extraAt<std::uint8_t>(cloud, "level", 0) == 255);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::ply_reader_test

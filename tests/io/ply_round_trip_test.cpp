@@ -5,7 +5,7 @@
 #include "engine/io/ply_writer.hpp"
 #include "tests/io/ply_bytes.hpp"
 
-namespace palpate::test {
+namespace palpate::test::ply_round_trip_test {
 namespace {
 
 /// Reads `text`, writes it in both ways, reads each back and writes it again: nothing may change any more.
@@ -121,4 +121,4 @@ TEST_CASE("a file that cannot be written is an error that names it") {
                  "/nowhere/at/all.ply: cannot be written"));
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::ply_round_trip_test

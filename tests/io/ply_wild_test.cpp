@@ -8,7 +8,7 @@
 #include "tests/io/ply_bytes.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::ply_wild_test {
 namespace {
 
 void checkNear(const DVec3& found, const nlohmann::json& expected) {
@@ -66,4 +66,4 @@ TEST_CASE("files from other programs come out as their manifest says") {
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::ply_wild_test

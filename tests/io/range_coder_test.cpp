@@ -6,7 +6,7 @@
 #include "engine/io/integer_model.hpp"
 #include "tests/io/laz_bytes.hpp"
 
-namespace palpate::test {
+namespace palpate::test::range_coder_test {
 
 TEST_CASE("symbols, bits and whole numbers of any likelihood come out as they went in, to the last byte") {
   for (const unsigned symbols : {2u, 16u, 17u, 64u, 256u, 516u}) {
@@ -105,4 +105,4 @@ TEST_CASE("numbers near and far from what is expected come out, in 16 bits and i
   }
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::range_coder_test

@@ -14,7 +14,7 @@
 #include "tests/io/fuzz_specimens.hpp"
 #include "tests/io/memory_use.hpp"
 
-namespace palpate::test {
+namespace palpate::test::reader_fuzz_test {
 
 namespace {
 
@@ -123,4 +123,4 @@ TEST_CASE("memory beyond a bound is refused, and counted again when it is given 
   CHECK(MemoryBound::isBroken());
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::reader_fuzz_test

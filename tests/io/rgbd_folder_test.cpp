@@ -14,7 +14,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::rgbd_folder_test {
 
 namespace {
 
@@ -422,4 +422,4 @@ TEST_CASE("a real recording is read whole") {
   CHECK(glm::distance(played.frames[1].pose->centre, DVec3(0.00622254, -0.09654850, -0.00728249)) < 1e-9);
 }
 
-}  // namespace palpate
+}  // namespace palpate::rgbd_folder_test

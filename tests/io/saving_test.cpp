@@ -11,7 +11,7 @@
 #include "tests/content_of.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::saving_test {
 
 namespace {
 
@@ -87,4 +87,4 @@ TEST_CASE("beside a file is a name that nobody has") {
   CHECK(nameBeside("scan") == "scan-sculpted");
 }
 
-}  // namespace palpate
+}  // namespace palpate::saving_test

@@ -8,7 +8,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate::test {
+namespace palpate::test::triangle_mesh_file_test {
 
 TEST_CASE("a mesh comes from a PLY file with faces; one without is refused") {
   const ScratchFolder folder;
@@ -27,4 +27,4 @@ TEST_CASE("a mesh comes from a PLY file with faces; one without is refused") {
   CHECK_THROWS_AS(readTriangleMesh(file), FileError);
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::triangle_mesh_file_test

@@ -10,7 +10,7 @@
 #include "engine/io/cloud_formats.hpp"
 #include "tests/io/damage.hpp"
 
-namespace palpate::test {
+namespace palpate::test::xyz_format_test {
 namespace {
 
 using Color = std::array<std::uint8_t, 4>;
@@ -245,4 +245,4 @@ TEST_CASE("what text has no place for is named") {
   CHECK(xyzFormat().lacks(stored) == std::vector<std::string>{"1 triangles", "comments", "the alpha of colours"});
 }
 
-}  // namespace palpate::test
+}  // namespace palpate::test::xyz_format_test

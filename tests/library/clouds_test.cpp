@@ -10,7 +10,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::clouds_test {
 
 TEST_CASE("a cloud has the points that it was made from, and shows them without copying") {
   const BallArrays<float> ball(1'000);
@@ -222,4 +222,4 @@ TEST_CASE("the version of the header is that of the library, and each status has
   CHECK(std::string(pp_status_name(99)) == "unknown");
 }
 
-}  // namespace palpate
+}  // namespace palpate::clouds_test

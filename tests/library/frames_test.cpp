@@ -12,7 +12,7 @@
 #include "tests/png_bytes.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::frames_test {
 
 namespace {
 
@@ -286,4 +286,4 @@ TEST_CASE("frames that are no frames are refused, and what was felt is felt on")
   CHECK(lastErrorSays("most_points"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::frames_test

@@ -5,7 +5,7 @@
 
 #include "tests/library/ball.hpp"
 
-namespace palpate {
+namespace palpate::handles_test {
 
 TEST_CASE("a handle that is null, closed, of another kind or made up is refused by every call") {
   OpenBall ball;
@@ -95,4 +95,4 @@ TEST_CASE("many handles are open at a time, opened and closed by several threads
   CHECK(wrong == 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::handles_test

@@ -8,7 +8,7 @@
 #include "tests/library/ball.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::hands_test {
 
 namespace {
 
@@ -268,4 +268,4 @@ TEST_CASE("a pad touches with many points, turns the hand where it stands on an 
   CHECK(lastErrorSays("axis"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::hands_test

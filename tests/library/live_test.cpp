@@ -7,7 +7,7 @@
 #include "tests/library/own_law.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::live_test {
 
 namespace {
 
@@ -160,4 +160,4 @@ TEST_CASE("a device that is not there, and options that do not go together, are 
   PP_REQUIRE_OK(pp_live_stop(ball.session));
 }
 
-}  // namespace palpate
+}  // namespace palpate::live_test

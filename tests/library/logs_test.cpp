@@ -11,7 +11,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::logs_test {
 
 namespace {
 
@@ -271,4 +271,4 @@ TEST_CASE("what cannot be recorded, and what is no log, is refused in words") {
   CHECK(pp_log_replay(name.c_str(), &options, &result) == PP_ERROR_HANDLE);
 }
 
-}  // namespace palpate
+}  // namespace palpate::logs_test

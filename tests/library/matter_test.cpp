@@ -11,7 +11,7 @@
 #include "tests/library/ball.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::matter_test {
 
 namespace {
 
@@ -440,4 +440,4 @@ TEST_CASE("handles of matter and frames are as hard as all others") {
   CHECK(pp_frame_close(frame) == PP_ERROR_HANDLE);
 }
 
-}  // namespace palpate
+}  // namespace palpate::matter_test

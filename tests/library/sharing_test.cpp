@@ -7,7 +7,7 @@
 #include "tests/library/serving.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::sharing_test {
 
 namespace {
 
@@ -676,4 +676,4 @@ TEST_CASE("a server and a joined session are asked by many threads while they ar
   CHECK(wrong == 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::sharing_test

@@ -5,7 +5,7 @@
 #include "tests/library/ball.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::strokes_test {
 
 namespace {
 
@@ -141,4 +141,4 @@ TEST_CASE("carving takes points away, painting gives them colours") {
   CHECK(lastErrorSays("radius_mm"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::strokes_test

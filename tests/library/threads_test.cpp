@@ -5,7 +5,7 @@
 #include "tests/allocation_count.hpp"
 #include "tests/library/serving.hpp"
 
-namespace palpate {
+namespace palpate::threads_test {
 
 namespace {
 
@@ -150,4 +150,4 @@ TEST_CASE("several sessions on one cloud are touched by as many threads") {
   CHECK(last.front() > 0.5);
 }
 
-}  // namespace palpate
+}  // namespace palpate::threads_test

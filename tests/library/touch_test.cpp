@@ -6,7 +6,7 @@
 #include "tests/library/own_law.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::touch_test {
 
 namespace {
 
@@ -273,4 +273,4 @@ TEST_CASE("a force law is loaded from a library by its name") {
   CHECK(pp_session_open(other.cloud, &options, &session) == PP_ERROR_FAILED);
 }
 
-}  // namespace palpate
+}  // namespace palpate::touch_test

@@ -8,7 +8,7 @@
 #include "tests/library/ball.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::lent_device_test {
 
 namespace {
 
@@ -157,4 +157,4 @@ TEST_CASE("strokes, matter and meshes run on a device that is lent, and several 
   CHECK(program.worksItself(1));
 }
 
-}  // namespace palpate
+}  // namespace palpate::lent_device_test

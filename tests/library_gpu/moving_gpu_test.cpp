@@ -5,7 +5,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::moving_gpu_test {
 
 namespace {
 
@@ -93,4 +93,4 @@ TEST_CASE("on a GPU frames that a program brings are felt from their time on") {
   PP_REQUIRE_OK(pp_session_close(session));
 }
 
-}  // namespace palpate
+}  // namespace palpate::moving_gpu_test

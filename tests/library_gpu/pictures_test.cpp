@@ -7,7 +7,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::pictures_test {
 
 namespace {
 
@@ -215,4 +215,4 @@ TEST_CASE("pictures are taken while another thread touches and sculpts on the sa
   CHECK(info.edits > 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::pictures_test

@@ -8,7 +8,7 @@
 #include "tests/matter/matter_truths.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::flow_test {
 
 namespace {
 
@@ -87,4 +87,4 @@ TEST_CASE("pressure and the front of a dam do not depend on how many substeps th
   checkWaterByAnySubsteps(onCpu(), {2, 4}, 300, 150);
 }
 
-}  // namespace palpate
+}  // namespace palpate::flow_test

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "tests/matter/matter_truths.hpp"
 
@@ -9,7 +10,6 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kLayers = 12;
 constexpr double kAcross_m = 0.012, kLayer_m = kAcross_m / kLayers;
 
@@ -75,8 +75,9 @@ void checkCouette(const MatterMaker& make, double viscosity_Pa_s) {
     const double high = y / kPlate_m;
     double share = high;
     for (int n = 1; n < 20; ++n)
-      share += 2 * (n % 2 == 0 ? 1 : -1) / (n * kPi) * std::exp(-n * n * kPi * kPi * world->time_s() / spread_s) *
-               std::sin(n * kPi * high);
+      share += 2 * (n % 2 == 0 ? 1 : -1) / (n * std::numbers::pi) *
+               std::exp(-n * n * std::numbers::pi * std::numbers::pi * world->time_s() / spread_s) *
+               std::sin(n * std::numbers::pi * high);
     return kSpeed_m_s * share;
   };
   const auto goTo = [&](double time_s) {

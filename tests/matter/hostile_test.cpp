@@ -1,7 +1,7 @@
 // States that nobody wants to simulate.
 #include "tests/matter/matter_truths.hpp"
 
-namespace palpate {
+namespace palpate::hostile_test {
 
 TEST_CASE("no particle at all, and a single one, are simulated as well") { checkFewParticles(onCpu()); }
 
@@ -37,4 +37,4 @@ TEST_CASE("the shortest and the longest substeps that are taken work") {
   CHECK(coarse.observe().kinetic_J < 1e-6);
 }
 
-}  // namespace palpate
+}  // namespace palpate::hostile_test

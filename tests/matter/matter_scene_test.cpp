@@ -7,7 +7,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::matter_scene_test {
 
 TEST_CASE("a scene that cannot be simulated is refused with its field, before anything runs") {
   const auto with = [](auto change) {
@@ -87,4 +87,4 @@ TEST_CASE("there are scenes that need no file, and another name is told which") 
                     "there is no scene 'lava'; there are water, dam, sand, statue in water, drop, jelly, soft statue");
 }
 
-}  // namespace palpate
+}  // namespace palpate::matter_scene_test

@@ -4,7 +4,7 @@
 #include "tests/matter/matter_scenes.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::matter_surface_test {
 
 namespace {
 
@@ -75,4 +75,4 @@ TEST_CASE("what goes on beyond a periodic face has no surface there") {
   for (std::size_t i = 0; i < places.size(); ++i) CHECK(std::abs(normals[i].y) > 0.999f);
 }
 
-}  // namespace palpate
+}  // namespace palpate::matter_surface_test

@@ -8,7 +8,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::model_test {
 
 namespace {
 
@@ -196,4 +196,4 @@ TEST_CASE("a ball is stopped by what stands in the matter, slides along it, and 
   checkBallStopsAtModel(onCpu());
 }
 
-}  // namespace palpate
+}  // namespace palpate::model_test

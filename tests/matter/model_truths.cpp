@@ -1,6 +1,7 @@
 // What a model that stands in matter, and a ball that begins in it, have to be true to.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/matter/matter_truths.hpp"
 
@@ -8,7 +9,6 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr DVec3 kMiddle_m{0.07, 0.06, 0.07};  // of the model
 
 double farthestOut(const MatterSimulation& world) {
@@ -40,7 +40,7 @@ std::size_t withinBall(const MatterSimulation& world, const DVec3& middle_m, dou
 void checkModelDisplaces(const MatterMaker& make, int settling, int steps) {
   const MatterScene scene = modelInTank("sphere", 70);
   const auto world = atRest(make, scene);
-  const double volume_m3 = 4 * kPi / 3 * std::pow(0.035, 3);
+  const double volume_m3 = 4 * std::numbers::pi / 3 * std::pow(0.035, 3);
   checkTruth("volume of a sphere that stands in water, cm^3", 1e6 * world->model()->volume_m3(), 1e6 * volume_m3, 0.01);
   CHECK(glm::length(world->model()->middle() - kMiddle_m) < 2e-4);
   CHECK(world->particles() + world->leftOut() == placesAtRest(scene).size());
@@ -82,7 +82,7 @@ void checkBallBeginsInside(const MatterMaker& make, Matter matter, int steps) {
   MatterScene scene = tank({12, 18, 12}, 12);
   scene.matter = matter;
   const double radius_m = 0.03;
-  scene.tool = {.radius_mm = radius_m * 1e3, .mass_kg = 4 * kPi / 3 * 1000 * std::pow(radius_m, 3)};
+  scene.tool = {.radius_mm = radius_m * 1e3, .mass_kg = 4 * std::numbers::pi / 3 * 1000 * std::pow(radius_m, 3)};
   const HandPose hand{.place_m = {0.055, 0.055, 0.065}};  // a particle begins in its very middle
   const auto world = atRest(make, scene, 1);
   const std::size_t within = withinBall(*world, hand.place_m, radius_m + 0.25 * 0.01);

@@ -8,7 +8,7 @@
 #include "tests/matter/matter_scenes.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::neighbours_test {
 
 TEST_CASE("lists have everyone within their reach, and nobody else, also across periodic borders") {
   constexpr float kReach = 0.1f;
@@ -93,4 +93,4 @@ TEST_CASE("matter at rest on its lattice misses nothing at a wall") {
   CHECK(shared::compressionOf<float>(rules, static_cast<float>(sums.weight)) == within(0, 1e-6));
 }
 
-}  // namespace palpate
+}  // namespace palpate::neighbours_test

@@ -7,7 +7,7 @@
 #include "tests/matter/soft_truths.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::parameters_test {
 
 TEST_CASE("parameters are those of the matter, as the scene has them, and setting one sets that one alone") {
   MatterScene scene;
@@ -61,4 +61,4 @@ TEST_CASE("a simulation that is given a parameter goes on as one that has it") {
   checkSoftParameters(softOnCpu(), 40);
 }
 
-}  // namespace palpate
+}  // namespace palpate::parameters_test

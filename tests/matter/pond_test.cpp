@@ -6,7 +6,7 @@
 
 #include "tests/matter/far_matter.hpp"
 
-namespace palpate {
+namespace palpate::pond_test {
 
 namespace {
 
@@ -393,4 +393,4 @@ TEST_CASE("nobody is within a ball, none comes where another one is, and who is 
   CHECK_FALSE(rules.renew(crowd, balls, rests, members));
 }
 
-}  // namespace palpate
+}  // namespace palpate::pond_test

@@ -11,7 +11,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::pysph_oracle_test {
 
 namespace {
 
@@ -66,4 +66,4 @@ TEST_CASE("a dam that breaks sends its front as far as PySPH has it") {
   checkAtMost("front of a dam against PySPH from 60 to 200 ms, %", 100 * worst, 4);
 }
 
-}  // namespace palpate
+}  // namespace palpate::pysph_oracle_test

@@ -3,7 +3,7 @@
 
 #include "tests/matter/matter_truths.hpp"
 
-namespace palpate {
+namespace palpate::sand_test {
 
 TEST_CASE("a grain on a slope stays where friction holds it, and otherwise slides as Coulomb says") {
   for (const double friction : {0.0, 0.2, 0.4, 0.6, 0.9}) {
@@ -34,4 +34,4 @@ TEST_CASE("a heap of sand does not creep, and keeps its momentum's account") {
 
 TEST_CASE("a ball that is pushed into sand is pushed back") { checkBallInSand(onCpu()); }
 
-}  // namespace palpate
+}  // namespace palpate::sand_test

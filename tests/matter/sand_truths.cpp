@@ -2,19 +2,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "tests/matter/matter_truths.hpp"
 
 namespace palpate {
 
-namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 MatterScene sandbox(const DVec3& box_mm, const DVec3& fill_mm, double friction, double tilt_deg) {
-  const double tilt = tilt_deg * kPi / 180;
+  const double tilt = tilt_deg * std::numbers::pi / 180;
   return {.matter = Matter::sand,
           .box_mm = box_mm,
           .fill_mm = fill_mm,
@@ -27,8 +24,8 @@ MatterScene sandbox(const DVec3& box_mm, const DVec3& fill_mm, double friction, 
 
 void checkSlope(const MatterMaker& make, double friction) {
   constexpr double kTilt_deg = 30;
-  const double down = kGravity_m_s2 * std::sin(kTilt_deg * kPi / 180),
-               across = kGravity_m_s2 * std::cos(kTilt_deg * kPi / 180);
+  const double down = kGravity_m_s2 * std::sin(kTilt_deg * std::numbers::pi / 180),
+               across = kGravity_m_s2 * std::cos(kTilt_deg * std::numbers::pi / 180);
   const MatterScene scene = sandbox({1000, 100, 80}, {10, 10, 10}, friction, kTilt_deg);
   const auto world = make(scene, 0, {Vec3(0.1f, 0.005f, 0.04f)});
   run(*world, 100);
@@ -67,8 +64,8 @@ void checkAngleOfRepose(const MatterMaker& make, double friction, double wide_mm
     const double at = 0.01 * static_cast<double>(column);
     x += at, y += top[column], xx += at * at, xy += at * top[column], ++count;
   }
-  const double angle_deg = 45 - std::atan((count * xy - x * y) / (count * xx - x * x)) * 180 / kPi;
-  const double expected_deg = std::atan(kPi / 2 * friction) * 180 / kPi;
+  const double angle_deg = 45 - std::atan((count * xy - x * y) / (count * xx - x * x)) * 180 / std::numbers::pi;
+  const double expected_deg = std::atan(std::numbers::pi / 2 * friction) * 180 / std::numbers::pi;
   checkAtMost(fmt::format("angle of repose, friction {:g}, {:.1f} of {:.1f} degrees, away, degrees", friction,
                           angle_deg, expected_deg),
               std::abs(angle_deg - expected_deg), within_deg);

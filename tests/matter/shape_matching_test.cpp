@@ -9,7 +9,7 @@
 #include "tests/matter/soft_bodies.hpp"
 #include "tests/matter/soft_truths.hpp"
 
-namespace palpate {
+namespace palpate::shape_matching_test {
 
 namespace {
 
@@ -212,4 +212,4 @@ TEST_CASE("the stiffness of matched shapes changes while they are matched, and a
   CHECK_THROWS_WITH_AS(setParameter(scene, "stiffness", 0.2), doctest::Contains("stiffness: is no parameter"), Error);
 }
 
-}  // namespace palpate
+}  // namespace palpate::shape_matching_test

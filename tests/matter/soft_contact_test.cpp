@@ -4,7 +4,7 @@
 #include "engine/matter/soft_contact.hpp"
 #include "tests/matter/soft_bodies.hpp"
 
-namespace palpate {
+namespace palpate::soft_contact_test {
 
 namespace {
 
@@ -69,4 +69,4 @@ TEST_CASE("the force of a ball hardly depends on where between the nodes it pres
   CHECK(isWithin(0.06, between.forceAt(depth), onNode.forceAt(depth)));
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_contact_test

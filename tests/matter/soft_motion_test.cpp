@@ -6,7 +6,7 @@
 
 #include "tests/matter/soft_bodies.hpp"
 
-namespace palpate {
+namespace palpate::soft_motion_test {
 
 namespace {
 
@@ -242,4 +242,4 @@ TEST_CASE("the same bytes with one thread and with three") {
   CHECK(std::memcmp(one.body.velocities().data(), three.body.velocities().data(), bytes) == 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_motion_test

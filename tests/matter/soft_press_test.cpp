@@ -1,7 +1,7 @@
 // Hands that press on a soft body on the CPU.
 #include "tests/matter/press_truths.hpp"
 
-namespace palpate {
+namespace palpate::soft_press_test {
 
 TEST_CASE("what hands that press got is what the body lost") { checkPressMomentum(softOnCpu(), 200); }
 
@@ -19,4 +19,4 @@ TEST_CASE("presses give the same bytes with one thread and with three, and after
   checkSamePressedBytes(softOnCpu(1), softOnCpu(3), 30);
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_press_test

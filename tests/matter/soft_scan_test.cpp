@@ -12,7 +12,7 @@
 #include "tests/near.hpp"
 #include "tests/says.hpp"
 
-namespace palpate {
+namespace palpate::soft_scan_test {
 
 namespace {
 
@@ -221,4 +221,4 @@ TEST_CASE("a scan that stands on its foot is pressed by a hand, and takes its po
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_scan_test

@@ -8,7 +8,7 @@
 #include "tests/matter/soft_bodies.hpp"
 #include "tests/matter/soft_truths.hpp"
 
-namespace palpate {
+namespace palpate::soft_sculpt_test {
 
 namespace {
 
@@ -351,4 +351,4 @@ TEST_CASE("no cell is turned inside out, however long a brush goes on, and the b
   CHECK(copyOf(world.body().displacements()) == shape);
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_sculpt_test

@@ -3,7 +3,7 @@
 
 #include "tests/matter/soft_bodies.hpp"
 
-namespace palpate {
+namespace palpate::soft_stiffness_test {
 
 namespace {
 
@@ -82,4 +82,4 @@ TEST_CASE("a beam bends by F L^3 / 3 E I and what shear adds (Timoshenko), howev
     }
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_stiffness_test

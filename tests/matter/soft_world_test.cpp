@@ -6,7 +6,7 @@
 #include "engine/matter/soft_world.hpp"
 #include "tests/matter/press_truths.hpp"
 
-namespace palpate {
+namespace palpate::soft_world_test {
 
 TEST_CASE("a block that lies on the floor weighs what it weighs, comes to rest, and sinks by its own weight alone") {
   SoftWorld world(softBlock());
@@ -138,4 +138,4 @@ TEST_CASE("a scene of a soft body that cannot be simulated is refused with its f
   CHECK(begins(with([](MatterScene& s) { s.shape = SoftShape::ball, s.model = "a.ply"; }), "shape: belongs"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_world_test

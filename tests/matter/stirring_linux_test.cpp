@@ -6,7 +6,7 @@
 
 #include "tests/matter/matter_truths.hpp"
 
-namespace palpate {
+namespace palpate::stirring_test {
 
 namespace {
 
@@ -40,4 +40,4 @@ TEST_CASE("water that a hand stirs for seconds takes no more memory, and gives n
   CHECK(missingMomentum(*world) <= 1e-5);
 }
 
-}  // namespace palpate
+}  // namespace palpate::stirring_test

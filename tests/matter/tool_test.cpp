@@ -1,7 +1,7 @@
 // A ball between a hand and water.
 #include "tests/matter/matter_truths.hpp"
 
-namespace palpate {
+namespace palpate::tool_test {
 
 TEST_CASE("a ball in water is pushed up by the weight of what it displaces") {
   for (const double radius_m : {0.03, 0.04}) {
@@ -23,4 +23,4 @@ TEST_CASE("a ball that turns in viscous water is held back by it") { checkTorque
 
 TEST_CASE("what a ball got is what water lost") { checkReactions(onCpu(), 300); }
 
-}  // namespace palpate
+}  // namespace palpate::tool_test

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <numbers>
 #include <random>
 
 #include "engine/core/named_values.hpp"
@@ -13,9 +14,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-double displacedBy(double radius_m) { return 1000 * 4 * kPi / 3 * radius_m * radius_m * radius_m; }
+double displacedBy(double radius_m) { return 1000 * 4 * std::numbers::pi / 3 * radius_m * radius_m * radius_m; }
 
 MatterScene tankForBall(double radius_mm, double side_spacings, double filled_spacings) {
   MatterScene scene = tank({side_spacings, filled_spacings + 8, side_spacings}, filled_spacings);
@@ -134,7 +133,8 @@ Turned turned(const MatterMaker& make, double viscosity_Pa_s, double spin_rad_s,
   }
   REQUIRE(world->state() == MatterState::running);
   CHECK(std::hypot(torque.x, torque.z) <= 0.05 * std::abs(torque.y));
-  const double stokes_Nm = 8 * kPi * viscosity_Pa_s * std::pow(scene.tool.radius_mm * 1e-3, 3) * spin_rad_s;
+  const double stokes_Nm =
+      8 * std::numbers::pi * viscosity_Pa_s * std::pow(scene.tool.radius_mm * 1e-3, 3) * spin_rad_s;
   return {.share = -torque.y / stokes_Nm, .got = turning.y / given.y};
 }
 

@@ -4,7 +4,7 @@
 
 #include "tests/matter/matter_truths.hpp"
 
-namespace palpate {
+namespace palpate::water_test {
 
 TEST_CASE(
     "water at rest presses as deep as it is, weighs on its floor what it weighs, and is compressed by 1 % at most") {
@@ -40,4 +40,4 @@ TEST_CASE("cohesion makes a block in the air rounder, and gives it neither a pus
   checkCohesion(onCpu(), 300, 1.6);
 }
 
-}  // namespace palpate
+}  // namespace palpate::water_test

@@ -2,7 +2,7 @@
 #include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
-namespace palpate {
+namespace palpate::hostile_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -31,4 +31,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a hand that jumps gives a bounded 
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::hostile_test

@@ -1,7 +1,7 @@
 // What stands in matter on the GPU, and balls that begin there.
 #include "tests/matter_gpu/gpu_matter.hpp"
 
-namespace palpate {
+namespace palpate::model_test {
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "a model is on the GPU to water and sand what it is on the CPU") {
   for (const Matter matter : {Matter::water, Matter::sand}) {
@@ -60,4 +60,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball is stopped by what stands i
   checkBallStopsAtModel(onGpu(device));
 }
 
-}  // namespace palpate
+}  // namespace palpate::model_test

@@ -2,7 +2,7 @@
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
-namespace palpate {
+namespace palpate::parameters_test {
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a simulation that is given a parameter goes on as one that has it") {
   checkParametersAreTaken(onGpu(device), 8);
@@ -10,4 +10,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a simulation that is given a param
   checkSoftParameters(softOnGpu(device), 40);
 }
 
-}  // namespace palpate
+}  // namespace palpate::parameters_test

@@ -2,7 +2,7 @@
 #include "tests/matter/press_truths.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
-namespace palpate {
+namespace palpate::press_test {
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU what hands that press got is what the body lost") {
   checkPressMomentum(softOnGpu(device), 60);
@@ -21,4 +21,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
   checkCompliance(softOnGpu(device));
 }
 
-}  // namespace palpate
+}  // namespace palpate::press_test

@@ -1,7 +1,7 @@
 // Sand on the GPU: against what sand has to be, and against the CPU.
 #include "tests/matter_gpu/gpu_matter.hpp"
 
-namespace palpate {
+namespace palpate::sand_test {
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a grain on a slope stays, or slides as Coulomb says") {
   for (const double friction : {0.0, 0.4, 0.9}) {
@@ -31,4 +31,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball that is pushed into sand is
   checkBallInSand(onGpu(device));
 }
 
-}  // namespace palpate
+}  // namespace palpate::sand_test

@@ -6,7 +6,7 @@
 #include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
-namespace palpate {
+namespace palpate::small_matter_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -175,4 +175,4 @@ TEST_CASE_FIXTURE(GpuFixture, "more neighbours than a list holds are a state: no
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::small_matter_test

@@ -8,7 +8,7 @@
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
-namespace palpate {
+namespace palpate::small_press_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -128,4 +128,4 @@ TEST_CASE_FIXTURE(GpuFixture, "the same GPU gives presses the same bytes every t
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::small_press_test

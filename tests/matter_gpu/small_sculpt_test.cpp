@@ -7,7 +7,7 @@
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
-namespace palpate {
+namespace palpate::small_sculpt_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -175,4 +175,4 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU a body that balls touch is not sculpte
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::small_sculpt_test

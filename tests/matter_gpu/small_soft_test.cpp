@@ -17,7 +17,7 @@
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
-namespace palpate {
+namespace palpate::small_soft_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -302,4 +302,4 @@ TEST_CASE("no place of the skin is farther beyond the corners of its cell than t
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::small_soft_test

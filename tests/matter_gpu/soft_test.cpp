@@ -1,7 +1,7 @@
 // Soft bodies on the GPU: against what they have to be.
 #include "tests/matter_gpu/gpu_soft.hpp"
 
-namespace palpate {
+namespace palpate::soft_test {
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a bar hangs and bends by its own weight, and swings, as it should") {
   checkHangingBar(softOnGpu(device), {10, 2, 2}, 0.3);
@@ -47,4 +47,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a hand that jumps onto a soft body
   checkSoftJump(softOnGpu(device), 60);
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_test

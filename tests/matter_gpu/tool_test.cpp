@@ -1,7 +1,7 @@
 // Balls between hands and matter on the GPU.
 #include "tests/matter_gpu/gpu_matter.hpp"
 
-namespace palpate {
+namespace palpate::tool_test {
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball in water is pushed up by the weight of what it displaces") {
   checkBuoyancy(onGpu(device), 0.03, 250, 150);
@@ -25,4 +25,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball that turns in viscous water
   checkTorque(onGpu(device), 150, 0.4, 0.7);
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool_test

@@ -3,7 +3,7 @@
 
 #include "tests/matter_gpu/gpu_matter.hpp"
 
-namespace palpate {
+namespace palpate::water_test {
 
 namespace {
 
@@ -104,4 +104,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water coheres as it does on the CP
   checkCohesion(onGpu(device), 60, 1.95);
 }
 
-}  // namespace palpate
+}  // namespace palpate::water_test

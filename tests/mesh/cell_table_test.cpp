@@ -10,7 +10,7 @@
 #include "engine/mesh/mesh.hpp"
 #include "shaders/shared/mesh.h"
 
-namespace palpate {
+namespace palpate::cell_table_test {
 
 namespace {
 
@@ -113,4 +113,4 @@ TEST_CASE("any lattice of signs makes a closed mesh: every edge on two triangles
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::cell_table_test

@@ -7,7 +7,7 @@
 #include "tests/near.hpp"
 #include "tests/scratch_folder.hpp"
 
-namespace palpate {
+namespace palpate::mesh_test {
 
 namespace {
 
@@ -74,4 +74,4 @@ TEST_CASE("a written mesh is read back as it was, in both encodings, with double
     }
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh_test

@@ -4,7 +4,7 @@
 #include "tests/mesh_gpu/mesh_scenes.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::marching_cubes_test {
 
 namespace {
 
@@ -63,4 +63,4 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
     }
 }
 
-}  // namespace palpate
+}  // namespace palpate::marching_cubes_test

@@ -4,7 +4,7 @@
 #include "tests/mesh_gpu/mesh_scenes.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::mesh_edges_test {
 
 namespace {
 
@@ -154,4 +154,4 @@ TEST_CASE_FIXTURE(GpuFixture, "vertices take the colours of the points around th
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::mesh_edges_test

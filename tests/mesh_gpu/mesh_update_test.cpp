@@ -4,7 +4,7 @@
 #include "tests/labels.hpp"
 #include "tests/mesh_gpu/mesh_scenes.hpp"
 
-namespace palpate {
+namespace palpate::mesh_update_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -127,4 +127,4 @@ TEST_CASE_FIXTURE(GpuFixture, "everything may go, and come back") {
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::mesh_update_test

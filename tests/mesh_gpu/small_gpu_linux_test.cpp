@@ -5,7 +5,7 @@
 #include "tests/lost_gpu/lost_gpu.hpp"
 #include "tests/mesh_gpu/mesh_scenes.hpp"
 
-namespace palpate {
+namespace palpate::small_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -28,4 +28,4 @@ TEST_CASE("a GPU whose workgroups are small makes the same mesh") {
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::small_gpu_test

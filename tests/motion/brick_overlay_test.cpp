@@ -9,7 +9,7 @@
 
 #include "engine/motion/brick_source.hpp"
 
-namespace palpate {
+namespace palpate::brick_overlay_test {
 
 namespace {
 
@@ -236,4 +236,4 @@ TEST_CASE("a point that has come in another brick while an edit was made of it i
   CHECK(overlay.shown(second)->size() == 1);
 }
 
-}  // namespace palpate
+}  // namespace palpate::brick_overlay_test

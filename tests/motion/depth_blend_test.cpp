@@ -10,7 +10,7 @@
 #include "engine/motion/depth_points.hpp"
 #include "tests/motion/depth_scene.hpp"
 
-namespace palpate {
+namespace palpate::depth_blend_test {
 
 namespace {
 
@@ -165,4 +165,4 @@ TEST_CASE("the first frame does not move") {
   CHECK(points.goOn_s == kMostPointsAge_s);
 }
 
-}  // namespace palpate
+}  // namespace palpate::depth_blend_test

@@ -12,7 +12,7 @@
 #include "tests/motion/depth_stream.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::depth_player_test {
 
 namespace {
 
@@ -361,4 +361,4 @@ TEST_CASE("a source makes points of the frame that is due, the same bytes for th
   CHECK(again.positions[0].z == 2);
 }
 
-}  // namespace palpate
+}  // namespace palpate::depth_player_test

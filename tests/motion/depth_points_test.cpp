@@ -9,7 +9,7 @@
 #include "engine/motion/cloud_source.hpp"
 #include "tests/motion/depth_scene.hpp"
 
-namespace palpate {
+namespace palpate::depth_points_test {
 
 namespace {
 
@@ -153,4 +153,4 @@ TEST_CASE("the points do not depend on the number of threads, nor on the frame b
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::depth_points_test

@@ -11,7 +11,7 @@
 #include "tests/motion/depth_stream.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::depth_source_test {
 
 namespace {
 
@@ -162,4 +162,4 @@ TEST_CASE("a live stream whose frames are true for ever keeps its last one") {
   CHECK(frame.size() == 12);
 }
 
-}  // namespace palpate
+}  // namespace palpate::depth_source_test

@@ -11,7 +11,7 @@
 #include "engine/core/error.hpp"
 #include "engine/motion/cloud_source.hpp"
 
-namespace palpate {
+namespace palpate::frame_exchange_test {
 
 TEST_CASE("a reader gets the newest whole frame once, and its half is not written meanwhile") {
   FrameExchange exchange;
@@ -121,4 +121,4 @@ TEST_CASE("the points of a frame take the place of a cloud's: one by one, or all
   CHECK(cloud.empty());
 }
 
-}  // namespace palpate
+}  // namespace palpate::frame_exchange_test

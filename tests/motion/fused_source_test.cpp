@@ -12,7 +12,7 @@
 #include "tests/motion/depth_scene.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::fused_source_test {
 
 namespace {
 
@@ -290,4 +290,4 @@ TEST_CASE("a frame has the points that there are, by their ids") {
   CHECK(right == frame.size());
 }
 
-}  // namespace palpate
+}  // namespace palpate::fused_source_test

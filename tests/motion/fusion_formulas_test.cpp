@@ -10,7 +10,7 @@
 #include "tests/motion/depth_scene.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::fusion_formulas_test {
 
 namespace {
 
@@ -267,4 +267,4 @@ TEST_CASE_TEMPLATE("a pair pulls as its residual does, no harder than an outlier
   CHECK_FALSE(pair(Real(0.001), V3(0, 1, 0), Real(0.1)).isPair);
 }
 
-}  // namespace palpate
+}  // namespace palpate::fusion_formulas_test

@@ -10,7 +10,7 @@
 #include "tests/motion/depth_scene.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::icp_test {
 
 namespace {
 
@@ -220,4 +220,4 @@ TEST_CASE("six equations are solved, and their eigenvalues are those of the matr
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::icp_test

@@ -5,7 +5,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::pose_tracker_test {
 
 namespace {
 
@@ -65,4 +65,4 @@ TEST_CASE("a frame is looked for about the last one that was fused, the farther 
   CHECK(tracker.place(frameWith({}), kNever)->centre == DVec3(0));
 }
 
-}  // namespace palpate
+}  // namespace palpate::pose_tracker_test

@@ -8,7 +8,7 @@
 #include "engine/motion/frame_fusion.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::real_recording_test {
 
 namespace {
 
@@ -71,4 +71,4 @@ TEST_CASE("a recorded room becomes one map, with its poses and without them") {
   CHECK(static_cast<double>(near) > 0.95 * static_cast<double>(asked));
 }
 
-}  // namespace palpate
+}  // namespace palpate::real_recording_test

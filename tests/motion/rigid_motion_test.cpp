@@ -8,7 +8,7 @@
 #include "engine/motion/moving_shape.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::rigid_motion_test {
 
 namespace {
 
@@ -88,4 +88,4 @@ TEST_CASE("a frame of the same time has the same bytes, whatever was asked for b
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::rigid_motion_test

@@ -14,7 +14,7 @@
 #include "tests/motion/depth_scene.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::surfel_map_test {
 
 namespace {
 
@@ -416,4 +416,4 @@ TEST_CASE("options out of their bounds are refused by name") {
   says(options, "memory_frames");
 }
 
-}  // namespace palpate
+}  // namespace palpate::surfel_map_test

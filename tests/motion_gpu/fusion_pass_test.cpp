@@ -11,7 +11,7 @@
 #include "tests/labels.hpp"
 #include "tests/motion_gpu/fused_cloud.hpp"
 
-namespace palpate {
+namespace palpate::fusion_pass_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -231,4 +231,4 @@ TEST_CASE_FIXTURE(FusionFixture, "what does not fit is refused before any memory
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::fusion_pass_test

@@ -9,7 +9,7 @@
 #include "tests/motion_gpu/fused_cloud.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::pose_search_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -97,4 +97,4 @@ TEST_CASE_FIXTURE(PoseFixture, "the same frame gives the same pose; a plane, and
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::pose_search_test

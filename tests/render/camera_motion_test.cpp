@@ -4,7 +4,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::camera_motion_test {
 
 namespace {
 
@@ -93,4 +93,4 @@ TEST_CASE("a new centre keeps direction and distance, an axis the distance") {
     }
 }
 
-}  // namespace palpate
+}  // namespace palpate::camera_motion_test

@@ -9,7 +9,7 @@
 #include "engine/core/error.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::camera_test {
 
 namespace {
 
@@ -197,4 +197,4 @@ TEST_CASE("the matrices put points where project() does") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::camera_test

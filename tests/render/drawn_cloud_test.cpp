@@ -10,7 +10,7 @@
 #include "tests/labels.hpp"
 #include "tests/render/picture_fixture.hpp"
 
-namespace palpate {
+namespace palpate::drawn_cloud_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -393,4 +393,4 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::drawn_cloud_test

@@ -9,7 +9,7 @@
 #include "engine/cloud/thinning.hpp"
 #include "tests/render/picture_fixture.hpp"
 
-namespace palpate {
+namespace palpate::hardware_raster_test {
 
 namespace {
 
@@ -252,4 +252,4 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "a picture larger than the GPU's images
   CHECK(rasterNamed("hardware") == Raster::hardware);
 }
 
-}  // namespace palpate
+}  // namespace palpate::hardware_raster_test

@@ -19,7 +19,7 @@
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop
 
-namespace palpate {
+namespace palpate::image_test {
 
 namespace {
 
@@ -108,4 +108,4 @@ TEST_CASE("a picture that cannot be written says where") {
   CHECK_THROWS_AS(writePfm(folder / "no" / "such.pfm", DepthImage{1, 1, {0}}), FileError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::image_test

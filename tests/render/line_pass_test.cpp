@@ -8,7 +8,7 @@
 #include "engine/cloud/analytic_shape.hpp"
 #include "tests/render/picture_fixture.hpp"
 
-namespace palpate {
+namespace palpate::line_pass_test {
 
 namespace {
 
@@ -133,4 +133,4 @@ TEST_CASE_FIXTURE(LineFixture, "lines that cross give the same picture in any or
   CHECK(shown(lines).rgba == one.rgba);
 }
 
-}  // namespace palpate
+}  // namespace palpate::line_pass_test

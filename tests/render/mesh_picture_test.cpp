@@ -7,7 +7,7 @@
 #include "tests/near.hpp"
 #include "tests/render/picture_fixture.hpp"
 
-namespace palpate {
+namespace palpate::mesh_picture_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -135,4 +135,4 @@ TEST_CASE_FIXTURE(MeshPictureFixture, "no triangle, and triangles without a plac
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::mesh_picture_test

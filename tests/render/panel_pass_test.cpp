@@ -7,7 +7,7 @@
 #include "engine/gpu/transfer.hpp"
 #include "tests/gpu_fixture.hpp"
 
-namespace palpate {
+namespace palpate::panel_pass_test {
 
 namespace {
 
@@ -290,4 +290,4 @@ TEST_CASE("triangles without a place, without area or outside of their clip stan
   CHECK(tiles.starts == std::vector<std::uint32_t>{0, 1, 2, 3, 4});
 }
 
-}  // namespace palpate
+}  // namespace palpate::panel_pass_test

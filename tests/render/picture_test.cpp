@@ -6,7 +6,7 @@
 #include "shaders/shared/ramp.h"
 #include "tests/render/picture_fixture.hpp"
 
-namespace palpate {
+namespace palpate::picture_test {
 
 namespace {
 
@@ -375,4 +375,4 @@ TEST_CASE_FIXTURE(PictureFixture, "a frame names its passes") {
   CHECK(names == expected);
 }
 
-}  // namespace palpate
+}  // namespace palpate::picture_test

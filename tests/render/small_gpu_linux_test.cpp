@@ -5,7 +5,7 @@
 #include "tests/lost_gpu/lost_gpu.hpp"
 #include "tests/render/picture_fixture.hpp"
 
-namespace palpate {
+namespace palpate::small_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -42,4 +42,4 @@ TEST_CASE("a GPU whose workgroups are small draws the same picture") {
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::small_gpu_test

@@ -5,7 +5,7 @@
 #include "tests/labels.hpp"
 #include "tests/render/picture_fixture.hpp"
 
-namespace palpate {
+namespace palpate::splat_depth_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -190,4 +190,4 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "discs on edge stay thin") {
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::splat_depth_test

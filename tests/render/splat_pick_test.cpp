@@ -7,7 +7,7 @@
 #include "tests/labels.hpp"
 #include "tests/render/picture_fixture.hpp"
 
-namespace palpate {
+namespace palpate::splat_pick_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -172,4 +172,4 @@ TEST_CASE_FIXTURE(SplatPickFixture, "a heap of discs that fill the picture is cu
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::splat_pick_test

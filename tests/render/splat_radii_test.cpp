@@ -14,7 +14,7 @@
 #include "tests/render/picture_fixture.hpp"
 #include "tests/render/splat_radius_reference.hpp"
 
-namespace palpate {
+namespace palpate::splat_radii_test {
 
 namespace {
 
@@ -233,4 +233,4 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "after edits every radius is that of a clou
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::splat_radii_test

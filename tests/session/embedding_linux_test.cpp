@@ -13,7 +13,7 @@
 #include "tests/session/session_scene.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::embedding_test {
 
 TEST_CASE("the embedding program feels a model's surface") {
   const ScratchFolder folder;
@@ -39,4 +39,4 @@ TEST_CASE("the README shows the program that is tested") {
   CHECK(contentOf(top / "README.md").find(contentOf(top / "tests/programs/embedding.cpp")) != std::string::npos);
 }
 
-}  // namespace palpate
+}  // namespace palpate::embedding_test

@@ -5,7 +5,7 @@
 #include "tests/says.hpp"
 #include "tests/session/wall_stream.hpp"
 
-namespace palpate {
+namespace palpate::fused_session_test {
 
 namespace {
 
@@ -287,4 +287,4 @@ TEST_CASE("frames that fuse are felt as the map that they make, and a session wi
   CHECK_FALSE(sameTrace(first, runAlone(newest, Path({{0, before}, {0.05, in}, {kDuration_s, in}})).trace()));
 }
 
-}  // namespace palpate
+}  // namespace palpate::fused_session_test

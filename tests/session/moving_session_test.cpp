@@ -8,7 +8,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
 
-namespace palpate {
+namespace palpate::moving_session_test {
 
 namespace {
 
@@ -178,4 +178,4 @@ TEST_CASE("against the clock, without end, a model moves under a stylus that is 
   CHECK(touched < 4 * ticks / 5);
 }
 
-}  // namespace palpate
+}  // namespace palpate::moving_session_test

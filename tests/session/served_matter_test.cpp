@@ -11,7 +11,7 @@
 #include "haptics/session/session.hpp"
 #include "haptics/session/stepped_model.hpp"
 
-namespace palpate {
+namespace palpate::served_matter_test {
 
 namespace {
 
@@ -301,4 +301,4 @@ TEST_CASE("a scene goes over a network as text, and what is none is refused") {
   CHECK_THROWS_AS(parseScene(sceneText(scene)), Error);
 }
 
-}  // namespace palpate
+}  // namespace palpate::served_matter_test

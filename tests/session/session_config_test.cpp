@@ -6,7 +6,7 @@
 
 #include "haptics/session/flag_migration.hpp"
 
-namespace palpate {
+namespace palpate::session_config_test {
 
 namespace {
 
@@ -241,4 +241,4 @@ TEST_CASE("options that no log had, and values that they never had, are refused"
   CHECK_THROWS_AS(migrateFlags({{"--rate", "0"}}), Error);
 }
 
-}  // namespace palpate
+}  // namespace palpate::session_config_test

@@ -8,7 +8,7 @@
 #include "tests/session/session_scene.hpp"
 #include "tests/source_folder.hpp"
 
-namespace palpate {
+namespace palpate::session_test {
 
 namespace {
 
@@ -199,4 +199,4 @@ TEST_CASE("a session that keeps no journal says so when it is to be recorded or 
   CHECK_THROWS_AS(session.undo(1, 0), Error);
 }
 
-}  // namespace palpate
+}  // namespace palpate::session_test

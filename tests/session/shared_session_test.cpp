@@ -16,7 +16,7 @@
 #include "tests/near.hpp"
 #include "tests/session/session_scene.hpp"
 
-namespace palpate {
+namespace palpate::shared_session_test {
 
 namespace {
 
@@ -253,4 +253,4 @@ TEST_CASE("others who go on are not waited for, but for what they have done so f
   CHECK(all.elapsed_s() >= 2);
 }
 
-}  // namespace palpate
+}  // namespace palpate::shared_session_test

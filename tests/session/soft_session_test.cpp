@@ -10,7 +10,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
 
-namespace palpate {
+namespace palpate::soft_session_test {
 
 namespace {
 
@@ -184,4 +184,4 @@ TEST_CASE("the scenes of soft bodies that need no file can be touched") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_session_test

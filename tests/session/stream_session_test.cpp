@@ -6,7 +6,7 @@
 #include "tests/says.hpp"
 #include "tests/session/wall_stream.hpp"
 
-namespace palpate {
+namespace palpate::stream_session_test {
 
 namespace {
 
@@ -283,4 +283,4 @@ TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that
   CHECK(counts->played + counts->dropped == 6);
 }
 
-}  // namespace palpate
+}  // namespace palpate::stream_session_test

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-namespace palpate {
+namespace palpate::tick_feed_test {
 
 namespace {
 
@@ -55,4 +55,4 @@ TEST_CASE("what nobody takes is left out with all its hands, and what comes late
   CHECK(rows.back().time_s == static_cast<double>(kMore));
 }
 
-}  // namespace palpate
+}  // namespace palpate::tick_feed_test

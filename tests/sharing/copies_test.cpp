@@ -16,7 +16,7 @@
 #include "tests/near.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
-namespace palpate {
+namespace palpate::copies_test {
 
 using namespace sharing;
 
@@ -362,4 +362,4 @@ TEST_CASE(
   CHECK(clean.back() < 0.1 + 0.008);
 }
 
-}  // namespace palpate
+}  // namespace palpate::copies_test

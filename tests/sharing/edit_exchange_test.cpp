@@ -13,7 +13,7 @@
 
 #include "haptics/sharing/shared_points.hpp"
 
-namespace palpate {
+namespace palpate::edit_exchange_test {
 
 using namespace sharing;
 
@@ -478,4 +478,4 @@ TEST_CASE("pieces that are no client's of ours change nothing") {
   CHECK(points.clients() == 4096);
 }
 
-}  // namespace palpate
+}  // namespace palpate::edit_exchange_test

@@ -19,7 +19,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
-namespace palpate {
+namespace palpate::far_cloud_test {
 
 using namespace sharing;
 
@@ -728,4 +728,4 @@ TEST_CASE(
   CHECK_FALSE(hand.far().known().isTrue());
 }
 
-}  // namespace palpate
+}  // namespace palpate::far_cloud_test

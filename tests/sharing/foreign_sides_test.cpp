@@ -10,7 +10,7 @@
 #include "haptics/sharing/messages.hpp"
 #include "tests/sharing/own_network.hpp"
 
-namespace palpate {
+namespace palpate::foreign_sides_test {
 
 using namespace sharing;
 
@@ -198,4 +198,4 @@ TEST_CASE("requests that no client of ours makes are counted, and the server goe
   CHECK(counts.clients == 1);
 }
 
-}  // namespace palpate
+}  // namespace palpate::foreign_sides_test

@@ -21,7 +21,7 @@
 extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // whose header not every compiler brings
 #endif
 
-namespace palpate {
+namespace palpate::hostile_network_test {
 
 namespace {
 
@@ -261,4 +261,4 @@ TEST_CASE("readers that have fallen asleep with all that there is on the way to 
   CHECK(handed.clients > 40);
 }
 
-}  // namespace palpate
+}  // namespace palpate::hostile_network_test

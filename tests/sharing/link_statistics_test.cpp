@@ -4,7 +4,7 @@
 
 #include "tests/near.hpp"
 
-namespace palpate::sharing {
+namespace palpate::sharing::link_statistics_test {
 
 TEST_CASE("nothing is said of a link before a ping has come back, or is late") {
   LinkStatistics link;
@@ -58,4 +58,4 @@ TEST_CASE("echoes that come twice, of pings that never went, or before they went
   CHECK(link.counts(9).lost == 200);
 }
 
-}  // namespace palpate::sharing
+}  // namespace palpate::sharing::link_statistics_test

@@ -14,7 +14,7 @@
 #include "haptics/sharing/ros_intake.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
-namespace palpate {
+namespace palpate::mutated_samples_test {
 
 using namespace sharing;
 
@@ -403,4 +403,4 @@ TEST_CASE("ROS's clouds that are not as they were are points, or refused in word
   CHECK(told > 500);
 }
 
-}  // namespace palpate
+}  // namespace palpate::mutated_samples_test

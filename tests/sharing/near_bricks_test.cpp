@@ -12,7 +12,7 @@
 #include "haptics/sharing/brick_ledger.hpp"
 #include "haptics/sharing/hand_balls.hpp"
 
-namespace palpate {
+namespace palpate::near_bricks_test {
 
 using namespace sharing;
 
@@ -362,4 +362,4 @@ TEST_CASE("random samples end nothing and are bounded") {
   CHECK(taken > 100);
 }
 
-}  // namespace palpate
+}  // namespace palpate::near_bricks_test

@@ -18,7 +18,7 @@
 #include "tests/labels.hpp"
 #include "tests/sharing/own_network.hpp"
 
-namespace palpate {
+namespace palpate::presence_test {
 
 using namespace sharing;
 
@@ -343,4 +343,4 @@ TEST_CASE(
   }));
 }
 
-}  // namespace palpate
+}  // namespace palpate::presence_test

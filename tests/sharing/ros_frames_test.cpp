@@ -15,7 +15,7 @@
 #include "tests/sharing/ros_camera.hpp"
 #include "tests/sharing/ros_discovery.hpp"
 
-namespace palpate {
+namespace palpate::ros_frames_test {
 
 using namespace sharing;
 
@@ -368,4 +368,4 @@ TEST_CASE("a topic of something else, and one where nobody sends, is said before
   CHECK(says(refusal([&] { watchRosFrames("nobody", stopped); }), "interrupted"));
 }
 
-}  // namespace palpate
+}  // namespace palpate::ros_frames_test

@@ -16,7 +16,7 @@
 #include "haptics/sharing/network.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::ros_images_test {
 
 namespace {
 
@@ -271,4 +271,4 @@ TEST_CASE("random bytes in place of pictures and cameras are read or refused, an
   CHECK(cameras > 1000);
 }
 
-}  // namespace palpate
+}  // namespace palpate::ros_images_test

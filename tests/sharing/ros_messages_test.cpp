@@ -20,7 +20,7 @@
 #include "tests/sharing/own_network.hpp"
 #include "tests/sharing/ros_discovery.hpp"
 
-namespace palpate {
+namespace palpate::ros_messages_test {
 
 using namespace sharing;
 
@@ -373,4 +373,4 @@ TEST_CASE("what does not come, and what comes and is none, is said") {
   says("foreign", "contradicts itself");
 }
 
-}  // namespace palpate
+}  // namespace palpate::ros_messages_test

@@ -14,7 +14,7 @@
 #include "engine/core/clock.hpp"
 #include "haptics/sharing/network.hpp"
 
-namespace palpate {
+namespace palpate::ros_points_test {
 
 namespace {
 
@@ -242,4 +242,4 @@ TEST_CASE("random bytes in place of a message are read or refused, and never any
   CHECK(refused > 1000);
 }
 
-}  // namespace palpate
+}  // namespace palpate::ros_points_test

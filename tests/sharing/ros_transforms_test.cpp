@@ -11,7 +11,7 @@
 #include "haptics/sharing/network.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::ros_transforms_test {
 
 using namespace sharing;
 
@@ -184,4 +184,4 @@ TEST_CASE("a recording that begins again is heard as it goes then") {
   CHECK(placeAt(19.5) == near(19.5, 0.001));
 }
 
-}  // namespace palpate
+}  // namespace palpate::ros_transforms_test

@@ -13,7 +13,7 @@
 #include "tests/scratch_folder.hpp"
 #include "tests/sharing/own_network.hpp"
 
-namespace palpate {
+namespace palpate::security_test {
 
 namespace {
 
@@ -221,4 +221,4 @@ TEST_CASE("what DDS itself refuses is said with the folder; one domain has one s
   checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"lab/c", "no such folder"});
 }
 
-}  // namespace palpate
+}  // namespace palpate::security_test

@@ -9,7 +9,7 @@
 #include "engine/core/clock.hpp"
 #include "tests/sharing/own_network.hpp"
 
-namespace palpate {
+namespace palpate::server_thread_test {
 
 namespace {
 
@@ -79,4 +79,4 @@ TEST_CASE("a server ends soon after it has begun") {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::server_thread_test

@@ -11,7 +11,7 @@
 #include "haptics/sharing/messages.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
-namespace palpate {
+namespace palpate::shared_cloud_test {
 
 namespace {
 
@@ -267,4 +267,4 @@ TEST_CASE("a network that one thread leaves another one joins at the same time")
   CHECK(wrong == 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::shared_cloud_test

@@ -12,7 +12,7 @@
 #include "engine/spatial/multimap_hash.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 
-namespace palpate {
+namespace palpate::neighbour_search_test {
 
 namespace {
 
@@ -175,4 +175,4 @@ TEST_CASE("the sorted grid takes no other memory for a rebuild of the same size,
   CHECK(grid.placed().data() == first);
 }
 
-}  // namespace palpate
+}  // namespace palpate::neighbour_search_test

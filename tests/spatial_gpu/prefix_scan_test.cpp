@@ -7,7 +7,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::prefix_scan_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -62,4 +62,4 @@ TEST_CASE_FIXTURE(GpuFixture, "several arrays are summed side by side, each for 
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::prefix_scan_test

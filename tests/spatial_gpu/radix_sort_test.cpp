@@ -10,7 +10,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
 
-namespace palpate {
+namespace palpate::radix_sort_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -145,4 +145,4 @@ TEST_CASE_FIXTURE(RadixSortFixture, "a million pairs") { checkSorts(randomWords(
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::radix_sort_test

@@ -10,7 +10,7 @@
 #include "tests/labels.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::spatial_hash_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -191,4 +191,4 @@ TEST_CASE("the CPU hash finds the neighbours that brute force finds, each once")
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::spatial_hash_test

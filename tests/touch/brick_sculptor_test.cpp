@@ -14,7 +14,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::brick_sculptor_test {
 
 namespace {
 
@@ -180,4 +180,4 @@ TEST_CASE("a hand that does not sculpt, has no brush, or feels what is not known
   CHECK_THROWS_WITH_AS(fixed.touch->setBrush(brush), "it is to be felt alone", UsageError);
 }
 
-}  // namespace palpate
+}  // namespace palpate::brick_sculptor_test

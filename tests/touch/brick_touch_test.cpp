@@ -13,7 +13,7 @@
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::brick_touch_test {
 
 namespace {
 
@@ -256,4 +256,4 @@ TEST_CASE("more points than there is room for are refused, and what is given up 
   CHECK_FALSE(source.await(hands, 60));
 }
 
-}  // namespace palpate
+}  // namespace palpate::brick_touch_test

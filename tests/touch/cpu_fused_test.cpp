@@ -3,7 +3,7 @@
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/touch/fused_scene.hpp"
 
-namespace palpate {
+namespace palpate::cpu_fused_test {
 
 TEST_CASE("depth frames are felt on the CPU while they fuse, and what is taken away is felt no more") {
   checkFusedTouch([](TableStream& stream, double radius) {
@@ -15,4 +15,4 @@ TEST_CASE("depth frames are felt on the CPU while they fuse, and what is taken a
   });
 }
 
-}  // namespace palpate
+}  // namespace palpate::cpu_fused_test

@@ -9,7 +9,7 @@
 #include "tests/touch/moving_scene.hpp"
 #include "tests/touch/stream_scene.hpp"
 
-namespace palpate {
+namespace palpate::cpu_moving_test {
 
 namespace {
 
@@ -180,4 +180,4 @@ TEST_CASE("a wall that comes before a depth camera lets no stylus through on the
 
 TEST_CASE("a wall that leaves a depth camera's view is felt no more on the CPU") { checkLeavingWall(makeCpuOnStream); }
 
-}  // namespace palpate
+}  // namespace palpate::cpu_moving_test

@@ -11,7 +11,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::cpu_touch_test {
 
 namespace {
 
@@ -199,4 +199,4 @@ TEST_CASE("in real time an edit that outlasts the budget is bridged by the last 
   CHECK(touch.shortfalls().editsTooSlow == leftOut + (slow ? 1 : 0));
 }
 
-}  // namespace palpate
+}  // namespace palpate::cpu_touch_test

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-namespace palpate {
+namespace palpate::edit_pace_test {
 
 TEST_CASE(
     "edits in time never rest; a slow one rests as long as it took, the next twice that, and one in time ends it") {
@@ -47,4 +47,4 @@ TEST_CASE("however often edits are slow, the rest is no more than ten times as l
   CHECK(pace.mayEdit(70.211));
 }
 
-}  // namespace palpate
+}  // namespace palpate::edit_pace_test

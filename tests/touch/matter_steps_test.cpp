@@ -13,7 +13,7 @@
 #include "engine/touch/matter_touch.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::matter_steps_test {
 
 namespace {
 
@@ -327,4 +327,4 @@ TEST_CASE("what a simulation throws is no force and an invalid answer, and is sa
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::matter_steps_test

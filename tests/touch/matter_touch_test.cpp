@@ -14,7 +14,7 @@
 #include "engine/matter/matter_world.hpp"
 #include "tests/near.hpp"
 
-namespace palpate {
+namespace palpate::matter_touch_test {
 
 namespace {
 
@@ -327,4 +327,4 @@ TEST_CASE("what holds no ball, or is sculpted, is refused") {
   CHECK_FALSE(touch.editScope().edits);
 }
 
-}  // namespace palpate
+}  // namespace palpate::matter_touch_test

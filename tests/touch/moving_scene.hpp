@@ -17,10 +17,9 @@
 #include "engine/motion/moving_cloud.hpp"
 #include "engine/motion/moving_shape.hpp"
 #include "tests/scenes.hpp"
+#include "tests/touch/tick.hpp"
 
 namespace palpate {
-
-inline constexpr double kTick_s = 1e-3;
 
 /// To and fro along z by 2 (mm, with a sphere of radius 50), ten times in a second: 126 mm/s at the most.
 inline RigidMotion oscillation(double amplitude = 2, double frequency_Hz = 10) {

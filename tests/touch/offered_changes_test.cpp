@@ -5,7 +5,7 @@
 #include "tests/scenes.hpp"
 #include "tests/touch/offering.hpp"
 
-namespace palpate {
+namespace palpate::offered_changes_test {
 
 namespace {
 
@@ -96,4 +96,4 @@ TEST_CASE("what others do is felt, in real time too, while another thread offers
   CHECK(feels(top - 12));
 }
 
-}  // namespace palpate
+}  // namespace palpate::offered_changes_test

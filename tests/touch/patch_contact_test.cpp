@@ -15,7 +15,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::patch_contact_test {
 
 namespace {
 
@@ -196,4 +196,4 @@ TEST_CASE_FIXTURE(PressedSphere,
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::patch_contact_test

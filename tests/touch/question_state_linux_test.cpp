@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-namespace palpate {
+namespace palpate::question_state_test {
 
 namespace {
 
@@ -121,4 +121,4 @@ TEST_CASE("a question goes its ways: in time, late, ahead and withdrawn") {
   CHECK(progressAt({submittedAhead, withdrawn}).state() == QuestionState::idle);
 }
 
-}  // namespace palpate
+}  // namespace palpate::question_state_test

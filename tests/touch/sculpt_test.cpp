@@ -8,7 +8,7 @@
 #include "tests/edit/surface_gaps.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::sculpt_test {
 
 namespace {
 
@@ -242,4 +242,4 @@ TEST_CASE("a brush larger than the model, and a stroke that takes every point, e
   touch.finish();
 }
 
-}  // namespace palpate
+}  // namespace palpate::sculpt_test

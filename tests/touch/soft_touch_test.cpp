@@ -10,7 +10,7 @@
 #include "tests/near.hpp"
 #include "tests/touch/soft_scene.hpp"
 
-namespace palpate {
+namespace palpate::soft_touch_test {
 
 namespace {
 
@@ -510,4 +510,4 @@ TEST_CASE(
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::soft_touch_test

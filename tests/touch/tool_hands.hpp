@@ -10,10 +10,11 @@
 #include "haptics/force_law.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
+#include "tests/touch/tick.hpp"
 
 namespace palpate {
 
-inline constexpr double kInfinite = std::numeric_limits<double>::infinity(), kTick_s = 1e-3;
+inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 // Without limits and without damping: the force of a pose is that of its depth.
 inline constexpr ForceOptions kSpring{
     .stiffness_N_per_mm = 0.8, .damping_N_s_per_mm = 0, .maxForce_N = kInfinite, .maxRise_N_per_s = kInfinite};

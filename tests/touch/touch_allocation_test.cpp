@@ -9,7 +9,7 @@
 #include "tests/scenes.hpp"
 #include "tests/touch/soft_scene.hpp"
 
-namespace palpate {
+namespace palpate::touch_allocation_test {
 
 TEST_CASE("no tick on the CPU allocates memory on the thread that asks, whether it edits or not") {
   const Scene scene = makeScene("sphere", 30'000);
@@ -117,4 +117,4 @@ TEST_CASE("no tick on a soft body allocates memory on the thread that asks again
   block.touch().finish();
 }
 
-}  // namespace palpate
+}  // namespace palpate::touch_allocation_test

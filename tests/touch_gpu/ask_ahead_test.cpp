@@ -6,7 +6,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::ask_ahead_test {
 
 namespace {
 
@@ -153,4 +153,4 @@ TEST_CASE_FIXTURE(GpuFixture, "by itself a device asks ahead only where the driv
     CHECK_FALSE(TouchSide(device, scene.cloud, {.radius = scene.radius, .method = method, .ahead = true}).asksAhead());
 }
 
-}  // namespace palpate
+}  // namespace palpate::ask_ahead_test

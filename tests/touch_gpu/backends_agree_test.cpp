@@ -7,7 +7,7 @@
 #include "tests/labels.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::backends_agree_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -108,4 +108,4 @@ TEST_CASE_FIXTURE(BackendsFixture, "a press that sculpts feels the same on both,
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::backends_agree_test

@@ -13,7 +13,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::background_compaction_test {
 
 namespace {
 
@@ -189,4 +189,4 @@ TEST_CASE("it is predicted that a live cloud whose index follows edits takes les
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::background_compaction_test

@@ -8,7 +8,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::change_tool_test {
 
 namespace {
 
@@ -174,4 +174,4 @@ TEST_CASE_FIXTURE(GpuFixture, "a late answer from before the stylus was lifted s
   CHECK(glm::distance(far.proxy, DVec3(0, 80, 0)) < 1e-5);
 }
 
-}  // namespace palpate
+}  // namespace palpate::change_tool_test

@@ -7,7 +7,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::four_hands_test {
 
 namespace {
 
@@ -164,4 +164,4 @@ TEST_CASE_FIXTURE(FourHandsFixture, "there is one hand at least, and no more tha
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::four_hands_test

@@ -5,7 +5,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/touch/fused_scene.hpp"
 
-namespace palpate {
+namespace palpate::gpu_fused_test {
 
 namespace {
 
@@ -113,4 +113,4 @@ TEST_CASE_FIXTURE(GpuFixture, "frames without poses are placed on the GPU, held,
   CHECK(errorOf(next, 5) < 0.004);
 }
 
-}  // namespace palpate
+}  // namespace palpate::gpu_fused_test

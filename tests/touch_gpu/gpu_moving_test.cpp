@@ -9,7 +9,7 @@
 #include "tests/touch/moving_scene.hpp"
 #include "tests/touch/stream_scene.hpp"
 
-namespace palpate {
+namespace palpate::gpu_moving_test {
 
 namespace {
 
@@ -275,4 +275,4 @@ TEST_CASE_FIXTURE(GpuFixture, "a wall before a depth camera steps as a ramp, tak
   checkLeavingWall(make);
 }
 
-}  // namespace palpate
+}  // namespace palpate::gpu_moving_test

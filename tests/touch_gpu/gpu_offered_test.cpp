@@ -7,7 +7,7 @@
 #include "tests/scenes.hpp"
 #include "tests/touch/offering.hpp"
 
-namespace palpate {
+namespace palpate::gpu_offered_test {
 
 namespace {
 
@@ -89,4 +89,4 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU offers are carried out in real time, w
   CHECK(others.journal().strokes() > 0);
 }
 
-}  // namespace palpate
+}  // namespace palpate::gpu_offered_test

@@ -9,7 +9,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::gpu_sculpt_test {
 
 namespace {
 
@@ -123,4 +123,4 @@ TEST_CASE_FIXTURE(GpuFixture, "when no numbers are left for new points the surfa
   CHECK_FALSE(touch.edits()->unsettled());
 }
 
-}  // namespace palpate
+}  // namespace palpate::gpu_sculpt_test

@@ -14,7 +14,7 @@
 #include "tests/near.hpp"
 #include "tests/touch/soft_scene.hpp"
 
-namespace palpate {
+namespace palpate::gpu_soft_test {
 
 namespace {
 
@@ -242,4 +242,4 @@ TEST_CASE_FIXTURE(SoftFixture,
   CHECK(block.world().time_s() + block.touch().simulation()->leftOut_s() <= watch.elapsed_us() * 1e-6 + 1e-3);
 }
 
-}  // namespace palpate
+}  // namespace palpate::gpu_soft_test

@@ -11,7 +11,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::realtime_session_test {
 
 TEST_CASE("every tick in real time has a valid answer, and is fresh or bridged, at 1 and at 10 kHz") {
   const Scene scene = makeScene("sphere", 20'000);
@@ -66,4 +66,4 @@ TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that sh
   CHECK(result.step_us.quantile_us(0.95) < 1500);
 }
 
-}  // namespace palpate
+}  // namespace palpate::realtime_session_test

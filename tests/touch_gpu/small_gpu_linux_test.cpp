@@ -9,7 +9,7 @@
 #include "tests/says.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::small_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
@@ -83,4 +83,4 @@ TEST_CASE("the smallest GPU that palpate takes feels and sculpts what every GPU 
 
 TEST_SUITE_END();
 
-}  // namespace palpate
+}  // namespace palpate::small_gpu_test

@@ -8,7 +8,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::take_edits_test {
 
 namespace {
 
@@ -212,4 +212,4 @@ TEST_CASE("a change ends the stroke that is under way, on the CPU in real time t
   CHECK(all.marks[2] == EditMark{all.points.size(), EditMark::Kind::stroke});
 }
 
-}  // namespace palpate
+}  // namespace palpate::take_edits_test

@@ -3,7 +3,7 @@
 
 #include "tests/touch/tool_hands.hpp"
 
-namespace palpate {
+namespace palpate::tool_agreement_test {
 
 namespace {
 
@@ -100,4 +100,4 @@ TEST_CASE_FIXTURE(GpuFixture, "a tool in a cloud so dense that patches spill has
   CHECK(worst_N < 1e-3);
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool_agreement_test

@@ -1,7 +1,7 @@
 // Tools of many points over a cloud that is edited.
 #include "tests/touch/tool_hands.hpp"
 
-namespace palpate {
+namespace palpate::tool_edit_test {
 
 TEST_CASE_FIXTURE(ToolFixture, "what a brush does under a tool is what it does under its HIP alone, bit by bit") {
   const Scene scene = makeScene("sphere", 10'000);
@@ -40,4 +40,4 @@ TEST_CASE("a tool feels what was edited under it as one that comes new to the cl
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool_edit_test

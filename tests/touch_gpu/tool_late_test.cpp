@@ -5,7 +5,7 @@
 #include "tests/touch/busy.hpp"
 #include "tests/touch/tool_hands.hpp"
 
-namespace palpate {
+namespace palpate::tool_late_test {
 
 TEST_CASE_FIXTURE(ToolFixture, "the patch bridges late answers for each point that it reaches, as the GPU would") {
   const Scene scene = makeScene("sphere", 20'000);
@@ -90,4 +90,4 @@ TEST_CASE_FIXTURE(
   touch.finish();
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool_late_test

@@ -3,7 +3,7 @@
 #include "tests/near.hpp"
 #include "tests/touch/tool_hands.hpp"
 
-namespace palpate {
+namespace palpate::tool_test {
 
 namespace {
 
@@ -168,4 +168,4 @@ TEST_CASE_FIXTURE(ToolFixture,
   CHECK(touch.points(0).size() == 8);
 }
 
-}  // namespace palpate
+}  // namespace palpate::tool_test

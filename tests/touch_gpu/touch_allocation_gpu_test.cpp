@@ -6,7 +6,7 @@
 #include "tests/allocation_count.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::touch_allocation_gpu_test {
 
 TEST_CASE(
     "no tick of a tool and two further hands on the GPU allocates memory on the thread that asks, answered or held") {
@@ -37,4 +37,4 @@ TEST_CASE(
   touch.finish();
 }
 
-}  // namespace palpate
+}  // namespace palpate::touch_allocation_gpu_test

@@ -11,7 +11,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::touch_safety_test {
 
 namespace {
 
@@ -180,4 +180,4 @@ TEST_CASE("a GPU that is lost while the index is compacted in the background let
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::touch_safety_test

@@ -10,7 +10,7 @@
 #include "tests/scenes.hpp"
 #include "tests/touch/busy.hpp"
 
-namespace palpate {
+namespace palpate::touch_side_test {
 
 namespace {
 
@@ -260,4 +260,4 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud that cannot fit is refused with the numbe
   CHECK_THROWS_WITH_AS(requireGpuMemory(device, tooMany, false), doctest::Contains("MiB"), OutOfGpuMemory);
 }
 
-}  // namespace palpate
+}  // namespace palpate::touch_side_test

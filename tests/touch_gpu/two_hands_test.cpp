@@ -9,7 +9,7 @@
 #include "tests/scenes.hpp"
 #include "tests/touch/busy.hpp"
 
-namespace palpate {
+namespace palpate::two_hands_test {
 
 namespace {
 
@@ -271,4 +271,4 @@ TEST_CASE_FIXTURE(HandsFixture,
   CHECK(contact.proxy.x == near(50, 1e-3));
 }
 
-}  // namespace palpate
+}  // namespace palpate::two_hands_test

@@ -8,7 +8,7 @@
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
-namespace palpate {
+namespace palpate::two_sides_test {
 
 TEST_CASE_FIXTURE(GpuFixture,
                   "while one thread sculpts, another follows the log, and in the end both clouds are the same") {
@@ -78,4 +78,4 @@ TEST_CASE("a log is written by one thread and read by another without losing a m
   CHECK(inOrder);
 }
 
-}  // namespace palpate
+}  // namespace palpate::two_sides_test
