@@ -109,7 +109,7 @@ struct Writers {
   Writer<Stroke> strokes, strokeCopies;
   Writer<ResumeRequest> resumes;
   Writer<Notice> notices;
-  Writer<Hand> hands;
+  Writer<HandSample> hands;
   Writer<Near> nears;
   Writer<Facts> facts;
   Writer<Ping> pings, echoes;
@@ -249,7 +249,7 @@ class HostileSide {
 
   // In the name of the server, to whoever follows: what no server says.
   void result(bool isCopy) {
-    heardHands_.take([&](const Hand& hand) { victim_ = idOf(hand.client); });
+    heardHands_.take([&](const HandSample& hand) { victim_ = idOf(hand.client); });
     if (!victim_) return;
     std::uint8_t partition[16];
     set(partition, *victim_);
@@ -284,7 +284,7 @@ class HostileSide {
   }
 
   void hand() {
-    Hand hand{};
+    HandSample hand{};
     set(hand.session, idOf(session_));
     set(hand.client, idNumber(++number_));
     hand.which = static_cast<std::uint8_t>(roll());
@@ -369,7 +369,7 @@ class HostileSide {
   Topics topics_;
   std::mt19937 dice_;
   Writers writers_;
-  Reader<Hand> heardHands_;
+  Reader<HandSample> heardHands_;
   Reader<Near> heardNears_;
   AnyBytes bytes_;
   std::vector<Reader<Block>> unread_;
