@@ -144,8 +144,8 @@ std::vector<Body> functionsOf(std::string_view code) {
     if (end >= code.size() || code[end] != '(') continue;
     std::size_t brace = closeOf(code, end);
     while (brace < code.size() && std::isspace(static_cast<unsigned char>(code[brace])) != 0) ++brace;
-    for (const std::string_view word : {"const ", "noexcept "})
-      if (code.substr(brace).starts_with(word)) brace += word.size();
+    for (const std::string_view qualifier : {"const ", "noexcept "})
+      if (code.substr(brace).starts_with(qualifier)) brace += qualifier.size();
     if (brace < code.size() && code[brace] == '{')
       functions.push_back({std::string(word), code.substr(brace, closeOf(code, brace) - brace)});
   }
