@@ -118,7 +118,7 @@ TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau 
   CHECK(moved < sculpted.size() / 4);
   double deepest = 50;
   for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == near(46.3, 0.01));
+  CHECK(deepest == within(46.26, 0.03));  // 46 + tau, less what averaging rounds off
   for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
 
   // The index followed: what it answers now is what the reference finds on the sculpted cloud.
