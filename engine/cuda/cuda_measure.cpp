@@ -55,8 +55,8 @@ std::vector<double> timeCubBuild(const PointCloud& cloud, const shared::HashGrid
   cu::LiveCopy live(cloud, stream);
   cu::CubBuild build(grid, live.count());
   const cu::Graph graph(stream, [&] { build.record(stream, live.half(0), live.half(1), live.count()); });
-  std::vector<double> times;
-  for (int i = 0; i < repeat; ++i) times.push_back(timed_us(graph, stream));
+  std::vector<double> times(static_cast<std::size_t>(repeat));
+  for (double& time_us : times) time_us = timed_us(graph, stream);
   return times;
 }
 

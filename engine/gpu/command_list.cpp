@@ -327,7 +327,7 @@ void CommandList::closeLabel() {
   if (device_.instance().hasDebugUtils()) vkCmdEndDebugUtilsLabelEXT(commands_);
 }
 
-CommandList::Section::Section(CommandList& list, std::string name) : list_(list), outer_(list.section_) {
+CommandList::Section::Section(CommandList& list, const std::string& name) : list_(list), outer_(list.section_) {
   list_.section_ = outer_.empty() ? name : outer_ + "/" + name;
   list_.openLabel(name);
   if (list_.timing_ == Timing::passes || (list_.timing_ == Timing::sections && outer_.empty())) {

@@ -87,7 +87,7 @@ class CommandList {
   /// A named part of the list: a debug label and, with timing, a time.
   class Section {
    public:
-    Section(CommandList& list, std::string name);
+    Section(CommandList& list, const std::string& name);
     ~Section();
     Section(const Section&) = delete;
     Section& operator=(const Section&) = delete;
@@ -97,7 +97,7 @@ class CommandList {
     std::string outer_;
     std::optional<std::uint32_t> timer_;
   };
-  [[nodiscard]] Section section(std::string name) { return Section(*this, std::move(name)); }
+  [[nodiscard]] Section section(const std::string& name) { return Section(*this, name); }
 
   /// While it lives, commands after the first do not wait for one another.
   class Independent {

@@ -133,6 +133,7 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
       .globalPriority = VK_QUEUE_GLOBAL_PRIORITY_HIGH_KHR};
   const std::vector<FamilyQueues> wanted = queuesFor(roles_, arrangement);
   std::vector<VkDeviceQueueCreateInfo> queues;
+  queues.reserve(wanted.size());
   for (const FamilyQueues& each : wanted)
     queues.push_back({.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                       .pNext = globalPriority && each.high ? &high : nullptr,

@@ -107,6 +107,7 @@ std::vector<FamilyQueues> queuesFor(const QueueRoles& roles, QueueArrangement ar
   want(roles.latency, kLatency);
   want(roles.background, kBackground);
   std::vector<FamilyQueues> queues;
+  queues.reserve(priorities.size());
   for (auto& [family, each] : priorities)
     queues.push_back({family, std::move(each), weighs && family != roles.throughput.family});
   return queues;

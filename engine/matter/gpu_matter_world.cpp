@@ -75,6 +75,7 @@ shared::MatterSetting settingOf(const MatterSimulation& world, const BoundaryBod
 
 std::vector<Vec4> widened(const std::vector<Vec3>& values) {
   std::vector<Vec4> wide;
+  wide.reserve(values.size());
   for (const Vec3& value : values) wide.emplace_back(value, 0);
   return wide;
 }

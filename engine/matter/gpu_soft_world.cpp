@@ -92,7 +92,7 @@ GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scen
     : GpuSoftWorld(device, queue, scene, options, softModelOf(solid, points)) {}
 
 GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
-                           std::shared_ptr<const SoftModel> model)
+                           const std::shared_ptr<const SoftModel>& model)
     : GpuSoftWorld(device, &queue, scene, options, model, layoutOf(scene, model->solid), nullptr) {}
 
 GpuSoftWorld::GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene,
@@ -101,7 +101,7 @@ GpuSoftWorld::GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const M
                    softModelFor(scene, onMachine(options, device.ownMemory()))) {}
 
 GpuSoftWorld::GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene,
-                           const MatterOptions& options, std::shared_ptr<const SoftModel> model)
+                           const MatterOptions& options, const std::shared_ptr<const SoftModel>& model)
     : GpuSoftWorld(device, nullptr, scene, options, model, layoutOf(scene, model->solid), std::move(queue)) {}
 
 GpuSoftWorld::GpuSoftWorld(Device& device, Queue* queue, const MatterScene& scene, const MatterOptions& options,

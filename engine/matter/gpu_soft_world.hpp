@@ -31,7 +31,7 @@ class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
   GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene, const MatterOptions& options);
   /// A body that is there already, and may be shared.
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
-               std::shared_ptr<const SoftModel> model);
+               const std::shared_ptr<const SoftModel>& model);
 
   std::size_t nodes() const { return sizes_.nodes; }
   std::size_t points() const { return sizes_.points; }
@@ -87,7 +87,7 @@ class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
     CommandList list;
   };
   GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene, const MatterOptions& options,
-               std::shared_ptr<const SoftModel> model);
+               const std::shared_ptr<const SoftModel>& model);
   GpuSoftWorld(Device& device, Queue* queue, const MatterScene& scene, const MatterOptions& options,
                std::shared_ptr<const SoftModel> model, const SoftLayout& layout, std::unique_ptr<Queue> own);
   void begin() override;

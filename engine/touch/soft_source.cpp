@@ -75,6 +75,7 @@ void SoftSource::sculpt(std::uint32_t steps) {
   for (Slot& slot : slots_)
     if (slot.presses) under.emplace_back(&slot, surface.nearest(body, slot.place_m));
   std::vector<Vec3> before;
+  before.reserve(under.size());
   for (const auto& [slot, place] : under) before.push_back(surface.placeOf(body, place));
   for (std::uint32_t k = 0; k < steps; ++k) palpate::sculpt(*sculpture, brush, kMatterUnit_m);
   world_->endSculpting();

@@ -19,9 +19,11 @@ std::mutex& hidapiLock() {
 std::string utf8(const wchar_t* text) {
   std::string out;
   for (; text && *text; ++text) {
+    // NOLINTBEGIN(bugprone-signed-char-misuse): wchar_t is no char
     auto code = static_cast<std::uint32_t>(*text);
     if ((code & 0xfffffc00) == 0xd800 && (static_cast<std::uint32_t>(text[1]) & 0xfffffc00) == 0xdc00)
       code = 0x10000 + ((code & 0x3ff) << 10) + (static_cast<std::uint32_t>(*++text) & 0x3ff);
+    // NOLINTEND(bugprone-signed-char-misuse)
     const auto add = [&](std::uint32_t lead, int shift) {
       out += static_cast<char>(lead | (code >> shift));
       for (shift -= 6; shift >= 0; shift -= 6) out += static_cast<char>(0x80 | ((code >> shift) & 0x3f));

@@ -26,7 +26,7 @@ DVec3 afterFriction(const DVec3& velocity, double strongestChange) {
 
 }  // namespace
 
-SimulatedTouch::SimulatedTouch(Path path, const WorkspaceMap& map, const SimulatedTouchOptions& options)
+SimulatedTouch::SimulatedTouch(const Path& path, const WorkspaceMap& map, const SimulatedTouchOptions& options)
     : SimulatedTouch([path](double time_s) { return path.at(time_s); }, map, options) {
   pathDuration_s_ = path.duration_s();
 }

@@ -37,7 +37,7 @@ class SimulatedTouch final : public HapticDevice {
   /// `map` says where the intention lies in the workspace. Throws UsageError for options that are not finite or out of
   /// range.
   SimulatedTouch(Intention intention, const WorkspaceMap& map, const SimulatedTouchOptions& options = {});
-  SimulatedTouch(Path path, const WorkspaceMap& map, const SimulatedTouchOptions& options = {});
+  SimulatedTouch(const Path& path, const WorkspaceMap& map, const SimulatedTouchOptions& options = {});
 
   std::string_view name() const override { return "simulated Touch"; }
   DeviceLimits limits() const override;

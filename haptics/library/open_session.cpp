@@ -217,7 +217,7 @@ bool OpenSession::goesOn(std::size_t hand, const Path& path) const {
          model_->scale.toMm(glm::distance(path.at(0), hips_[hand])) <= kSamePlace_mm;
 }
 
-ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushConfig>& brush) {
+ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional<BrushConfig>& brush) {
   settle();
   checkShared();
   struct BrushBefore {

@@ -53,7 +53,7 @@ class OpenSession {
 
   // All.
   /// Each hand follows its path in virtual time, the first one with that brush or without any.
-  ServoResult run(std::vector<Path> paths, const std::optional<BrushConfig>& brush);
+  ServoResult run(const std::vector<Path>& paths, const std::optional<BrushConfig>& brush);
   void setBrush(const std::optional<BrushConfig>& brush);
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force);
   std::size_t undo(std::size_t strokes) { return goBack(strokes, 0); }
