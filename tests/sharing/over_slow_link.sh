@@ -86,7 +86,7 @@ sculpt() {  # ROUND_TRIP LOSS
   touched "$far" b far --realtime --duration 3 --path builtin:slide --edit inflate --penetration 6 &
   local other=$!
   if [ "$1" = 100 ]; then
-    await_line "$folder/near.log" '^touch: ' 1 "$hand"
+    await_line "$folder/near.log" '^touch: [1-9]' 1 "$hand"
     touch "$folder/cut"; sleep 1.5; rm "$folder/cut"
   fi
   wait "$hand" || fail "the hand 'near' has failed"; wait "$other" || fail "the hand 'far' has failed"
@@ -163,7 +163,7 @@ cut_near() {  # the cable is out for five seconds: what is known is felt until t
   ip netns exec "$near" "$palpate" touch --join large --near --interface a --backend cpu --path "$folder/again.csv" \
     --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 &
   local hand=$!
-  await_line "$folder/near.log" '^touch: ' 1 "$hand"
+  await_line "$folder/near.log" '^touch: [1-9]' 1 "$hand"
   sleep 2; touch "$folder/cut"; sleep 5; rm "$folder/cut"
   wait "$hand" || fail 'a cable that was out for five seconds ended a hand near its points'
   python3 - "$folder" << 'CHECK' || fail 'not the force that a hand should have while the cable is out, or after it'
@@ -178,7 +178,7 @@ print(f"over_slow_link: a cable that was out for five seconds: no force for {sil
 assert 4 < near["longest_silence_s"] < 10 and 0.5 < silent and force(rows[-1]) > 0.5, (near, silent, force(rows[-1]))
 # The cable was pulled two seconds after the program had first said how far it was; a second and two and a half round
 # trips are no silence.
-percent = int(re.search(r"^touch: (\d+) %", open(f"{sys.argv[1]}/near.log").read(), re.M)[1])
+percent = int(re.search(r"^touch: ([1-9]\d*) %", open(f"{sys.argv[1]}/near.log").read(), re.M)[1])
 cut_s = float(rows[-1]["t_s"]) * (percent + 0.5) / 100 + 2
 felt = any(force(row) > 0.5 for row in rows if 0.3 < float(row["t_s"]) - cut_s < 1)
 assert felt, f"what was known was not felt any more ({cut_s:.1f})"
