@@ -154,8 +154,8 @@ def check(build: pathlib.Path, batch: list[Source]) -> str:
         together.write_text("".join(f'#include "{source.name}"\n' for source in batch), encoding="utf-8")
         text = run_tidy(together, batch[0].flags, "--checks=-bugprone-suspicious-include")
         together.unlink()
-        if "[clang-diagnostic-error" in text:
-            print(f"lint.py: one by one: {' '.join(source.name for source in batch)}", flush=True)
+        if why := re.search(r".*error: .*\[clang-diagnostic-error.*", text):
+            print(f"lint.py: {batch[0].name} and {len(batch) - 1} more go one by one: {why[0]}", flush=True)
             return "".join(check(build, [source]) for source in batch)
     if not text:
         clean.touch()

@@ -36,7 +36,7 @@ void runInto(const TickRoom& room, OpenSession& session, std::vector<Path> paths
     throw UsageError("capacity: the path takes {} ticks, and there is room for {}", ticks, room.capacity / hands);
   required(room.ticks, "ticks");
   required(room.count, "count") = 0;
-  const ServoResult result = session.run(std::move(paths), brush);
+  const ServoResult result = session.run(paths, brush);
   const std::size_t done = result.trace().rows.size();
   std::size_t faults = 0;
   for (std::size_t i = 0; i < done * hands; ++i) {
