@@ -68,7 +68,7 @@ run_case() {  # FILE CASE
   [ -n "$(target_of "$1")" ] || return 3
   if [[ $1 == tests/python/* ]]; then
     PYTHONPATH=$built/python PYTHONDONTWRITEBYTECODE=1 timeout "$limit_s" \
-      python3 -m pytest -q -p no:cacheprovider "$1::$2" > "$log" 2>&1 || code=$?
+      "$(sed -n 's/^_Python3_EXECUTABLE:INTERNAL=//p' "$built/CMakeCache.txt")" -m pytest -q -p no:cacheprovider "$1::$2" > "$log" 2>&1 || code=$?
     [ $code -ne 4 ] && [ $code -ne 5 ] || return 3
     return $code
   fi
