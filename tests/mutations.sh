@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
-# Applies small deliberate bugs (tests/mutations/NN-room-what.patch) one by one, builds the test that each patch names and
-# runs it: it must fail. A table at the end says for each bug whether it was killed or survived. The exit code is 1 where
-# more than three bugs survive the quick tier, or one survives the full tier, or a patch has to be made again.
+# Applies small deliberate bugs (tests/mutations/NN-room-what.patch) one by one, builds the test that each patch names
+# and runs it: it must fail. A table at the end says for each bug whether it was killed or survived. The exit code is 1
+# where more than three bugs survive the quick tier, or one survives the full tier, or a patch has to be made again.
 #   bash tests/mutations.sh [--tier quick|full] [--survivors] [NN...]
 # --tier full runs named cases of the full tier, too (PALPATE_TESTS_TIER=full). --survivors runs the whole tier
-# (tests/run.sh, or tests/run.sh --full) on each bug that its named case lets pass. All of it happens in a git worktree of
-# HEAD, build/mutations, which keeps what was built: what is not committed is not in it, but for the patches themselves.
+# (tests/run.sh, or tests/run.sh --full) on each bug that its named case lets pass. All of it happens in a git worktree
+# of HEAD, build/mutations, which keeps what was built: what is not committed is not in it, but for the patches.
 #
 # The header of a patch has three lines before the diff:
 #   Mutation: one sentence that says what is wrong
 #   File: the test file, as tests/edit/journal_test.cpp or tests/python/test_sessions.py
-#   Case: the exact name of a case of doctest (a * at its end stands for what a template adds), or of a function of pytest
+#   Case: the exact name of a case of doctest (with a * at its end for the cases of a template), or of a function of
+#         pytest
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -51,9 +52,12 @@ cmake --preset "$preset" > /dev/null
 
 field() { sed -n "s/^$2: //p;/^---/q" "$1"; }  # PATCH NAME
 
-# The target that a test file is part of, compiled by itself or with others (UNITY_BUILD); nothing where it is not built.
+# The target that a test file is part of, compiled by itself or with others (UNITY_BUILD); nothing where none is built.
 target_of() {  # FILE
-  [[ $1 != tests/python/* ]] || { grep -qs '^build palpate_python:' "$built/build.ninja" && echo palpate_python; return; }
+  if [[ $1 == tests/python/* ]]; then
+    sed -n 's/^build \(palpate_python\):.*/\1/p' "$built/build.ninja"
+    return
+  fi
   local part=${1#tests/}
   { sed -n "s|^build tests/CMakeFiles/\([a-z_]*\)\.dir/$part\.o:.*|\1|p" "$built/build.ninja"
     { grep -rl "/$1\"" "$built"/tests/CMakeFiles/*.dir/Unity 2> /dev/null || true; } |
@@ -67,8 +71,10 @@ run_case() {  # FILE CASE
   local code=0
   [ -n "$(target_of "$1")" ] || return 3
   if [[ $1 == tests/python/* ]]; then
+    local python
+    python=$(sed -n 's/^_Python3_EXECUTABLE:INTERNAL=//p' "$built/CMakeCache.txt")  # that the module is for
     PYTHONPATH=$built/python PYTHONDONTWRITEBYTECODE=1 timeout "$limit_s" \
-      python3 -m pytest -q -p no:cacheprovider "$1::$2" > "$log" 2>&1 || code=$?
+      "$python" -m pytest -q -p no:cacheprovider "$1::$2" > "$log" 2>&1 || code=$?
     [ $code -ne 4 ] && [ $code -ne 5 ] || return 3
     return $code
   fi
@@ -98,7 +104,7 @@ outcome() {  # PATCH
   file=$(field "$1" File) name=$(field "$1" Case)
   case ${unmutated[$1]} in
     0) ;;
-    3) echo "NO SUCH CASE: $file: $name"; return ;;
+    3) echo "NO SUCH CASE in the $tier tier: $file: $name"; return ;;
     *) echo "FAILS WITHOUT IT: $file: $name"; return ;;
   esac
   git apply "$1" 2> "$log" || { echo 'DOES NOT APPLY: make the patch again'; return; }

@@ -344,6 +344,30 @@ TEST_CASE("what others do is in no stroke, and what they have made of a point st
   CHECK(journal.undoable() == 0);
 }
 
+TEST_CASE("a point that a stroke edits before and after an edit of others is undone to its state before the stroke") {
+  Journal journal(coloredCloud(20), 1 << 20);
+  const auto file = copyOf(journal.points());
+  const auto moved = [&](std::uint32_t point, float z) {
+    PointState state = file[point];
+    state.position.z = z;
+    return state;
+  };
+  EditBatch batch;
+  append(batch, {moved(1, 10), moved(2, 10), moved(3, 10)});
+  mark(batch, EditMark::Kind::part);
+  append(batch, {moved(1, 20)});
+  mark(batch, EditMark::Kind::received);
+  append(batch, {moved(2, 30), moved(3, 30)});
+  mark(batch, EditMark::Kind::stroke);
+  journal.follow(batch);
+  CHECK(journal.undo().size() == 2);
+  CHECK(journal.points()[1] == moved(1, 20));
+  CHECK(journal.points()[2] == file[2]);
+  CHECK(journal.points()[3] == file[3]);
+  CHECK(journal.redo().size() == 2);
+  CHECK(journal.points()[3] == moved(3, 30));
+}
+
 TEST_CASE("what others do amid random strokes: taken back, all but their points is as it was before") {
   const PointCloud cloud = coloredCloud(301);
   for (const std::uint32_t seed : {5u, 6u, 7u}) {

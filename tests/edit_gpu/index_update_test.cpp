@@ -5,6 +5,32 @@
 
 namespace palpate::index_update_test {
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "an edit that takes points away empties their slots and logs them") {
+  const Scene scene = makeScene("sphere", 500);
+  EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
+                     brushOf(BrushKind::push));
+  std::size_t left = scene.cloud.size();
+  for (const std::uint32_t first : {0u, 7u}) {
+    std::vector<PointChange> changes;
+    for (const auto& [id, point] : edited.points()) {
+      if (id % 20 != first) continue;
+      PointState to = point;
+      if (id % 40 == first)
+        to.id |= PointState::kGone;
+      else
+        to.position = -to.position;
+      left -= to.gone();
+      changes.push_back({.from = point, .to = to});
+    }
+    CHECK(edited.change(changes, EditedScene::How::incremental));
+    CHECK(edited.faults() == 0);
+    CHECK(edited.points().size() == left);
+    const std::vector<PointState> log = edited.takeLog();
+    CHECK(log.size() == changes.size());
+    CHECK(std::ranges::count_if(log, &PointState::gone) == 13);
+  }
+}
+
 TEST_CASE_FIXTURE(CoreGpuFixture, "after any edit the index holds every point in its bucket and nothing else") {
   const Scene scene = makeScene("sphere", 5'000);
   for (const BrushKind kind :

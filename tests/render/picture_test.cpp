@@ -77,6 +77,34 @@ TEST_CASE_FIXTURE(PictureFixture, "a sphere has no holes, true depths and true n
   CHECK(wrongNormals == 0);
 }
 
+TEST_CASE_FIXTURE(PictureFixture, "the depth of a pixel is that of its nearest sample") {
+  const PointCloud cloud = sphereCloud(3000);
+  const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
+  const FrameOptions options = optionsFor(cloud, ImagePass::depth);
+  const DrawnCloud drawn(device, cloud);
+  Frame& samples = frameOf(kWidth, kHeight, 1);
+  draw(samples, drawn, camera, options);
+  const DepthImage each = samples.readDepth();
+  Frame& pixels = frameOf(kWidth / 2, kHeight / 2, 2);
+  draw(pixels, drawn, camera, options);
+  const DepthImage all = pixels.readDepth();
+  std::size_t outlines = 0, wrong = 0;
+  for (std::uint32_t y = 0; y < all.height; ++y)
+    for (std::uint32_t x = 0; x < all.width; ++x) {
+      float nearest = 0;
+      int background = 0;
+      for (std::uint32_t k = 0; k < 4; ++k) {
+        const float depth = each.at(2 * x + k % 2, 2 * y + k / 2);
+        background += depth == 0;
+        if (depth > 0) nearest = nearest > 0 ? std::min(nearest, depth) : depth;
+      }
+      outlines += background > 0 && background < 4;
+      wrong += all.at(x, y) != nearest;
+    }
+  CHECK(outlines > 50);
+  CHECK(wrong == 0);
+}
+
 TEST_CASE_FIXTURE(PictureFixture, "smoothed depth gives normals, keeps steps and leaves the background alone") {
   PointCloud cloud = sphereCloud();
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
