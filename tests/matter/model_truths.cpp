@@ -116,8 +116,9 @@ void checkBallStopsAtModel(const MatterMaker& make) {
                     .model_mm = {60, 60, 60}};
   scene.tool = {.radius_mm = kBall_m * 1e3, .mass_kg = 0.05};
   const DVec3 middle(0.06, kSphere_m, 0.06), above = middle + DVec3(0, 0.06, 0);
+  const auto world = make(scene, 1, {});
   for (const DVec3& way : {DVec3(0, -1, 0), glm::normalize(DVec3(1, -2, 0.5)), DVec3(0)}) {
-    const auto world = make(scene, 1, {});
+    world->reset();
     HandPose hand{.place_m = above};
     if (way != DVec3(0)) hand.place_m = middle - 0.06 * way;
     double least_J = 0;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/labels.hpp"
 #include "tests/matter/matter_scenes.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/source_folder.hpp"
@@ -46,7 +47,7 @@ std::vector<Front> frontsByPysph(double width_m, double duration_s) {
 
 }  // namespace
 
-TEST_CASE("a dam that breaks sends its front as far as PySPH has it") {
+TEST_CASE("a dam that breaks sends its front as far as PySPH has it" * kFull) {
   if (!hasPysph()) return;
   const MatterScene scene = matterSceneNamed("dam");
   const double width_m = scene.fill_mm.x * 1e-3;

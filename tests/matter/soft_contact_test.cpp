@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "engine/matter/soft_contact.hpp"
+#include "tests/labels.hpp"
 #include "tests/matter/soft_bodies.hpp"
 
 namespace palpate::soft_contact_test {
@@ -49,17 +50,28 @@ double hertz(double poisson, double ball_m, double depth_m) {
 
 }  // namespace
 
-TEST_CASE("a ball that is pressed into a deep block is pushed back as Hertz says") {
-  for (const double poisson : {0.3, 0.45}) {
-    CAPTURE(poisson);
-    Indentation indentation(poisson, 32, 24, 8);
-    for (const double share : {0.05, 0.1}) {
-      CAPTURE(share);
-      const double depth = share * indentation.ball_m;
-      checkTruth(fmt::format("Hertz, ball of 8 spacings, Poisson's ratio {:g}, d = {:g} R, N", poisson, share),
-                 indentation.forceAt(depth), hertz(poisson, indentation.ball_m, depth), 0.08);
-    }
+namespace {
+
+void checkHertz(double poisson, int width, int depth, int ball, std::initializer_list<double> shares, double within) {
+  CAPTURE(poisson);
+  Indentation indentation(poisson, width, depth, ball);
+  for (const double share : shares) {
+    CAPTURE(share);
+    const double depth_m = share * indentation.ball_m;
+    checkTruth(fmt::format("Hertz, ball of {} spacings, Poisson's ratio {:g}, d = {:g} R, N", ball, poisson, share),
+               indentation.forceAt(depth_m), hertz(poisson, indentation.ball_m, depth_m), within);
   }
+}
+
+}  // namespace
+
+TEST_CASE("a ball that is pressed into a deep block is pushed back as Hertz says" * kFull) {
+  for (const double poisson : {0.3, 0.45}) checkHertz(poisson, 32, 24, 8, {0.05, 0.1}, 0.08);
+}
+
+// A block is too stiff the less deep it is, so that this bound is wider.
+TEST_CASE("a ball that is pressed into a block of few cells is pushed back nearly as Hertz says") {
+  for (const double poisson : {0.3, 0.45}) checkHertz(poisson, 16, 12, 5, {0.1}, 0.09);
 }
 
 TEST_CASE("the force of a ball hardly depends on where between the nodes it presses") {

@@ -96,9 +96,10 @@ TEST_CASE("a closed scan is filled with as much as it holds") {
 }
 
 TEST_CASE("a scan is filled the same by one thread and by three") {
-  const auto points = placeScan(shapeCloud("sculpture"), scanScene());
+  const auto points = placeScan(shapeCloud("sculpture", 8000), scanScene());
   WorkerTeam one(1), three(3);
-  const SoftSolid a = scanSolid(points, 0.004, 0, one), b = scanSolid(points, 0.004, 0, three);
+  const SoftSolid a = scanSolid(points, 0.006, 0, one), b = scanSolid(points, 0.006, 0, three);
+  REQUIRE(a.lattice.nodes() > 500);
   CHECK(std::ranges::equal(a.lattice.rest(), b.lattice.rest()));
   CHECK(std::ranges::equal(a.lattice.filled(), b.lattice.filled()));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "tests/labels.hpp"
 #include "tests/matter/matter_truths.hpp"
 
 namespace palpate::stirring_test {
@@ -18,19 +19,19 @@ std::size_t residentBytes() {
 
 }  // namespace
 
-TEST_CASE("water that a hand stirs for seconds takes no more memory, and gives no energy") {
+TEST_CASE("water that a hand stirs for seconds takes no more memory, and gives no energy" * kMoreInFull) {
   MatterScene scene = tank({10, 14, 10}, 7);
   scene.tool = {.radius_mm = 20, .mass_kg = 0.034};
   const auto world = atRest(onCpu(), scene, 1);
   std::size_t early = 0;
   double least_J = 0, mostKinetic_J = 0;
-  for (int k = 0; k < 4000; ++k) {
+  for (int k = 0; k < byTier(2000, 4000); ++k) {
     const double angle = 0.008 * k, down_m = std::min(5e-4 * k, 0.05);
     const HandPose hand{.place_m = {0.05 + 0.02 * std::cos(angle), 0.11 - down_m, 0.05 + 0.02 * std::sin(angle)}};
     world->step({&hand, 1});
     least_J = std::min(least_J, world->portEnergy_J(0));
     mostKinetic_J = std::max(mostKinetic_J, world->totals().kinetic_J);
-    if (k == 1000) early = residentBytes();
+    if (k == byTier(500, 1000)) early = residentBytes();
   }
   REQUIRE(world->state() == MatterState::running);
   CHECK(residentBytes() < early + (1u << 20));

@@ -97,7 +97,7 @@ TEST_CASE("what is not in the map, lies off it, or is too far to have come to, i
   const CameraPose truth = onArc(kTable, 1.0, 0.5);
   const FrameFusion fusion = mapped(scene, 1);
   DepthScene other;
-  other.add("bumpy-sphere", 0.3, {0.5, 0.3, 0.6});
+  other.add("sphere", 0.3, {0.5, 0.3, 0.6});
   const IcpResult elsewhere =
       search(fusion.map(), other.frame(smallCamera(), lookingAt({0.5, -0.5, 0.9}, {0.5, 0.3, 0.6}), 1, 5),
              lookingAt({0.5, -0.5, 0.9}, {0.5, 0.3, 0.6}));

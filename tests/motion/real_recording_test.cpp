@@ -6,6 +6,7 @@
 #include "engine/cloud/point_tree.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/motion/frame_fusion.hpp"
+#include "tests/labels.hpp"
 #include "tests/source_folder.hpp"
 
 namespace palpate::real_recording_test {
@@ -14,7 +15,7 @@ namespace {
 
 enum class Poses { own, found };
 
-constexpr std::uint64_t kFrames = 8;
+std::uint64_t frames() { return byTier<std::uint64_t>(4, 8); }
 
 struct Room {
   FrameFusion fusion{FusionOptions{}};
@@ -25,7 +26,7 @@ Room fused(const std::filesystem::path& folder, Poses poses) {
   RgbdFolder stream(folder);
   Room room;
   DepthFrame frame;
-  for (std::uint64_t i = 0; i < kFrames && stream.next(frame); ++i) {
+  for (std::uint64_t i = 0; i < frames() && stream.next(frame); ++i) {
     REQUIRE(frame.pose);
     const CameraPose recorded = *frame.pose;
     if (poses == Poses::found && i > 0) frame.pose.reset();
@@ -38,7 +39,7 @@ Room fused(const std::filesystem::path& folder, Poses poses) {
 
 }  // namespace
 
-TEST_CASE("a recorded room becomes one map, with its poses and without them") {
+TEST_CASE("a recorded room becomes one map, with its poses and without them" * kMoreInFull) {
   const std::filesystem::path folder = modelsFolder() / "rgbd_livingroom_a";
   if (!isRgbdFolder(folder)) {
     MESSAGE("skipped: no ", folder.string());
@@ -55,7 +56,7 @@ TEST_CASE("a recorded room becomes one map, with its poses and without them") {
     CHECK(map.isColored());
     CHECK(map.count() > 300'000);
     CHECK(map.count() < 450'000);
-    CHECK(map.totals().matched > 6 * map.totals().appended / 2);
+    CHECK(7 * map.totals().matched > 3 * (frames() - 1) * map.totals().appended);
     CHECK(map.totals().removed < map.count() / 1000);
   }
   // One is where the other one is.

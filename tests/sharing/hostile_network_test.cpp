@@ -27,6 +27,9 @@ namespace {
 
 constexpr double kMB = 1e6;
 
+/// How long somebody attacks.
+double attack_s() { return byTier(0.8, 1.5); }
+
 /// What this process has of memory that it has asked for and not given back.
 double allocated_MB() {
 #if defined(__SANITIZE_ADDRESS__)
@@ -121,32 +124,35 @@ Outcome attacked(const std::string& attack, double seconds) {
 
 }  // namespace
 
-TEST_CASE("who asks for everything again and again, in the name of ten thousand, keeps nobody else waiting" * kClock) {
-  const Outcome requests = attacked("requests", 1.5);
+TEST_CASE("who asks for everything again and again, in the name of ten thousand, keeps nobody else waiting" * kClock *
+          kMoreInFull) {
+  const Outcome requests = attacked("requests", attack_s());
   CHECK(requests.served.refused > 1000);
   CHECK(requests.served.clients < 100);
-  const Outcome resumes = attacked("resumes", 1.5);
+  const Outcome resumes = attacked("resumes", attack_s());
   CHECK(resumes.served.refused > 1000);
-  attacked("one-resumes", 1.5);
+  attacked("one-resumes", attack_s());
 }
 
 TEST_CASE(
-    "strokes without end, of more hands than there can be, and such as no hand makes, are taken, counted or refused") {
-  CHECK(attacked("strokes", 1.5).served.pieces > 1000);
-  const Outcome sculptors = attacked("sculptors", 1.5);
+    "strokes without end, of more hands than there can be, and such as no hand makes, are taken, counted or refused" *
+    kMoreInFull) {
+  CHECK(attacked("strokes", attack_s()).served.pieces > 1000);
+  const Outcome sculptors = attacked("sculptors", attack_s());
   CHECK(sculptors.served.sculptors > 200);
   CHECK(sculptors.served.sculptors <= 4096);
-  CHECK(attacked("bad-strokes", 1.5).served.refused > 0);
-  const Outcome copies = attacked("stroke-copies", 1.5);
+  CHECK(attacked("bad-strokes", attack_s()).served.refused > 0);
+  const Outcome copies = attacked("stroke-copies", attack_s());
   CHECK(copies.served.pieces > 1000);
   CHECK(copies.served.copied > 1000);
-  CHECK(attacked("bad-stroke-copies", 1.5).served.refused > 0);
+  CHECK(attacked("bad-stroke-copies", attack_s()).served.refused > 0);
 }
 
 TEST_CASE(
-    "hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory") {
+    "hands that are nowhere, sessions by the thousand and answers that no server gives do not fill a client's memory" *
+    kMoreInFull) {
   for (const char* attack : {"hands", "notices", "results", "result-copies"})
-    CHECK(attacked(attack, 1.5).grown_MB < 15);
+    CHECK(attacked(attack, attack_s()).grown_MB < 15);
 }
 
 namespace {
@@ -232,12 +238,13 @@ TEST_CASE("facts of thousands of sessions do not hide those of the one that is j
   CHECK(heard->extent.points == 1234);
 }
 
-TEST_CASE("bytes that are no samples of ours are no more than noise") {
-  attacked("pings", 1.5);
-  attacked("bytes", 2);
+TEST_CASE("bytes that are no samples of ours are no more than noise" * kMoreInFull) {
+  attacked("pings", attack_s());
+  attacked("bytes", attack_s() + 0.5);
 }
 
-TEST_CASE("readers that have fallen asleep with all that there is on the way to them hold up nobody" * kClock) {
+TEST_CASE("readers that have fallen asleep with all that there is on the way to them hold up nobody" * kClock *
+          kMoreInFull) {
   const PointCloud cloud = flatCloud(20'000);
   Served served(cloud, "attacked");
   HonestHand hand("attacked");
@@ -245,7 +252,8 @@ TEST_CASE("readers that have fallen asleep with all that there is on the way to 
   const double before_MB = allocated_MB();
   double grown_MB = 0;
   HostileSide side("unread", 30);
-  for (const Stopwatch since; since.elapsed_s() < 5; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
+  for (const Stopwatch since; since.elapsed_s() < byTier(3.0, 5.0);
+       std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     if (since.elapsed_s() > 1.5) side.signal(SIGSTOP);
     grown_MB = std::max(grown_MB, allocated_MB() - before_MB);
   }

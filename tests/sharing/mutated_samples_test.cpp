@@ -12,6 +12,7 @@
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/presence.hpp"
 #include "haptics/sharing/ros_intake.hpp"
+#include "tests/labels.hpp"
 #include "tests/sharing/honest_hand.hpp"
 
 namespace palpate::mutated_samples_test {
@@ -253,7 +254,8 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
   CHECK(handed.sculptors > 10);
 }
 
-TEST_CASE("whoever joins amid blocks that are not as they were gets the points as announced, or is told why not") {
+TEST_CASE("whoever joins amid blocks that are not as they were gets the points as announced, or is told why not" *
+          kMoreInFull) {
   constexpr std::uint32_t kPoints = 150'000;
   const PointCloud cloud = flatCloud(kPoints);
   Served served(cloud, "mutated");
@@ -271,7 +273,7 @@ TEST_CASE("whoever joins amid blocks that are not as they were gets the points a
       }
   });
   std::vector<Point> points;
-  for (const Stopwatch since; since.elapsed_s() < 4;) {
+  for (const Stopwatch since; since.elapsed_s() < byTier(2.0, 4.0);) {
     std::optional<Request> asked;
     requests.take([&](const Request& request) { asked = request; });
     if (!asked) continue;

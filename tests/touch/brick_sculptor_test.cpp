@@ -68,10 +68,11 @@ bool isSame(const Contact& a, const Contact& b) {
 
 }  // namespace
 
-TEST_CASE("in virtual time each brush makes of the points around a hand what it makes of a whole cloud, bit by bit") {
+TEST_CASE("in virtual time each brush makes of the points around a hand what it makes of a whole cloud, bit by bit" *
+          kMoreInFull) {
   const Scene scene = makeScene("bumpy-sphere", 20'000, DVec3(3e5, -1e5, 2e4));
   const Bounds box = boundsOf(scene.cloud);
-  for (const double widening : {1.0, 1.6})
+  for (const double widening : byTier<std::vector<double>>({1.6}, {1.0, 1.6}))
     for (const BrushKind kind : {BrushKind::push, BrushKind::carve, BrushKind::inflate, BrushKind::smooth,
                                  BrushKind::grab, BrushKind::flatten}) {
       CAPTURE(static_cast<int>(kind));
@@ -81,7 +82,7 @@ TEST_CASE("in virtual time each brush makes of the points around a hand what it 
       Hand hand(scene, brush, widening);
       hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), box.min - 40.0, box.max + 40.0));
       std::size_t touching = 0, differing = 0, tick = 0;
-      for (const DVec3& hip : wanderingPath(scene, 300, 2 * scene.radius, 7)) {
+      for (const DVec3& hip : wanderingPath(scene, byTier(200, 300), 2 * scene.radius, 7)) {
         const Pose pose{.time_s = static_cast<double>(++tick) * 1e-3, .hip = hip};
         const Contact own = hand.touch->query(pose, 0), truth = whole.query(pose, 0);
         differing += !isSame(own, truth);

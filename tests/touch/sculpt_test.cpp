@@ -71,7 +71,7 @@ SurfaceGaps gapsAround(const PointCloud& cloud, const Scene& scene, const DVec3&
 
 TEST_CASE("a push of 10 mm into a model of 100 mm leaves no hole: the points stay as dense as they were") {
   const Scene scene = makeScene("sphere", 30'000);
-  const auto path = along(down(10), 50, 150);
+  const auto path = along(down(10), 50, 60);
   const Played dent = sculpt(scene, brush(BrushKind::push), path);
   CHECK(dent.lost == 0);
   CHECK(dent.last.proxy.z < 41.5);
