@@ -323,7 +323,8 @@ TEST_CASE("a compaction of a large cloud is made of short slices, or of a few lo
       edits_us += editing.elapsed_us();
     }
     CHECK(slices == compaction.slices());
-    CHECK(edits >= 4);
+    // One edit with each slice, where a fast GPU has few of them; and one before the first slice has ended.
+    CHECK(edits >= std::min(4u, slices + 1));
     const double copied_us = watch.elapsed_us() - edits_us;
     CHECK(edited.compactFurther(1));
     CHECK(edited.report().dirty > 15 * edits);  // each edit's own

@@ -147,8 +147,11 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a question that waits is no obstacle to an en
 
 TEST_CASE_FIXTURE(GpuFixture, "by itself a device asks ahead only where the driver is known to let a question wait") {
   const Scene scene = makeScene("sphere", 1'000);
-  // Under validation every submission waits for its end.
-  CHECK_FALSE(TouchSide(device, scene.cloud, {.radius = scene.radius}).asksAhead());
+  // Under validation every submission waits for its end, on every driver.
+  if (askedValidation() == Validation::off)
+    MESSAGE("skipped: without validation (PALPATE_TESTS_VALIDATE=0) the driver decides whether a question waits");
+  else
+    CHECK_FALSE(TouchSide(device, scene.cloud, {.radius = scene.radius}).asksAhead());
   for (const QueryMethod method : {QueryMethod::brute, QueryMethod::indirect})
     CHECK_FALSE(TouchSide(device, scene.cloud, {.radius = scene.radius, .method = method, .ahead = true}).asksAhead());
 }
