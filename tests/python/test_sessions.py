@@ -195,6 +195,14 @@ def test_live_ticks_come_in_blocks_while_python_does_what_it_likes(session):
     assert len(session.touch(press_path(1))) == 200
 
 
+def test_ticks_of_the_last_interval_reach_on_ticks(session):
+    blocks = []
+    live = session.live(path=press_path(1), rate=500, on_ticks=blocks.append, interval_s=600)
+    assert live.wait(0.2) is False
+    live.stop()
+    assert len(blocks) == 1 and len(blocks[0]) > 10
+
+
 def test_live_ticks_can_be_taken_and_sculpt(session):
     before = session.cloud().xyz.copy()
     session.set_brush("push", radius_mm=5)
