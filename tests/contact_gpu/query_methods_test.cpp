@@ -4,6 +4,7 @@
 #include "engine/contact/contact_reference.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate::query_methods_test {
@@ -132,19 +133,19 @@ PointCloud cloudOf(std::size_t count, const Vec3& at) {
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
-                  "all methods feel the same on every shape, and what the reference feels") {
+                  "all methods feel the same on every shape, and what the reference feels" * kMoreInFull) {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
-    const Scene scene = makeScene(name, 8'000);
-    const auto path = leapingPath(scene, 6, 0.5 * scene.radius);
+    const Scene scene = makeScene(name, 4'000);
+    const auto path = leapingPath(scene, byTier<std::size_t>(22, 6), 0.5 * scene.radius);
     checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius}));
   }
 }
 
 TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
-                  "all methods feel the same where the support radius spans 1, 3 and 7 buckets a side") {
-  const Scene scene = makeScene("bumpy-sphere", 10'000);
-  const auto path = leapingPath(scene, 14, 0.5 * scene.radius);
+                  "all methods feel the same where the support radius spans 1, 3 and 7 buckets a side" * kMoreInFull) {
+  const Scene scene = makeScene("bumpy-sphere", 5'000);
+  const auto path = leapingPath(scene, byTier<std::size_t>(28, 14), 0.5 * scene.radius);
   for (const double cell : {2.5 * scene.radius, scene.radius, scene.radius / 3}) {
     CAPTURE(cell);
     checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius, .cell = cell}));
@@ -152,8 +153,8 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
 }
 
 TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all methods feel the same far from the origin") {
-  const Scene scene = makeScene("torus", 8'000, DVec3(1e6, -2e6, 3e6));
-  const auto path = leapingPath(scene, 4, 0.5 * scene.radius);
+  const Scene scene = makeScene("torus", 4'000, DVec3(1e6, -2e6, 3e6));
+  const auto path = leapingPath(scene, 8, 0.5 * scene.radius);
   checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius}));
 }
 
@@ -197,10 +198,10 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
 
 TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
                   "where the cloud is thinned, the methods that read buckets thin it the same") {
-  Scene scene = makeScene("sphere", 100'000);
+  Scene scene = makeScene("sphere", 70'000);
   scene.radius = 30;
   std::vector<DVec3> path;
-  for (int i = 0; i < 8; ++i) path.emplace_back(0, 0, 60.0 - 2 * i);
+  for (int i = 0; i < 4; ++i) path.emplace_back(0, 0, 60.0 - 4 * i);
   for (const double cell : {0.0, scene.radius / 3}) {
     TouchOptions options{.radius = scene.radius, .cell = cell, .split = false};
     const Played fused = play(scene.cloud, path, options);
@@ -229,9 +230,9 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
 
 TEST_CASE_FIXTURE(MethodsFixture, "what is sculpted by one method is what is sculpted by another") {
   player = &plainDevice();  // the passes of an edit are validated in their own room
-  const Scene scene = makeScene("sphere", 5'000);
+  const Scene scene = makeScene("sphere", 3'000);
   std::vector<DVec3> path;
-  for (int i = 0; i <= 60; ++i) path.emplace_back(0.05 * i, 0, 51 - 4 * std::min(1.0, i / 30.0));
+  for (int i = 0; i <= 20; ++i) path.emplace_back(0.15 * i, 0, 51 - 4 * std::min(1.0, i / 10.0));
   TouchOptions options{.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8}};
   const Played fused = play(scene.cloud, path, options);
   CHECK(fused.cloud.positions != scene.cloud.positions);

@@ -6,7 +6,7 @@ namespace palpate::hostile_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle at all, and a single one, are simulated as well") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle at all, and a single one, are simulated as well" * kFull) {
   checkFewParticles(onGpu(device));
 }
 

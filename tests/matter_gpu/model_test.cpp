@@ -1,4 +1,5 @@
 // What stands in matter on the GPU, and balls that begin there.
+#include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
 namespace palpate::model_test {
@@ -31,15 +32,15 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a model is on the GPU to water and sand what 
   }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water carries what stands in it by what that displaces") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water carries what stands in it by what that displaces" * kFull) {
   checkModelDisplaces(onGpu(device), 200, 80);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "no water comes into a model that it falls upon, on the GPU") {
-  checkModelKeepsOut(onGpu(device), modelInTank("torus", 80), 250);
+TEST_CASE_FIXTURE(CoreGpuFixture, "no water comes into a model that it falls upon, on the GPU" * kMoreInFull) {
+  checkModelKeepsOut(onGpu(device), modelInTank("torus", 80), byTier(60, 250));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that begins in water grows there, on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that begins in water grows there, on the GPU as on the CPU" * kMoreInFull) {
   MatterScene scene = tank({12, 14, 12}, 10);
   scene.tool = {.radius_mm = 20, .mass_kg = 0.03};
   const HandPose hand{.place_m = {0.055, 0.055, 0.065}};
@@ -50,13 +51,16 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that begins in water grows there, on t
   }
   CHECK(gpu->pushedOut(0) == cpu->pushedOut(0));
   CHECK(farthestApart(*gpu, *cpu) < 2e-6);
+  CHECK(missingMomentum(*gpu) <= 1e-5);
+  if (!inFullTier()) return;
   for (int k = 0; k < 280; ++k) gpu->step({&hand, 1});
   REQUIRE(gpu->state() == MatterState::running);
   CHECK(withinBall(*gpu, gpu->answers()[0].place_m, 0.02) == 0);
   CHECK(missingMomentum(*gpu) <= 1e-5);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball is stopped by what stands in the matter, and slides along it") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "on the GPU a ball is stopped by what stands in the matter, and slides along it" * kFull) {
   checkBallStopsAtModel(onGpu(device));
 }
 

@@ -1,4 +1,5 @@
 // Hands that press on soft bodies on the GPU: against what has to be.
+#include "tests/labels.hpp"
 #include "tests/matter/press_truths.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
@@ -8,8 +9,8 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU what hands that press got is what 
   checkPressMomentum(softOnGpu(device), 60);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU random hands that press get no energy out of a soft body") {
-  checkPressEnergy(softOnGpu(device), 250);
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU random hands that press get no energy out of a soft body" * kMoreInFull) {
+  checkPressEnergy(softOnGpu(device), byTier(70, 250));
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU presses of one hand are no more together than it bears") {
@@ -17,7 +18,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU presses of one hand are no more to
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "on the GPU a surface gives way as a half-space, and as its mass where nothing holds it") {
+                  "on the GPU a surface gives way as a half-space, and as its mass where nothing holds it" * kFull) {
   checkCompliance(softOnGpu(device));
 }
 

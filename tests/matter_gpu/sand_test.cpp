@@ -1,33 +1,39 @@
 // Sand on the GPU: against what sand has to be, and against the CPU.
+#include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
 namespace palpate::sand_test {
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a grain on a slope stays, or slides as Coulomb says") {
-  for (const double friction : {0.0, 0.4, 0.9}) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a grain on a slope stays, or slides as Coulomb says" * kMoreInFull) {
+  for (const double friction : byTier<std::vector<double>>({0.4}, {0.0, 0.4, 0.9})) {
     CAPTURE(friction);
     checkSlope(onGpu(device), friction);
   }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a heap of sand does not creep, and a column falls as far as on the CPU") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a heap of sand does not creep" * kFull) {
   checkHeap(onGpu(device), {60, 50, 80}, 500, 100);
+}
+
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a column of sand falls as far as on the CPU" * kMoreInFull) {
   const MatterScene scene = sandbox({400, 160, 80}, {80, 120, 80}, 0.4, 0);
   const auto gpu = onGpu(device)(scene, 0, placesAtRest(scene)), cpu = onCpu()(scene, 0, placesAtRest(scene));
   run(*gpu, 5);
   run(*cpu, 5);
   CHECK(farthestApart(*gpu, *cpu) < 1e-6);
-  run(*gpu, 150);
-  run(*cpu, 150);
+  const int steps = byTier(20, 150);
+  run(*gpu, steps);
+  run(*cpu, steps);
   CHECK(isWithin(0.1, gpu->observe().front_m, cpu->observe().front_m));
   CHECK(isWithin(0.03, gpu->observe().potential_J, cpu->observe().potential_J));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a bed that slides comes to rest at the slope that its friction says") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "on the GPU a bed that slides comes to rest at the slope that its friction says" * kFull) {
   checkAngleOfRepose(onGpu(device), 0.3, 70, 5);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball that is pushed into sand is pushed back") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball that is pushed into sand is pushed back" * kFull) {
   checkBallInSand(onGpu(device));
 }
 

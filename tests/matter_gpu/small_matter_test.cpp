@@ -58,6 +58,7 @@ struct Both {
       }
       gpu->step(hands);
       cpu->step(hands);
+      for (const ToolAnswer& answer : gpu->answers()) reactions_ += kMatterStep_s * answer.reaction_N;
     }
   }
 
@@ -72,8 +73,15 @@ struct Both {
                          .energy_J = 1e-9});
   }
 
+  /// What balls got is what the matter lost, which was at rest.
+  void checkReactions() const {
+    CHECK(glm::length(gpu->impulses().onTools - reactions_) <= 1e-9 * glm::length(reactions_));
+    CHECK(missingMomentum(*gpu) <= 1e-5);
+  }
+
  private:
   int step_ = 0;
+  DVec3 reactions_{0};
 };
 
 MatterScene smallScene(Matter matter) {
@@ -129,6 +137,7 @@ TEST_CASE_FIXTURE(GpuFixture, "several tools are answered on the GPU as on the C
       Both both(device, scene, tools, awayFromHands(placesAtRest(scene), tools, scene));
       both.step(12);
       both.checkAlike();
+      both.checkReactions();
       for (const ToolAnswer& answer : both.cpu->answers()) CHECK(glm::length(answer.reaction_N) > 1e-5);
     }
 }
@@ -149,6 +158,34 @@ TEST_CASE_FIXTURE(GpuFixture, "few particles around a model, and in a ball, are 
     CHECK(both.gpu->pushedOut(0) == both.cpu->pushedOut(0));
     CHECK(glm::length(both.cpu->impulses().onModel) > 1e-7);
   }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a ball that comes to a model is stopped and slides on the GPU as on the CPU") {
+  constexpr double kSphere_m = 0.03, kBall_m = 0.015;
+  const MatterScene scene{.box_mm = {120, 150, 120},
+                          .fill_mm = {0, 0, 0},
+                          .spacing_mm = 5,
+                          .model = "builtin:sphere",
+                          .model_mm = {60, 60, 60},
+                          .tool = {.radius_mm = 1e3 * kBall_m, .mass_kg = 0.05}};
+  const auto gpu = onGpu(device)(scene, 1, {}), cpu = onCpu()(scene, 1, {});
+  const DVec3 middle(0.06, kSphere_m, 0.06), way = glm::normalize(DVec3(1, -2, 0.5));
+  HandPose hand{.place_m = middle - (kSphere_m + kBall_m + 0.003) * way};
+  double most_N = 0;
+  for (int k = 0; k < 60; ++k) {
+    hand.place_m += k < 25 ? 4e-4 * way : 3e-4 * glm::normalize(glm::cross(way, DVec3(0, 0, 1)));
+    gpu->step({&hand, 1});
+    cpu->step({&hand, 1});
+    const ToolAnswer &is = gpu->answers()[0], &expected = cpu->answers()[0];
+    const double force_N = glm::length(expected.byModel_N);
+    most_N = std::max(most_N, force_N);
+    REQUIRE((glm::length(is.byModel_N) > 0) == (force_N > 0));
+    REQUIRE(glm::distance(is.byModel_N, expected.byModel_N) <= 2e-3 * force_N + 1e-3);
+    REQUIRE(glm::distance(is.force_N, expected.force_N) <= 2e-3 * glm::length(expected.force_N) + 1e-3);
+    REQUIRE(glm::distance(is.place_m, expected.place_m) < 1e-6);
+    REQUIRE(glm::distance(is.place_m, middle) > 0.96 * (kSphere_m + kBall_m));
+  }
+  CHECK(most_N > 1);
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "more neighbours than a list holds are a state: nothing moves, no force, until a reset") {

@@ -64,6 +64,7 @@ struct BothSoft {
       }
       gpu->step(hands);
       cpu->step(hands);
+      for (const ToolAnswer& answer : gpu->answers()) reactions_ += kMatterStep_s * answer.reaction_N;
     }
   }
 
@@ -81,6 +82,7 @@ struct BothSoft {
     const MatterObservation seen = gpu->observe(), there = cpu->observe();
     CHECK(isWithin(1e-4, seen.potential_J, there.potential_J));
     CHECK(isWithin(1e-4, seen.front_m, there.front_m));
+    CHECK(glm::length(gpu->impulses().onTools - reactions_) <= 1e-9 * glm::length(reactions_));
     checkFrames();
   }
 
@@ -101,6 +103,7 @@ struct BothSoft {
 
  private:
   int step_ = 0;
+  DVec3 reactions_{0};
 };
 
 SoftSolid torus(const MatterScene& scene, std::vector<SurfacePlace>& points) {

@@ -1,6 +1,7 @@
 // Water on the GPU: against what water has to be, and against the CPU after many steps.
 #include <algorithm>
 
+#include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
 namespace palpate::water_test {
@@ -15,16 +16,16 @@ std::int64_t listPasses(const GpuMatterWorld& world) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water at rest presses and weighs as it does on the CPU") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water at rest presses and weighs as it does on the CPU" * kFull) {
   checkWaterAtRest(onGpu(device), 200, 80);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU momentum is what gravity gave less what the walls took") {
-  checkMomentumIsAccountedFor(onGpu(device), 150);
-  checkMomentumStays(onGpu(device), 30);
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU momentum is what gravity gave less what the walls took" * kMoreInFull) {
+  checkMomentumIsAccountedFor(onGpu(device), byTier(50, 150));
+  checkMomentumStays(onGpu(device), byTier(10, 30));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water flows between plates as its viscosity says") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water flows between plates as its viscosity says" * kFull) {
   checkPoiseuille(onGpu(device), 0.3, 300);
   checkCouette(onGpu(device), 0.3);
 }
@@ -33,16 +34,20 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle is ever beyond a wall"
   checkWallsHold(onGpu(device), 100);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "the same GPU gives the same bytes every time") {
-  for (const Matter matter : {Matter::water, Matter::sand}) checkSameBytes(onGpu(device), onGpu(device), matter, 60);
+TEST_CASE_FIXTURE(CoreGpuFixture, "the same GPU gives the same bytes every time" * kMoreInFull) {
+  for (const Matter matter : {Matter::water, Matter::sand})
+    checkSameBytes(onGpu(device), onGpu(device), matter, byTier(15, 60));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "thousands of particles are where they are on the CPU, and a dam breaks as there") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "thousands of particles are on the GPU where they are on the CPU") {
   const MatterScene still;
   const auto gpu = onGpu(device)(still, 0, placesAtRest(still)), cpu = onCpu()(still, 0, placesAtRest(still));
   run(*gpu, 10);
   run(*cpu, 10);
   CHECK(farthestApart(*gpu, *cpu) < 1e-6);
+}
+
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a dam breaks as on the CPU" * kFull) {
   const MatterScene dam = matterSceneNamed("dam");
   const auto gpuDam = onGpu(device)(dam, 0, placesAtRest(dam)), cpuDam = onCpu()(dam, 0, placesAtRest(dam));
   run(*gpuDam, 250);
@@ -101,6 +106,9 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water coheres as it does on the CP
   run(*gpu, 10);
   run(*cpu, 10);
   CHECK(farthestApart(*gpu, *cpu) < 1e-6);
+}
+
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a block of water becomes round by its cohesion" * kFull) {
   checkCohesion(onGpu(device), 60, 1.95);
 }
 

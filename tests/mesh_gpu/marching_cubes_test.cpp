@@ -1,6 +1,7 @@
 // Meshes from the GPU: closed where the shape is, the same as in double precision, and right about the shape.
 #include "engine/mesh/marching_cubes.hpp"
 
+#include "tests/labels.hpp"
 #include "tests/mesh_gpu/mesh_scenes.hpp"
 #include "tests/near.hpp"
 
@@ -18,13 +19,13 @@ struct Truth {
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "the mesh of a closed shape is closed, turned outwards, and has the shape's handles") {
+                  "the mesh of a closed shape is closed, turned outwards, and has the shape's handles" * kMoreInFull) {
   const Truth truths[]{{"sphere", 6000, 2, 4 * 3.14159265358979 / 3 * 125'000},
                        {"torus", 8000, 0, 2 * 3.14159265358979 * 3.14159265358979 * 35 * 225},
                        {"bumpy-sphere", 8000, 2, 0},
                        {"cube", 8000, 2, 1e6}};
   for (const Truth& truth : truths)
-    for (const std::uint32_t lattice : {13u, 32u, 50u}) {
+    for (const std::uint32_t lattice : byTier<std::vector<std::uint32_t>>({13, 32}, {13, 32, 50})) {
       CAPTURE(truth.shape);
       CAPTURE(lattice);
       const MeshScene scene = meshScene(truth.shape, truth.points, {.lattice = lattice});

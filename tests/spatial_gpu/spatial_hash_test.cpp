@@ -91,8 +91,9 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "order and ranges equal the reference at a
   }
 }
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "a million points") {
-  checkBuild(cloudOf(randomPositions(1'000'003, Vec3(0), 50)), makeHashGrid(Vec3(-50), 0.5, 1'000'003));
+TEST_CASE_FIXTURE(SpatialHashFixture, "many points, in the full tier a million" * kMoreInFull) {
+  const std::size_t count = byTier<std::size_t>(300'007, 1'000'003);
+  checkBuild(cloudOf(randomPositions(count, Vec3(0), 50)), makeHashGrid(Vec3(-50), 0.5, count));
 }
 
 TEST_CASE_FIXTURE(SpatialHashFixture, "all points equal fall into one bucket, in order") {

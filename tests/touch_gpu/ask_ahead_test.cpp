@@ -4,6 +4,7 @@
 
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate::ask_ahead_test {
@@ -17,7 +18,7 @@ Pose poseAt(int tick) {
   const double way = 0.02 * tick, height = tick < 60 ? 52 - 0.05 * tick : tick < 160 ? 49 : 49 + 0.1 * (tick - 160);
   return {.time_s = 1e-3 * tick, .hip = height * glm::normalize(DVec3(std::sin(way), 0.1, std::cos(way)))};
 }
-constexpr int kTicks = 200;
+constexpr int kTicks = 200, kStride = 2;  // most cases go on by so many ticks at once
 
 void checkEqual(const Contact& a, const Contact& b) {
   CHECK(a.valid);
@@ -32,8 +33,8 @@ void checkEqual(const Contact& a, const Contact& b) {
 
 TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is what is sculpted") {
   // Without validation: that makes a submission wait until its work is done.
-  Device device({.gpu = "", .validation = Validation::off});
-  const Scene scene = makeScene("sphere", 20'000);
+  Device& device = plainDevice();
+  const Scene scene = makeScene("sphere", 10'000);
   for (const bool sculpts : {false, true}) {
     CAPTURE(sculpts);
     TouchOptions plain = optionsFor(scene, false), ahead = optionsFor(scene, true);
@@ -41,8 +42,8 @@ TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is 
     TouchSide a(device, scene.cloud, plain), b(device, scene.cloud, ahead);
     CHECK_FALSE(a.asksAhead());
     CHECK(b.asksAhead());
-    int touching = 0;
-    for (int tick = 0; tick < kTicks; ++tick) {
+    std::uint64_t touching = 0, questions = 0;
+    for (int tick = 0; tick < kTicks; tick += kStride, ++questions) {
       const Contact expected = a.query(poseAt(tick), 0);
       b.prepare();
       checkEqual(b.query(poseAt(tick), 0), expected);
@@ -50,10 +51,10 @@ TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is 
     }
     a.finish();
     b.finish();
-    CHECK(touching > kTicks / 3);
+    CHECK(touching > questions / 3);
     CHECK(a.answeredAhead() == 0);
     // Whether a software driver takes up a question before it gives up depends on what else runs on its cores.
-    CHECK(b.answeredAhead() > (device.isCpu() ? 0 : kTicks / 2));
+    CHECK(b.answeredAhead() > (device.isCpu() ? 0 : questions / 2));
     PointCloud left = scene.cloud, right = scene.cloud;
     CHECK(a.readBack(left) == b.readBack(right));
     CHECK(left.positions == right.positions);
@@ -61,25 +62,26 @@ TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is 
   }
 }
 
-TEST_CASE("the questions of a tool's points and of two hands are asked ahead together, and answered all or none") {
-  Device device({.gpu = "", .validation = Validation::off});
-  const Scene scene = makeScene("sphere", 10'000);
-  for (const std::size_t points : {0u, 8u, 64u}) {
+TEST_CASE("the questions of a tool's points and of two hands are asked ahead together, and answered all or none" *
+          kMoreInFull) {
+  Device& device = plainDevice();
+  const Scene scene = makeScene("sphere", 5'000);
+  for (const std::size_t points : byTier<std::vector<std::size_t>>({0, 8}, {0, 8, 64})) {
     CAPTURE(points);
     TouchOptions plain = optionsFor(scene, false), ahead = optionsFor(scene, true);
     plain.friction = ahead.friction = 0.3;
     plain.tools = ahead.tools = {points > 0 ? makeTool(ToolKind::pad, points, 6) : ToolShape(), ToolShape()};
     TouchSide a(device, scene.cloud, plain), b(device, scene.cloud, ahead);
     REQUIRE(b.asksAhead());
-    int touching = 0;
-    for (int tick = 0; tick < kTicks; ++tick) {
+    std::uint64_t touching = 0, questions = 0;
+    for (int tick = 0; tick < kTicks; tick += kStride, ++questions) {
       CAPTURE(tick);
       const std::array poses{poseAt(tick), Pose{.time_s = poseAt(tick).time_s, .hip = -poseAt(kTicks - tick).hip}};
       if (tick == 120) a.resetHand(1);
       const auto expected = a.ask(poses, 0);
-      if (tick % 50 != 49) b.prepare();
-      if (tick % 30 == 29) std::this_thread::sleep_for(std::chrono::milliseconds(device.isCpu() ? 60 : 0));
-      if (tick % 40 == 39) b.finish();  // which withdraws them
+      if (questions % 25 != 24) b.prepare();
+      if (questions % 30 == 29) std::this_thread::sleep_for(std::chrono::milliseconds(device.isCpu() ? 60 : 0));
+      if (questions % 20 == 19) b.finish();  // which withdraws them
       if (tick == 120) b.resetHand(1);
       const auto answers = b.ask(poses, 0);
       checkEqual(answers[0], expected[0]);
@@ -88,13 +90,13 @@ TEST_CASE("the questions of a tool's points and of two hands are asked ahead tog
       for (std::size_t i = 0; i < a.points(0).size(); ++i) checkEqual(b.points(0)[i].contact, a.points(0)[i].contact);
       touching += expected[0].touching && expected[1].touching;
     }
-    CHECK(touching > kTicks / 10);
-    CHECK(b.answeredAhead() > (device.isCpu() ? 0 : kTicks / 2));
+    CHECK(touching > questions / 10);
+    CHECK(b.answeredAhead() > (device.isCpu() ? 0 : questions / 2));
   }
 }
 
 TEST_CASE("a question that waited in vain is asked again") {
-  Device device({.gpu = "", .validation = Validation::off});
+  Device& device = plainDevice();
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
   for (int tick = 58; tick < 70; ++tick) {
@@ -106,7 +108,7 @@ TEST_CASE("a question that waited in vain is asked again") {
 }
 
 TEST_CASE("a question that is withdrawn leaves no trace in what is felt afterwards") {
-  Device device({.gpu = "", .validation = Validation::off});
+  Device& device = plainDevice();
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
   int touching = 0;

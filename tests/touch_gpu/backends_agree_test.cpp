@@ -69,9 +69,9 @@ double worstDistance(const PointCloud& a, const PointCloud& b) {
 TEST_CASE_FIXTURE(BackendsFixture, "CPU and GPU feel the same on a static cloud of every shape") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
-    const Scene scene = makeScene(name, 10'000);
-    const Outcome outcome = play(scene, wanderingPath(scene, 150, 0.5 * scene.radius, 2));
-    CHECK(outcome.touched > 20);
+    const Scene scene = makeScene(name, 5'000);
+    const Outcome outcome = play(scene, wanderingPath(scene, 80, 0.5 * scene.radius, 2));
+    CHECK(outcome.touched > 12);
     CHECK(outcome.disagreed == 0);
     CHECK(outcome.worstProxy < 1e-4);
     CHECK(outcome.worstNormal_deg < 0.1);

@@ -26,7 +26,7 @@ std::unique_ptr<TouchBackend> backend(Device& device, const Scene& scene, bool g
 }
 
 // Puts the stylus down above the sphere's surface in some direction, presses `depth` deep, and goes out again.
-Contact press(TouchBackend& touch, const DVec3& direction, double depth, int ticks = 60) {
+Contact press(TouchBackend& touch, const DVec3& direction, double depth, int ticks = 24) {
   Contact deepest;
   touch.resetHand(0);
   for (int i = 0; i <= 2 * ticks; ++i) {

@@ -61,7 +61,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a source that stands still answers as none does, 
       TouchSide moving(device, scene.cloud, moved), alone(device, scene.cloud, options);
       std::size_t touched = 0, other = 0;
       double time_s = 0;
-      for (const DVec3& hip : wanderingPath(scene, 80, 0.5 * scene.radius, 3)) {
+      for (const DVec3& hip : wanderingPath(scene, 50, 0.5 * scene.radius, 3)) {
         const Pose pose{.time_s = time_s += kTick_s, .hip = hip};
         const Contact a = moving.query(pose, 0), b = alone.query(pose, 0);
         touched += a.touching;

@@ -16,7 +16,7 @@ constexpr BrushOptions kPush{.tau = 0.3, .beta = 0.2, .radius = 8, .keepsDensity
 }  // namespace
 
 TEST_CASE_FIXTURE(GpuFixture, "on the GPU strokes go on amid what others do, with either way of the index") {
-  const Scene scene = makeScene("sphere", 20'000);
+  const Scene scene = makeScene("sphere", 8'000);
   for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
     CAPTURE(index == IndexFollow::rebuild);
     TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = kPush, .index = index});
