@@ -12,7 +12,7 @@
 
 namespace palpate::bench_test {
 
-TEST_CASE("bench measures every job by every way of the back ends that are asked for, and plots it") {
+TEST_CASE("bench measures every job by every way of the back ends that are asked for, and plots it" * kFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "b.json").string(), plot = (folder / "b.png").string();
   const Outcome outcome =
@@ -36,6 +36,34 @@ TEST_CASE("bench measures every job by every way of the back ends that are asked
   CHECK(ways["sort vulkan"].contains("radix"));
   for (const char* bench : {"query vulkan", "step vulkan"})
     CHECK(ways[bench] == std::set<std::string>{"brute", "two-step", "naive", "indirect", "fused"});
+  CHECK(ways["step cpu"] == std::set<std::string>{"direct"});
+  for (const char* title : {"step, vulkan, static, in all", "step, vulkan, edited, in all", "build, cpu, last order"})
+    CHECK(outcome.text.find(title) != std::string::npos);
+  CHECK(std::filesystem::file_size(plot) > 20'000);
+}
+
+TEST_CASE("bench measures several jobs at once, a tick by the method that is asked for, and plots them") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "b.json").string(), plot = (folder / "b.png").string();
+  const Outcome outcome = palpate(
+      "bench build sort query step --sizes 500 1000 --backend vulkan,cpu --method fused,direct --repeat 1 --json " +
+      json + " --plot " + plot);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  std::map<std::string, std::set<std::string>> ways;  // by bench and back end
+  const auto result = jsonOf(json);
+  for (const auto& record : result["records"]) {
+    CAPTURE(record.dump());
+    const auto& time = record["wall_us"].is_null() ? record["gpu_us"] : record["wall_us"];
+    CHECK(time["n"] == 1);
+    CHECK(time["p50"] > 0);
+    CHECK((record["points"] == 500 || record["points"] == 1000));
+    ways[record["bench"].get<std::string>() + " " + record["backend"].get<std::string>()].insert(record["way"]);
+  }
+  CHECK(ways["build vulkan"].contains("radix"));
+  CHECK(ways["build vulkan"].contains("counting"));
+  CHECK(ways["build cpu"] == std::set<std::string>{"multimap", "sorted grid", "k-d tree"});
+  CHECK(ways["sort vulkan"].contains("radix"));
+  for (const char* bench : {"query vulkan", "step vulkan"}) CHECK(ways[bench] == std::set<std::string>{"fused"});
   CHECK(ways["step cpu"] == std::set<std::string>{"direct"});
   for (const char* title : {"step, vulkan, static, in all", "step, vulkan, edited, in all", "build, cpu, last order"})
     CHECK(outcome.text.find(title) != std::string::npos);
@@ -167,21 +195,24 @@ TEST_CASE("bench touch holds a scan against its mesh, and refuses one without th
   CHECK(palpate("bench touch --shapes ball").code == 2);
 }
 
-TEST_CASE("bench edit sculpts with tools that reach as many points as they are asked to, and plots what that costs") {
+TEST_CASE("bench edit sculpts with tools that reach as many points as they are asked to, and plots what that costs" *
+          kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "e.json").string(), plot = (folder / "e.png").string();
   const std::string few = (folder / "few.ply").string(), many = (folder / "many.ply").string();
-  works("make sphere -n 20000 -o " + few);
-  works("make sphere -n 60000 -o " + many);
-  const Outcome outcome = palpate("bench edit --models " + few + " " + many +
-                                  " --touched 100 800 --repeat 12 --limit 0 --json " + json + " --plot " + plot);
+  const int points = byTier(6000, 20000), repeat = byTier(5, 12);
+  works(fmt::format("make sphere -n {} -o {}", points, few));
+  works(fmt::format("make sphere -n {} -o {}", 3 * points, many));
+  const Outcome outcome =
+      palpate(fmt::format("bench edit --models {} {} --touched {} --repeat {} --limit 0 --json {} --plot {}", few, many,
+                          byTier("60 240", "100 800"), repeat, json, plot));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto edit = jsonOf(json)["edit"];
   REQUIRE(edit["costs"].size() == 2 * 2 * 2);  // sizes, touched, ways to follow
   for (const auto& cost : edit["costs"]) {
     CAPTURE(cost.dump());
-    CHECK(cost["edits"] == 12);
-    CHECK(cost["builds"] == (cost["index"] == "rebuild" ? 12 : 0));
+    CHECK(cost["edits"] == repeat);
+    CHECK(cost["builds"] == (cost["index"] == "rebuild" ? repeat : 0));
     const double asked = cost["asked"];
     CHECK(cost["touched"]["p50"].get<double>() == near(asked, 0.3));
     CHECK(cost["touched"]["min"] > 0.4 * asked);  // at every edit of the stroke
@@ -203,8 +234,8 @@ TEST_CASE("bench edit sculpts with tools that reach as many points as they are a
   CHECK(radius(4) < 0.7 * radius(0));
   REQUIRE(edit["growths"].size() == 2 * 2);
   for (const auto& growth : edit["growths"]) {
-    CHECK(growth["from_points"] == 20000);
-    CHECK(growth["to_points"] == 60000);
+    CHECK(growth["from_points"] == points);
+    CHECK(growth["to_points"] == 3 * points);
     CHECK(growth["factor"] > 0);
   }
   REQUIRE(edit["crossovers"].size() == 2);
@@ -212,17 +243,20 @@ TEST_CASE("bench edit sculpts with tools that reach as many points as they are a
     CHECK(crossover["share"] > 0);
     CHECK(crossover["share"] <= 0.06);
   }
-  for (const char* text : {"edited step, push", "20000", "60000", "a full build is cheaper"})
+  for (const std::string& text : {std::string("edited step, push"), std::to_string(points), std::to_string(3 * points),
+                                  std::string("a full build is cheaper")})
     CHECK(outcome.text.find(text) != std::string::npos);
   CHECK(std::filesystem::file_size(plot) > 20'000);
 }
 
-TEST_CASE("bench edit sculpts with every brush") {
+TEST_CASE("bench edit sculpts with every brush" * kMoreInFull) {
   const ScratchFolder folder;
-  for (const std::string brush : {"carve", "inflate", "smooth", "grab", "paint"}) {
+  const std::vector<std::string> brushes =
+      byTier<std::vector<std::string>>({"smooth", "grab"}, {"carve", "inflate", "smooth", "grab", "paint"});
+  for (const std::string& brush : brushes) {
     CAPTURE(brush);
     const std::string json = (folder / (brush + ".json")).string();
-    works("bench edit --sizes 20000 --touched 300 --repeat 10 --index incremental --edit " + brush + " --json " + json);
+    works("bench edit --sizes 10000 --touched 300 --repeat 5 --index incremental --edit " + brush + " --json " + json);
     const auto cost = jsonOf(json)["edit"]["costs"][0];
     CHECK(cost["brush"] == brush);
     CHECK(cost["touched"]["p50"].get<double>() == near(300, 0.4));
@@ -233,7 +267,7 @@ TEST_CASE("bench edit tells what compactions cost where there are few spare slot
   const ScratchFolder folder;
   const std::string json = (folder / "c.json").string();
   const Outcome outcome = palpate(
-      "bench edit --sizes 20000 --touched 300 --index incremental --spare 100 --repeat 100 --limit 0 --json " + json);
+      "bench edit --sizes 5000 --touched 150 --index incremental --spare 50 --repeat 50 --limit 0 --json " + json);
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto cost = jsonOf(json)["edit"]["costs"][0];
   CHECK(cost["compactions"] > 0);
@@ -248,14 +282,14 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
   const ScratchFolder folder;
   const std::string json = (folder / "s.json").string();
   // The fastest rate at which this machine sculpts at all; there are as many ticks for it at any.
-  constexpr int kTicks = 500;
+  constexpr int kTicks = 300;
   int rate_Hz = 0;
   Outcome outcome{.code = 1};
   for (const int slower : {100, 20, 5}) {
     if (outcome.code == 0) break;
     rate_Hz = slower;
     outcome =
-        palpate(fmt::format("bench edit --sizes 20000 --touched 100 --index incremental --spare 2000 --rate {} "
+        palpate(fmt::format("bench edit --sizes 5000 --touched 100 --index incremental --spare 1000 --rate {} "
                             "--duration {} --json {}",
                             rate_Hz, kTicks / rate_Hz, json));
     if (outcome.code != 0) CHECK(says(outcome.text, "this machine is too slow for --rate"));
@@ -285,19 +319,19 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
   CHECK(palpate("bench edit --sizes 2000 --backend cpu").code == 2);
   CHECK(palpate("bench edit build --sizes 2000").code == 2);
   CHECK(palpate("bench edit --sizes 2000 --edit hammer").code == 2);
-  const Outcome fast =
-      palpate("bench edit --sizes 20000 --touched 100 --index incremental --rate 10000 --duration 0.2");
+  const Outcome fast = palpate("bench edit --sizes 5000 --touched 100 --index incremental --rate 10000 --duration 0.2");
   if (fast.code != 0) CHECK(says(fast.text, "this machine is too slow for --rate 10000"));
   const Outcome tooMany = palpate("bench edit --sizes 2000 --touched 1500");
   CHECK(tooMany.code == 2);
   CHECK(tooMany.text.find("--touched") != std::string::npos);
 }
 
-TEST_CASE("bench splat times every pass, and its pictures are true to the shapes") {
+TEST_CASE("bench splat times every pass, and its pictures are true to the shapes" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "s.json").string();
   const Outcome outcome =
-      palpate("bench splat --sizes 30000 --size 320x180 --repeat 5 --raster compute,hardware --json " + json);
+      palpate("bench splat --sizes 30000 --size 320x180 --repeat 5 --raster compute,hardware --json " + json +
+              byTier(" --shapes sphere,cube --conditions uneven", ""));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto splat = jsonOf(json)["splat"];
   REQUIRE(splat["costs"].size() == 2);
@@ -319,7 +353,8 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
     CHECK(splat["costs"][0]["longest_workgroup_us"][pass] > 0);
     CHECK(splat["costs"][0]["longest_workgroup_us"][pass] < 1e7);
   }
-  REQUIRE(splat["qualities"].size() == 4 * 2 * 2);  // shapes, conditions and rasterisers
+  REQUIRE(splat["qualities"].size() ==
+          byTier<std::size_t>(2 * 1 * 2, 4 * 2 * 2));  // shapes, conditions and rasterisers
   for (const auto& quality : splat["qualities"]) {
     CAPTURE(quality.dump());
     const bool smooth = quality["shape"] != "cube";
@@ -338,20 +373,23 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
   CHECK(palpate("bench splat build").code == 2);
 }
 
-TEST_CASE("bench splat holds discs and marching cubes against the same truth, in one table") {
+TEST_CASE("bench splat holds discs and marching cubes against the same truth, in one table" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "w.json").string();
+  const int repeat = byTier(2, 5);
   const Outcome outcome = palpate(
-      "bench splat --sizes 20000 --shapes sphere --size 320x180 --repeat 5 --samples 1 --mesh 24,48 --json " + json);
+      fmt::format("bench splat --sizes 20000 --shapes sphere --size 320x180 --repeat {} --samples 1 --json {} {}",
+                  repeat, json, byTier("--conditions uneven --mesh 24", "--mesh 24,48")));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto splat = jsonOf(json)["splat"];
-  CHECK(splat["costs"].size() == 3);
-  const std::string ways[] = {"compute", "mesh 24", "mesh 48"};
-  REQUIRE(splat["qualities"].size() == 2 * std::size(ways));  // conditions and ways
+  std::vector<std::string> ways{"compute", "mesh 24"};
+  if (inFullTier()) ways.push_back("mesh 48");
+  CHECK(splat["costs"].size() == ways.size());
+  REQUIRE(splat["qualities"].size() == byTier<std::size_t>(1, 2) * ways.size());  // conditions and ways
   for (std::size_t i = 0; i < splat["qualities"].size(); ++i) {
     const auto quality = splat["qualities"][i];
     CAPTURE(quality.dump());
-    CHECK(quality["raster"] == ways[i % std::size(ways)]);
+    CHECK(quality["raster"] == ways[i % ways.size()]);
     CHECK(quality["hole_pixels"] == 0);
     CHECK(quality["overlap_percent"] > 98);
     CHECK(quality["normal_deg"]["mean"] < 1);
@@ -359,7 +397,7 @@ TEST_CASE("bench splat holds discs and marching cubes against the same truth, in
     CHECK(cost["fps"] >= cost["fps_made_anew"]);
     CHECK(cost["fps_made_anew"] > 0);
     CHECK(cost["bytes"] > 0);
-    CHECK(cost["made_ms"]["n"] == (quality["raster"] == "compute" ? 0 : 5));
+    CHECK(cost["made_ms"]["n"] == (quality["raster"] == "compute" ? 0 : repeat));
   }
   for (const char* title : {"splat and mesh", "mesh made, ms", "fps, made anew", "holes"})
     CHECK(outcome.text.find(title) != std::string::npos);

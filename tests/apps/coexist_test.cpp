@@ -1,19 +1,25 @@
 // ctest: alone
 // palpate bench coexist: touch and pictures at once. What it counts, never how fast.
+#include <fmt/format.h>
+
 #include "tests/apps/program.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate::coexist_test {
 
 namespace {
 
-// A hundred ticks, slow enough for a software driver on busy cores.
-constexpr const char* kSmall = "bench coexist --sizes 20000 --size 160x120 --touched 100 --rate 50 --duration 2 ";
+// Ticks slow enough for a software driver on busy cores.
+int seconds() { return byTier(1, 2); }
+std::string smallBench() {
+  return fmt::format("bench coexist --sizes 5000 --size 160x120 --touched 50 --rate 50 --duration {} ", seconds());
+}
 
 void checkRow(const Result& row) {
   const std::string situation = row["situation"];
   CAPTURE(row.dump());
-  CHECK(row["points"] == 20000);
-  CHECK(row["ticks"].get<int>() + row["missed_ticks"].get<int>() == 100);
+  CHECK(row["points"] == 5000);
+  CHECK(row["ticks"].get<int>() + row["missed_ticks"].get<int>() == 50 * seconds());
   CHECK(row["step_us"]["n"] == row["ticks"]);
   CHECK(row["step_us"]["p50"] > 0);
   CHECK(row["step_us"]["max"] >= row["step_us"]["p999"].get<double>());
@@ -33,16 +39,17 @@ void checkRow(const Result& row) {
 
 }  // namespace
 
-TEST_CASE("bench coexist counts ticks and pictures in every situation, and the pictures see the edits") {
+TEST_CASE("bench coexist counts ticks and pictures in every situation, and the pictures see the edits" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "c.json").string();
-  const Outcome outcome = palpate(kSmall + ("--queues separate,same --json " + json));
+  const Outcome outcome =
+      palpate(smallBench() + byTier("--queues separate --json ", "--queues separate,same --json ") + json);
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto result = jsonOf(json)["coexist"];
   CHECK(result["size"] == std::vector<int>{160, 120});
   CHECK(result["samples"] == 1);
-  REQUIRE(result["rows"].size() == 2 * 4);
-  for (std::size_t i = 0; i < 8; ++i) {
+  REQUIRE(result["rows"].size() == byTier<std::size_t>(1, 2) * 4);
+  for (std::size_t i = 0; i < result["rows"].size(); ++i) {
     CHECK(result["rows"][i]["queues"] == (i < 4 ? "separate" : "same"));
     checkRow(result["rows"][i]);
   }
@@ -50,22 +57,23 @@ TEST_CASE("bench coexist counts ticks and pictures in every situation, and the p
     CHECK(outcome.text.find(title) != std::string::npos);
 }
 
-TEST_CASE("bench coexist draws what another machine touches: edits get there through the host") {
+TEST_CASE("bench coexist draws what another machine touches: edits get there through the host" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "c.json").string();
-  for (const char* elsewhere : {"--queues separate --sight-gpu 0 ", "--backend cpu "}) {
+  for (const std::string elsewhere : {"--queues separate --sight-gpu 0 ", "--backend cpu "}) {
+    if (!inFullTier() && elsewhere != "--backend cpu ") continue;
     CAPTURE(elsewhere);
-    works(std::string(kSmall) + "--situations drawn-sculpting " + elsewhere + "--json " + json);
+    works(smallBench() + "--situations drawn-sculpting " + elsewhere + "--json " + json);
     const auto rows = jsonOf(json)["coexist"]["rows"];
     REQUIRE(rows.size() == 1);
     checkRow(rows[0]);
   }
 }
 
-TEST_CASE("bench coexist draws and touches under validation, on one GPU and on two") {
-  const std::string arguments =
-      "bench coexist --validate --sizes 2000 --size 64x48 --touched 50 --rate 10 --duration 1 --situations "
-      "drawn-sculpting --queues no-priority";
+TEST_CASE("bench coexist draws and touches under validation, on one GPU and on two" * kMoreInFull) {
+  const std::string arguments = std::string("bench coexist ") + byTier("--validate=core", "--validate") +
+                                " --sizes 2000 --size 64x48 --touched 50 --rate 10 --duration 1 --situations "
+                                "drawn-sculpting --queues no-priority";
   works(arguments);
   works(arguments + " --sight-gpu 0");
 }

@@ -5,6 +5,7 @@
 
 #include "engine/core/clock.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/labels.hpp"
 #include "tests/says.hpp"
 
 namespace palpate::command_line_test {
@@ -143,11 +144,12 @@ TEST_CASE("what a session cannot be configured with is said by the flags that as
           "--rate: 20000 is not between 1 and 10000");
 }
 
-TEST_CASE("a terminal sees how far a job has come, a file reads it in lines, and nobody does with --quiet") {
+TEST_CASE("a terminal sees how far a job has come, a file reads it in lines, and nobody does with --quiet" *
+          kMoreInFull) {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 20000 -o " + model);
-  const std::string session = "touch " + model + " --backend cpu --realtime --duration 3";
+  const std::string session = "touch " + model + " --backend cpu --realtime --duration 1.6";  // shown from a second on
   const std::string seen = onTerminal(folder, session);
   CHECK(says(seen, "\r\033[Ktouch [="));
   CHECK(seen.find("\r\033[K", seen.rfind("] ")) != std::string::npos);  // gone before the table
@@ -160,6 +162,7 @@ TEST_CASE("a terminal sees how far a job has come, a file reads it in lines, and
     CHECK(lacks(quiet, "touch: "));
   }
   CHECK(says(onTerminal(folder, "make sphere -n 4000000 --ascii -o /dev/null"), "/dev/null [="));
+  if (!inFullTier()) return;
   const Stopwatch watch;
   const std::string mesh = onTerminal(folder, "mesh " + model + " --lattice 256 -o " + (folder / "m.ply").string());
   if (watch.elapsed_s() > 2)
@@ -173,7 +176,7 @@ TEST_CASE("touch takes a GPU, and the CPU where only a software driver is, unles
   const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
   works("make sphere -n 5000 -o " + model);
   const auto backendOf = [&](const std::string& options) {
-    const Outcome outcome = palpate("touch " + model + " " + options + " --json " + json);
+    const Outcome outcome = palpate("touch " + model + " --rate 200 " + options + " --json " + json);
     REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
     const std::string backend = jsonOf(json)["backend"];
     CHECK(says(outcome.text, "(" + backend + ")\n"));
@@ -198,9 +201,9 @@ TEST_CASE("touch takes a GPU, and the CPU where only a software driver is, unles
 TEST_CASE("the report tells how the index really came after the edits") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
-  works("make sphere -n 20000 -o " + model);
+  works("make sphere -n 5000 -o " + model);
   const auto report = [&](const std::string& options) {
-    works("touch " + model + " --penetration 3 --tool-radius 4 " + options + " --json " + json);
+    works("touch " + model + " --penetration 3 --tool-radius 6 --rate 250 " + options + " --json " + json);
     return jsonOf(json);
   };
   for (const char* backend : {"--backend cpu", "--backend vulkan"}) {

@@ -16,7 +16,7 @@ TEST_CASE("info, touch and render open a file of every format") {
     CHECK(&cloudFormats().toRead(file) == &format);
     works("info " + file.string() + " --quiet --json " + json);
     CHECK(jsonOf(json)["points"] > 0);
-    works("touch " + file.string() + " --backend cpu --path builtin:press --quiet --json " + json);
+    works("touch " + file.string() + " --backend cpu --path builtin:press --rate 250 --quiet --json " + json);
     CHECK(jsonOf(json)["ticks"] > 0);
     if (format.write) CHECK(jsonOf(json)["contact_ticks"] > 0);  // the others are no ball
     std::filesystem::remove(picture);

@@ -349,19 +349,19 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
   const auto played =
       play("%/block.json --size 480x360 --rate 250 --backend cpu --edit push", R"(
 0.01 key tab
-0.1 mouse 377 205
-0.8 key space down
-1.0 button left down
-1.2 wheel 6
-2.0 state %/touch.json
-2.1 button left up
-2.2 key space up
-2.6 state %/dent.json
-2.7 key ctrl+z
-3.0 state %/undone.json
-3.1 key 3
-3.3 state %/carve.json
-3.4 quit
+0.06 mouse 377 205
+0.16 key space down
+0.21 button left down
+0.41 wheel 6
+1.21 state %/touch.json
+1.31 button left up
+1.36 key space up
+1.41 state %/dent.json
+1.46 key ctrl+z
+1.66 state %/undone.json
+1.71 key 3
+1.76 state %/carve.json
+1.81 quit
 )",
            "", [](const std::filesystem::path& folder) {
              std::ofstream(folder / "block.json")

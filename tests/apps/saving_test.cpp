@@ -43,7 +43,7 @@ TEST_CASE("unknown properties of points are carried through touch --save, and ne
   SUBCASE("cpu") { backend = "cpu"; }
   SUBCASE("vulkan") { backend = "vulkan"; }
   works("touch " + (folder / "scan.ply").string() + " --backend " + backend +
-        " --edit push --tau 0.3 --penetration 6 --save " + (folder / "out.ply").string());
+        " --edit push --tau 0.3 --penetration 6 --rate 250 --save " + (folder / "out.ply").string());
   const PointCloud out = readPly(folder / "out.ply");
   REQUIRE(out.extra.size() == 3);
   for (std::size_t k = 0; k < 3; ++k) {

@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "tests/apps/running_program.hpp"
 #include "tests/apps/window_play.hpp"
@@ -42,7 +43,7 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const std::string model = (folder / "far.ply").string(), at = (folder / "r.json").string();
-  works("make sculpture -n 20000 --center 450000,-300000,1000 -o " + model);
+  works("make sculpture -n 10000 --center 450000,-300000,1000 -o " + model);
   Serving serving(model + " --name 'the city' --read-only --mm-per-unit 2 --json " + at, folder / "said");
   for (const std::string backend : {"cpu", "vulkan"}) {
     CAPTURE(backend);
@@ -63,7 +64,7 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   CHECK(brush.code == 1);
   CHECK(brush.text.find("served to be felt alone") != std::string::npos);
   const Outcome listed = palpate("doctor --network" + domain());
-  CHECK(listed.text.find("the city: 20000 points of far.ply") != std::string::npos);
+  CHECK(listed.text.find("the city: 10000 points of far.ply") != std::string::npos);
   const Outcome second = palpate("serve " + model + " --name 'the city'" + domain());
   CHECK(second.code == 1);
   CHECK(second.text.find("served already") != std::string::npos);
@@ -127,22 +128,27 @@ TEST_CASE(
   CHECK(served["again"] == 0);
 }
 
-TEST_CASE("two windows on one model show each other's hands, and what both do to it") {
+TEST_CASE("a window that joins what is served to be felt alone shows it, and says so where a brush is taken") {
+  if (!isBuilt() || !hasDisplay()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const std::string& name) { return (folder / name).string(); };
+  works("make bumpy-sphere -n 5000 -o " + in("m.ply"));
+  Serving still(in("m.ply") + " --name still --read-only", folder / "still.said");
+  std::ofstream(in("still.txt")) << "0.1 key 2\n0.2 state " << in("still.json") << "\n0.2 quit\n";
+  CHECK(
+      std::system(("XDG_STATE_HOME=" + in("still") + " xvfb-run -a " + program() + " view --join still" + domain() +
+                   " --backend cpu --size 480x360 --script " + in("still.txt") + " > " + in("still.txt.said") + " 2>&1")
+                      .c_str()) == 0);
+  const Result state = jsonOf(in("still.json"));
+  CHECK(state["points"] == 5000);
+  CHECK(state["last_message"] == "'still' is served to be felt alone");
+}
+
+TEST_CASE("two windows on one model show each other's hands, and what both do to it" * kFull) {
   if (!isBuilt() || !hasDisplay()) return;
   const ScratchFolder folder;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
   works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
-  {
-    // One that nobody sculpts is seen and felt; who takes a brush is told so.
-    Serving still(in("m.ply") + " --name still --read-only", folder / "still.said");
-    std::ofstream(in("still.txt")) << "1 key 2\n2 state " << in("still.json") << "\n2 quit\n";
-    CHECK(std::system(("XDG_STATE_HOME=" + in("still") + " xvfb-run -a " + program() + " view --join still" + domain() +
-                       " --backend cpu --script " + in("still.txt") + " > " + in("still.txt.said") + " 2>&1")
-                          .c_str()) == 0);
-    const Result state = jsonOf(in("still.json"));
-    CHECK(state["points"] == 20000);
-    CHECK(state["last_message"] == "'still' is served to be felt alone");
-  }
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply"), folder / "said");
   const auto view = [&](const std::string& name, const std::string& place) {
     // A script goes as fast as its pictures come, so that of two windows one may be over before the other one has
@@ -181,19 +187,21 @@ TEST_CASE("two windows on one model show each other's hands, and what both do to
   CHECK(contentOf(in("m.npy")) != contentOf(in("end.npy")));
 }
 
-TEST_CASE("a window and a program that are near their hands, and one that has all points, show one another's hands") {
+TEST_CASE("a window and a program that are near their hands, and one that has all points, show one another's hands" *
+          kMoreInFull) {
   if (!isBuilt() || !hasDisplay()) return;
   const ScratchFolder folder;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
   works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
-  for (const char* readOnly : {"", " --read-only"}) {
+  const std::vector<std::string> ways = byTier<std::vector<std::string>>({""}, {"", " --read-only"});
+  for (const std::string& readOnly : ways) {
     CAPTURE(readOnly);
     for (const char* name : {"a.json", "b.json", "b.png", "t.json"}) std::filesystem::remove(in(name));
     Serving serving(in("m.ply") + " --name felt" + readOnly, folder / "said");
     // The window has its hand on the model until the other two have seen it.
-    std::ofstream(in("w.txt")) << "2 key T\n2 mouse 600 380\n2.3 button left down\n3 state " << in("a.json") << "\n"
-                               << "3 await " << in("go") << "\n4 screenshot " << in("b.png") << "\n4 state "
-                               << in("b.json") << "\n4 await " << in("t.json") << "\n4 button left up\n5 quit\n";
+    std::ofstream(in("w.txt")) << "0.5 key T\n0.5 mouse 600 380\n0.8 button left down\n1 state " << in("a.json")
+                               << "\n1 await " << in("go") << "\n1.5 screenshot " << in("b.png") << "\n1.5 state "
+                               << in("b.json") << "\n1.5 await " << in("t.json") << "\n1.5 button left up\n1.8 quit\n";
     std::filesystem::remove(in("go"));
     std::future<int> window = std::async(std::launch::async, [&] {
       return std::system(("XDG_STATE_HOME=" + in("home") + " timeout 200 xvfb-run -a " + program() +
@@ -216,7 +224,7 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
     };
     CHECK_MESSAGE(bert.waitFor(areNear), contentOf(folder / "said"));
     CHECK(carla.waitFor([&] { return contentOf(folder / "carla.said").find("points of") != std::string::npos; }));
-    std::this_thread::sleep_for(std::chrono::seconds(5));  // in which each hears of the others
+    std::this_thread::sleep_for(std::chrono::seconds(2));  // in which each hears of the others
     std::ofstream(in("go")) << "now";
     REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("b.json")); }),
                     contentOf(in("w.said")));
@@ -368,7 +376,7 @@ TEST_CASE("who has the points around the hand alone sculpts the file, byte by by
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  works("make bumpy-sphere -n 60000 -o " + in("m.ply"));
+  works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
   writeSlide(in("m.ply"), in("slide.csv"));
   const std::string how = " --backend cpu --keep-points --penetration 3 --path " + in("slide.csv") + " --edit ";
   const auto placesOf = [&](const std::string& file) {

@@ -27,7 +27,7 @@ TEST_CASE("where doctor says yes to the least of GPUs, models are touched, sculp
   const LostGpuLayer layer(kLeastGpu);
   CHECK(says(palpate("doctor").text, "palpate runs on it"));
   for (const std::string& command :
-       {"touch " + model + " --backend vulkan --path builtin:press --edit push --save " + saved,
+       {"touch " + model + " --backend vulkan --path builtin:press --rate 250 --edit push --save " + saved,
         "render " + saved + " -o " + (folder / "dent.png").string() + " --size 160x120",
         "mesh " + saved + " --lattice 40 -o " + (folder / "mesh.ply").string()}) {
     const Outcome outcome = palpate(command);

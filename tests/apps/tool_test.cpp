@@ -44,8 +44,8 @@ TEST_CASE("a tool of one point leaves the trace that a point leaves, byte by byt
     std::vector<std::string> traces;
     for (const std::string tool : {"", "--tool point", "--tool pad --tool-points 1", "--tool ball --tool-points 1"}) {
       const std::string trace = (folder / "t.csv").string();
-      works("touch " + model + " --path builtin:slide --friction 0.3 --backend " + backend + " " + tool + " --trace " +
-            trace);
+      works("touch " + model + " --path builtin:slide --rate 250 --friction 0.3 --backend " + backend + " " + tool +
+            " --trace " + trace);
       traces.push_back(contentOf(trace));
     }
     for (const std::string& trace : traces) CHECK(trace == traces[0]);
@@ -129,7 +129,7 @@ TEST_CASE("what does not go with a tool is refused before anything is loaded") {
 TEST_CASE("bench step measures what a tool costs beside a point") {
   const ScratchFolder folder;
   const std::string json = (folder / "b.json").string();
-  works("bench step --sizes 5000 --repeat 5 --backend vulkan,cpu --method fused,direct --tool-points 1,4 --json " +
+  works("bench step --sizes 1000 --repeat 1 --backend vulkan,cpu --method fused,direct --tool-points 1,4 --json " +
         json);
   const auto report = jsonOf(json);
   std::string ways;

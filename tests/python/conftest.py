@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -15,6 +16,28 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from own_domain import own_domain  # noqa: E402, F401 (the tests take it from here)
 
 RADIUS = 50.0
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "full: costs more than the quick tier allows")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """The labels of labels.hpp: the quick tier leaves out what is marked full; PALPATE_TESTS_ONLY runs one label."""
+    only = os.environ.get("PALPATE_TESTS_ONLY", "")
+    if only:
+        chosen = [item for item in items if only == "full" and item.get_closest_marker("full")]
+        config.hook.pytest_deselected(items=[item for item in items if item not in chosen])
+        items[:] = chosen
+    elif os.environ.get("PALPATE_TESTS_TIER") != "full":
+        for item in items:
+            if item.get_closest_marker("full"):
+                item.add_marker(pytest.mark.skip(reason="skipped: of the full tier (PALPATE_TESTS_TIER=full)"))
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if os.environ.get("PALPATE_TESTS_ONLY") and session.exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED:
+        session.exitstatus = pytest.ExitCode.OK  # none of this file has that label
 
 
 def ball_arrays(count: int = 20_000) -> tuple[np.ndarray, np.ndarray]:
