@@ -47,12 +47,12 @@ endif()
 palpate_entry(sharing.fastdds COMMAND ${foreign} fastdds $<TARGET_FILE:palpate> ${peer})
 palpate_entry(sharing.beside_ddsperf COMMAND bash ${scripts}/beside_ddsperf.sh $<TARGET_FILE:palpate>
                                              $<TARGET_FILE:ros_listener> 1)
-# Links that delay, lose and reorder: the leg `links` of the full tier runs all of them, the quick tier the first.
-set(room_label program)
-palpate_entry(sharing.link_20_1 LABELS waits
-              COMMAND ${python} ${scripts}/link_table.py $<TARGET_FILE:palpate> --short 20,1)
+# Links that delay, lose and reorder: the leg `links` of the full tier.
 set(room_label links)
-palpate_entry(sharing.link_20_1_15 LABELS waits
-              COMMAND ${python} ${scripts}/link_table.py $<TARGET_FILE:palpate> --short 20,1,15)
+foreach(link 20,1 20,1,15)
+  string(REPLACE "," "_" name ${link})
+  palpate_entry(sharing.link_${name} LABELS waits
+                COMMAND ${python} ${scripts}/link_table.py $<TARGET_FILE:palpate> --short ${link})
+endforeach()
 palpate_entry(sharing.slow_link LABELS waits COMMAND bash ${scripts}/over_slow_link.sh $<TARGET_FILE:palpate>)
 set(room_label host)

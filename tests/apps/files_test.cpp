@@ -14,26 +14,26 @@ TEST_CASE("in the window a file is looked for by folder and format, saved elsewh
 0.05 key ctrl+o
 0.10 screenshot %/dialog.png
 0.15 click inner/
-0.20 state %/inner.json
-0.25 click ring.xyz
-0.30 click Open
-0.35 state %/opened.json
-0.40 key ctrl+shift+s
-0.45 click Up
-0.50 click Save
-0.70 state %/saved.json
-0.75 key ctrl+o
-0.80 key escape
-0.85 state %/cancelled.json
-0.90 key M
-0.95 click Look
-1.00 click Export mesh...
-1.05 click Export
-1.10 state %/exported.json
-1.15 click Export mesh...
-1.20 click Replace
-1.25 state %/again.json
-1.30 quit
+0.30 state %/inner.json
+0.35 click ring.xyz
+0.50 click Open
+1.00 state %/opened.json
+1.05 key ctrl+shift+s
+1.10 click Up
+1.25 click Save
+2.00 state %/saved.json
+2.05 key ctrl+o
+2.10 key escape
+2.15 state %/cancelled.json
+2.20 key M
+2.25 click Look
+3.00 click Export mesh...
+3.15 click Export
+3.40 state %/exported.json
+3.45 click Export mesh...
+3.60 click Replace
+3.80 state %/again.json
+4.00 quit
 )",
            "", [](const std::filesystem::path& folder) {
              works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
@@ -66,10 +66,10 @@ TEST_CASE("a place that is picked says which point is there, its normal, its att
 0.07 key R
 0.10 key D
 0.15 mouse 240 240
-0.25 button left down
-0.35 button left up
-0.40 state %/picked.json
-0.45 quit
+0.50 button left down
+0.60 button left up
+0.80 state %/picked.json
+0.90 quit
 )",
       "", [](const std::filesystem::path& folder) {
         std::ofstream file(folder / "ball.ply");
@@ -104,19 +104,19 @@ TEST_CASE("the file dialogue shows what a format has, and goes to the folders of
   const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu", R"(
 0.05 key ctrl+o
 0.10 click format
-0.15 click PCD (.pcd)
-0.20 click ball.xyz
-0.25 state %/hidden.json
-0.30 click ball.pcd
-0.35 click Open
-0.40 state %/filtered.json
-0.45 key ctrl+o
-0.50 click recent folders
-0.55 click %/lately
-0.60 click ring.xyz
-0.65 click Open
-0.70 state %/recent.json
-0.75 quit
+0.20 click PCD (.pcd)
+0.30 click ball.xyz
+0.50 state %/hidden.json
+0.60 click ball.pcd
+0.70 click Open
+1.00 state %/filtered.json
+1.10 key ctrl+o
+1.20 click recent folders
+1.30 click %/lately
+1.40 click ring.xyz
+1.50 click Open
+1.80 state %/recent.json
+2.00 quit
 )",
                            "", [](const std::filesystem::path& folder) {
                              works("make sphere -n 2000 --size 40 -o " + (folder / "ball.ply").string());
@@ -139,19 +139,19 @@ TEST_CASE("the triangles are exported as each of the formats of meshes") {
   const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu", R"(
 0.10 key M
 0.15 click Look
-0.20 click Export mesh...
-0.25 click format
-0.30 click OBJ (.obj)
-0.35 click Export
-0.40 click Export mesh...
-0.45 click format
-0.50 click STL (.stl)
-0.55 click Export
-0.60 click Export mesh...
-0.65 click format
-0.70 click OFF (.off)
-0.75 click Export
-0.80 quit
+1.00 click Export mesh...
+1.10 click format
+1.20 click OBJ (.obj)
+1.30 click Export
+1.50 click Export mesh...
+1.60 click format
+1.70 click STL (.stl)
+1.80 click Export
+2.00 click Export mesh...
+2.10 click format
+2.20 click OFF (.off)
+2.30 click Export
+2.60 quit
 )",
                            "", [](const std::filesystem::path& folder) {
                              works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
@@ -178,7 +178,7 @@ TEST_CASE("a file of every format that is dropped on the window is opened") {
     dropped[state] = file.string();
   }
   script += fmt::format("{:.2f} quit\n", 0.2 + 0.1 * static_cast<double>(dropped.size()));
-  const auto played = play("%/first.ply --size 160x120 --rate 250 --backend cpu", script, "", [](const auto& in) {
+  const auto played = play("%/first.ply --size 320x240 --rate 250 --backend cpu", script, "", [](const auto& in) {
     works("make sphere -n 2000 --size 40 -o " + (in / "first.ply").string());
   });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);

@@ -167,25 +167,25 @@ TEST_CASE("a few points are discs that can be told apart, and none is cut off") 
 TEST_CASE("the window has a model upright, turns it over on demand, and shows what is painted") {
   if (!hasDisplay()) return;
   const auto played = play("%/cone.ply --size 800x700", R"(
-0.10 state %/first.json
-0.10 screenshot %/first.png
-0.15 click Tool
-0.20 click Look
-0.25 click up
-0.30 click -z
-0.35 state %/turned.json
-0.40 click colour by
-0.45 click height
-0.60 state %/heights.json
-0.60 screenshot %/heights.png
-0.65 mouse 400 300
-0.75 key 7
-0.80 key space down
-0.85 button left down
-2.05 button left up
-2.10 key space up
-2.15 state %/painted.json
-2.20 quit
+0.2 state %/first.json
+0.2 screenshot %/first.png
+0.3 click Tool
+0.4 click Look
+0.6 click up
+0.9 click -z
+1.2 state %/turned.json
+1.4 click colour by
+1.6 click height
+1.9 state %/heights.json
+1.9 screenshot %/heights.png
+2.0 mouse 400 300
+2.1 key 7
+2.2 key space down
+2.4 button left down
+5.0 button left up
+5.1 key space up
+5.4 state %/painted.json
+5.5 quit
 )",
                            "", [](const std::filesystem::path& folder) { writeCone(folder / "cone.ply", 2, 1); });
   CAPTURE(played->outcome.text);

@@ -75,29 +75,29 @@ TEST_CASE("two places that are picked give their distance, and a true length the
 TEST_CASE("a scale is not set over changes before the person has said what becomes of them") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --edit push --backend cpu", R"(
-0.10 mouse 400 300
-0.20 key space down
-0.25 button left down
-1.45 button left up
-1.50 key space up
-1.55 ask
-1.60 key d
-1.65 mouse 360 260
-1.75 button left down
-1.75 button left up
-1.80 mouse 440 330
-1.90 button left down
-1.90 button left up
-1.95 click true length, mm
-2.00 text 500
-2.05 click Set
-2.10 state %/asked.json
-2.15 click Cancel
-2.20 state %/cancelled.json
-2.25 click Set
-2.30 click Do not save
-2.35 state %/scaled.json
-2.40 quit
+0.1 mouse 400 300
+0.4 key space down
+0.5 button left down
+4.0 button left up
+4.1 key space up
+4.2 ask
+4.3 key d
+4.4 mouse 360 260
+4.6 button left down
+4.6 button left up
+4.7 mouse 440 330
+4.9 button left down
+4.9 button left up
+5.1 click true length, mm
+5.2 text 500
+5.3 click Set
+5.5 state %/asked.json
+5.6 click Cancel
+5.8 state %/cancelled.json
+5.9 click Set
+6.1 click Do not save
+6.4 state %/scaled.json
+6.5 quit
 )",
                            "", [](const auto& folder) { makeSphere(folder, 5000); });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);

@@ -86,10 +86,10 @@ TEST_CASE(
   const sharing::Reader<sharing::RosPoseStamped> poses(participant, topic,
                                                        sharing::rosQos(sharing::RosDelivery::reliable, type));
   {
-    Window window("--join seen --as Ada --ros lab",
-                  "0.5 key Tab\n1 screenshot %/a.png\n1 state %/a.json\n1 await %/shown\n2.5 screenshot %/b.png\n"
-                  "2.5 state %/b.json\n2.6 quit\n",
-                  folder, "ada");
+    Window window(
+        "--join seen --as Ada --ros lab",
+        "1 key Tab\n2 screenshot %/a.png\n2 state %/a.json\n9 screenshot %/b.png\n9 state %/b.json\n10 quit\n", folder,
+        "ada");
     REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("a.json")) && !cameras->cameras().empty(); }),
                     window.said());
     const SeenCamera seen = cameras->cameras().at(0);
@@ -121,7 +121,6 @@ TEST_CASE(
     const DVec3 middle = joined.cloud.origin + boundsOf(joined.cloud).center();
     cameras->show(
         CameraPlace{.position = middle + 0.4 * (eye - middle), .turn = seen.place.turn, .fovY_rad = 1, .aspect = 2});
-    std::ofstream(in("shown")) << "now";
     REQUIRE_MESSAGE(window.waitFor([&] { return isThere(in("b.json")); }), window.said());
     const Result others = jsonOf(in("b.json"))["others"];
     CAPTURE(others.dump());
@@ -136,7 +135,7 @@ TEST_CASE(
   CHECK(jsonOf(in("t.json"))["cameras"] == 1);
   CHECK(comesTrue([&] { return cameras->cameras().empty(); }, 30));
   {
-    Window hidden("--join seen --as Bert --hide-camera", "0.5 state %/h.json\n2.5 state %/i.json\n2.5 quit\n", folder,
+    Window hidden("--join seen --as Bert --hide-camera", "1 state %/h.json\n4 state %/i.json\n4 quit\n", folder,
                   "bert");
     std::size_t most = 0;
     REQUIRE_MESSAGE(hidden.waitFor([&] {

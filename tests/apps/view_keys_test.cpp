@@ -83,30 +83,30 @@ TEST_CASE("the mouse and the keys move the view") {
 
 TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
   if (!hasDisplay()) return;
-  std::string script = "0.1 mouse 400 300\n0.2 state %/begin.json\n";
+  std::string script = "0.1 mouse 400 300\n0.4 state %/begin.json\n";
   for (int key = 1; key <= 8; ++key) {
-    const double time_s = 0.25 + 0.1 * (key - 1);
-    script += fmt::format("{:.2f} key {}\n{:.2f} state %/tool{}.json\n", time_s, key, time_s + 0.05, key);
+    const double time_s = 0.5 + 0.8 * (key - 1);
+    script += fmt::format("{:.1f} key {}\n{:.1f} state %/tool{}.json\n", time_s, key, time_s + 0.3, key);
   }
   script += R"(
-1.10 key 1
-1.15 key [
-1.20 key t
-1.25 state %/kept.json
-1.30 key space
-1.35 state %/still_kept.json
-1.40 button left down
-2.60 state %/pressed.json
-2.70 key backspace
-3.30 state %/off.json
-3.40 key backspace
-3.50 button left up
-3.55 button left down
-4.75 state %/on.json
-4.85 button left up
-4.90 key escape
-4.95 state %/let.json
-5.00 key ctrl+q
+7.0 key 1
+7.2 key [
+7.4 key t
+7.7 state %/kept.json
+7.8 key space
+8.1 state %/still_kept.json
+8.2 button left down
+9.7 state %/pressed.json
+9.8 key backspace
+10.4 state %/off.json
+10.5 key backspace
+10.6 button left up
+11.1 button left down
+12.6 state %/on.json
+12.7 button left up
+12.8 key escape
+13.1 state %/let.json
+13.2 key ctrl+q
 29.9 state %/after.json
 )";
   const auto played = play("%/sphere.ply --size 800x600", script, "",
@@ -136,24 +136,24 @@ TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
 TEST_CASE("help, curves, colours, background and pictures to files") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600", R"(
-0.10 mouse 400 590
-0.25 screenshot %/begin.png
-0.30 key c
-0.45 screenshot %/bare.png
-0.50 key h
-0.65 screenshot %/help.png
-0.70 key h
-0.75 click Tool
-0.80 click Look
-0.85 click colour by
-0.90 click normal
-1.05 screenshot %/normals.png
-1.10 click dark
-1.25 screenshot %/light.png
-1.30 key p
-1.35 key p
-1.40 state %/last.json
-1.45 quit
+0.1 mouse 400 590
+0.4 screenshot %/begin.png
+0.5 key c
+0.8 screenshot %/bare.png
+0.9 key h
+1.2 screenshot %/help.png
+1.3 key h
+1.4 click Tool
+1.5 click Look
+1.7 click colour by
+1.9 click normal
+2.2 screenshot %/normals.png
+2.3 click dark
+2.6 screenshot %/light.png
+2.7 key p
+2.9 key p
+3.1 state %/last.json
+3.2 quit
 )",
                            "", [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
   CAPTURE(played->outcome.text);

@@ -14,13 +14,13 @@ void makeTwo(const std::filesystem::path& folder) {
 
 // Presses the brush into the middle of a window of 800 x 600.
 constexpr const char* kStroke = R"(
-0.10 mouse 400 300
-0.20 key space down
-0.25 button left down
-1.45 button left up
-1.50 key space up
-1.55 ask
-1.60 state %/dent.json
+0.1 mouse 400 300
+0.4 key space down
+0.5 button left down
+4.0 button left up
+4.1 key space up
+4.3 ask
+4.4 state %/dent.json
 )";
 
 }  // namespace
@@ -28,21 +28,21 @@ constexpr const char* kStroke = R"(
 TEST_CASE("the curves pause, and go to CSV files, none over another") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600", R"(
-0.10 mouse 400 300
-0.20 key space down
-0.25 button left down
-1.35 state %/pressed.json
-1.45 button left up
-1.45 key space up
-1.45 click Pause
-1.60 screenshot %/paused.png
-2.10 screenshot %/later.png
-2.15 click Go on
-2.35 screenshot %/on.png
-2.40 click Export CSV
-2.45 state %/first.json
-2.50 click Export CSV
-2.55 quit
+0.1 mouse 400 300
+0.4 key space down
+0.5 button left down
+1.6 state %/pressed.json
+1.7 button left up
+1.7 key space up
+1.7 click Pause
+2.0 screenshot %/paused.png
+2.9 screenshot %/later.png
+3.0 click Go on
+3.4 screenshot %/on.png
+3.5 click Export CSV
+3.7 state %/first.json
+3.8 click Export CSV
+4.0 quit
 )",
                            "", makeTwo);
   CAPTURE(played->outcome.text);
@@ -82,18 +82,18 @@ TEST_CASE("the curves pause, and go to CSV files, none over another") {
 TEST_CASE("the model stands in the middle of what the panels leave free, in dark and in light") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply", R"(
-0.10 screenshot %/large.png
-0.15 resize 600 400
-0.20 key r
-0.35 screenshot %/small.png
-0.40 key tab
-0.45 key r
-0.60 screenshot %/bare.png
-0.65 key tab
-0.70 click Look
-0.75 click dark
-0.90 screenshot %/light.png
-0.95 quit
+0.4 screenshot %/large.png
+0.5 resize 600 400
+0.9 key r
+1.2 screenshot %/small.png
+1.3 key tab
+1.4 key r
+1.7 screenshot %/bare.png
+1.8 key tab
+1.9 click Look
+2.1 click dark
+2.4 screenshot %/light.png
+2.5 quit
 )",
                            "", makeTwo);
   CAPTURE(played->outcome.text);
@@ -132,15 +132,15 @@ TEST_CASE("the model stands in the middle of what the panels leave free, in dark
 TEST_CASE("another model is not opened over changes before the person has said what becomes of them") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --edit push", std::string(kStroke) + R"(
-1.60 drop %/torus.ply
-1.65 state %/asked.json
-1.70 key ctrl+z
-1.80 click Cancel
-1.85 state %/cancelled.json
-1.90 drop %/torus.ply
-1.95 click Do not save
-2.00 state %/discarded.json
-2.05 quit
+4.5 drop %/torus.ply
+4.7 state %/asked.json
+4.8 key ctrl+z
+4.9 click Cancel
+5.1 state %/cancelled.json
+5.2 drop %/torus.ply
+5.4 click Do not save
+5.7 state %/discarded.json
+5.8 quit
 31.9 state %/after.json
 )",
                            "", [](const auto& folder) {
@@ -169,22 +169,22 @@ TEST_CASE("another model is not opened over changes before the person has said w
 TEST_CASE("changes are saved first where the person says so, and the window closes only then") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --edit push", std::string(kStroke) + R"(
-1.60 drop %/torus.ply
-1.65 click Save
-1.85 state %/torus.json
-1.90 drop %/sphere.ply
-1.95 state %/again.json
-2.00 mouse 400 300
-2.10 key space down
-2.15 button left down
-3.35 button left up
-3.40 key space up
-3.45 quit
-3.50 state %/asked.json
-3.55 key escape
-3.60 state %/stays.json
-3.65 key q
-3.70 click Save
+4.5 drop %/torus.ply
+4.7 click Save
+5.0 state %/torus.json
+5.1 drop %/sphere.ply
+5.3 state %/again.json
+5.4 mouse 400 300
+5.7 key space down
+5.8 button left down
+9.8 button left up
+9.9 key space up
+10.1 quit
+10.3 state %/asked.json
+10.4 key escape
+10.6 state %/stays.json
+10.7 key q
+10.9 click Save
 33.9 state %/after.json
 )",
                            "", makeTwo);
@@ -209,11 +209,11 @@ TEST_CASE("what cannot be saved is not left behind") {
   // No file can be written under a longer name, as is done before the model's own name is given to it.
   const std::string name = std::string(248, 's') + ".ply";
   const auto played = play("%/" + name + " --size 800x600 --edit push", std::string(kStroke) + R"(
-1.60 quit
-1.65 click Save
-1.85 state %/failed.json
-1.90 quit
-1.95 click Do not save
+4.5 quit
+4.7 click Save
+5.3 state %/failed.json
+5.4 quit
+5.6 click Do not save
 31.9 state %/after.json
 )",
                            "", [&](const auto& folder) {
@@ -232,43 +232,43 @@ TEST_CASE("what cannot be saved is not left behind") {
 TEST_CASE("the panels turn the surface, save under another name, record and play") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --edit push", R"(
-0.10 click Feel
-0.15 click surface
-0.20 click sharp
-0.25 state %/sharp.json
-0.30 click Feel
-0.35 click Look
-0.35 click Look
-0.40 click Save and record
-0.50 click session.log
-0.55 text take.log
-0.60 click Record
-0.65 mouse 400 300
-0.75 key space down
-0.80 button left down
-1.80 button left up
-1.85 key space up
-1.90 click Stop
-1.95 state %/recorded.json
-2.00 click other.ply
-2.05 text saved.ply
-2.10 click Save as
-2.30 state %/saved.json
-2.35 click Save as
-2.55 state %/twice.json
-2.60 click Record
-2.65 state %/again.json
-2.70 click Undo
-2.75 click Play
-5.05 state %/replayed.json
-5.10 click Replace
-5.15 state %/replaced.json
-5.20 click Models
-5.25 click file.ply
-5.30 text torus.ply
-5.35 key enter
-5.40 state %/torus.json
-5.45 quit
+0.1 click Feel
+0.3 click surface
+0.5 click sharp
+0.7 state %/sharp.json
+0.8 click Feel
+0.9 click Look
+0.9 click Look
+1.0 click Save and record
+1.1 click session.log
+1.2 text take.log
+1.3 click Record
+1.5 mouse 400 300
+1.8 key space down
+1.9 button left down
+2.9 button left up
+3.0 key space up
+3.1 click Stop
+3.3 state %/recorded.json
+3.4 click other.ply
+3.5 text saved.ply
+3.6 click Save as
+4.1 state %/saved.json
+4.2 click Save as
+4.4 state %/twice.json
+4.5 click Record
+4.7 state %/again.json
+4.8 click Undo
+5.0 click Play
+8.0 state %/replayed.json
+8.1 click Replace
+8.6 state %/replaced.json
+8.7 click Models
+8.8 click file.ply
+8.9 text torus.ply
+9.0 key enter
+9.2 state %/torus.json
+9.3 quit
 )",
                            "", makeTwo);
   CAPTURE(played->outcome.text);
@@ -292,12 +292,12 @@ TEST_CASE("the panels turn the surface, save under another name, record and play
 TEST_CASE("a model that is dropped while another one is loaded comes instead of it") {
   if (!hasDisplay()) return;
   const auto played = play("--size 320x240", R"(
-0.10 impatient
-0.15 drop %/large.ply
-0.20 drop %/torus.ply
-0.20 patient
-0.25 state %/torus.json
-0.30 quit
+0.1 impatient
+0.2 drop %/large.ply
+0.3 drop %/torus.ply
+0.3 patient
+0.4 state %/torus.json
+0.5 quit
 )",
                            "", [](const auto& folder) {
                              makeTwo(folder);
@@ -312,19 +312,19 @@ TEST_CASE("a model that is dropped while another one is loaded comes instead of 
 TEST_CASE("what could not be opened is not offered again, and Tab takes the panels away") {
   if (!hasDisplay()) return;
   const auto played = play("--size 480x360", R"(
-0.10 drop %/broken.ply
-0.15 state %/broken.json
-0.20 click broken.ply
-0.25 state %/again.json
-0.30 drop %/torus.ply
-0.35 key tab
-0.40 click Models
-0.45 state %/away.json
-0.50 key tab
-0.55 click Models
-0.60 click torus.ply
-0.65 state %/back.json
-0.70 quit
+0.1 drop %/broken.ply
+0.2 state %/broken.json
+0.3 click broken.ply
+0.4 state %/again.json
+0.5 drop %/torus.ply
+0.6 key tab
+0.7 click Models
+0.8 state %/away.json
+0.9 key tab
+1.0 click Models
+1.1 click torus.ply
+1.2 state %/back.json
+1.3 quit
 )",
                            "", [](const auto& folder) {
                              makeTwo(folder);

@@ -22,7 +22,7 @@ void makeMesh(const std::filesystem::path& folder) {
 // Presses the brush into the middle of a window of 800 x 600.
 std::string strokeAt(double time_s) {
   return fmt::format("{} mouse 400 300\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
-                     time_s, time_s + 0.1, time_s + 0.15, time_s + 1.35, time_s + 1.4);
+                     time_s, time_s + 0.2, time_s + 0.3, time_s + 2.8, time_s + 2.9);
 }
 
 bool exists(const Played& played, const char* name) { return std::filesystem::exists(played.folder.path() / name); }
@@ -34,20 +34,20 @@ TEST_CASE(
     "Ctrl+S where a mesh would lose its faces asks, and by default saves beside it, from then on without asking") {
   if (!hasDisplay()) return;
   const auto played = play("%/mesh.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
-1.60 ask
-1.65 key ctrl+s
-1.85 state %/asked.json
-1.85 screenshot %/asked.png
-1.90 key ctrl+z
-2.00 key escape
-2.05 state %/cancelled.json
-2.10 key ctrl+s
-2.30 key enter
-2.35 state %/saved.json
-)" + strokeAt(2.5) + R"(
-4.00 key ctrl+s
-4.20 state %/again.json
-4.25 quit
+3.1 ask
+3.2 key ctrl+s
+3.4 state %/asked.json
+3.4 screenshot %/asked.png
+3.5 key ctrl+z
+3.6 key escape
+3.8 state %/cancelled.json
+3.9 key ctrl+s
+4.1 key enter
+4.9 state %/saved.json
+)" + strokeAt(5) + R"(
+8.1 key ctrl+s
+8.9 state %/again.json
+9.0 quit
 12 state %/after.json
 )",
                            "", [](const auto& folder) {
@@ -79,14 +79,14 @@ TEST_CASE(
 TEST_CASE("saved over, a mesh is kept as it was, and so is what was kept before") {
   if (!hasDisplay()) return;
   const auto played = play("%/mesh.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
-1.60 ask
-1.65 key ctrl+s
-1.85 click Save over
-2.05 state %/saved.json
-)" + strokeAt(2.5) + R"(
-4.00 key ctrl+s
-4.20 state %/again.json
-4.25 quit
+3.1 ask
+3.2 key ctrl+s
+3.4 click Save over
+4.2 state %/saved.json
+)" + strokeAt(5) + R"(
+8.1 key ctrl+s
+8.9 state %/again.json
+9.0 quit
 )",
                            "", [](const auto& folder) {
                              makeMesh(folder);
@@ -108,15 +108,15 @@ TEST_CASE("saved over, a mesh is kept as it was, and so is what was kept before"
 TEST_CASE("saved first when the window closes, a mesh is asked about, too") {
   if (!hasDisplay()) return;
   const auto played = play("%/mesh.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
-1.60 ask
-1.65 quit
-1.70 click Save
-1.90 state %/asked.json
-1.95 click Cancel
-2.00 state %/cancelled.json
-2.05 quit
-2.10 click Save
-2.30 click Save beside
+3.1 ask
+3.2 quit
+3.4 click Save
+3.8 state %/asked.json
+3.9 click Cancel
+4.1 state %/cancelled.json
+4.2 quit
+4.4 click Save
+4.8 click Save beside
 30 state %/after.json
 )",
                            "", makeMesh);
@@ -133,7 +133,7 @@ TEST_CASE("saved first when the window closes, a mesh is asked about, too") {
 
 TEST_CASE("a script that does not ask saves beside, and a file of our own is saved over as it was") {
   if (!hasDisplay()) return;
-  const std::string script = strokeAt(0.1) + "1.6 key ctrl+s\n1.8 state %/saved.json\n1.85 quit\n";
+  const std::string script = strokeAt(0.1) + "3.2 key ctrl+s\n4.0 state %/saved.json\n4.1 quit\n";
   const auto mesh = play("%/mesh.ply --size 800x600 --edit push", script, "", makeMesh);
   REQUIRE_MESSAGE(mesh->outcome.code == 0, mesh->outcome.text);
   CHECK(mesh->state("saved.json")["changed"] == false);
@@ -151,21 +151,21 @@ TEST_CASE("a script that does not ask saves beside, and a file of our own is sav
 TEST_CASE("what is undone is not changed, comes back with redo, and is relative to what was saved") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
-1.60 ask
-1.65 state %/dent.json
-1.70 key ctrl+z
-1.90 state %/undone.json
-1.95 key ctrl+s
-2.05 state %/nothing.json
-2.10 key ctrl+shift+z
-2.30 state %/redone.json
-2.35 key ctrl+s
-2.55 state %/saved.json
-2.60 key ctrl+z
-2.80 state %/behind.json
-2.85 key ctrl+shift+z
-3.05 state %/same.json
-3.10 quit
+3.1 ask
+3.2 state %/dent.json
+3.3 key ctrl+z
+3.6 state %/undone.json
+3.7 key ctrl+s
+3.8 state %/nothing.json
+3.9 key ctrl+shift+z
+4.2 state %/redone.json
+4.3 key ctrl+s
+5.1 state %/saved.json
+5.2 key ctrl+z
+5.5 state %/behind.json
+5.6 key ctrl+shift+z
+5.9 state %/same.json
+6.0 quit
 9 state %/after.json
 )",
                            "", [](const auto& folder) {
@@ -199,17 +199,17 @@ TEST_CASE("a recording that meets a full disk is told once, and the session goes
   const std::string old = before ? before : "";
   ::setenv("PALPATE_PROGRAM", limited.c_str(), 1);
   const auto played = play("%/sphere.ply --size 800x600 --edit push", "0.1 record %/take.log\n" + strokeAt(0.2) + R"(
-2.60 state %/full.json
-2.65 record
-2.70 state %/ended.json
-2.75 quit
+6.0 state %/full.json
+6.1 record
+6.3 state %/ended.json
+6.4 quit
 )",
                            "", [](const auto& scene) { makeSphere(scene, 2000); });
   before ? ::setenv("PALPATE_PROGRAM", old.c_str(), 1) : ::unsetenv("PALPATE_PROGRAM");
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const auto full = played->state("full.json");
-  CHECK(full["ticks"] > 2000);
+  CHECK(full["ticks"] > 3000);
   CHECK(full["edits"] > 0);
   CHECK(full["recording"] == true);
   CHECK(says(std::string(full["last_message"]), "take.log: cannot be written"));

@@ -41,40 +41,40 @@ TEST_CASE("a script that is wrong is refused with its line before anything is op
 TEST_CASE("a session in the window, from the first touch to the saved file") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --edit push", R"(
-0.10 mouse 400 300
-0.25 screenshot %/before.png
-0.25 state %/before.json
-0.30 key Space down
-0.35 button left down
-0.75 wheel 6
-1.95 screenshot %/touch.png
-1.95 state %/touch.json
-2.05 button left up
-2.10 key space up
-2.25 screenshot %/dent.png
-2.25 state %/dent.json
-2.30 drop %/broken.ply
-2.35 state %/broken.json
-2.40 save %/saved.ply
-2.60 state %/saved.json
-2.65 key Ctrl+Z
-2.80 screenshot %/undone.png
-2.80 state %/undone.json
-2.85 key ctrl+shift+z
-3.05 state %/redone.json
-3.10 mouse 380 310
-3.20 button left down
-3.30 mouse 460 300
-3.40 button left up
-3.45 state %/turned.json
-3.50 resize 640 480
-3.55 state %/resized.json
-3.60 minimise
-3.65 restore
-3.70 key 3
-3.75 key ]
-3.80 state %/tool.json
-3.85 quit
+0.1 mouse 400 300
+0.9 screenshot %/before.png
+0.9 state %/before.json
+1.0 key Space down
+1.2 button left down
+1.6 wheel 6
+4.0 screenshot %/touch.png
+4.0 state %/touch.json
+4.1 button left up
+4.2 key space up
+5.0 screenshot %/dent.png
+5.0 state %/dent.json
+5.1 drop %/broken.ply
+5.4 state %/broken.json
+5.5 save %/saved.ply
+6.2 state %/saved.json
+6.3 key Ctrl+Z
+7.2 screenshot %/undone.png
+7.2 state %/undone.json
+7.3 key ctrl+shift+z
+7.5 state %/redone.json
+7.6 mouse 380 310
+7.7 button left down
+7.8 mouse 460 300
+7.9 button left up
+8.0 state %/turned.json
+8.1 resize 640 480
+8.4 state %/resized.json
+8.5 minimise
+8.7 restore
+8.9 key 3
+9.0 key ]
+9.2 state %/tool.json
+9.3 quit
 )",
                            "", [](const std::filesystem::path& folder) {
                              makeSphere(folder);
@@ -127,18 +127,18 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 TEST_CASE("a second press in one place meets the surface, however soon the cursor is there before it") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600", R"(
-0.10 mouse 400 300
-0.20 key space down
-0.25 button left down
-1.45 state %/first.json
-1.55 button left up
-1.60 key space up
-1.65 mouse 560 590
-1.75 mouse 400 300
-1.75 key space down
-1.75 button left down
-2.95 state %/second.json
-3.05 quit
+0.1 mouse 400 300
+0.5 key space down
+0.7 button left down
+2.0 state %/first.json
+2.1 button left up
+2.2 key space up
+2.3 mouse 560 590
+2.8 mouse 400 300
+2.8 key space down
+2.8 button left down
+4.4 state %/second.json
+4.5 quit
 )",
                            "", [](const std::filesystem::path& folder) { makeSphere(folder, 3000); });
   CAPTURE(played->outcome.text);
@@ -154,11 +154,11 @@ TEST_CASE("a second press in one place meets the surface, however soon the curso
 TEST_CASE("a script plays the same ticks on any machine, and in real time those of the clock") {
   if (!hasDisplay()) return;
   const std::string script = R"(
-0.10 mouse 400 300
-0.20 key space down
-0.25 button left down
-1.05 state %/pressed.json
-1.15 quit
+0.1 mouse 400 300
+0.5 key space down
+0.7 button left down
+1.5 state %/pressed.json
+1.6 quit
 )";
   const auto sphere = [](const std::filesystem::path& folder) { makeSphere(folder, 3000); };
   Result states[2];
@@ -237,23 +237,23 @@ TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first bu
 TEST_CASE("no validation message while a model is touched, sculpted and meshed") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x240 --edit carve", R"(
-0.10 mouse 373 120
-0.20 impatient
-0.25 key m
-0.25 state %/announced.json
-0.25 patient
-0.30 state %/mesh.json
-0.35 key space down
-0.40 button left down
-0.50 wheel 4
-1.10 button left up
-1.15 key space up
-1.20 state %/carved.json
-1.25 key ctrl+z
-1.45 state %/undone.json
-1.50 resize 420 200
-1.65 screenshot %/last.png
-1.70 quit
+0.1 mouse 373 120
+0.2 impatient
+0.3 key m
+0.3 state %/announced.json
+0.3 patient
+0.6 state %/mesh.json
+0.7 key space down
+0.9 button left down
+1.0 wheel 4
+1.6 button left up
+1.7 key space up
+1.9 state %/carved.json
+2.0 key ctrl+z
+2.2 state %/undone.json
+2.3 resize 420 200
+2.5 screenshot %/last.png
+2.6 quit
 )",
                            "--validate=core", [](const std::filesystem::path& folder) { makeSphere(folder, 1500); });
   CAPTURE(played->outcome.text);
@@ -302,20 +302,20 @@ TEST_CASE("the window closes while a model is loaded, and models follow one anot
 TEST_CASE("a session that was recorded in the window runs again, in the window and without one") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 600x400 --edit push", R"(
-0.10 mouse 433 190
-0.20 record %/session.log
-0.25 key space down
-0.30 button left down
-1.50 button left up
-1.55 key space up
-1.60 record
-1.65 state %/recorded.json
-1.70 key ctrl+z
-1.80 replay %/session.log
-4.10 state %/replayed.json
-4.15 record %/late.log
-4.20 state %/late.json
-4.25 quit
+0.1 mouse 433 190
+0.2 record %/session.log
+0.3 key space down
+0.6 button left down
+2.0 button left up
+2.1 key space up
+2.2 record
+2.3 state %/recorded.json
+2.4 key ctrl+z
+2.5 replay %/session.log
+8.0 state %/replayed.json
+8.1 record %/late.log
+8.2 state %/late.json
+8.3 quit
 )",
                            "", [](const std::filesystem::path& folder) { makeSphere(folder); });
   CAPTURE(played->outcome.text);
