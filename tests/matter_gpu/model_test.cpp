@@ -37,7 +37,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water carries what stands in it by
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "no water comes into a model that it falls upon, on the GPU" * kMoreInFull) {
-  checkModelKeepsOut(onGpu(device), modelInTank("torus", 80), byTier(60, 250));
+  checkModelKeepsOut(onGpu(device), modelInTank("torus", 80), byTier(90, 250));
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that begins in water grows there, on the GPU as on the CPU" * kMoreInFull) {

@@ -164,7 +164,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a ball that comes to a model is stopped and slide
   constexpr double kSphere_m = 0.03, kBall_m = 0.015;
   const MatterScene scene{.box_mm = {120, 150, 120},
                           .fill_mm = {0, 0, 0},
-                          .spacing_mm = 5,
+                          .spacing_mm = 10,
                           .model = "builtin:sphere",
                           .model_mm = {60, 60, 60},
                           .tool = {.radius_mm = 1e3 * kBall_m, .mass_kg = 0.05}};
@@ -172,8 +172,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a ball that comes to a model is stopped and slide
   const DVec3 middle(0.06, kSphere_m, 0.06), way = glm::normalize(DVec3(1, -2, 0.5));
   HandPose hand{.place_m = middle - (kSphere_m + kBall_m + 0.003) * way};
   double most_N = 0;
-  for (int k = 0; k < 60; ++k) {
-    hand.place_m += k < 25 ? 4e-4 * way : 3e-4 * glm::normalize(glm::cross(way, DVec3(0, 0, 1)));
+  for (int k = 0; k < 30; ++k) {
+    hand.place_m += k < 13 ? 8e-4 * way : 5e-4 * glm::normalize(glm::cross(way, DVec3(0, 0, 1)));
     gpu->step({&hand, 1});
     cpu->step({&hand, 1});
     const ToolAnswer &is = gpu->answers()[0], &expected = cpu->answers()[0];

@@ -49,7 +49,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
       // Three passes over the points are many rounds for a shader that is watched: less support makes fewer.
       const bool sharp = surface == MeshSurface::sharp;
       const MeshScene scene =
-          meshScene(shape, 3000, {.lattice = sharp ? 32u : 21u, .surface = surface, .radius = sharp ? 8.0 : 0.0});
+          meshScene(shape, 2500, {.lattice = sharp ? 26u : 17u, .surface = surface, .radius = sharp ? 9.0 : 0.0});
       const Mesh mesh = meshOnGpu(device, scene), expected = meshReference(scene.cloud, scene.plan);
       CHECK(mesh.triangles.size() > 500);
       CHECK(mesh.triangles == expected.triangles);

@@ -38,7 +38,7 @@ void checkSameAsFresh(Device& device, const MarchingCubes& followed, const Point
 
 TEST_CASE_FIXTURE(GpuFixture, "after dents the mesh is that of a fresh build, and only blocks near them were treated") {
   // Two meshes at a time are many buffers for a shader that is watched: less support makes fewer rounds.
-  MeshScene scene = meshScene("sphere", 5000, {.lattice = 48, .radius = 6.5});
+  MeshScene scene = meshScene("sphere", 4000, {.lattice = 42, .radius = 7.5});
   MarchingCubes cubes(device, scene.cloud, scene.plan);
   const MeshStep whole = cubes.build();
   CHECK(whole.treated == whole.blocks);

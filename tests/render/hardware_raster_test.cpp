@@ -7,6 +7,7 @@
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/thinning.hpp"
+#include "tests/labels.hpp"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate::hardware_raster_test {
@@ -85,20 +86,25 @@ class HardwareRasterFixture : public PictureFixture {
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreValidated<HardwareRasterFixture>,
-                  "shapes look the same, even and uneven, with and without colours") {
+                  "shapes look the same, even and uneven, with and without colours" * kMoreInFull) {
   if (!drawsHere()) return;
-  for (const char* name : {"sphere", "torus", "cube"})
-    for (const double thinning : {1.0, 10.0}) {
-      CAPTURE(name);
-      CAPTURE(thinning);
-      const PointCloud cloud = thinning > 1 ? thinnedAlong(shapeCloud(name), thinning) : shapeCloud(name);
-      Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
-      camera.eye += DVec3(1.5, 1, 0);
-      const double spacing = meanSpacing(cloud);
-      // With discs that end at edges.
-      CHECK(checkSame(DrawnCloud(device, cloud, {.spacing = spacing}), camera, {.pass = ImagePass::normal}) > 0.1);
-      CHECK(checkSame(DrawnCloud(device, colored(cloud), {.spacing = spacing}), camera) > 0.1);
-    }
+  struct Look {
+    const char* shape;
+    double thinning;
+  };
+  for (const auto& [name, thinning] : byTier<std::vector<Look>>(
+           {{"sphere", 1}, {"torus", 10}, {"cube", 1}},
+           {{"sphere", 1}, {"sphere", 10}, {"torus", 1}, {"torus", 10}, {"cube", 1}, {"cube", 10}})) {
+    CAPTURE(name);
+    CAPTURE(thinning);
+    const PointCloud cloud = thinning > 1 ? thinnedAlong(shapeCloud(name), thinning) : shapeCloud(name);
+    Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
+    camera.eye += DVec3(1.5, 1, 0);
+    const double spacing = meanSpacing(cloud);
+    // With discs that end at edges.
+    CHECK(checkSame(DrawnCloud(device, cloud, {.spacing = spacing}), camera, {.pass = ImagePass::normal}) > 0.1);
+    CHECK(checkSame(DrawnCloud(device, colored(cloud), {.spacing = spacing}), camera) > 0.1);
+  }
 }
 
 TEST_CASE_FIXTURE(HardwareRasterFixture, "so they do from inside, with radii given, smoothed, and at odd sizes") {

@@ -109,7 +109,7 @@ TEST_CASE_FIXTURE(MeshPictureFixture,
   within.eye = DVec3(0);
   within.target = DVec3(0, 0, -1);
   within.setDepthRange({DVec3(-1), DVec3(1)});
-  const Picture inside = draw(sphereMesh(40), within, {.pass = ImagePass::normal});
+  const Picture inside = draw(sphereMesh(20), within, {.pass = ImagePass::normal}, 0.2);
   CHECK(inside.color.at(100, 100)[2] > 250);
   CHECK(std::ranges::none_of(inside.depth.depth, [](float depth) { return depth == 0; }));
 }

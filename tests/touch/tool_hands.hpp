@@ -52,10 +52,10 @@ class HandWith {
     felt.torque_mNm = law_.torque_mNm();
     return felt;
   }
-  /// Straight down from 8 above, in steps of 0.25.
+  /// Straight down from 8 above, in steps of 0.5.
   Felt press(double depth, const DQuat& turn = {1, 0, 0, 0}) {
     Felt felt;
-    for (double z = 8; z > -depth; z -= 0.25) felt = feel({0.3, 0.2, z}, turn);
+    for (double z = 8; z > -depth; z -= 0.5) felt = feel({0.3, 0.2, z}, turn);
     return feel({0.3, 0.2, -depth}, turn);
   }
   Backend& backend() { return backend_; }

@@ -62,7 +62,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "each brush does its own work after another, a
     touch->setBrush(brush(BrushKind::paint, 10));
     press(*touch, {0, 1, 0}, 2);
     touch->setBrush(brush(BrushKind::inflate, 12));
-    press(*touch, {1, 0, 0}, 2);
+    press(*touch, {1, 0, 0}, 2, 60);
     touch->setBrush(std::nullopt);
     press(*touch, {-1, 0, 0}, 3);
     touch->setBrush(brush(BrushKind::carve, 5));

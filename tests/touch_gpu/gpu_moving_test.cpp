@@ -6,6 +6,7 @@
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 #include "tests/touch/moving_scene.hpp"
 #include "tests/touch/stream_scene.hpp"
 
@@ -222,11 +223,13 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "where there is time for more frames than tick
   CHECK(newer > 5);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "frames that are old are felt where the surface is by now") {
-  checkOldFrames([this](const Scene& scene, CloudSource& source, double friction) {
-    return std::make_unique<TouchSide>(device, scene.cloud,
-                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
-  });
+TEST_CASE_FIXTURE(CoreGpuFixture, "frames that are old are felt where the surface is by now" * kMoreInFull) {
+  checkOldFrames(
+      [this](const Scene& scene, CloudSource& source, double friction) {
+        return std::make_unique<TouchSide>(
+            device, scene.cloud, TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
+      },
+      byTier(360, 600));
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "where frames stop coming the surface stands still after a while") {

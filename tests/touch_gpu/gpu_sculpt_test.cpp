@@ -21,9 +21,9 @@ BrushOptions brush(BrushKind kind) { return {.kind = kind, .tau = 0.3, .beta = 0
 std::vector<Pose> press(double depth) {
   std::vector<Pose> poses;
   const auto go = [&](const DVec3& hip) { poses.push_back({.time_s = kTick_s * double(poses.size()), .hip = hip}); };
-  for (int k = 0; k <= 40; ++k) go({0, 0, 50.5 - (depth + 0.5) * k / 40});
-  for (int k = 0; k <= 30; ++k) go({0.1 * k, 0, 50 - depth});
-  for (int k = 0; k < 30; ++k) go({3, 0, 50 - depth});
+  for (int k = 0; k <= 20; ++k) go({0, 0, 50.5 - (depth + 0.5) * k / 20});
+  for (int k = 0; k <= 15; ++k) go({0.2 * k, 0, 50 - depth});
+  for (int k = 0; k < 15; ++k) go({3, 0, 50 - depth});
   return poses;
 }
 
@@ -52,7 +52,7 @@ Played play(TouchBackend& touch, const PointCloud& before, const std::vector<Pos
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
                   "every brush leaves on the GPU what it leaves on the CPU: a whole surface in one place") {
-  const Scene scene = makeScene("sphere", 12'000);
+  const Scene scene = makeScene("sphere", 6'000);
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);
     TouchSide gpu(device, scene.cloud, {.radius = scene.radius, .brush = brush(kind)});
@@ -75,7 +75,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
 
 TEST_CASE_FIXTURE(GpuFixture,
                   "points come where a push stretches the surface, and the same session gives them the same ids") {
-  const Scene scene = makeScene("sphere", 12'000);
+  const Scene scene = makeScene("sphere", 8'000);
   PointCloud first;
   for (int run = 0; run < 2; ++run) {
     TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = brush(BrushKind::push)});
@@ -91,7 +91,7 @@ TEST_CASE_FIXTURE(GpuFixture,
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "a brush larger than the model, and a stroke that takes every point, end well") {
-  const Scene scene = makeScene("sphere", 3'000);
+  const Scene scene = makeScene("sphere", 1'025);
   for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
     BrushOptions large = brush(BrushKind::carve);
     large.radius = 400;
@@ -108,7 +108,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a brush larger than the model, and a stroke t
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "when no numbers are left for new points the surface comes to rest all the same") {
-  const Scene scene = makeScene("sphere", 12'000);
+  const Scene scene = makeScene("sphere", 8'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = brush(BrushKind::push), .spareSlots = 60});
   auto poses = press(8);
   for (int k = 1; k <= 40; ++k) poses.push_back({.time_s = kTick_s * double(poses.size()), .hip = {3, 0, 42.0 + k}});

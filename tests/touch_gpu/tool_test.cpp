@@ -1,5 +1,6 @@
 // Tools of many points: what they feel on surfaces that are known, and where they end.
 #include "engine/core/error.hpp"
+#include "tests/labels.hpp"
 #include "tests/near.hpp"
 #include "tests/touch/tool_hands.hpp"
 
@@ -16,10 +17,11 @@ double secondMoment(const ToolShape& tool) {
 }  // namespace
 
 TEST_CASE_FIXTURE(ToolFixture,
-                  "a tool pressed flat on a plane is as stiff as one point at its mean depth, and does not turn") {
+                  "a tool pressed flat on a plane is as stiff as one point at its mean depth, and does not turn" *
+                      kMoreInFull) {
   const Scene scene = makeScene("plane", 20'000);
   for (const ToolKind kind : kManyPointed)
-    for (const std::size_t count : {2u, 15u, 64u}) {
+    for (const std::size_t count : byTier<std::vector<std::size_t>>({2, 15}, {2, 15, 64})) {
       CAPTURE(static_cast<int>(kind));
       CAPTURE(count);
       const ToolShape tool = makeTool(kind, count, 8);

@@ -6,6 +6,7 @@
 #include "engine/render/drawn_cloud.hpp"
 #include "engine/touch/memory.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/labels.hpp"
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 #include "tests/touch/busy.hpp"
@@ -32,7 +33,7 @@ std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog::R
 TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it stands tau behind") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
-  const auto contacts = press(touch, 4, 200);
+  const auto contacts = press(touch, 4, 120);
   touch.finish();
   for (const Contact& contact : contacts) CHECK(contact.valid);
   const Contact& last = contacts.back();
@@ -90,7 +91,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
   }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that has fallen behind costs edits, never the unread entries") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that has fallen behind costs edits, never the unread entries" * kFull) {
   // A wide tool, deep inside: every tick moves a fifth of the points, a little.
   const Scene scene = makeScene("sphere", 60'000);
   TouchSide touch(
@@ -102,6 +103,31 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that has fallen behind costs edits, 
   CHECK(touch.shortfalls().editsLogFull > 0);
   CHECK(reader.unread().size() > scene.cloud.size());
   CHECK(reader.unread().size() <= touch.editLog().capacity());
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "while a reader has fallen behind nothing is edited, and afterwards edits go on") {
+  const Scene scene = makeScene("sphere", 3'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
+  EditLog& log = touch.editLog();
+  EditLog::Reader reader(log);
+  for (int strokes = 0; log.room() > 0; ++strokes) {
+    REQUIRE(strokes < 10'000);
+    log.endStroke();
+  }
+  press(touch, 3, 20);
+  touch.finish();
+  const auto leftOut = touch.shortfalls().editsLogFull;
+  CHECK(leftOut > 5);
+  PointCloud cloud = scene.cloud;
+  CHECK(touch.readBack(cloud) == 0);
+  const auto unread = reader.unread();
+  CHECK(unread.size() == 0);
+  std::vector<EditMark> marks;
+  reader.takeMarks(unread.begin, unread.end, marks);
+  press(touch, 3, 20, &reader);
+  touch.finish();
+  CHECK(touch.shortfalls().editsLogFull == leftOut);
+  CHECK(touch.readBack(cloud) > 5);
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "with a reader that keeps up no edit is left out") {
@@ -240,8 +266,9 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud that is denser than a tick can look at is
   CHECK(usual.shortfalls().truncatedTicks == 0);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "the memory that is predicted is the memory that is taken, within a twentieth") {
-  for (const std::size_t points : {20'000u, 500'003u}) {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "the memory that is predicted is the memory that is taken, within a twentieth" * kMoreInFull) {
+  for (const std::size_t points : {std::size_t{20'000}, byTier<std::size_t>(90'001, 500'003)}) {
     CAPTURE(points);
     const Scene scene = makeScene("sphere", points);
     const GpuMemory predicted = predictGpuMemory(points, false);

@@ -1,4 +1,5 @@
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <thread>
 
@@ -23,12 +24,12 @@ TEST_CASE_FIXTURE(GpuFixture,
   std::thread sight([&] {
     while (sculpting) {
       followed += drawn.catchUp(reader);
-      std::this_thread::yield();
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
     }
   });
-  for (int i = 0; i < 120; ++i) {
-    const double angle = 0.004 * i;
-    const double r = 51 - 0.1 * std::min(i, 60);
+  for (int i = 0; i < 60; ++i) {
+    const double angle = 0.008 * i;
+    const double r = 51 - 0.2 * std::min(i, 30);
     CHECK(touch.query({.time_s = 0.001 * i, .hip = {r * std::sin(angle), 0, r * std::cos(angle)}}, 0).valid);
   }
   touch.finish();
