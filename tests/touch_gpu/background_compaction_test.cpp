@@ -23,7 +23,7 @@ constexpr std::chrono::milliseconds kTick(1);       // in real time, at least
 // Between poses. After a slow edit others rest, twice as long after each that is slow again: not even a thousand of
 // them on end reach the next pose, so that on the slowest machine all edits are made.
 constexpr double kApart_s = 1e303;
-constexpr std::uint32_t kLittleSpare = 1'800, kLeastSpare = 200;
+constexpr std::uint32_t kLittleSpare = 1'800, kLeastSpare = 500;
 
 TouchOptions optionsFor(const Scene& scene, std::uint32_t spare) {
   return {.radius = scene.radius,
@@ -99,10 +99,9 @@ void checkEqual(const Stroke& a, const Stroke& b) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture,
-                  "in virtual time a stroke with compactions gives what it gives without, bit by bit" * kMoreInFull) {
+TEST_CASE_FIXTURE(GpuFixture, "in virtual time a stroke with compactions gives what it gives without, bit by bit") {
   const Scene scene = makeScene("sphere", 20'000);
-  const int ticks = byTier(160, 400);
+  const int ticks = 400;
   const Stroke without = sculpt(device, scene, 1 << 17, kVirtual, ticks);
   CHECK(without.compactions == 0);
   const Stroke with = sculpt(device, scene, kLeastSpare, kVirtual, ticks);
@@ -124,8 +123,8 @@ TEST_CASE("in real time edits that find no slots wait for the compaction that br
           kMoreInFull) {
   Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 20'000);
-  const Stroke stroke = sculpt(device, scene, kLeastSpare, kRealtime_us, byTier(300, 1'000));
-  CHECK(stroke.compactions >= byTier(1, 3));
+  const Stroke stroke = sculpt(device, scene, kLeastSpare, kRealtime_us, 1'000);
+  CHECK(stroke.compactions >= 3);
   CHECK(stroke.editsHeldUp > 0);
 }
 
