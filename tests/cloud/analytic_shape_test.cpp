@@ -136,10 +136,8 @@ TEST_CASE("the same seed gives the same bytes with any number of threads, anothe
     CAPTURE(std::string(name));
     const auto shape = makeShape(name);
     const PointCloud cloud = sampleShape(*shape, {.count = 5'000, .seed = 5, .noise = 0.3, .threads = 1});
-    for (const unsigned threads : {2u, 7u}) {
-      const SampleOptions options{.count = 5'000, .seed = 5, .noise = 0.3, .threads = threads};
-      CHECK(sameBytes(cloud, sampleShape(*makeShape(name), options)));  // one that was never sampled with fewer
-    }
+    // One that was never sampled with fewer.
+    CHECK(sameBytes(cloud, sampleShape(*makeShape(name), {.count = 5'000, .seed = 5, .noise = 0.3, .threads = 7})));
     CHECK(sameBytes(cloud, sampleShape(*shape, {.count = 5'000, .seed = 5, .noise = 0.3, .threads = 3})));
     CHECK_FALSE(sameBytes(cloud, sampleShape(*shape, {.count = 5'000, .seed = 6, .noise = 0.3})));
     CHECK_FALSE(

@@ -82,7 +82,7 @@ TEST_CASE("in virtual time each brush makes of the points around a hand what it 
       Hand hand(scene, brush, widening);
       hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), box.min - 40.0, box.max + 40.0));
       std::size_t touching = 0, differing = 0, tick = 0;
-      for (const DVec3& hip : wanderingPath(scene, byTier(200, 300), 2 * scene.radius, 7)) {
+      for (const DVec3& hip : wanderingPath(scene, 300, 2 * scene.radius, 7)) {
         const Pose pose{.time_s = static_cast<double>(++tick) * 1e-3, .hip = hip};
         const Contact own = hand.touch->query(pose, 0), truth = whole.query(pose, 0);
         differing += !isSame(own, truth);
