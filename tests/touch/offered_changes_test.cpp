@@ -31,12 +31,12 @@ TEST_CASE("in real time a hand sculpts although changes of others are offered be
   const Scene scene = makeScene("sphere", 5'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
   Offering others(touch, scene.cloud, 4);
-  PointCloud copy = scene.cloud;
   for (int i = 0; i < 60; ++i) {
     others.follow();
     if (!others.isOffered()) REQUIRE(others.offer(10, 1, [](const PointState& point) { return point.position.z < 0; }));
     // So far apart that no slow edit makes the next one wait.
     touch.query({.time_s = 100.0 * i, .hip = {0, 0, std::max(48.0, 51 - 0.1 * i)}}, 60e6);
+    PointCloud copy = scene.cloud;
     touch.readBack(copy);  // waits for what the answer has started
   }
   touch.finish();
