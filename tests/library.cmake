@@ -20,7 +20,12 @@ if(TARGET palpate_python AND PALPATE_VULKAN)
   foreach(file ${files})
     cmake_path(GET file STEM name)
     string(REGEX REPLACE "^test_" "" name ${name})
-    palpate_entry(python.${name} LABELS first COMMAND ${python} -m pytest -q -rs -p no:cacheprovider
+    if(name STREQUAL sharing)
+      set(label waits)
+    else()
+      set(label first)
+    endif()
+    palpate_entry(python.${name} LABELS ${label} COMMAND ${python} -m pytest -q -rs -p no:cacheprovider
                                                       -o faulthandler_timeout=300 ${file})
     list(APPEND entries python.${name})
   endforeach()

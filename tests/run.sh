@@ -10,8 +10,8 @@ export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_RESULTS=$PWD/build/tes
 
 legs=(address truths searched one_thread links thread swiftshader layer lint mutations fuzz windows arm64)
 build() { cmake --preset "$1" > /dev/null && cmake --build --preset "$1" --target "${@:2}"; }  # PRESET TARGETS...
-tests() {  # PRESET [CTEST OPTIONS...]: two places for each entry and one for what sleeps (tests/CMakeLists.txt)
-  ctest --preset "$1" -j $((2 * $(nproc) + 1)) --no-tests=error "${@:2}"
+tests() {  # PRESET [CTEST OPTIONS...]: two places for each entry, one for what sleeps (tests/CMakeLists.txt)
+  ctest --preset "$1" -j $((2 * $(nproc) + 2)) --no-tests=error "${@:2}"
 }
 release() { build release palpate all_tests && PALPATE_TESTS_VALIDATE=${validate:-core} tests release "$@"; }
 skip() { echo "skipped: $*"; return 77; }

@@ -1,3 +1,4 @@
+// ctest: waits
 // Sessions that several programs have, through the C interface: a cloud is served, joined twice, and sculpted by both.
 #include <atomic>
 #include <memory>

@@ -1,3 +1,4 @@
+// ctest: waits
 // A session amid others that mean it no good: another process says as fast as it can what no palpate says, and
 // meanwhile nothing ends, nothing grows without a bound, and whoever is honest goes on.
 #include <doctest/doctest.h>

@@ -1,3 +1,4 @@
+// ctest: waits
 // Samples of each of our types, and ROS's clouds, with bytes that are not as they were: lengths, counts, numbers, bits.
 // DDS refuses those that cannot be, and the others come to a session that is served and to one that is joined, as if
 // sent.
