@@ -66,10 +66,10 @@ TEST_CASE("a place that is picked says which point is there, its normal, its att
 0.07 key R
 0.10 key D
 0.15 mouse 240 240
-0.25 button left down
-0.35 button left up
-0.40 state %/picked.json
-0.45 quit
+0.50 button left down
+0.60 button left up
+0.80 state %/picked.json
+0.90 quit
 )",
       "", [](const std::filesystem::path& folder) {
         std::ofstream file(folder / "ball.ply");
