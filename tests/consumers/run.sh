@@ -3,6 +3,7 @@
 # alone, in C, C++ and, where they can be, Python and C#: by CMake's package, and by pkg-config where there is one.
 #   tests/consumers/run.sh BUILD_FOLDER [PYTHON]
 set -euo pipefail
+[ -z "${PALPATE_TESTS_ONLY:-}" ] || { echo "consumers: skipped: it has no label $PALPATE_TESTS_ONLY"; exit 77; }
 here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "$1" && pwd)
 python=${2:-python3}

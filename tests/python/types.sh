@@ -2,6 +2,7 @@
 # Whether the types that the Python package tells are right, by mypy; 77: there is none.
 #   tests/python/types.sh PYTHON FOLDER
 set -euo pipefail
+[ -z "${PALPATE_TESTS_ONLY:-}" ] || { echo "types.sh: skipped: it has no label $PALPATE_TESTS_ONLY"; exit 77; }
 here=$(cd "$(dirname "$0")" && pwd)
 "$1" -m mypy --version > /dev/null 2>&1 || { echo "types.sh: skipped: mypy is not here"; exit 77; }
 scratch=$(mktemp -d)

@@ -4,6 +4,7 @@
 # same loopback, one after another. Exit code 77 where there is no ddsperf (cyclonedds-tools).
 #   tests/sharing/beside_ddsperf.sh PALPATE ROS_LISTENER [SECONDS]
 set -euo pipefail
+[ -z "${PALPATE_TESTS_ONLY:-}" ] || { echo "beside_ddsperf: skipped: it has no label $PALPATE_TESTS_ONLY"; exit 77; }
 palpate=$(readlink -f "$1") listener=$(readlink -f "$2") seconds=${3:-5}
 command -v ddsperf > /dev/null || { echo 'beside_ddsperf: skipped: there is no ddsperf (cyclonedds-tools)'; exit 77; }
 folder=$(mktemp -d)
