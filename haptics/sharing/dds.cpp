@@ -209,30 +209,38 @@ struct Participant::Domain {
       : network(given), entity(dds_create_domain(given.domain, config.c_str()), "the network") {}
   NetworkConfig network;
   Entity entity;
+  int users = 0;
+
+  // A program has each domain once: the last user closes it under the lock under which the next one opens it.
+  struct All {
+    std::mutex lock;
+    std::map<std::uint32_t, Domain> open;
+  };
 
   static std::shared_ptr<Domain> of(const NetworkConfig& network) {
-    static std::mutex& lock = *new std::mutex;  // as Remarks
-    static auto& all = *new std::map<std::uint32_t, std::weak_ptr<Domain>>;
+    static All& all = *new All;  // as Remarks
     const std::string config = configOf(network);
+    const std::scoped_lock hold(all.lock);
     Remarks::all().take();
-    std::shared_ptr<Domain> there;
-    const std::scoped_lock hold(lock);
-    there = all[network.domain].lock();
-    if (!there) {
+    auto found = all.open.find(network.domain);
+    if (found == all.open.end()) {
       try {
-        there = std::make_shared<Domain>(network, config);
+        found = all.open.try_emplace(network.domain, network, config).first;
       } catch (const NetworkError& error) {
         const std::string why = Remarks::all().take();
         throw NetworkError("the network of {} cannot be used: {}; is there such an interface, and does it carry IPv4?",
                            network.interface.empty() ? "this machine" : network.interface,
                            why.empty() ? error.what() : why);
       }
-      all[network.domain] = there;
     }
-    if (there->network != network)
+    if (found->second.network != network)
       throw UsageError("domain: this program is on domain {} of another network, or with other keys, already",
                        network.domain);
-    return there;
+    ++found->second.users;
+    return {&found->second, [found](Domain* domain) {
+              const std::scoped_lock last(all.lock);
+              if (--domain->users == 0) all.open.erase(found);
+            }};
   }
 };
 
