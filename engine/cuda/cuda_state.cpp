@@ -1,11 +1,13 @@
 #include "engine/cuda/cuda_state.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/held_contact.hpp"
 #include "engine/cuda/cuda_error.hpp"
+#include "engine/edit/placed_brush.hpp"
 #include "shaders/shared/edit.h"
 
 namespace palpate {
@@ -24,6 +26,7 @@ CudaTouch::State::State(const PointCloud& cloud, const CudaTouchOptions& options
       options_(options),
       origin_(cloud.origin),
       live_(cloud, stream_),
+      stroke_(options.radius),
       build_(options.grid, live_.count()),
       buffers_(stream_, options.radius, options.friction, live_.count()) {
   PALPATE_CHECK_LT(0.0, options.radius);
@@ -35,8 +38,8 @@ CudaTouch::State::State(const PointCloud& cloud, const CudaTouchOptions& options
   buildTime_us = end.since_us(start);
   live_.flip();
   if (options.push) {
-    push_.emplace(*options.push, options.radius, static_cast<double>(shared::kLongestMove) * options.radius,
-                  live_.count());
+    push_.emplace(sharedBrush(*options.push, options.radius), options.radius, stream_, live_.count());
+    stroke_.setBrush(*options.push);
     editTimes_us.reserve(kEditTimesReserved);
     for (const unsigned parity : {0u, 1u}) recordEdit(parity);
   }
@@ -57,7 +60,7 @@ CudaTouch::State::~State() {
 void CudaTouch::State::recordEdit(unsigned parity) {
   edits_[parity] = std::make_unique<cu::Graph>(stream_, [&] {
     cu::CloudHalf &from = live_.half(parity), &to = live_.half(1 - parity);
-    push_->recordPush(stream_, from, live_.count(), buffers_.state());
+    push_->recordPush(stream_, from, live_.count());
     build_.record(stream_, from, to, live_.count());
     push_->recordRefit(stream_, build_.view(to, live_.count()));
   });
@@ -121,14 +124,15 @@ void CudaTouch::State::takeAnswer() {
            .neighbours = sample.neighbours,
            .gpu_us = asked.timed || !method_->inStreamOrder() ? method_->time_us() : 0};
   lastPose_ = asked.pose;
+  if (push_ && last_.valid)
+    stroke_.feel(last_, lastPose_.hip - origin_, DVec3(sample.spring), lastPose_.sculpts, lastPose_.time_s);
 }
 
 Contact CudaTouch::State::held(const Pose& pose) const { return heldContact(last_, lastPose_, pose); }
 
 void CudaTouch::State::editIfYielding() {
-  if (!push_ || !last_.touching || !lastPose_.sculpts ||
-      glm::distance(last_.proxy, lastPose_.hip) <= options_.push->tau)
-    return;
+  if (!push_ || !stroke_.acts()) return;
+  push_->setTool(sharedTool(stroke_.next(lastPose_.time_s)));
   editStart_.record(stream_);
   edits_[live_.parity()]->launch(stream_);
   editEnd_.record(stream_);
@@ -141,6 +145,9 @@ bool CudaTouch::State::editDone() {
   if (!editOut_) return true;
   if (!editEnd_.reached("editing")) return false;
   editOut_ = false;
+  const cu::PushEdit::Sums& sums = push_->sums();
+  const SurfaceMeasure measured{sums.weights, {sums.normals[0], sums.normals[1], sums.normals[2]}, sums.heights};
+  stroke_.note(measured - std::exchange(measured_, measured));
   if (editTimes_us.size() < editTimes_us.capacity()) editTimes_us.push_back(editEnd_.since_us(editStart_));
   return true;
 }

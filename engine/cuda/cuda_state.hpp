@@ -6,6 +6,7 @@
 #include "engine/cuda/live_copy.hpp"
 #include "engine/cuda/push_edit.hpp"
 #include "engine/cuda/query_method.hpp"
+#include "engine/edit/brush_stroke.hpp"
 
 namespace palpate {
 
@@ -47,6 +48,8 @@ class CudaTouch::State {
   DVec3 origin_;
   cu::Stream stream_;
   cu::LiveCopy live_;
+  BrushStroke stroke_;
+  SurfaceMeasure measured_;  // by all edits so far
   cu::CubBuild build_;
   cu::StepBuffers buffers_;
   std::unique_ptr<cu::QueryMethod> method_;

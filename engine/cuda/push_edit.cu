@@ -10,20 +10,39 @@ namespace {
 
 constexpr unsigned kBlock = 256;
 
+using Sums = PushEdit::Sums;
+
 unsigned blocksFor(std::uint32_t threads) { return threads / kBlock + (threads % kBlock != 0); }
 
 __global__ void __launch_bounds__(kBlock)
-    pushPoints(float4* positions, float4* normals, const ContactState* state, uint count, const Brush brush) {
+    pushPoints(float4* positions, float4* normals, const BrushTool* tools, Found* founds, Sums* sums, uint count,
+               const Brush brush) {
   const uint i = blockIdx.x * kBlock + threadIdx.x;
-  if (i >= count) return;
-  const BrushBall ball = ballOf(brush, state->lastHip, state->lastHip, state->spring, state->touching);
+  const BrushTool tool = *tools;
+  if (i >= count || tool.acts == 0) return;
   const float4 point = positions[i];
-  const vec3 from = xyz(point);
-  const vec3 to = brushed(brush, ball, from, vec3(0.0f)).position;
+  const vec3 from = xyz(point), away = from - tool.middle;
+  if (glm::dot(away, away) >= tool.reach * tool.reach) return;
+  const uint id = __float_as_uint(point.w);
+  Found& known = founds[id];
+  FoundPoint found{from, xyz(normals[i])};
+  if (known.stroke == tool.stroke) found = {known.position, known.normal};
+  if (isSampled(id, tool.sampling)) {
+    const MeasuredPoint says = measured(brush, tool, found);
+    if (says.weight != 0) {
+      atomicAdd(&sums->weights, uint(says.weight));
+      for (int k = 0; k < 3; ++k) atomicAdd(&sums->normals[k], uint(says.normal[k]));
+      atomicAdd(&sums->heights, uint(says.height));
+    }
+  }
+  const vec3 to = brushed(brush, tool, from, found.normal, found).position;
   if (to == from) return;
+  known = {found.position, tool.stroke, found.normal};
   positions[i] = make_float4(to.x, to.y, to.z, point.w);
   normals[i].w = kMarkRefit;
 }
+
+__global__ void tellSums(const Sums* sums, Sums* told) { *told = *sums; }
 
 // The places of the marked points, in any order: what follows costs by their number and not by the cloud's.
 __global__ void __launch_bounds__(kBlock)
@@ -94,28 +113,24 @@ unsigned fillingBlocks() {
 
 }  // namespace
 
-PushEdit::PushEdit(const BrushOptions& options, double radius, double longestMove, std::uint32_t points)
-    : options_(options),
+PushEdit::PushEdit(const Brush& brush, double radius, const Stream& stream, std::uint32_t points)
+    : brush_(brush),
       radius_(radius),
-      longestMove_(longestMove),
       refitBlocks_(fillingBlocks()),
+      founds_(points),
+      sums_(1),
       moved_(points),
-      movedCount_(1) {}
+      movedCount_(1) {
+  founds_.clear(stream);
+  sums_.clear(stream);
+}
 
-void PushEdit::recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count,
-                          const ContactState* state) const {
+void PushEdit::recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count) const {
   if (count == 0) return;
-  const Brush brush{.kind = kBrushPush,
-                    .falloff = options_.falloff,
-                    .tau = static_cast<float>(options_.tau),
-                    .beta = static_cast<float>(options_.beta),
-                    .radius = static_cast<float>(options_.radius),
-                    .strength = static_cast<float>(options_.strength),
-                    .longestMove = static_cast<float>(longestMove_),
-                    .support = static_cast<float>(radius_),
-                    .color = 0};
-  pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(points(half.positions), points(half.normals), state, count,
-                                                            brush);
+  pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(points(half.positions), points(half.normals),
+                                                            tool_.device(), founds_.data(), sums_.data(), count,
+                                                            brush_);
+  tellSums<<<1, 1, 0, stream.get()>>>(sums_.data(), told_.device());
   checkLaunch("launching the push");
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "engine/core/brush.hpp"
 #include "engine/cuda/cub_hash_build.hpp"
 #include "shaders/shared/edit.h"
 
@@ -10,19 +9,32 @@ namespace palpate::cu {
 /// a pass over every point. The number of moved points never leaves the device.
 class PushEdit {
  public:
-  /// `radius`: support radius; `longestMove`: of one point in one tick; model units.
-  PushEdit(const BrushOptions& options, double radius, double longestMove, std::uint32_t points);
+  /// How edits have found the surface under the tool: sums over all of them, as MeasuredPoint of
+  /// shaders/shared/brush.h, which may run over.
+  struct Sums {
+    shared::uint weights = 0, normals[3]{}, heights = 0;
+  };
 
-  /// Submits only. Pushes the points on `half` as the contact state says, and marks those that move.
-  void recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count,
-                  const shared::ContactState* state) const;
+  /// `radius`: support radius, model units.
+  PushEdit(const shared::Brush& brush, double radius, const Stream& stream, std::uint32_t points);
+
+  /// Where the tool is in the edit that is launched next. While none is under way.
+  void setTool(const shared::BrushTool& tool) { tool_.host() = tool; }
+  /// While no edit is under way.
+  const Sums& sums() const { return told_.host(); }
+  /// Submits only. Pushes the points on `half`, and marks those that move.
+  void recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count) const;
   /// Submits only. After the rebuild: refits the normals of the marked points and takes the marks away.
   void recordRefit(const Stream& stream, const shared::CloudView& cloud) const;
 
  private:
-  BrushOptions options_;
-  double radius_, longestMove_;
+  shared::Brush brush_;
+  double radius_;
   unsigned refitBlocks_;
+  MappedValue<shared::BrushTool> tool_;
+  MappedValue<Sums> told_;
+  DeviceArray<shared::Found> founds_;  // by id
+  DeviceArray<Sums> sums_;
   DeviceArray<std::uint32_t> moved_, movedCount_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "engine/core/check.hpp"
 #include "engine/edit/edit_pipelines.hpp"
 #include "engine/edit/placed_brush.hpp"
 #include "engine/gpu/device.hpp"
@@ -11,6 +12,8 @@
 namespace palpate {
 
 namespace {
+
+constexpr double kFar = 2;  // radii of the brush: the furthest reach of a tool
 
 // Cells that a ball of `radius` may touch, along one side; 0 where they are more than the buckets.
 std::uint64_t boxCells(const HashGrid& grid, double radius) {
@@ -27,21 +30,28 @@ BrushMoves::BrushMoves(Device& device, const HashUpdate& update, const HashGrid&
       grid_(grid),
       radius_(radius),
       options_(brush),
-      boxCells_(boxCells(grid, brush.radius)),
       collect_(device, shader_code::edit_collect, editPipeline(sizeof(shared::CollectArgs), update)),
       smooth_(device, shader_code::edit_smooth, editPipeline(sizeof(shared::SmoothArgs), update)),
-      brush_(Buffer::of<shared::Brush>(device, 1, Memory::device, "brush")) {
+      brush_(Buffer::of<shared::Brush>(device, 1, Memory::device, "brush")),
+      tool_(Buffer::of<shared::BrushTool>(device, 1, Memory::upload, "tool")) {
+  setTool({});
   setBrush(brush);
 }
 
 void BrushMoves::setBrush(const BrushOptions& brush) {
   options_ = brush;
-  boxCells_ = boxCells(grid_, brush.radius);
+  boxCells_ = {boxCells(grid_, brush.radius), boxCells(grid_, kFar * brush.radius)};
   upload(device_, brush_, std::vector{sharedBrush(brush, radius_)});
 }
 
-BrushMoves::Selection BrushMoves::box(std::uint32_t slots) const {
-  return hasBox() ? Selection{.cells = static_cast<std::uint32_t>(boxCells_)} : Selection{.slots = slots};
+void BrushMoves::setTool(const BrushStroke::Tool& tool) {
+  tool_.mapped<shared::BrushTool>()[0] = sharedTool(tool);
+  PALPATE_CHECK_LE(tool.reach, kFar * options_.radius * (1 + 1e-9));
+  box_ = tool.reach > options_.radius * (1 + 1e-9) ? Box::far : Box::near;
+}
+
+BrushMoves::Selection BrushMoves::select(Box box, std::uint32_t slots) const {
+  return has(box) ? Selection{.cells = static_cast<std::uint32_t>(cells(box))} : Selection{.slots = slots};
 }
 
 void BrushMoves::record(CommandList& list, const Io& io, const Selection& selection, std::uint32_t recalls) const {
@@ -66,7 +76,7 @@ void BrushMoves::recordCollect(CommandList& list, const Io& io, const Selection&
                 shared::CollectArgs{.cloud = io.cloud,
                                     .update = update.update,
                                     .capacities = update.capacities,
-                                    .state = io.contactState,
+                                    .tool = tool_.address(),
                                     .brush = brush_.address(),
                                     .tables = io.tables,
                                     .recalls = recalls,
@@ -82,7 +92,7 @@ void BrushMoves::recordSmooth(CommandList& list, const Io& io) const {
                      shared::SmoothArgs{.cloud = io.cloud,
                                         .update = update.update,
                                         .capacities = update.capacities,
-                                        .state = io.contactState,
+                                        .tool = tool_.address(),
                                         .brush = brush_.address(),
                                         .tables = io.tables});
 }

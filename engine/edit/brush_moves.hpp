@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "engine/core/brush.hpp"
+#include "engine/edit/brush_stroke.hpp"
 #include "engine/spatial/hash_update.hpp"
 #include "shaders/shared/edit.h"
 
@@ -20,21 +22,28 @@ class BrushMoves {
   const BrushOptions& brush() const { return options_; }
   /// As shaders read it.
   DeviceAddress address() const { return brush_.address(); }
+  /// Where the tool is in the edit that is submitted next. While none is under way.
+  void setTool(const BrushStroke::Tool& tool);
 
-  /// Where a brush looks for points: in the cells of its box, in slots, or nowhere.
+  /// The boxes in which a brush looks for points: one around its ball, and one around a tool that reaches twice as far.
+  enum class Box { near, far };
+  /// The one that the tool asks for.
+  Box box() const { return box_; }
+
+  /// Where a brush looks for points: in the cells of a box, in slots, or nowhere.
   struct Selection {
     std::uint32_t cells = 0, firstSlot = 0, slots = 0;
   };
-  /// Whether its box has fewer cells than there are buckets.
-  bool hasBox() const { return boxCells_ > 0; }
+  /// Whether a box has fewer cells than there are buckets.
+  bool has(Box box) const { return cells(box) > 0; }
   /// The box; where it has too many cells, all of so many slots.
-  Selection box(std::uint32_t slots) const;
+  Selection select(Box box, std::uint32_t slots) const;
 
-  /// Which points, and where the brush is.
+  /// Which points.
   struct Io {
     const shared::CloudView& cloud;
     std::uint32_t parity;
-    DeviceAddress contactState, tables;
+    DeviceAddress tables;
   };
   // `recalls`: kRecalls... of shaders/shared/edit.h.
   /// The moves of the brush, and those of requests.
@@ -42,9 +51,10 @@ class BrushMoves {
   /// Those of the requests alone.
   void recordRecalls(CommandList& list, const Io& io, std::uint32_t recalls) const;
 
-  std::uint64_t bytes() const { return brush_.bytes(); }
+  std::uint64_t bytes() const { return brush_.bytes() + tool_.bytes(); }
 
  private:
+  std::uint64_t cells(Box box) const { return boxCells_[static_cast<std::size_t>(box)]; }
   void recordCollect(CommandList& list, const Io& io, const Selection& selection, std::uint32_t recalls) const;
   void recordSmooth(CommandList& list, const Io& io) const;
 
@@ -53,9 +63,10 @@ class BrushMoves {
   HashGrid grid_;
   double radius_;
   BrushOptions options_;
-  std::uint64_t boxCells_;  // of the brush's box, along one side; 0: a pass over all slots costs less
+  std::array<std::uint64_t, 2> boxCells_{};  // along one side; 0: a pass over all slots costs less
+  Box box_ = Box::near;
   ComputePipeline collect_, smooth_;
-  Buffer brush_;
+  Buffer brush_, tool_;
 };
 
 }  // namespace palpate

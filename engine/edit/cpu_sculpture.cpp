@@ -97,6 +97,7 @@ double CpuSculpture::reachOf(std::uint32_t point) const {
 void CpuSculpture::edit(const PlacedBrush& brush) {
   for (const std::uint32_t point : changed_) isChanged_[point] = 0;
   changed_.clear();
+  measure_ = {};
   carves_ = brush.kind() == BrushKind::carve;
   if (brush.acts()) applyBrush(brush);
   findUnsettled();
@@ -130,13 +131,16 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
     if (brush.kind() == BrushKind::smooth)
       places_[i] = {smoothed(brush, point)};
     else
-      places_[i] = brush.brushed(DVec3(points_.positions[point]), DVec3(points_.normals[point]));
+      places_[i] = brush.brushed(DVec3(points_.positions[point]), DVec3(points_.normals[point]), found(brush, point));
   });
+  measure(brush);
   for (std::size_t i = 0; i < reached_.size(); ++i) {
     const std::uint32_t point = reached_[i];
     const Vec3 place(places_[i].position);
-    const std::uint32_t color = brush.painted(DVec3(points_.positions[point]), points_.colors[point]);
+    const std::uint32_t color =
+        brush.painted(DVec3(points_.positions[point]), found(brush, point), points_.colors[point]);
     const bool moved = place != points_.positions[point];
+    if (moved) points_.founds[point] = points_.found(point, brush.stroke());
     if (moved || places_[i].taken || color != points_.colors[point]) tellOf(point);
     points_.positions[point] = place;
     points_.colors[point] = color;
@@ -148,10 +152,20 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
   if (!changed_.empty() && brush.kind() != BrushKind::paint) build();
 }
 
+PlacedBrush::Found CpuSculpture::found(const PlacedBrush& brush, std::uint32_t point) const {
+  const SculptedPoints::Found found = points_.found(point, brush.stroke());
+  return {DVec3(found.position), DVec3(found.normal)};
+}
+
+void CpuSculpture::measure(const PlacedBrush& brush) {
+  for (const std::uint32_t point : reached_)
+    if (brush.measures(point)) measure_.add(brush.measured(found(brush, point)));
+}
+
 DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) const {
   const DVec3 place(points_.positions[point]);
   const SurfaceOptions options{.radius = options_.radius, .kind = SurfaceKind::sphere};
-  return brush.smoothed(place, surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
+  return brush.smoothed(place, found(brush, point), surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
                           grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
                             visit(DVec3(near.position) - place, points_.normals[near.number]);
                           });

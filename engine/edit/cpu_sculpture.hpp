@@ -32,10 +32,14 @@ class CpuSculpture {
   /// One tick: the brush, where it acts; then the points that are not settled get the normals of their surroundings,
   /// and come and go.
   void edit(const PlacedBrush& brush);
+  /// How the last edit found the surface under its brush.
+  const SurfaceMeasure& measure() const { return measure_; }
   /// What the last edit did something to, each point once.
   std::span<const std::uint32_t> changed() const { return changed_; }
   /// False: an edit would change something though no brush acts.
   bool settled() const { return settled_; }
+  /// How a stroke that goes on found a point.
+  void setFound(std::uint32_t point, const SculptedPoints::Found& found) { points_.founds[point] = found; }
   /// Sets points exactly; after that all are settled.
   void set(std::span<const PointChange> changes);
 
@@ -52,7 +56,9 @@ class CpuSculpture {
     ++builds_;
   }
   void applyBrush(const PlacedBrush& brush);
+  PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;
+  void measure(const PlacedBrush& brush);
   void findUnsettled();
   void refit();
   Vec3 refitted(std::uint32_t point) const;
@@ -68,6 +74,7 @@ class CpuSculpture {
   double buildTime_us_ = 0;
   std::uint64_t builds_ = 0;
   bool settled_ = true, carves_ = false;
+  SurfaceMeasure measure_;
   // Of one tick.
   struct Request : ResampleRequest {
     Vec3 place{0};  // of the new point

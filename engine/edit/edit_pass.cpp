@@ -18,7 +18,13 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
       sequel_(device, update_, log, radius),
       tables_(Buffer::of<shared::PointTables>(device, 1, Memory::device, "point tables")),
       colors_(Buffer::of<std::uint32_t>(device, colors.empty() ? 0 : live.slots(), Memory::device, "live colors")),
-      parents_(Buffer::of<std::uint32_t>(device, live.slots() - live.count(), Memory::device, "parents")) {
+      parents_(Buffer::of<std::uint32_t>(device, live.slots() - live.count(), Memory::device, "parents")),
+      founds_(Buffer::of<shared::Found>(device, live.slots(), Memory::device, "founds")) {
+  CommandList list(device, device.latencyQueue(), "clear founds");
+  list.begin();
+  list.fill(founds_, 0, founds_.bytes());
+  list.end();
+  device.latencyQueue().run(list);
   if (!colors.empty()) {
     std::vector<std::uint32_t> byId(live.slots());
     std::ranges::copy(colors, byId.begin());
@@ -31,6 +37,7 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
                                            .spacings = resample_ ? resample_->spacings() : 0,
                                            .rests = resample_ ? resample_->rests() : 0,
                                            .reaches = resample_ ? resample_->reaches() : 0,
+                                           .founds = founds_.address(),
                                            .brush = moves_.address(),
                                            .examined = resample_ ? resample_->examined() : 0,
                                            .lists = resample_ ? resample_->lists() : 0,
@@ -49,14 +56,14 @@ Resample::Io EditPass::resampleIo(const shared::CloudView& cloud, std::uint32_t 
   return {.update = update_.args(cloud, parity), .tables = tables_.address(), .lists = update_};
 }
 
-void EditPass::recordIncremental(CommandList& list, const LiveCloud::Half& half, const Buffer& contactState) const {
+void EditPass::recordIncremental(CommandList& list, const LiveCloud::Half& half, Reach reach) const {
   const shared::CloudView cloud = view(half);
-  const BrushMoves::Io io = movesIo(cloud, half.parity, contactState.address());
+  const BrushMoves::Io io = movesIo(cloud, half.parity);
   {
     const auto edit = list.section("edit");
     {
       const auto section = list.section("brush");
-      moves_.record(list, io, moves_.box(live_.slots()), recalls());
+      moves_.record(list, io, moves_.select(boxOf(reach), live_.slots()), recalls());
     }
     update_.recordApply(list, cloud, half.parity);
     recordSequel(list, cloud, half.parity, scratch(), true);
@@ -65,10 +72,10 @@ void EditPass::recordIncremental(CommandList& list, const LiveCloud::Half& half,
 }
 
 void EditPass::recordRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
-                             const Buffer& contactState, SortMethod sort, Reach reach) const {
+                             SortMethod sort, Reach reach) const {
   {
     const auto edit = list.section("edit");
-    recordReached(list, from, contactState.address(), reach);
+    recordReached(list, from, reach);
     hash_.recordBuild(list, from, to, live_.slots(), sort);
     update_.recordRecount(list, view(to), to.parity, scratch(from).changed);
     recordSequel(list, view(to), to.parity, scratch(from), true);
@@ -76,13 +83,12 @@ void EditPass::recordRebuild(CommandList& list, const LiveCloud::Half& from, con
   recordRequests(list, view(to), to.parity, scratch(from));
 }
 
-void EditPass::recordReached(CommandList& list, const LiveCloud::Half& from, DeviceAddress contactState,
-                             Reach reach) const {
+void EditPass::recordReached(CommandList& list, const LiveCloud::Half& from, Reach reach) const {
   const shared::CloudView cloud = view(from);
-  const BrushMoves::Io io = movesIo(cloud, from.parity, contactState);
+  const BrushMoves::Io io = movesIo(cloud, from.parity);
   const auto section = list.section("brush");
-  if (reach == Reach::box && moves_.hasBox()) {
-    moves_.record(list, io, moves_.box(live_.slots()), recalls());
+  if (hasBox(reach)) {
+    moves_.record(list, io, moves_.select(boxOf(reach), live_.slots()), recalls());
   } else {
     for (std::uint32_t first = 0; first < live_.slots(); first += update_.mostMoves()) {
       const std::uint32_t slots = std::min(update_.mostMoves(), live_.slots() - first);
@@ -106,7 +112,7 @@ void EditPass::recordRestore(CommandList& list, const LiveCloud::Half& half, Giv
 void EditPass::recordForget(CommandList& list, const LiveCloud::Half& half) const {
   if (!resample_) return;
   const shared::CloudView cloud = view(half);
-  moves_.recordRecalls(list, movesIo(cloud, half.parity, 0), shared::kForgetsRequests);
+  moves_.recordRecalls(list, movesIo(cloud, half.parity), shared::kForgetsRequests);
 }
 
 void EditPass::recordGivenIncremental(CommandList& list, const LiveCloud::Half& half, Given given) const {
@@ -139,9 +145,15 @@ void EditPass::recordCompaction(CommandList& list, const LiveCloud::Half& from, 
   update_.recordEnd(list);
 }
 
-BrushMoves::Io EditPass::movesIo(const shared::CloudView& cloud, std::uint32_t parity,
-                                 DeviceAddress contactState) const {
-  return {.cloud = cloud, .parity = parity, .contactState = contactState, .tables = tables_.address()};
+BrushMoves::Io EditPass::movesIo(const shared::CloudView& cloud, std::uint32_t parity) const {
+  return {.cloud = cloud, .parity = parity, .tables = tables_.address()};
+}
+
+SurfaceMeasure EditPass::measure() const {
+  const shared::HashUpdate& sums = report();
+  return {.weights = sums.weights,
+          .normals = {sums.normals[0], sums.normals[1], sums.normals[2]},
+          .heights = sums.heights};
 }
 
 EditSequel::Io EditPass::sequelIo(const shared::CloudView& cloud, std::uint32_t parity, const Scratch& scratch) const {
@@ -180,18 +192,18 @@ void EditPass::complete(std::vector<PointState>& points) const {
 }
 
 std::uint64_t EditPass::mostLogged(Reach reach) const {
-  return reach == Reach::box && moves_.hasBox() ? update_.mostMoves() : live_.slots();
+  return hasBox(reach) ? update_.mostMoves() : live_.slots();
 }
 
 std::uint64_t EditPass::bytes() const {
   return update_.bytes() + (resample_ ? resample_->bytes() : 0) + moves_.bytes() + given_.bytes() + tables_.bytes() +
-         colors_.bytes() + parents_.bytes();
+         colors_.bytes() + parents_.bytes() + founds_.bytes();
 }
 
 std::uint64_t EditPass::predictedBytes(std::uint64_t points, bool colors) {
   constexpr std::uint64_t kWord = sizeof(std::uint32_t);
   const std::uint64_t spare = HashUpdate::spareSlots(points);
-  return HashUpdate::predictedBytes(points) + kWord * spare + (colors ? kWord * (points + spare) : 0) +
+  return HashUpdate::predictedBytes(points) + kWord * spare + sizeof(shared::Found) * (points + spare) + (colors ? kWord * (points + spare) : 0) +
          GivenChanges::predictedBytes(points) +
          Resample::predictedBytes(points, points + spare, HashUpdate::defaultMoves(points));
 }

@@ -30,18 +30,22 @@ class EditPass {
   /// Another brush from now on: what was recorded with the one before must be recorded again. Nothing may run
   /// meanwhile. It keeps the density only where the first brush did.
   void setBrush(const BrushOptions& brush) { moves_.setBrush(brush); }
+  /// Where the tool is in the edit that is submitted next. While none is under way.
+  void setTool(const BrushStroke::Tool& tool) { moves_.setTool(tool); }
 
-  /// Where a brush with a full build looks for the points that it reaches: in the cells of its box, which fails with
-  /// kUpdateTooLarge where they are more than mostMoves(); or among all points, as many at a time.
-  enum class Reach { box, all };
+  /// Where a brush looks for the points that it reaches: in the cells of a box, which fails with kUpdateTooLarge where
+  /// they are more than mostMoves(); or, with a full build, among all points, as many at a time.
+  enum class Reach { near, far, all };
+  /// The one that the tool asks for.
+  Reach reach() const { return moves_.box() == BrushMoves::Box::far ? Reach::far : Reach::near; }
 
-  // Of the brush, for the contact state of this tick; recorded ahead. Two sections: "edit", after which points, index,
+  // Of the brush, for the tool of that time; recorded ahead. Two sections: "edit", after which points, index,
   // normals and log are as the brush leaves them, and "requests", which prepares what the next edit does besides.
   /// At the cost of the points that it reaches: the points on `half` and their index change in place.
-  void recordIncremental(CommandList& list, const LiveCloud::Half& half, const Buffer& contactState) const;
+  void recordIncremental(CommandList& list, const LiveCloud::Half& half, Reach reach) const;
   /// With a full build: reads `from` and writes `to`; the caller flips the cloud.
   void recordRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
-                     const Buffer& contactState, SortMethod sort, Reach reach) const;
+                     SortMethod sort, Reach reach) const;
 
   // Of changes as they are given, at most mostChanges() at a time; recorded after give(). Of those that are offered a
   // point that does not stand where its change says stays as it is; without that none of them is carried out then.
@@ -58,6 +62,8 @@ class EditPass {
   /// True where the last edit that has completed left requests: another one would change something though no brush
   /// acts.
   bool unsettled() const { return resamples() && resample_->unsettled(); }
+  /// How the edits so far have found the surface under the tool: sums over all of them.
+  SurfaceMeasure measure() const;
   /// What the last edit that has completed came to.
   const shared::HashUpdate& report() const { return update_.report(); }
   const HashUpdate& update() const { return update_; }
@@ -84,14 +90,18 @@ class EditPass {
   Scratch scratch(const LiveCloud::Half& left) const {
     return {.changed = update_.bySlot(), .fitted = left.normals.address()};
   }
-  BrushMoves::Io movesIo(const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress contactState) const;
+  BrushMoves::Io movesIo(const shared::CloudView& cloud, std::uint32_t parity) const;
+  bool hasBox(Reach reach) const { return reach != Reach::all && moves_.has(boxOf(reach)); }
+  static BrushMoves::Box boxOf(Reach reach) {
+    return reach == Reach::near ? BrushMoves::Box::near : BrushMoves::Box::far;
+  }
   EditSequel::Io sequelIo(const shared::CloudView& cloud, std::uint32_t parity, const Scratch& scratch) const;
   Resample::Io resampleIo(const shared::CloudView& cloud, std::uint32_t parity) const;
   shared::EditEnd end() const;
   shared::CloudView view(const LiveCloud::Half& half) const { return hash_.view(half, live_.slots()); }
 
   // Of an edit with a full build: what the brush makes of the points, where they stand.
-  void recordReached(CommandList& list, const LiveCloud::Half& from, DeviceAddress contactState, Reach reach) const;
+  void recordReached(CommandList& list, const LiveCloud::Half& from, Reach reach) const;
   // Of changes as they are given. `flags`: shared::kRestore...
   void recordRestore(CommandList& list, const LiveCloud::Half& half, Given given, std::uint32_t flags) const;
   // Requests of the last tick are dropped.
@@ -110,7 +120,7 @@ class EditPass {
   BrushMoves moves_;
   GivenChanges given_;
   EditSequel sequel_;
-  Buffer tables_, colors_, parents_;
+  Buffer tables_, colors_, parents_, founds_;
   std::optional<Resample> resample_;
 };
 

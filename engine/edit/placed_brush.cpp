@@ -23,10 +23,7 @@ template <class Real>
 shared::BrushOf<Real> brushOf(const BrushOptions& options, double support) {
   return {.kind = static_cast<shared::uint>(options.kind),
           .falloff = options.falloff,
-          .tau = static_cast<Real>(options.tau),
-          .beta = static_cast<Real>(options.beta),
           .radius = static_cast<Real>(options.radius),
-          .strength = static_cast<Real>(options.strength),
           .longestMove = static_cast<Real>(static_cast<double>(shared::kLongestMove) * support),
           .support = static_cast<Real>(support),
           .color = packedColor(options.color)};
@@ -46,26 +43,38 @@ shared::Brush sharedBrush(const BrushOptions& options, double support) {
   return brushOf<float>(options, support);
 }
 
-// The ball that stands before the HIP is placed in one step, as it ever was; ballOf() takes two.
-PlacedBrush::PlacedBrush(const BrushOptions& options, double support, const DVec3& hip, const DVec3& lastHip,
-                         const DVec3& spring)
-    : brush_(brushOf<double>(options, support)), ball_(shared::ballOf(brush_, hip, lastHip, spring, shared::kSliding)) {
-  const bool standsBefore = options.kind == BrushKind::push || options.kind == BrushKind::carve;
-  if (acts() && standsBefore) ball_.center = hip + (options.tau + options.radius) * ball_.outward;
+shared::BrushTool sharedTool(const BrushStroke::Tool& tool) {
+  return {.center = Vec3(tool.center),
+          .acts = tool.acts,
+          .outward = Vec3(tool.outward),
+          .shaft = static_cast<float>(tool.shaft),
+          .motion = Vec3(tool.motion),
+          .share = static_cast<float>(tool.share),
+          .middle = Vec3(tool.middle),
+          .reach = static_cast<float>(tool.reach),
+          .height = static_cast<float>(tool.height),
+          .stroke = tool.stroke,
+          .sampling = tool.sampling,
+          .unused = 0};
 }
 
-PlacedBrush::Point PlacedBrush::brushed(const DVec3& place, const DVec3& normal) const {
-  const auto brushed = shared::brushed(brush_, ball_, place, normal);
+PlacedBrush::PlacedBrush(const BrushOptions& options, double support, const BrushStroke::Tool& tool)
+    : brush_(brushOf<double>(options, support)), tool_(tool) {}
+
+PlacedBrush::Point PlacedBrush::brushed(const DVec3& place, const DVec3& normal, const Found& found) const {
+  const auto brushed = shared::brushed(brush_, tool_, place, normal, found);
   return {brushed.position, brushed.taken != 0};
 }
 
-DVec3 PlacedBrush::smoothed(const DVec3& place, const SurfaceSample& surface) const {
+shared::MeasuredPoint PlacedBrush::measured(const Found& found) const { return shared::measured(brush_, tool_, found); }
+
+DVec3 PlacedBrush::smoothed(const DVec3& place, const Found& found, const SurfaceSample& surface) const {
   if (!surface.defined) return place;
-  return shared::smoothed(brush_, ball_, place, surface.distance, surface.normal);
+  return shared::smoothed(brush_, tool_, place, found.normal, surface.distance, surface.normal);
 }
 
-std::uint32_t PlacedBrush::painted(const DVec3& place, std::uint32_t color) const {
-  return shared::painted(brush_, ball_, place, color);
+std::uint32_t PlacedBrush::painted(const DVec3& place, const Found& found, std::uint32_t color) const {
+  return shared::painted(brush_, tool_, place, found.normal, color);
 }
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #include "engine/edit/sculpted_points.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -40,7 +41,7 @@ SculptedPoints::SculptedPoints(const PointCloud& cloud) : fromFile(static_cast<s
     to.assign(from.begin(), from.end());
   };
   // An array each, since std::vector is filled by one thread; of many points all take about as long as the longest.
-  const std::array<std::function<void()>, 6> arrays{
+  const std::array<std::function<void()>, 7> arrays{
       [&] { copyTo(positions, cloud.positions); },
       [&] { copyTo(normals, cloud.normals); },
       [&] { copyTo(rests, cloud.positions); },
@@ -56,6 +57,7 @@ SculptedPoints::SculptedPoints(const PointCloud& cloud) : fromFile(static_cast<s
         there.assign(count, 1);
         unsettled.assign(count, 0);
       },
+      [&] { founds.resize(count); },
   };
   constexpr std::size_t kMany = std::size_t{1} << 18;  // points, for which it is worth to start threads
   parallelBlocks(arrays.size(), 1, count < kMany ? 1 : 0, [&](std::size_t k, std::size_t) { arrays[k](); });
@@ -78,6 +80,7 @@ void SculptedPoints::set(const PointState& state) {
     parents.push_back(state.parent);
     there.push_back(0);
     unsettled.push_back(0);
+    founds.emplace_back();
     rests.emplace_back(std::numeric_limits<float>::quiet_NaN());
     reaches.push_back(0);
   }
@@ -87,6 +90,7 @@ void SculptedPoints::set(const PointState& state) {
   parents[point] = state.parent;
   there[point] = !state.gone();
   unsettled[point] = 0;
+  founds[point] = {};
   if (std::isnan(rests[point].x)) rests[point] = state.position;
 }
 
@@ -100,6 +104,10 @@ std::uint32_t SculptedPoints::insertBetween(std::uint32_t point, std::uint32_t o
        .parent = parents[parent]});
   unsettled[number] = 1;
   rests[number] = 0.5f * (rests[point] + rests[other]);
+  if (const std::uint32_t stroke = std::max(founds[point].stroke, founds[other].stroke); stroke != 0) {
+    const Found one = found(point, stroke), two = found(other, stroke);
+    founds[number] = {0.5f * (one.position + two.position), middleNormal(one.normal, two.normal), stroke};
+  }
   return number;
 }
 

@@ -26,6 +26,13 @@ struct SculptedPoints {
   /// Of the points that came later: how far from there others may come because of it, model units.
   std::vector<float> reaches;
 
+  /// A point as the stroke found it that changed it last.
+  struct Found {
+    Vec3 position{0}, normal{0};
+    std::uint32_t stroke = 0;
+  };
+  std::vector<Found> founds;
+
   /// Points of the file: those with smaller numbers.
   std::uint32_t fromFile = 0;
 
@@ -36,11 +43,17 @@ struct SculptedPoints {
   /// The target for a point and those around it, model units.
   double spacing(std::uint32_t point) const { return double{spacings[parents[point]]}; }
 
+  /// A point as a stroke has found it.
+  Found found(std::uint32_t point, std::uint32_t stroke) const {
+    if (founds[point].stroke == stroke) return founds[point];
+    return {positions[point], normals[point], stroke};
+  }
+
   PointState state(std::uint32_t point) const;
   /// Sets a point, which is settled then; makes room where it is new. Its parent must be one of the file's points.
   void set(const PointState& state);
-  /// Adds a point at `position`, with the middle of the normals, colours and rests of two points; the first of them
-  /// asked for it. `parent`: whose parent it gets, one of the two. Gives its number.
+  /// Adds a point at `position`, with the middle of the normals, colours and rests of two points, and of them as a stroke
+  /// found them; the first of them asked for it. `parent`: whose parent it gets, one of the two. Gives its number.
   std::uint32_t insertBetween(std::uint32_t point, std::uint32_t other, std::uint32_t parent, const Vec3& position);
 };
 

@@ -1,9 +1,11 @@
 #include "engine/touch/brick_sculptor.hpp"
 
+#include <utility>
+
 #include "engine/core/clock.hpp"
 #include "engine/core/held_contact.hpp"
 #include "engine/core/thread_priority.hpp"
-#include "engine/edit/cpu_sculpture.hpp"
+
 
 namespace palpate {
 
@@ -28,7 +30,7 @@ PointCloud cloudOf(std::span<const PointState> points) {
 }  // namespace
 
 BrickSculptor::BrickSculptor(BrickSource& source, double radius, const DVec3& origin)
-    : source_(source), radius_(radius), origin_(origin), pace_(kStalest_s) {
+    : source_(source), radius_(radius), origin_(origin), stroke_(radius), pace_(kStalest_s) {
   statistics_.editTimes_us.reserve(kEditTimesKept);
   task_ = std::make_unique<BackgroundTask>([this] {
     giveWay();  // to the thread that answers
@@ -39,21 +41,25 @@ BrickSculptor::BrickSculptor(BrickSource& source, double radius, const DVec3& or
 void BrickSculptor::setBrush(const std::optional<BrushOptions>& brush) {
   finish();
   brush_ = brush;
+  stroke_.setBrush(brush.value_or(BrushOptions()));
 }
 
-void BrickSculptor::editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, double felt_s,
-                                   bool realtime) {
-  if (!brush_ || !contact.touching || !contact.valid || !pose.sculpts) return;
-  if (!finishedWithin(realtime ? kPoll_us : 0)) return;
-  if (source_.versionOf(felt_s) < work_.version) return;
-  if (realtime && !pace_.mayEdit(pose.time_s)) {
+void BrickSculptor::editIfYielding(const Contact& contact, const Pose& pose, double felt_s, bool realtime) {
+  if (!brush_ || !contact.valid) return;
+  const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
+  stroke_.feel(contact, pose.hip - origin_, spring, pose.sculpts, pose.time_s);
+  if (!stroke_.acts() || !finishedWithin(realtime ? kPoll_us : 0)) return;
+  if (source_.versionOf(felt_s) >= work_.version) start(pose.time_s, realtime);
+}
+
+void BrickSculptor::start(double time_s, bool realtime) {
+  if (realtime && !pace_.mayEdit(time_s)) {
     ++statistics_.shortfalls.editsTooSlow;
     return;
   }
-  work_.brush.emplace(*brush_, radius_, pose.hip - origin_, lastHip - origin_, contact.proxy - pose.hip);
-  if (!work_.brush->acts()) return;
-  if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = pose.time_s;
-  time_s_ = pose.time_s;
+  work_.brush.emplace(*brush_, radius_, stroke_.next(time_s));
+  if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
+  time_s_ = time_s;
   isUnderWay_ = true;
   task_->start();
   if (!realtime) finishedWithin(0);
@@ -63,6 +69,7 @@ bool BrickSculptor::finishedWithin(double budget_us) {
   if (!isUnderWay_) return true;
   if (!task_->finishedWithin(budget_us)) return false;
   isUnderWay_ = false;
+  stroke_.note(work_.measure);
   pace_.took(time_s_, work_.time_us * 1e-6);
   states_ += work_.changes.size();
   if (statistics_.editTimes_us.size() < statistics_.editTimes_us.capacity())
@@ -70,13 +77,19 @@ bool BrickSculptor::finishedWithin(double budget_us) {
   return true;
 }
 
-void BrickSculptor::finish() { finishedWithin(0); }
+void BrickSculptor::finish() {
+  finishedWithin(0);
+  while (brush_ && stroke_.hasWay()) start(time_s_ + 1e-3, false);
+  stroke_.end();
+}
 
 void BrickSculptor::edit() {
   const Stopwatch watch;
   const PlacedBrush& brush = *work_.brush;
   work_.points.clear();
   work_.changes.clear();
+  work_.measure = {};
+  if (std::exchange(work_.stroke, brush.stroke()) != brush.stroke()) work_.founds.clear();
   // A point stays within twice the brush, and its normal is made of what lies within a support radius of it.
   const DVec3 reach(2 * brush.radius() + 1.01 * radius_);
   source_.pointsIn(brush.center() - reach, brush.center() + reach, work_.points);
@@ -84,7 +97,11 @@ void BrickSculptor::edit() {
     const PointCloud cloud = cloudOf(work_.points);
     CpuSculpture sculpture(cloud, makeHashGrid(Vec3(boundsOf(cloud).min), radius_, cloud.size(), BucketKey::teschner),
                            {.radius = radius_, .keepsDensity = false, .threads = 1});
+    for (std::uint32_t i = 0; i < work_.points.size(); ++i)
+      if (const auto found = work_.founds.find(work_.points[i].number()); found != work_.founds.end())
+        sculpture.setFound(i, found->second);
     sculpture.edit(brush);
+    work_.measure = sculpture.measure();
     for (const std::uint32_t number : sculpture.changed()) {
       const PointState& from = work_.points[number];
       PointState to = sculpture.points().state(number);
@@ -92,6 +109,7 @@ void BrickSculptor::edit() {
       to.parent = from.number();
       work_.changes.push_back({.from = from, .to = to});
       work_.ever.insert(from.number());
+      work_.founds[from.number()] = sculpture.points().founds[number];
     }
   }
   if (!work_.changes.empty()) work_.version = source_.make(work_.changes);

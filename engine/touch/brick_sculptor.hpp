@@ -2,12 +2,13 @@
 
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
 #include "engine/core/background_task.hpp"
 #include "engine/core/contact_query.hpp"
-#include "engine/edit/placed_brush.hpp"
+#include "engine/edit/cpu_sculpture.hpp"
 #include "engine/motion/brick_source.hpp"
 #include "engine/touch/edit_pace.hpp"
 #include "engine/touch/touch_statistics.hpp"
@@ -26,10 +27,12 @@ class BrickSculptor {
   /// Another brush from now on, or none.
   void setBrush(const std::optional<BrushOptions>& brush);
   bool hasBrush() const { return brush_.has_value(); }
-  /// `lastHip`: where the HIP was in the tick before; `felt_s`: of the frame that it was felt in. Against the clock a
-  /// frame in which the last edit is not felt yet is no reason for another one, and nobody waits. Allocates nothing.
-  void editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, double felt_s, bool realtime);
-  /// Waits for the edit that is under way. Throws what went wrong.
+  /// An answer. `felt_s`: of the frame that it was felt in. Against the clock a frame in which the last edit is not felt
+  /// yet is no reason for another one, and nobody waits. Allocates nothing.
+  void editIfYielding(const Contact& contact, const Pose& pose, double felt_s, bool realtime);
+  /// The hand is put down elsewhere.
+  void lift() { stroke_.lift(); }
+  /// The hand has stopped: the stroke goes what is left of its way, and is over. Throws what went wrong.
   void finish();
 
   const TouchStatistics& statistics() const { return statistics_; }
@@ -40,12 +43,14 @@ class BrickSculptor {
 
  private:
   bool finishedWithin(double budget_us);
+  void start(double time_s, bool realtime);
   void edit();
 
   BrickSource& source_;
   double radius_;
   DVec3 origin_;
   std::optional<BrushOptions> brush_;
+  BrushStroke stroke_;
   TouchStatistics statistics_;
   EditPace pace_;
   bool isUnderWay_ = false;
@@ -54,6 +59,9 @@ class BrickSculptor {
   // What the thread works with, which is its alone while it does.
   struct Work {
     std::optional<PlacedBrush> brush;
+    SurfaceMeasure measure;
+    std::unordered_map<std::uint32_t, SculptedPoints::Found> founds;  // by the number of the point
+    std::uint32_t stroke = 0;
     double time_us = 0;
     std::uint64_t version = 0;  // of the bricks with it
     std::vector<PointState> points;

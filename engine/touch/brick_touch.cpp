@@ -77,21 +77,20 @@ std::span<const Contact> BrickTouch::ask(std::span<const Pose> poses, double bud
   inVain_ = inVain_ || (waits && !source_.await(asked_, options_.patience_s));
   const std::span<const Contact> felt = surface_->ask(poses, budget_us);
   const std::uint64_t before = without_.load(std::memory_order_relaxed);
-  const std::optional<DVec3> lastHip = hands_.front().hip;
   for (std::size_t i = 0; i < hands_.size(); ++i) answer(i, poses[i], felt[i], waits && inVain_);
   // A tick at which two hands lack points is one tick.
   without_.store(std::min(without_.load(std::memory_order_relaxed), before + 1), std::memory_order_relaxed);
   ticks_.store(ticks_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-  sculpt(poses.front(), lastHip, budget_us > 0);
+  sculpt(poses.front(), budget_us > 0);
   return answers_;
 }
 
 // A tool of many points has no brush here: what its hand is answered is not what its HIP alone feels.
-void BrickTouch::sculpt(const Pose& pose, const std::optional<DVec3>& lastHip, bool realtime) noexcept {
+void BrickTouch::sculpt(const Pose& pose, bool realtime) noexcept {
   const auto points = surface_->pointsTime();
   if (failure_ || !points || !hands_.front().points.empty()) return;
   try {
-    sculptor_.editIfYielding(answers_.front(), pose, lastHip.value_or(pose.hip), points->true_s, realtime);
+    sculptor_.editIfYielding(answers_.front(), pose, points->true_s, realtime);
   } catch (...) {
     failure_ = std::current_exception();
   }
@@ -123,6 +122,7 @@ void BrickTouch::resetHand(std::size_t hand) noexcept {
   surface_->resetHand(hand);
   hands_[hand].hip.reset();
   hands_[hand].proxy.reset();
+  if (hand == 0) sculptor_.lift();
 }
 
 void BrickTouch::finish() {

@@ -82,7 +82,7 @@ class BrickTouch final : public TouchBackend {
   HandReach reachOf(std::size_t hand, const DVec3& hip, double around) const;
   void tell(double time_s, std::span<const Pose> poses);
   void answer(std::size_t hand, const Pose& pose, const Contact& felt, bool late);
-  void sculpt(const Pose& pose, const std::optional<DVec3>& lastHip, bool realtime) noexcept;
+  void sculpt(const Pose& pose, bool realtime) noexcept;
 
   BrickSource& source_;
   std::unique_ptr<TouchBackend> surface_;

@@ -20,9 +20,11 @@ CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& b
       brush_(brush),
       radius_(radius),
       origin_(origin),
+      stroke_(radius),
       pace_(kStalest_s),
       offered_(brush && !brush->keepsDensity ? kMostOffered : 0) {
   if (!brush) return;
+  stroke_.setBrush(*brush);
   statistics_.editTimes_us.reserve(kEditTimesKept);
   task_ = std::make_unique<BackgroundTask>([this] {
     giveWay();  // to the thread that answers
@@ -30,17 +32,28 @@ CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& b
   });
 }
 
-bool CpuEdits::editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, bool realtime) {
-  if (!brush_ || (contact.touching && !pose.sculpts)) return false;
+void CpuEdits::setBrush(const std::optional<BrushOptions>& brush) {
+  brush_ = brush;
+  stroke_.setBrush(brush.value_or(BrushOptions()));
+}
+
+void CpuEdits::feel(const Contact& contact, const Pose& pose) {
+  if (!brush_) return;
   const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
-  work_.brush.emplace(*brush_, radius_, pose.hip - origin_, lastHip - origin_, spring);
-  if (!work_.brush->acts() && sculpture_.settled()) return false;
-  if (realtime && !pace_.mayEdit(pose.time_s)) {
+  stroke_.feel(contact, pose.hip - origin_, spring, pose.sculpts, pose.time_s);
+  if (!stroke_.isGoingOn() && sculpture_.settled()) markStroke();
+}
+
+bool CpuEdits::editIfYielding(double time_s, bool realtime) {
+  if (!brush_ || (!stroke_.acts() && sculpture_.settled())) return false;
+  if (realtime && !pace_.mayEdit(time_s)) {
     ++statistics_.shortfalls.editsTooSlow;
     return false;
   }
-  if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = pose.time_s;
-  time_s_ = pose.time_s;
+  work_.brush.emplace(*brush_, radius_, stroke_.next(time_s));
+  if (work_.brush->acts() && std::exchange(strokeMarked_, stroke_.number()) != stroke_.number()) markStroke();
+  if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
+  time_s_ = time_s;
   isUnderWay_ = inStroke_ = true;
   work_.isOffer = false;
   task_->start();
@@ -101,6 +114,7 @@ bool CpuEdits::finishedWithin(double budget_us) {
   answered_ = work_.states;
   pace_.took(time_s_, work_.time_us * 1e-6);
   if (work_.isOffer) return true;
+  stroke_.note(sculpture_.measure());
   if (statistics_.editTimes_us.size() < statistics_.editTimes_us.capacity())
     statistics_.editTimes_us.push_back(work_.time_us);
   return true;
@@ -110,11 +124,14 @@ void CpuEdits::wait() const {
   if (task_) task_->finishedWithin(0);
 }
 
-void CpuEdits::rest() {
-  if (sculpture_.settled()) endStroke();
+void CpuEdits::finish() {
+  finishedWithin(0);
+  while (stroke_.hasWay() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
+  stroke_.end();
+  markStroke();
 }
 
-void CpuEdits::endStroke() {
+void CpuEdits::markStroke() {
   if (std::exchange(inStroke_, false)) queue_.mark(EditMark::Kind::stroke);
 }
 

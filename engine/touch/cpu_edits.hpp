@@ -26,10 +26,13 @@ class CpuEdits {
 
   bool hasThread() const { return task_ != nullptr; }
   /// Another brush from now on, or none, while nothing is under way.
-  void setBrush(const std::optional<BrushOptions>& brush) { brush_ = brush; }
-  /// Starts an edit when the answer to the HIP says that the surface yields, or when the last edit left something to
-  /// do. `lastHip`: where the HIP was in the tick before. True: it has started.
-  bool editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, bool realtime);
+  void setBrush(const std::optional<BrushOptions>& brush);
+  /// The answer to a pose, one after another: the stroke goes on with it, begins or ends. While nothing is under way.
+  void feel(const Contact& contact, const Pose& pose);
+  /// The hand is put down elsewhere.
+  void lift() { stroke_.lift(); }
+  /// Starts an edit when the stroke has something to do, or when the last edit left something. True: it has started.
+  bool editIfYielding(double time_s, bool realtime);
   /// Starts to carry out what is offered (TouchBackend::offer()), if anything is, for a pose of this time.
   bool takeUpOffer(double time_s, bool realtime);
   /// Whether an offer was carried out last, and no brush has edited since. While nothing is under way.
@@ -38,9 +41,8 @@ class CpuEdits {
   bool finishedWithin(double budget_us);
   /// Waits for the one that is under way, and takes no note.
   void wait() const;
-  /// The stroke is over, unless it goes on by itself.
-  void rest();
-  void endStroke();
+  /// The hand has stopped: the stroke goes what is left of its way, and is over.
+  void finish();
   /// As TouchBackend::change(), at `time_s`, while nothing is under way.
   void change(std::span<const PointChange> changes, double time_s);
 
@@ -62,13 +64,16 @@ class CpuEdits {
   void edit();
   void carryOut();
   void report(std::size_t count, bool inStroke);
+  void markStroke();
 
   CpuSculpture& sculpture_;
   std::optional<BrushOptions> brush_;
   double radius_;
   DVec3 origin_;
+  BrushStroke stroke_;
   Work work_;
   bool isUnderWay_ = false, inStroke_ = false;
+  std::uint32_t strokeMarked_ = 0;  // the one that edits belong to
   double time_s_ = 0;  // of the pose whose answer led to the last edit
   std::uint64_t answered_ = 0;
   std::uint64_t changes_ = 0;  // calls of change() that were reported

@@ -110,23 +110,24 @@ void CpuTouch::answer(std::span<const Pose> poses, bool realtime) {
   for (std::size_t i = 0; i < hands_.size(); ++i) feel(hands_[i], poses[i]);
   const Pose& pose = poses.front();
   const Contact& own = hands_.front().probes.own();
-  const DVec3 lastHip = lastHip_.value_or(pose.hip);
-  lastHip_ = own.valid ? std::optional(pose.hip) : std::nullopt;
-  if (!own.touching || !own.valid || !pose.sculpts) edits_.rest();
+  if (own.valid)
+    edits_.feel(own, pose);
+  else
+    edits_.lift();
   // In real time one answer starts one edit: the brush's and an offer in turn, so that neither waits for ever where
   // edits are slow and others go on.
   const bool brushFirst = realtime && own.valid && edits_.lastWasOffer();
-  if (brushFirst && edits_.editIfYielding(own, pose, lastHip, realtime)) return;
+  if (brushFirst && edits_.editIfYielding(pose.time_s, realtime)) return;
   if (edits_.takeUpOffer(pose.time_s, realtime)) {
     if (realtime) return;  // the brush goes on with the next tick
     edits_.finishedWithin(0);
   }
-  if (own.valid && !brushFirst) edits_.editIfYielding(own, pose, lastHip, realtime);
+  if (own.valid && !brushFirst) edits_.editIfYielding(pose.time_s, realtime);
 }
 
 void CpuTouch::resetHand(std::size_t hand) noexcept {
   forget(hands_[hand]);
-  if (hand == 0) lastHip_.reset();
+  if (hand == 0) edits_.lift();
 }
 
 void CpuTouch::forget(CpuHand& hand) {
@@ -147,7 +148,7 @@ void CpuTouch::setContact(SurfaceKind surface, double friction, std::string_view
     hand.trackers.assign(hand.trackers.size(), ProxyTracker(options_.radius, friction));
     forget(hand);
   }
-  lastHip_.reset();
+  edits_.lift();
 }
 
 Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s) const {
@@ -176,8 +177,7 @@ void CpuTouch::change(std::span<const PointChange> changes) {
 
 void CpuTouch::finish() {
   if (failure_) std::rethrow_exception(failure_);
-  edits_.finishedWithin(0);
-  edits_.endStroke();
+  edits_.finish();
   if (frames_) frames_->finish();
 }
 

@@ -104,7 +104,6 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   SurfaceOptions surface_;
   std::vector<CpuHand> hands_;
   std::vector<Contact> answers_;  // one for each
-  std::optional<DVec3> lastHip_;  // of the first hand, at its last answer, unless it has begun anew since
   std::exception_ptr failure_;
   CpuEdits edits_;  // goes first: its thread works on the sculpture
 };

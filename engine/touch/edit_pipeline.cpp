@@ -32,13 +32,15 @@ EditPipeline::EditPipeline(Device& device, const EditOptions& options, LiveIndex
       log_(log),
       statistics_(statistics),
       pass_(device, options.brush, index.hash(), index.cloud(), log, colors, options.radius),
+      stroke_(options.radius),
       offered_(mostOffered(pass_)),
       pace_(kStalest_s) {
+  stroke_.setBrush(options.brush);
   statistics_.editTimes_us.reserve(kEditTimesKept);
   statistics_.requestTimes_us.reserve(kEditTimesKept);
 }
 
-void EditPipeline::record(const Buffer& contactState) {
+void EditPipeline::record() {
   const auto recorded = [&](auto&& record) {
     auto list = std::make_unique<CommandList>(device_, device_.latencyQueue(), "edit", options_.timing);
     list->begin();
@@ -50,12 +52,15 @@ void EditPipeline::record(const Buffer& contactState) {
   Lists& lists = lists_[cloud.parity()];
   last_.list = nullptr;
   lists.rebuilds.clear();
-  lists.incremental = recorded([&](CommandList& list) { pass_.recordIncremental(list, cloud.front(), contactState); });
+  using Reach = EditPass::Reach;
+  for (const Reach reach : {Reach::near, Reach::far})
+    lists.incremental[reach] =
+        recorded([&](CommandList& list) { pass_.recordIncremental(list, cloud.front(), reach); });
   for (const SortMethod sort : {index_.hash().sort(), index_.hash().fallback()})
-    for (const EditPass::Reach reach : {EditPass::Reach::box, EditPass::Reach::all})
+    for (const Reach reach : {Reach::near, Reach::far, Reach::all})
       if (!lists.rebuilds.contains({sort, reach}))
         lists.rebuilds[{sort, reach}] = recorded([&](CommandList& list) {
-          pass_.recordRebuild(list, cloud.front(), cloud.back(), contactState, sort, reach);
+          pass_.recordRebuild(list, cloud.front(), cloud.back(), sort, reach);
         });
 }
 
@@ -63,12 +68,13 @@ void EditPipeline::followIndex() {
   if (options_.index == IndexFollow::incremental) index_.follow(pass_.update(), options_.compaction);
 }
 
-void EditPipeline::setBrush(const std::optional<BrushOptions>& brush, const Buffer& contactState) {
+void EditPipeline::setBrush(const std::optional<BrushOptions>& brush) {
   brushOn_ = brush.has_value();
+  stroke_.setBrush(brush.value_or(BrushOptions()));
   if (!brush) return;
   pass_.setBrush(*brush);
   for (int turn = 0; turn < 2; ++turn) {
-    record(contactState);
+    record();
     index_.flip();
   }
 }
@@ -76,18 +82,26 @@ void EditPipeline::setBrush(const std::optional<BrushOptions>& brush, const Buff
 const CommandList& EditPipeline::chosen() const {
   const Lists& lists = lists_[index_.parity()];
   const bool rebuild = options_.index == IndexFollow::rebuild || next_.large;
-  return rebuild ? *lists.rebuilds.at({index_.hash().sort(), next_.reach}) : *lists.incremental;
+  return rebuild ? *lists.rebuilds.at({index_.hash().sort(), reach()}) : *lists.incremental.at(pass_.reach());
 }
 
 bool EditPipeline::updates(const CommandList& list) const {
-  return &list == lists_[0].incremental.get() || &list == lists_[1].incremental.get();
+  const auto holds = [&](const Lists& lists) {
+    return std::ranges::any_of(lists.incremental, [&](const auto& entry) { return entry.second.get() == &list; });
+  };
+  return holds(lists_[0]) || holds(lists_[1]);
 }
 
-bool EditPipeline::editIfYielding(const Contact& contact, const Pose& pose, bool realtime) {
-  if (!brushOn_ || (contact.touching && !pose.sculpts)) return false;
-  const bool yields = contact.touching && glm::distance(contact.proxy, pose.hip) > pass_.brush().tau;
-  if (!yields && !pass_.unsettled()) return false;
-  if (realtime && !pace_.mayEdit(pose.time_s)) {
+void EditPipeline::feel(const Contact& contact, const Pose& pose, const DVec3& origin) {
+  if (!brushOn_) return;
+  const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
+  stroke_.feel(contact, pose.hip - origin, spring, pose.sculpts, pose.time_s);
+  if (!stroke_.isGoingOn() && !pass_.unsettled()) markStroke();
+}
+
+bool EditPipeline::editIfYielding(double time_s, bool realtime) {
+  if (!brushOn_ || (!stroke_.acts() && !pass_.unsettled())) return false;
+  if (realtime && !pace_.mayEdit(time_s)) {
     ++statistics_.shortfalls.editsTooSlow;
     return false;
   }
@@ -97,12 +111,15 @@ bool EditPipeline::editIfYielding(const Contact& contact, const Pose& pose, bool
     ++statistics_.shortfalls.editsHeldUp;
     return false;
   }
-  if (log_.room() < (updates(list) ? pass_.mostMoves() : pass_.mostLogged(next_.reach))) {
+  if (log_.room() < (updates(list) ? pass_.mostMoves() : pass_.mostLogged(reach()))) {
     ++statistics_.shortfalls.editsLogFull;
     return false;
   }
-  if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = pose.time_s;
-  submit(list, pose.time_s);
+  const bool acts = stroke_.acts();
+  pass_.setTool(stroke_.next(time_s));
+  if (acts && std::exchange(strokeMarked_, stroke_.number()) != stroke_.number()) markStroke();
+  if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
+  submit(chosen(), time_s);
   // In virtual time an edit that the index could not follow is done again at once, in real time with the next tick.
   if (!realtime) settle();
   return true;
@@ -219,6 +236,8 @@ void EditPipeline::collect(const Stopwatch* sinceAsked) {
 // Takes note of what the last edit came to, for the next one.
 void EditPipeline::takeReport() {
   const shared::HashUpdate& report = pass_.report();
+  const SurfaceMeasure measured = pass_.measure();
+  stroke_.note(measured - std::exchange(measured_, measured));
   index_.readReport();
   // For slots that a compaction is about to win back an edit waits: it is tried again, and the next one after it.
   const bool waits = report.failed == shared::kUpdateNoSlots && index_.isCompacting();
@@ -228,15 +247,19 @@ void EditPipeline::takeReport() {
   // An edit as large as the last one goes the same way, unless that is clearly the wrong one.
   const double share = (report.changed + report.gone) / std::max(1.0, static_cast<double>(index_.cloud().count()));
   // What fails with a build, too, has found more points than there is room for.
-  if (report.failed & shared::kUpdateTooLarge) next_.reach = EditPass::Reach::all;
+  if (report.failed & shared::kUpdateTooLarge) next_.all = true;
   next_.large = (report.failed != 0 && !waits) || share > (next_.large ? kLargeEdit / 2 : kLargeEdit);
 }
 
-void EditPipeline::rest() {
-  if (!(brushOn_ && pass_.unsettled())) endStroke();
+void EditPipeline::finish() {
+  collect(nullptr);
+  publish(logHead());
+  while (stroke_.hasWay() && editIfYielding(last_.time_s + 1e-3, false)) publish(logHead());
+  stroke_.end();
+  markStroke();
 }
 
-void EditPipeline::endStroke() {
+void EditPipeline::markStroke() {
   if (std::exchange(inStroke_, false)) log_.endStroke();
 }
 

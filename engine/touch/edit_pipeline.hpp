@@ -39,16 +39,21 @@ class EditPipeline {
   EditPipeline(Device& device, const EditOptions& options, LiveIndex& index, EditLog& log, TouchStatistics& statistics,
                std::span<const std::uint32_t> colors);
 
-  /// Records the edits for the half of the cloud that counts now; for the tick's contact state.
-  void record(const Buffer& contactState);
+  /// Records the edits for the half of the cloud that counts now.
+  void record();
   /// From now on the index follows. After record(), for both halves.
   void followIndex();
   /// Another brush from now on, or none, while nothing is under way; the edits of both halves are recorded again.
-  void setBrush(const std::optional<BrushOptions>& brush, const Buffer& contactState);
+  void setBrush(const std::optional<BrushOptions>& brush);
 
-  /// Submits an edit when the answer to the HIP says that the surface yields, or when the last edit left something to
-  /// do, and nothing stands in its way. In virtual time it is done when it returns. True: points have moved, or will.
-  bool editIfYielding(const Contact& contact, const Pose& pose, bool realtime);
+  /// The answer to a pose, one after another: the stroke goes on with it, begins or ends. `origin`: of the cloud, in the
+  /// pose's coordinates.
+  void feel(const Contact& contact, const Pose& pose, const DVec3& origin);
+  /// The hand is put down elsewhere.
+  void lift() { stroke_.lift(); }
+  /// Submits an edit when the stroke has something to do, or when the last edit left something, and nothing stands in
+  /// its way. In virtual time it is done when it returns. True: points have moved, or will.
+  bool editIfYielding(double time_s, bool realtime);
   /// Submits what is offered (TouchBackend::offer()), if anything is, for a pose of this time; while no edit is under
   /// way, and once all that came before is published. In virtual time it is done, and published, when it returns. True:
   /// points have moved, or will.
@@ -60,9 +65,8 @@ class EditPipeline {
   /// Takes note of the edit under way, and of a compaction that comes to its end, once a later submission to the same
   /// queue has answered. `sinceAsked`: of that question, where the driver is not asked for times; null where it is.
   void collect(const Stopwatch* sinceAsked);
-  /// The stroke is over, unless it goes on by itself.
-  void rest();
-  void endStroke();
+  /// The hand has stopped: the stroke goes what is left of its way, and is over. Publishes all that was done.
+  void finish();
   /// As TouchBackend::change(). Waits.
   void change(std::span<const PointChange> changes);
   /// As TouchBackend::readBack().
@@ -79,7 +83,7 @@ class EditPipeline {
   // Of one half of the cloud.
   struct Lists {
     std::map<std::pair<SortMethod, EditPass::Reach>, std::unique_ptr<CommandList>> rebuilds;
-    std::unique_ptr<CommandList> incremental;
+    std::map<EditPass::Reach, std::unique_ptr<CommandList>> incremental;
   };
   struct LastEdit {
     const CommandList* list = nullptr;  // none since the lists were recorded
@@ -100,9 +104,11 @@ class EditPipeline {
   };
   // What the last edit came to means for the next one.
   struct Next {
-    bool large = false;                            // too large for an update
-    EditPass::Reach reach = EditPass::Reach::box;  // with a build
+    bool large = false;  // too large for an update
+    bool all = false;    // and for a box
   };
+  EditPass::Reach reach() const { return next_.all ? EditPass::Reach::all : pass_.reach(); }
+  void markStroke();
   const CommandList& chosen() const;
   bool updates(const CommandList& list) const;
   void submit(const CommandList& list, double time_s);
@@ -121,6 +127,8 @@ class EditPipeline {
   EditLog& log_;
   TouchStatistics& statistics_;
   EditPass pass_;
+  BrushStroke stroke_;
+  SurfaceMeasure measured_;  // by all edits so far
   std::array<Lists, 2> lists_;
   LastEdit last_;
   Next next_;
@@ -129,6 +137,7 @@ class EditPipeline {
   std::uint64_t changes_ = 0;  // calls of change() that were reported
   EditPace pace_;
   bool brushOn_ = true, inStroke_ = false, lastWasOffer_ = false;
+  std::uint32_t strokeMarked_ = 0;  // the one that edits belong to
 };
 
 }  // namespace palpate

@@ -17,9 +17,10 @@ struct NowPlace {
 
 }  // namespace
 
-std::size_t sculpt(SoftSculpture& sculpture, const PlacedBrush& brush, double unit_m) {
+SurfaceMeasure sculpt(SoftSculpture& sculpture, const PlacedBrush& brush, double unit_m) {
   PALPATE_CHECK(changesShape(brush.kind()));
-  if (!brush.acts()) return 0;
+  SurfaceMeasure measure;
+  if (!brush.acts()) return measure;
   const SoftBody& body = sculpture.body();
   const SoftSurface& surface = sculpture.surface();
   const bool smooths = brush.kind() == BrushKind::smooth;
@@ -32,20 +33,23 @@ std::size_t sculpt(SoftSculpture& sculpture, const PlacedBrush& brush, double un
   std::vector<PlaceWay> ways;
   for (const NowPlace& at : near) {
     if (!(glm::distance(at.place, brush.center()) < brush.radius())) continue;
+    const PlacedBrush::Found found{at.place, DVec3(at.normal)};
+    if (brush.measures(at.number)) measure.add(brush.measured(found));
     DVec3 to;
     if (smooths) {
       const auto forEachNear = [&](double radius, auto&& visit) {
         for (const NowPlace& other : near)
           if (const DVec3 offset = other.place - at.place; glm::length(offset) < radius) visit(offset, other.normal);
       };
-      to = brush.smoothed(at.place,
+      to = brush.smoothed(at.place, found,
                           surfaceOf({.radius = support, .kind = SurfaceKind::sphere}, DVec3(at.normal), forEachNear));
     } else {
-      to = brush.brushed(at.place, DVec3(at.normal)).position;
+      to = brush.brushed(at.place, DVec3(at.normal), found).position;
     }
     if (to != at.place) ways.push_back({.place = at.number, .way = unit_m * (to - at.place)});
   }
-  return sculpture.yield(ways);
+  sculpture.yield(ways);
+  return measure;
 }
 
 }  // namespace palpate

@@ -36,6 +36,7 @@ SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSource
     : SteppedControl(*world, options.hands, options.mostAtOnce),
       world_(std::move(world)),
       options_(options),
+      stroke_(options.radius),
       slots_(kMostTouches) {
   PALPATE_CHECK(world_->hasSurface());
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, options_.toolReach);
@@ -64,10 +65,14 @@ void SoftSource::sculpt(std::uint32_t steps) {
   SoftSculpture* const sculpture = world_->sculpture();
   if (!sculpture) return;
   const SurfaceBrush& now = question_.brush;
-  if (!now.sculpts) endStroke();
-  if (!now.brush || !now.sculpts) return;
-  const PlacedBrush brush(*now.brush, options_.radius, now.hip, now.lastHip, now.spring);
-  if (!brush.acts()) return;
+  if (now.brush != brush_) {
+    brush_ = now.brush;
+    stroke_.setBrush(brush_.value_or(BrushOptions()));
+  }
+  stroke_.feel({.normal = now.normal, .touching = now.touching}, now.hip, now.spring, now.sculpts && now.brush,
+               question_.time_s);
+  if (!stroke_.isGoingOn()) endStroke();
+  if (!stroke_.acts()) return;
   world_->beginSculpting();
   const SoftBody& body = sculpture->body();
   const SoftSurface& surface = sculpture->surface();
@@ -77,13 +82,22 @@ void SoftSource::sculpt(std::uint32_t steps) {
   std::vector<Vec3> before;
   before.reserve(under.size());
   for (const auto& [slot, place] : under) before.push_back(surface.placeOf(body, place));
-  for (std::uint32_t k = 0; k < steps; ++k) palpate::sculpt(*sculpture, brush, kMatterUnit_m);
+  edit(*sculpture, question_.time_s, steps);
   world_->endSculpting();
   for (std::size_t i = 0; i < under.size(); ++i)
     under[i].first->place_m += DVec3(surface.placeOf(body, under[i].second) - before[i]);
 }
 
+// An edit for each step, as if the hand had been asked about in each of them.
+void SoftSource::edit(SoftSculpture& sculpture, double time_s, std::uint32_t steps) {
+  for (std::uint32_t k = 0; k < steps && stroke_.acts(); ++k) {
+    const PlacedBrush brush(*brush_, options_.radius, stroke_.next(time_s - (steps - 1 - k) * kMatterStep_s));
+    stroke_.note(palpate::sculpt(sculpture, brush, kMatterUnit_m));
+  }
+}
+
 void SoftSource::endStroke() {
+  stroke_.end();
   if (SoftSculpture* const sculpture = world_->sculpture()) sculpture->endStroke();
   countStrokes();
 }

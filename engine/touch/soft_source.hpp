@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/core/brush.hpp"
+#include "engine/edit/brush_stroke.hpp"
 #include "engine/core/latest_value.hpp"
 #include "engine/core/shape_strokes.hpp"
 #include "engine/core/tool_shape.hpp"
@@ -32,9 +32,10 @@ struct SurfaceTouch {
 
 /// The first hand's brush where it felt the surface.
 struct SurfaceBrush {
-  std::optional<BrushOptions> brush;    ///< model units
-  bool sculpts = false;                 ///< the hand touches, and means to
-  DVec3 hip{0}, lastHip{0}, spring{0};  ///< of that tick, and of the one before; from HIP to proxy
+  std::optional<BrushOptions> brush;   ///< model units
+  bool sculpts = false;                ///< the hand means to
+  bool touching = false;               ///< it does
+  DVec3 hip{0}, spring{0}, normal{0};  ///< from HIP to proxy; of the surface there
 };
 
 /// All of them at a tick. Those of one hand stand together.
@@ -102,6 +103,7 @@ class SoftSource final : public CloudSource, public SteppedControl {
   void restart();
   void follow(double time_s);
   void sculpt(std::uint32_t steps);
+  void edit(SoftSculpture& sculpture, double time_s, std::uint32_t steps);
   bool turn(bool (*to)(SoftSculpture&));
   void countStrokes();
   void advance(std::uint32_t steps);
@@ -112,6 +114,8 @@ class SoftSource final : public CloudSource, public SteppedControl {
   SoftSourceOptions options_;
   LatestValue<SurfaceQuestion> asked_;
   SurfaceQuestion question_;
+  std::optional<BrushOptions> brush_;  // of the stroke
+  BrushStroke stroke_;
   std::vector<Slot> slots_;
   std::vector<SurfacePress> presses_;
   std::vector<std::size_t> pressing_;            // of which touch each press is

@@ -108,10 +108,11 @@ void SoftTouch::remember(std::span<const Pose> poses, std::span<const Contact> a
 void SoftTouch::rememberBrush(const Pose& pose, const Contact& answer) {
   SurfaceBrush& brush = question_.brush;
   const bool touches = answer.touching && answer.valid && !isQuiet_;
-  brush.lastHip = touches && brush.sculpts ? brush.hip : pose.hip;
   brush.hip = pose.hip;
-  brush.spring = answer.proxy - pose.hip;
-  brush.sculpts = touches && pose.sculpts;
+  brush.spring = touches ? answer.proxy - pose.hip : DVec3(0);
+  brush.normal = answer.normal;
+  brush.touching = touches;
+  brush.sculpts = pose.sculpts;
 }
 
 DVec3 SoftTouch::hipAt(const Hand& hand, double time_s) const {

@@ -155,7 +155,7 @@ void TouchSide::recordAll() {
   for (int turn = 0; turn < 2; ++turn) {
     questions_.record(index_.parity(), index_.view(), record_.log.head(), frames_.velocities(index_.parity()));
     bridge_->record(index_.parity(), index_.view());
-    if (edits_) edits_->record(questions_.contact().state());
+    if (edits_) edits_->record();
     index_.flip();
   }
   std::vector<ProbeRange> ranges;
@@ -190,7 +190,7 @@ void TouchSide::setContact(SurfaceKind surface, double friction, std::string_vie
 void TouchSide::setBrush(const std::optional<BrushOptions>& brush) {
   if (!edits_) throw Error("{}: points can only be changed where they can be edited", machine());
   finish();
-  edits_->setBrush(brush, questions_.contact().state());
+  edits_->setBrush(brush);
 }
 
 std::span<const Contact> TouchSide::ask(std::span<const Pose> poses, double budget_us) noexcept {
@@ -287,7 +287,10 @@ void TouchSide::takeAnswer(double now_s) {
   shortfalls.thinnedTicks += (flags & shared::kSampleThinned) != 0;
   const Contact own = first.probes.own();
   const Pose& pose = first.probes.ownPose();
-  if (edits_ && (!own.touching || !own.valid || !pose.sculpts)) edits_->rest();
+  if (edits_ && own.valid)
+    edits_->feel(own, pose, origin_);
+  else if (edits_)
+    edits_->lift();
   for (std::size_t i = 0; i < hands_.size(); ++i)
     if (asked.dropped[i]) forget(hands_[i]);
   if (asked.dropped[0])
@@ -361,6 +364,7 @@ void TouchSide::resetHand(std::size_t hand) noexcept {
     closeTick();
     questions_.resetHand(hand);
     if (hand == 0) bridge_->reset();
+    if (hand == 0 && edits_) edits_->lift();
     forget(hands_[hand]);
   } catch (...) {
     failure_ = std::current_exception();
@@ -407,7 +411,7 @@ void TouchSide::editIfYielding(bool realtime) {
   const ProbeGroup& hand = hands_.front().probes;
   if (!edits_) return;
   const auto brushEdits = [&] {
-    if (!edits_->editIfYielding(hand.own(), hand.ownPose(), realtime)) return false;
+    if (!edits_->editIfYielding(hand.ownPose().time_s, realtime)) return false;
     bridge_->edited(hand.ownPose().time_s);
     return true;
   };
@@ -423,10 +427,11 @@ void TouchSide::editIfYielding(bool realtime) {
 
 void TouchSide::finish() {
   settle();
-  if (edits_) edits_->collect(nullptr);
-  publish(download<std::uint32_t>(device_, record_.log.headBuffer(), 1)[0]);  // waits for the queue
+  if (edits_)
+    edits_->finish();
+  else
+    publish(download<std::uint32_t>(device_, record_.log.headBuffer(), 1)[0]);  // waits for the queue
   frames_.finish();
-  if (edits_) edits_->endStroke();
 }
 
 void TouchSide::change(std::span<const PointChange> changes) {

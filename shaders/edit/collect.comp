@@ -17,7 +17,7 @@ void main() {
   if (args.recalls == kForgetsRequests)
     brush = args.brush.at[0];
   else
-    takeUpBrush(args.brush, args.state);
+    takeUpBrush(args.brush, args.tool);
   const uint selecting = selectGroups(args.cells, args.slots), group = workgroupIndex();
   const bool selects = group < selecting;
   if (!selects && args.recalls == kRecallsNothing) return;
@@ -35,16 +35,24 @@ void main() {
     const uint points = slotsToLookAt(group, selecting);
     for (uint base = 0; base < points; base += gl_WorkGroupSize.x) {
       const uint k = base + scanIndex();
-      bool moves = false;
+      bool moves = false, reached = false;
       PointMove move;
+      FoundPoint found = FoundPoint(vec3(0.0), vec3(0.0));
       if (k < points) {
         uint cell;
         const uint slot = slotToLookAt(k, group, selecting, cell);
         const vec4 position = args.cloud.positions.at[slot];
         const vec4 normal = args.cloud.normals.at[slot];  // of all of them: to ask for it later would be to wait twice
-        moves = standsIn(cell, position.xyz) && brushedMove(slot, position, normal, move);
-        if (moves) noteReached(move.id, position.xyz);
+        const uint id = floatBitsToUint(position.w);
+        reached = isInReach(id, position.xyz) && standsIn(cell, position.xyz);
+        if (reached) {
+          found = foundPoint(id, position.xyz, normal.xyz);
+          moves = brushedMove(slot, position, normal, found, move);
+          reached = isSampled(id, tool.sampling);
+        }
+        if (moves) noteReached(id, position.xyz, found);
       }
+      measure(reached, found);
       const uint at = nextMove(args.update, moves);
       if (moves) writeMove(update, at, move);
     }
@@ -61,7 +69,9 @@ void main() {
       if (slot != kEmptySlot) {
         const vec4 position = args.cloud.positions.at[slot];
         const vec4 normal = args.cloud.normals.at[slot];
-        const bool brushed = brushedMove(slot, position, normal, move);
+        const uint id = floatBitsToUint(position.w);
+        const bool brushed = isInReach(id, position.xyz) &&
+                             brushedMove(slot, position, normal, foundPoint(id, position.xyz, normal.xyz), move);
         moves = recalled(slot, position, normal, brushed, move);
       }
     } else {

@@ -15,6 +15,7 @@ void finish(uint i) {
   const uint id = args.changes.at[i].to.id & ~kPointGone;
   if (resamples(args.lists)) atomicMax(args.lists.now.nextId, id + 1);
   if (!isNull(args.tables.at[0].colors)) args.tables.at[0].colors.at[id] = args.changes.at[i].to.color;
+  args.tables.at[0].founds.at[id].stroke = 0;
   const uint firstNew = args.tables.at[0].firstNew;
   if (id < firstNew) return;
   args.tables.at[0].parents.at[id - firstNew] = args.changes.at[i].to.parent;

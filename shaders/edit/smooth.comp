@@ -32,7 +32,7 @@ Surface surfaceAbout(vec3 place) {
 }
 
 void main() {
-  takeUpBrush(args.brush, args.state);
+  takeUpBrush(args.brush, args.tool);
   UpdateLists update = updateLists();
   PointMoves list = PointMoves(update.moves);
   const uint moves = min(args.update.at[0].moves, update.mostMoves);
@@ -41,9 +41,10 @@ void main() {
     const vec3 place = list.at[i].position;
     facing = list.at[i].normal;
     const Surface surface = surfaceAbout(place);
+    const vec3 foundNormal = foundPoint(list.at[i].id, place, facing).normal;
     const bool goes = list.at[i].toBucket == kNoBucket;
     if (surface.defined && !goes && subgroupElect()) {
-      const vec3 to = smoothed(brush, ball, place, surface.distance, surface.normal);
+      const vec3 to = smoothed(brush, tool, place, foundNormal, surface.distance, surface.normal);
       const uint from = list.at[i].fromBucket;
       const uint bucket = bucketAt(to);
       list.at[i].position = to;

@@ -6,6 +6,20 @@
 
 uint birthsOf(ResampleLists lists) { return lists.now.births; }
 
+// A new point was found half way between its ends, where a stroke has found them.
+void noteBirth(uint id, uint one, uint other) {
+  const Found a = args.tables.at[0].founds.at[one], b = args.tables.at[0].founds.at[other];
+  Found found = a;
+  if (a.stroke < b.stroke) found = b;
+  if (a.stroke == b.stroke) {
+    const vec3 sum = a.normal + b.normal;
+    const float size = length(sum);
+    found.position = 0.5 * (a.position + b.position);
+    if (size > 1e-3) found.normal = sum / size;
+  }
+  args.tables.at[0].founds.at[id] = found;
+}
+
 // The granted requests come as moves, the first of them with the next id that nobody has. False where no number is left
 // for the i-th.
 bool isBorn(ResampleLists lists, uint i, out PointMove move) {
@@ -19,6 +33,7 @@ bool isBorn(ResampleLists lists, uint i, out PointMove move) {
   args.tables.at[0].reaches.at[id - firstNew] = lists.requests[request].reach;
   args.tables.at[0].rests.at[id] = 0.5 * (args.tables.at[0].rests.at[lists.requests[request].id] +
                                           args.tables.at[0].rests.at[lists.requests[request].other]);
+  noteBirth(id, lists.requests[request].id, lists.requests[request].other);
   move = PointMove(place, id, lists.requests[request].normal, kMarkRefit, kEmptySlot, kNoBucket, bucketAt(place), 0,
                    kEmptySlot);
   return true;

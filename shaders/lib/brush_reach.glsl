@@ -5,12 +5,20 @@
 #include "shaders/lib/list_moves.glsl"
 
 Brush brush;
-BrushBall ball;
+BrushTool tool;
 
-void takeUpBrush(Brushes brushes, ContactStates state) {
+void takeUpBrush(Brushes brushes, BrushTools tools) {
   brush = brushes.at[0];
-  const vec3 hip = state.at[0].lastHip;
-  ball = ballOf(brush, hip, hip - state.at[0].motion, state.at[0].spring, state.at[0].touching);
+  tool = tools.at[0];
+}
+
+// A point as the stroke found it.
+FoundPoint foundPoint(uint id, vec3 position, vec3 normal) {
+  if (args.tables.at[0].founds.at[id].stroke != tool.stroke) return FoundPoint(position, normal);
+  return FoundPoint(args.tables.at[0].founds.at[id].position, args.tables.at[0].founds.at[id].normal);
+}
+void noteFound(uint id, FoundPoint found) {
+  args.tables.at[0].founds.at[id] = Found(found.position, tool.stroke, found.normal);
 }
 
 PointMove stayingMove(uint slot, vec4 position, vec3 normal) {
@@ -26,23 +34,27 @@ void resetReach(uint id) {
     args.tables.at[0].reaches.at[id - firstNew] = kReach * brush.support;
 }
 
-// What becomes of the point in a slot; false when nothing does.
-bool brushedMove(uint slot, vec4 position, vec4 normal, out PointMove move) {
+// Whether the tool may reach a point.
+bool isInReach(uint id, vec3 position) {
+  const vec3 away = position - tool.middle;
+  return tool.acts != 0 && id != kEmptySlot && dot(away, away) < tool.reach * tool.reach;
+}
+
+// What becomes of a point in reach; false when nothing does.
+bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out PointMove move) {
   const uint id = floatBitsToUint(position.w);
-  const vec3 away = position.xyz - ball.center;
-  if (ball.acts == 0 || id == kEmptySlot || dot(away, away) >= brush.radius * brush.radius) return false;
   move = stayingMove(slot, position, normal.xyz);
   if (normal.w == kMarkGoes) {
     move.toBucket = kNoBucket;
     return true;
   }
-  if (brush.kind == kBrushSmooth) return brushShare(brush, ball, position.xyz) > 0.0;
+  if (brush.kind == kBrushSmooth) return brushShare(brush, tool, position.xyz, found.normal) > 0.0;
   if (brush.kind == kBrushPaint) {
     const uint color = colorOf(args.tables, id);
     move.mark = kMarkGiven;
-    return painted(brush, ball, position.xyz, color) != color;
+    return painted(brush, tool, position.xyz, found.normal, color) != color;
   }
-  const Brushed result = brushed(brush, ball, position.xyz, normal.xyz);
+  const Brushed result = brushed(brush, tool, position.xyz, normal.xyz, found);
   if (result.taken != 0) {
     move.toBucket = kNoBucket;
     return true;

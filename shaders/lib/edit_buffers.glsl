@@ -8,6 +8,8 @@
 #include "shaders/lib/hash_update.glsl"
 
 layout(buffer_reference) buffer Brushes;
+layout(buffer_reference) buffer BrushTools;
+layout(buffer_reference) buffer Founds;
 layout(buffer_reference) buffer GivenChanges;
 layout(buffer_reference) buffer Tables;
 layout(buffer_reference) coherent buffer ResampleLists;
@@ -15,6 +17,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Floats { flo
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Places { vec3 at[]; };
 #include "shaders/shared/edit.h"
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Brushes { Brush at[1]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer BrushTools { BrushTool at[1]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Founds { Found at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GivenChanges { GivenChange at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Tables { PointTables at[1]; };
 // The last workgroup of a pass reads what the others have written.

@@ -8,21 +8,36 @@
 shared uint cellStart[kMostSelectCells];  // points in the cells before
 shared uint cellFirst[kMostSelectCells];  // first slot
 
-// Whether the brush's ball may reach into a cell; says so, too, where it misses by less than places are rounded.
+// Whether the ball around the tool's reach goes into a cell; says so, too, where it misses by less than places are rounded.
 bool mayReach(HashGrid grid, ivec3 cell) {
-  const vec3 center = (ball.center - grid.origin) * grid.inverseCell;
+  const vec3 center = (tool.middle - grid.origin) * grid.inverseCell;
   const float rounding = 0.01 + 1e-6 * max(abs(center.x), max(abs(center.y), abs(center.z)));
   const vec3 gap = max(vec3(0.0), max(vec3(cell) - center, center - vec3(cell + 1)));
-  const float radius = brush.radius * grid.inverseCell * (1.0 + 1e-6) + rounding;
+  const float radius = tool.reach * grid.inverseCell * (1.0 + 1e-6) + rounding;
   return dot(gap, gap) < radius * radius;
 }
 
 // A brush reaches the point: what else changes with it.
-void noteReached(uint id, vec3 position) {
-  if (brush.kind == kBrushPaint)
-    args.tables.at[0].colors.at[id] = painted(brush, ball, position, colorOf(args.tables, id));
-  else
-    resetReach(id);
+void noteReached(uint id, vec3 position, FoundPoint found) {
+  if (brush.kind == kBrushPaint) {
+    args.tables.at[0].colors.at[id] = painted(brush, tool, position, found.normal, colorOf(args.tables, id));
+    return;
+  }
+  resetReach(id);
+  noteFound(id, found);
+}
+
+// Adds what points say of the surface under the tool. The whole subgroup calls it together.
+void measure(bool counts, FoundPoint found) {
+  MeasuredPoint point = MeasuredPoint(0, ivec3(0), 0);
+  if (counts) point = measured(brush, tool, found);
+  if (!subgroupAny(point.weight != 0)) return;
+  const int weights = subgroupAdd(point.weight), heights = subgroupAdd(point.height);
+  const ivec3 normals = subgroupAdd(point.normal);
+  if (!subgroupElect()) return;
+  atomicAdd(args.update.at[0].weights, uint(weights));
+  for (uint k = 0; k < 3; ++k) atomicAdd(args.update.at[0].normals[k], uint(normals[k]));
+  atomicAdd(args.update.at[0].heights, uint(heights));
 }
 
 const uint kAnyCell = 0xffffffffu;
@@ -31,7 +46,7 @@ const uint kAnyCell = 0xffffffffu;
 // that lies along the box is shared by all of them. How many points to look at there are.
 uint lookUpCells(uint group, uint groups) {
   const uint side = args.cells, lane = scanIndex();
-  const ivec3 low = cellOf(args.cloud.grid, ball.center - brush.radius);
+  const ivec3 low = cellOf(args.cloud.grid, tool.middle - tool.reach);
   const uint c = group + lane * groups;
   uvec2 range = uvec2(0);
   if (lane < kMostSelectCells && c < side * side * side) {
@@ -50,7 +65,7 @@ uint lookUpCells(uint group, uint groups) {
 
 // Slots that workgroup `group` of `groups` looks at.
 uint slotsToLookAt(uint group, uint groups) {
-  if (ball.acts == 0) return 0;
+  if (tool.acts == 0) return 0;
   if (args.cells > 0) return lookUpCells(group, groups);
   const uint before = group * gl_WorkGroupSize.x;
   return before < args.slots ? min(args.slots - before, gl_WorkGroupSize.x) : 0;
@@ -71,7 +86,7 @@ uint slotToLookAt(uint k, uint group, uint groups, out uint cell) {
 bool standsIn(uint cell, vec3 position) {
   if (cell == kAnyCell) return true;
   const uint side = args.cells;
-  const uvec3 inBox = uvec3(cellOf(args.cloud.grid, position) - cellOf(args.cloud.grid, ball.center - brush.radius));
+  const uvec3 inBox = uvec3(cellOf(args.cloud.grid, position) - cellOf(args.cloud.grid, tool.middle - tool.reach));
   return all(lessThan(inBox, uvec3(side))) && inBox.x + side * (inBox.y + side * inBox.z) == cell;
 }
 

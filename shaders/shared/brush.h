@@ -22,32 +22,54 @@ const float kCarveDepth = 2.0f;
 const float kInflateStep = 1e-3f;
 // Of the brush's radius: nearer than this to its centre there is no way out but the tip's.
 const float kAtCenter = 1e-6f;
+// Cosine between the normal that the stroke found at a point and the tool's axis: a point that is turned further away
+// belongs to another side of the model, which the tool does not touch.
+const float kTurnedAway = -0.3f;
+// The same for points that say how the surface lies under the tool.
+const float kFacesTool = 0.2f;
+// Of what is measured: a weight, a normal and a height of one, as whole numbers, so that their sums do not depend on
+// the order in which they come.
+const float kWeightSteps = 63.0f, kNormalSteps = 511.0f, kHeightSteps = 255.0f;
+const float kMostHeight = 4.0f;  // radii of the brush
 // RGBA8, what paint finds where a point has no colour (0) yet: kUnpainted of engine/core/point_state.hpp.
 const uint kUnpainted = 0xff93aac8u;
 
 PALPATE_STRUCT(Brush) {
   uint kind;         // kBrush...
   uint falloff;      // exponent of the weight, 0 to kMostFalloff
-  Real tau;          // spring length below which nothing yields, model units
-  Real beta;         // push: share of the way to its target that a point goes in one tick
   Real radius;       // model units
-  Real strength;     // the others: share of the whole effect in one tick
-  Real longestMove;  // of one point in one tick, model units (kLongestMove)
+  Real longestMove;  // of one point in one edit, model units (kLongestMove)
   Real support;      // support radius, model units
   uint color;        // RGBA8
 };
 PALPATE_SINGLE(Brush);
-PALPATE_SIZE(Brush, 36);
+PALPATE_SIZE(Brush, 24);
 
-// The ball that acts in one tick, relative to the cloud's origin, model units.
-PALPATE_STRUCT(BrushBall) {
-  PALPATE_VEC3 center;
+// Where the tool is in one edit, relative to the cloud's origin, model units. It is fixed to the hand, and its axis is
+// the normal of the surface as the stroke found it there: engine/edit/brush_stroke.hpp.
+PALPATE_STRUCT(BrushTool) {
+  PALPATE_VEC3 center;   // push and carve: of the ball; the others: where the stroke found the surface under the hand
   uint acts;             // 0: nothing yields
-  PALPATE_VEC3 outward;  // unit, from HIP to proxy
-  PALPATE_VEC3 motion;   // of the hand since the last tick, no longer than longestMove
+  PALPATE_VEC3 outward;  // unit, the axis
+  Real shaft;            // push and carve: how far the tool goes on outwards from the centre, as wide as the ball
+  PALPATE_VEC3 motion;   // grab: of the hand since it took hold
+  Real share;            // of the whole effect that this edit has; inflate: ticks times strength
+  PALPATE_VEC3 middle;   // of the ball around all that the tool reaches
+  Real reach;            // its radius
+  Real height;           // inflate: how far it raises the middle, model units
+  uint stroke;           // number, from 1 on
+  uint sampling;         // one of 2^sampling points is measured
+  uint unused;
 };
-PALPATE_SINGLE(BrushBall);
-PALPATE_SIZE(BrushBall, 40);
+PALPATE_SINGLE(BrushTool);
+PALPATE_SIZE(BrushTool, 80);
+
+// A point as the stroke found it.
+PALPATE_STRUCT(FoundPoint) {
+  PALPATE_VEC3 position;
+  PALPATE_VEC3 normal;
+};
+PALPATE_SINGLE(FoundPoint);
 
 // A point after its brush.
 PALPATE_STRUCT(Brushed) {
@@ -56,23 +78,35 @@ PALPATE_STRUCT(Brushed) {
 };
 PALPATE_SINGLE(Brushed);
 
-// `spring`: from HIP to proxy; `touching`: not 0 where the proxy touches; `lastHip`: of the tick before.
-PALPATE_FORMULA PALPATE_OF(BrushBall)
-    ballOf(PALPATE_OF(Brush) brush, PALPATE_VEC3 hip, PALPATE_VEC3 lastHip, PALPATE_VEC3 spring, uint touching) {
-  PALPATE_OF(BrushBall) ball;
-  ball.center = hip;
-  ball.outward = PALPATE_VEC3(Real(0.0));
-  ball.motion = PALPATE_VEC3(Real(0.0));
-  const Real depth = length(spring);
-  ball.acts = touching != 0u && depth > brush.tau ? 1u : 0u;
-  if (ball.acts == 0u) return ball;
-  ball.outward = spring / depth;
-  const bool standsBefore = brush.kind == kBrushPush || brush.kind == kBrushCarve;
-  ball.center = standsBefore ? (hip + brush.tau * ball.outward) + brush.radius * ball.outward : hip + spring;
-  const PALPATE_VEC3 motion = hip - lastHip;
-  const Real way = length(motion);
-  ball.motion = way > brush.longestMove ? motion * (brush.longestMove / way) : motion;
-  return ball;
+// What one point says of the surface under the tool: sums of these over all points say how it lies there.
+struct MeasuredPoint {
+  int weight;
+  ivec3 normal;  // times the weight
+  int height;    // over the tool's centre along its axis, times the weight
+};
+
+PALPATE_FORMULA MeasuredPoint
+    measured(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(FoundPoint) found) {
+  MeasuredPoint point;
+  point.weight = 0;
+  point.normal = ivec3(0);
+  point.height = 0;
+  if (!(dot(found.normal, tool.outward) > Real(kFacesTool))) return point;
+  const PALPATE_VEC3 offset = found.position - tool.center;
+  const Real height = dot(offset, tool.outward);
+  const PALPATE_VEC3 aside = (offset - height * tool.outward) / brush.radius;
+  const Real weight = Real(1.0) - dot(aside, aside);
+  if (!(weight > Real(0.0))) return point;
+  point.weight = int(Real(kWeightSteps) * weight + Real(0.5));
+  point.normal = point.weight * ivec3(Real(kNormalSteps) * found.normal);
+  const Real heightInRadii = max(-Real(kMostHeight), min(Real(kMostHeight), height / brush.radius));
+  point.height = point.weight * int(Real(kHeightSteps) * heightInRadii);
+  return point;
+}
+
+// Whether a point is measured; of dense clouds only some are, always the same ones.
+PALPATE_FUNCTION bool isSampled(uint id, uint sampling) {
+  return sampling == 0u || (id * 2654435761u) >> (32u - sampling) == 0u;
 }
 
 // How much a brush acts so far from the brush's centre, 0 to 1.
@@ -85,64 +119,100 @@ PALPATE_FORMULA Real brushWeight(PALPATE_OF(Brush) brush, Real distance) {
   return weight;
 }
 
-// Share of the whole effect that a point at `position` gets in this tick.
-PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushBall) ball, PALPATE_VEC3 position) {
-  return ball.acts == 0u ? Real(0.0) : brush.strength * brushWeight(brush, length(position - ball.center));
+PALPATE_FORMULA bool isTurnedAway(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 foundNormal) {
+  return !(dot(foundNormal, tool.outward) > Real(kTurnedAway));
+}
+
+// Share of the whole effect that a point gets in this edit, by how far it is from the tool's centre.
+PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                                PALPATE_VEC3 foundNormal) {
+  if (tool.acts == 0u || isTurnedAway(tool, foundNormal)) return Real(0.0);
+  return tool.share * brushWeight(brush, length(position - tool.center));
 }
 
 // Push (thesis section 5.2): the thesis takes the proxy itself as every point's target, which on flat ground only
-// crowds them; here it is the point's own place on a ball, so that the brush leaves its shape. With a brush shrunk
-// to a point the two are the same.
-// Carve cuts the ball out of the solid. Its wall, where it runs inside the solid, is the new surface. A point that
-// faces the middle of the ball has solid behind it and goes to the wall; behind a point that faces away there is none.
+// crowds them. Here a point goes along the tool's axis to the underside of the ball, so that the brush leaves its shape
+// and what lies ahead of a hand that moves is pressed down and not carried along. With a brush shrunk to a point the
+// two are the same.
 PALPATE_FORMULA PALPATE_OF(Brushed)
-    toBall(PALPATE_OF(Brush) brush, PALPATE_OF(BrushBall) ball, PALPATE_VEC3 position, PALPATE_VEC3 normal) {
+    pushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_VEC3 foundNormal) {
   PALPATE_OF(Brushed) result;
   result.position = position;
   result.taken = 0u;
-  const PALPATE_VEC3 fromCenter = position - ball.center;
-  const Real distance = length(fromCenter);
+  if (tool.acts == 0u || isTurnedAway(tool, foundNormal)) return result;
+  const PALPATE_VEC3 offset = position - tool.center;
+  const Real height = dot(offset, tool.outward);
+  const PALPATE_VEC3 aside = offset - height * tool.outward;
+  const Real squared = brush.radius * brush.radius - dot(aside, aside);
+  if (!(squared > Real(0.0))) return result;
+  const Real chord = sqrt(squared);
+  const Real depth = height + chord;
+  if (!(depth > Real(0.0)) || height > max(tool.shaft, chord)) return result;
+  result.position = position - min(tool.share * depth, brush.longestMove) * tool.outward;
+  return result;
+}
+
+// Carve cuts the tool out of the solid. Its wall, where it runs inside the solid, is the new surface. A point that
+// faces the middle of the tool has solid behind it and goes to the wall; behind a point that faces away there is none.
+PALPATE_FORMULA PALPATE_OF(Brushed)
+    carved(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_VEC3 normal) {
+  PALPATE_OF(Brushed) result;
+  result.position = position;
+  result.taken = 0u;
+  const PALPATE_VEC3 offset = position - tool.center;
+  const Real along = max(Real(0.0), min(tool.shaft, dot(offset, tool.outward)));
+  const PALPATE_VEC3 fromAxis = offset - along * tool.outward;
+  const Real distance = length(fromAxis);
   const Real depth = brush.radius - distance;
-  if (ball.acts == 0u || !(depth > Real(0.0))) return result;
-  PALPATE_VEC3 away = -ball.outward;
-  if (distance > Real(kAtCenter) * brush.radius) away = fromCenter / distance;
-  const bool carves = brush.kind == kBrushCarve;
-  if (carves && !(brush.strength > Real(0.0))) return result;
-  if (carves && (dot(normal, away) >= Real(0.0) || depth > Real(kCarveDepth) * brush.support)) {
+  if (tool.acts == 0u || !(depth > Real(0.0)) || !(tool.share > Real(0.0))) return result;
+  PALPATE_VEC3 away = -tool.outward;
+  if (distance > Real(kAtCenter) * brush.radius) away = fromAxis / distance;
+  if (dot(normal, away) >= Real(0.0) || depth > Real(kCarveDepth) * brush.support) {
     result.taken = 1u;
     return result;
   }
-  const Real share = carves ? brush.strength : brush.beta;
-  result.position = position + min(share * depth, brush.longestMove) * away;
+  result.position = position + min(tool.share * depth, brush.longestMove) * away;
   return result;
 }
 
 // Where a point goes by what is known of it alone; smooth needs its neighbours too (smoothed()), and paint moves
 // nothing.
 PALPATE_FORMULA PALPATE_OF(Brushed)
-    brushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushBall) ball, PALPATE_VEC3 position, PALPATE_VEC3 normal) {
-  if (brush.kind == kBrushPush || brush.kind == kBrushCarve) return toBall(brush, ball, position, normal);
+    brushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_VEC3 normal,
+            PALPATE_OF(FoundPoint) found) {
+  if (brush.kind == kBrushPush) return pushed(brush, tool, position, found.normal);
+  if (brush.kind == kBrushCarve) return carved(brush, tool, position, normal);
   PALPATE_OF(Brushed) result;
   result.position = position;
   result.taken = 0u;
-  const Real share = brushShare(brush, ball, position);
-  if (!(share > Real(0.0))) return result;
-  if (brush.kind == kBrushInflate)
-    result.position = position + min(share * Real(kInflateStep) * brush.radius, brush.longestMove) * normal;
+  if (tool.acts == 0u || isTurnedAway(tool, found.normal)) return result;
   if (brush.kind == kBrushFlatten) {
-    const Real move = share * dot(position - ball.center, ball.outward);
-    result.position = position - max(-brush.longestMove, min(brush.longestMove, move)) * ball.outward;
+    const Real move = brushShare(brush, tool, position, found.normal) * dot(position - tool.center, tool.outward);
+    result.position = position - max(-brush.longestMove, min(brush.longestMove, move)) * tool.outward;
+    return result;
   }
-  if (brush.kind == kBrushGrab) result.position = position + share * ball.motion;
+  // These two go by where the point was, so that it gets no more than its share however long the stroke is.
+  const Real weight = brushWeight(brush, length(found.position - tool.center));
+  if (!(weight > Real(0.0))) return result;
+  if (brush.kind == kBrushInflate) {
+    const Real left = weight * tool.height - dot(position - found.position, found.normal);
+    const Real step = min(tool.share * weight * Real(kInflateStep) * brush.radius, brush.longestMove);
+    result.position = position + max(Real(0.0), min(left, step)) * found.normal;
+  }
+  if (brush.kind == kBrushGrab) {
+    const PALPATE_VEC3 way = (found.position + weight * tool.motion) - position;
+    const Real step = tool.share * length(way);
+    result.position = position + (step > brush.longestMove ? brush.longestMove / step : Real(1.0)) * tool.share * way;
+  }
   return result;
 }
 
 // Smooth: a share of the way to the algebraic sphere that the neighbours define about the point (kSurfaceSphere), which
 // unlike their average leaves curvature alone. `signedDistance`: of the point to it, model units, positive outside;
 // `normal`: the sphere's.
-PALPATE_FORMULA PALPATE_VEC3 smoothed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushBall) ball, PALPATE_VEC3 position,
-                                      Real signedDistance, PALPATE_VEC3 normal) {
-  const Real move = brushShare(brush, ball, position) * signedDistance;
+PALPATE_FORMULA PALPATE_VEC3 smoothed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                                      PALPATE_VEC3 foundNormal, Real signedDistance, PALPATE_VEC3 normal) {
+  const Real move = brushShare(brush, tool, position, foundNormal) * signedDistance;
   return position - max(-brush.longestMove, min(brush.longestMove, move)) * normal;
 }
 
@@ -154,9 +224,10 @@ PALPATE_FORMULA uint blendedChannel(uint from, uint to, Real share) {
   return from < to ? from + move : from - move;
 }
 
-// The colour of a point, RGBA8 or 0 for none, after one tick of paint.
-PALPATE_FORMULA uint painted(PALPATE_OF(Brush) brush, PALPATE_OF(BrushBall) ball, PALPATE_VEC3 position, uint color) {
-  const Real share = brushShare(brush, ball, position);
+// The colour of a point, RGBA8 or 0 for none, after one edit of paint.
+PALPATE_FORMULA uint painted(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                             PALPATE_VEC3 foundNormal, uint color) {
+  const Real share = brushShare(brush, tool, position, foundNormal);
   if (brush.kind != kBrushPaint || !(share > Real(0.0))) return color;
   const uint from = color == 0u ? kUnpainted : color;
   uint blended = 0u;

@@ -17,7 +17,7 @@ const uint kNeighbourWorkBudget = 20000;
 // seen.
 const uint kMostExamined = 8192;
 
-// Of the support radius: no point moves further in one tick, so that a resting proxy keeps its surface.
+// Of the support radius: no point moves further in one edit, so that a resting proxy keeps its surface.
 const float kLongestMove = 0.25f;
 
 // Cells that one workgroup searches for points that a brush reaches: as few as keep so many workgroups busy, within
@@ -37,6 +37,14 @@ const uint kMostBirths = 1024;
 // In memory; no workgroup has an array of this length, to which glslang would give this one's layout.
 const uint kBirthSlots = kMostBirths + 2;
 
+// A point as the stroke found it that moved it last.
+struct Found {
+  vec3 position;
+  uint stroke;  // 0: none has
+  vec3 normal;
+};
+PALPATE_SIZE(Found, 28);
+
 // What an edit knows of points by their ids; null where it is not kept. Places for `ids` points.
 struct PointTables {
   PALPATE_ADDRESS(Uints) colors;     // RGBA8
@@ -44,6 +52,7 @@ struct PointTables {
   PALPATE_ADDRESS(Floats) spacings;  // target, of the points before firstNew, model units
   PALPATE_ADDRESS(Places) rests;     // where points stood as loaded; of later ones, half way between their ends
   PALPATE_ADDRESS(Floats) reaches;   // of the points from firstNew on: how far others may come from there
+  PALPATE_ADDRESS(Founds) founds;
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(Uints) examined;  // tick in which a point was last examined
   PALPATE_ADDRESS(ResampleLists) lists;
@@ -56,7 +65,7 @@ struct PointTables {
   uint mostMoves;  // that there is room for; as many requests
   uint unused;
 };
-PALPATE_SIZE(PointTables, 112);
+PALPATE_SIZE(PointTables, 120);
 
 // What a point that was examined requests for the next tick: at least to be examined again.
 struct PointRequest {
@@ -92,7 +101,7 @@ struct CollectArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(Uints) capacities;
-  PALPATE_ADDRESS(ContactStates) state;
+  PALPATE_ADDRESS(BrushTools) tool;
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(Tables) tables;
   uint recalls;  // kRecalls...
@@ -114,7 +123,7 @@ struct SmoothArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(Uints) capacities;
-  PALPATE_ADDRESS(ContactStates) state;
+  PALPATE_ADDRESS(BrushTools) tool;
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(Tables) tables;
 };

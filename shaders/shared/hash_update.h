@@ -79,8 +79,12 @@ struct HashUpdate {
   uint points;      // that are there
   uint compacting;  // not 0: buckets that change are noted
   uint dirty;       // buckets noted
+  // Of the surface under a brush, MeasuredPoint of shaders/shared/brush.h: sums over all edits, which may run over.
+  uint weights;
+  uint normals[3];
+  uint heights;
 };
-const uint kUpdateBytes = 104;
+const uint kUpdateBytes = 124;
 PALPATE_SIZE(HashUpdate, kUpdateBytes);
 const uint kUpdateBegins = 88;  // bytes of the first part
 

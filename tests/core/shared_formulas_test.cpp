@@ -221,42 +221,66 @@ TEST_CASE_TEMPLATE("a proxy slides as far as friction lets it, and a step that t
   CHECK_FALSE(shared::trackingFrom(none, false, Real(0.5)).slid);
 }
 
-TEST_CASE_TEMPLATE("brushes act by their ball, on points in its middle too", Real, float, double) {
-  shared::BrushOf<Real> brush{.kind = shared::kBrushPush,
-                              .falloff = 3,
-                              .tau = Real(0.5),
-                              .beta = 1,
-                              .radius = 4,
-                              .strength = 1,
-                              .longestMove = 100,
-                              .support = 1,
-                              .color = 0};
-  const V3<Real> none(0), up(0, 0, 1), hip(1, 2, 3);
-  CHECK(shared::ballOf(brush, hip, hip, none, shared::kSliding).acts == 0);
-  CHECK(shared::ballOf(brush, hip, hip, Real(0.5) * up, shared::kSliding).acts == 0);
-  CHECK(shared::ballOf(brush, hip, hip, up, shared::kFree).acts == 0);
-  const auto ball = shared::ballOf(brush, hip, V3<Real>(1, 2, -500), Real(2) * up, shared::kSliding);
-  REQUIRE(ball.acts == 1);
-  CHECK(off(ball.center, DVec3(1, 2, 3 + 0.5 + 4)) < kRounding<Real>);
-  CHECK(off(ball.motion, DVec3(0, 0, 100)) < 100 * kRounding<Real>);
-  // The whole way at once: every point comes to rest on the ball, along the line from its middle.
+TEST_CASE_TEMPLATE("brushes act by their tool, on points in its middle too", Real, float, double) {
+  shared::BrushOf<Real> brush{
+      .kind = shared::kBrushPush, .falloff = 3, .radius = 4, .longestMove = 100, .support = 1, .color = 0};
+  const V3<Real> up(0, 0, 1);
+  shared::BrushToolOf<Real> tool{.center = V3<Real>(1, 2, 7.5), .acts = 1, .outward = up, .share = 1};
+  const auto positionOf = [&](const V3<Real>& place) {
+    return shared::brushed(brush, tool, place, up, {place, up}).position;
+  };
+  // The whole way at once: every point in the ball comes to rest on its underside, straight under where it was.
   for (const DVec3& direction : directions(100)) {
-    const DVec3 place = DVec3(ball.center) + 2.5 * direction;
-    CHECK(off(shared::brushed(brush, ball, V3<Real>(place), up).position, DVec3(ball.center) + 4.0 * direction) <
-          10 * kRounding<Real>);
+    const DVec3 offset = 2.5 * direction;
+    const DVec3 wall(offset.x, offset.y, -std::sqrt(16 - offset.x * offset.x - offset.y * offset.y));
+    CHECK(off(positionOf(V3<Real>(DVec3(tool.center) + offset)), DVec3(tool.center) + wall) < 10 * kRounding<Real>);
   }
-  for (const V3<Real>& middle : {ball.center, ball.center + V3<Real>(kDenormal<Real>)})
-    CHECK(off(shared::brushed(brush, ball, middle, up).position, DVec3(ball.center) - DVec3(0, 0, 4)) <
-          10 * kRounding<Real>);
+  for (const V3<Real>& middle : {tool.center, tool.center + V3<Real>(kDenormal<Real>)})
+    CHECK(off(positionOf(middle), DVec3(tool.center) - DVec3(0, 0, 4)) < 10 * kRounding<Real>);
+  // On a shaft, too, and not over its end.
+  tool.shaft = 6;
+  CHECK(off(positionOf(tool.center + V3<Real>(0, 0, 5)), DVec3(tool.center) - DVec3(0, 0, 4)) < 10 * kRounding<Real>);
+  const V3<Real> over = tool.center + V3<Real>(0, 0, 7);
+  CHECK(positionOf(over) == over);
   for (const double distance : {0.0, 1.0, 3.9, 4.0, 5.0}) {
     const double truth = distance < 4 ? std::pow(1 - distance * distance / 16, 3) : 0;
     CHECK(std::abs(static_cast<double>(shared::brushWeight(brush, static_cast<Real>(distance))) - truth) <
           kRounding<Real>);
   }
   brush.kind = shared::kBrushCarve;
-  CHECK(shared::brushed(brush, ball, ball.center + up, up).taken == 1);   // faces away from the middle
-  CHECK(shared::brushed(brush, ball, ball.center + up, -up).taken == 1);  // deeper than two support radii
-  CHECK(shared::brushed(brush, ball, ball.center + Real(3) * up, -up).taken == 0);
+  const auto taken = [&](const V3<Real>& place, const V3<Real>& normal) {
+    return shared::brushed(brush, tool, place, normal, {place, normal}).taken == 1;
+  };
+  const V3<Real> aside(1, 0, 0);
+  CHECK(taken(tool.center + aside, aside));   // faces away from the middle
+  CHECK(taken(tool.center + aside, -aside));  // deeper than two support radii
+  CHECK_FALSE(taken(tool.center + Real(3) * aside, -aside));
+  CHECK_FALSE(taken(tool.center + Real(3) * aside + Real(5) * up, -aside));  // of the shaft
+  tool.shaft = 0;
+  CHECK_FALSE(taken(tool.center + Real(5) * up, up));
+}
+
+TEST_CASE_TEMPLATE("how the surface lies under a tool is measured to a few thousandths", Real, float, double) {
+  const shared::BrushOf<Real> brush{.kind = shared::kBrushPush, .radius = 4, .longestMove = 1, .support = 1};
+  const DVec3 outward = glm::normalize(DVec3(1, 2, 3));
+  const shared::BrushToolOf<Real> tool{.center = V3<Real>(7, 8, 9), .acts = 1, .outward = V3<Real>(outward), .share = 1};
+  // A plane that is tilted against the tool, a quarter of its radius under its centre.
+  const DVec3 normal = glm::normalize(outward + DVec3(0.1, -0.2, 0));
+  const Frame3 frame = frameAround(normal);
+  double weights = 0, heights = 0;
+  DVec3 normals(0);
+  for (double u = -6; u < 6; u += 0.1)
+    for (double v = -6; v < 6; v += 0.1) {
+      const DVec3 place = DVec3(tool.center) - 1.0 * normal + u * frame.u + v * frame.v;
+      const auto point = shared::measured(brush, tool, {V3<Real>(place), V3<Real>(normal)});
+      weights += point.weight;
+      heights += point.height;
+      normals += DVec3(point.normal);
+      CHECK(shared::measured(brush, tool, {V3<Real>(place), V3<Real>(-normal)}).weight == 0);
+    }
+  CHECK(weights > 0);
+  CHECK(off(V3<double>(normals / (weights * 511)), normal) < 5e-3);
+  CHECK(heights / (weights * 255) * 4 == within(-1 / glm::dot(normal, outward), 0.02));
 }
 
 TEST_CASE_TEMPLATE("half way between two points of a circle is on it; of one place it is that place", Real, float,

@@ -12,8 +12,6 @@ namespace palpate::push_edit_test {
 
 namespace {
 
-const double kLongestMove{shared::kLongestMove};
-
 struct Moved {
   std::vector<Vec4> positions, normals;  // in id order
 };
@@ -23,13 +21,9 @@ Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const
   const cu::Stream stream;
   cu::LiveCopy live(cloud, stream);
   cu::CubBuild build(makeHashGrid(Vec3(0), radius, cloud.size()), live.count());
-  const cu::PushEdit edit(options, radius, kLongestMove * radius, live.count());
-  cu::DeviceArray<shared::ContactState> state(1);
-  state.upload(
-      std::vector<shared::ContactState>{
-          {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .face = 0, .facing = {}, .started = 1}},
-      stream);
-  edit.recordPush(stream, live.half(0), live.count(), state.data());
+  cu::PushEdit edit(sharedBrush(options, radius), radius, stream, live.count());
+  edit.setTool(sharedTool(toolAt(options, radius, hip, spring)));
+  edit.recordPush(stream, live.half(0), live.count());
   build.record(stream, live.half(0), live.half(1), live.count());
   edit.recordRefit(stream, build.view(live.half(1), live.count()));
   Moved moved{std::vector<Vec4>(cloud.size()), std::vector<Vec4>(cloud.size())};
@@ -58,17 +52,17 @@ TEST_CASE("points in range move as the reference says, the others stay bit by bi
        {BrushOptions{.tau = 0.5, .beta = 0.1, .radius = 6}, BrushOptions{.tau = 0, .beta = 1, .radius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
-    const PlacedBrush brush(options, scene.radius, hip, hip, spring);
+    const PlacedBrush brush = brushAt(options, scene.radius, hip, spring);
     std::size_t inRange = 0, wrong = 0, marked = 0, disturbed = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
-      const DVec3 before(scene.cloud.positions[i]);
-      const DVec3 expected = brush.brushed(before, {}).position;
+      const DVec3 before(scene.cloud.positions[i]), normal(scene.cloud.normals[i]);
+      const DVec3 expected = brush.brushed(before, normal, {before, normal}).position;
       inRange += expected != before;
       wrong += glm::distance(DVec3(moved.positions[i]), expected) > 1e-4;
       marked += moved.normals[i].w != 0;
       // A point within rounding of the brush's border may be marked and refitted without having moved.
       const bool clearlyOutside =
-          glm::distance(before, hip + (options.tau + options.radius) * outward) > options.radius + 1e-3;
+          glm::distance(before, brush.center()) > brush.radius() + 1e-3;
       disturbed +=
           clearlyOutside && (movedAt(moved, scene.cloud, i) || Vec3(moved.normals[i]) != scene.cloud.normals[i]);
     }

@@ -9,6 +9,7 @@
 
 #include "engine/edit/placed_brush.hpp"
 #include "shaders/shared/edit.h"
+#include "tests/edit/tool_at.hpp"
 #include "tests/edit_gpu/brush_probe.h"
 
 namespace palpate {
@@ -17,6 +18,7 @@ inline constexpr double kSupport = 1.5;
 
 struct BrushCase {
   BrushOptions options;
+  BrushStroke::Tool tool;
   shared::BrushQuestion asked;
 };
 
@@ -42,14 +44,15 @@ inline std::vector<BrushCase> randomQuestions(std::size_t count) {
     const DVec3 hip = 40.0 * direction(), outward = direction();
     const DVec3 spring = 3 * share(random) * outward;
     const DVec3 position = hip + spring + 1.5 * options.radius * share(random) * direction();
+    const BrushStroke::Tool tool = toolAt(options, kSupport, hip, spring, share(random) * direction());
     questions.push_back({.options = options,
+                         .tool = tool,
                          .asked = {.brush = sharedBrush(options, kSupport),
-                                   .hip = Vec3(hip),
-                                   .lastHip = Vec3(hip + share(random) * direction()),
-                                   .spring = Vec3(spring),
-                                   .touching = 1,
+                                   .tool = sharedTool(tool),
                                    .position = Vec3(position),
                                    .normal = Vec3(direction()),
+                                   .foundPosition = Vec3(position + share(random) * direction()),
+                                   .foundNormal = Vec3(direction()),
                                    .color = static_cast<std::uint32_t>(random())}});
   }
   return questions;
@@ -62,12 +65,13 @@ inline constexpr double kRounding = 5e-5;
 // counted.
 inline void checkAgree(const std::vector<BrushCase>& questions, const std::vector<shared::BrushAnswer>& answers,
                        double signedDistance) {
-  std::size_t otherSide = 0, moved = 0, taken = 0, colored = 0;
+  std::size_t otherSide = 0, moved = 0, taken = 0, colored = 0, says = 0;
   for (std::size_t i = 0; i < questions.size(); ++i) {
-    const auto& [options, q] = questions[i];
-    const PlacedBrush brush(options, kSupport, DVec3(q.hip), DVec3(q.lastHip), DVec3(q.spring));
+    const auto& [options, tool, q] = questions[i];
+    const PlacedBrush brush(options, kSupport, tool);
     const DVec3 place(q.position), normal(q.normal);
-    const PlacedBrush::Point expected = brush.brushed(place, normal);
+    const PlacedBrush::Found found{DVec3(q.foundPosition), DVec3(q.foundNormal)};
+    const PlacedBrush::Point expected = brush.brushed(place, normal, found);
     moved += expected.position != place;
     taken += expected.taken;
     if (expected.taken != (answers[i].brushed.taken != 0)) {
@@ -76,16 +80,22 @@ inline void checkAgree(const std::vector<BrushCase>& questions, const std::vecto
       CHECK(glm::distance(DVec3(answers[i].brushed.position), expected.position) < kRounding);
     }
     const DVec3 smooth =
-        brush.smoothed(place, {.defined = true, .distance = signedDistance, .normal = normal, .neighbours = 9});
+        brush.smoothed(place, found, {.defined = true, .distance = signedDistance, .normal = normal, .neighbours = 9});
     CHECK(glm::distance(DVec3(answers[i].smoothed), smooth) < kRounding);
-    const auto is = unpackedColor(answers[i].painted), wanted = unpackedColor(brush.painted(place, q.color));
+    const auto is = unpackedColor(answers[i].painted), wanted = unpackedColor(brush.painted(place, found, q.color));
     colored += answers[i].painted != q.color;
     for (std::size_t k = 0; k < 4; ++k) CHECK(std::abs(is[k] - wanted[k]) <= 1);
+    const shared::MeasuredPoint measured = brush.measured(found), said = answers[i].measured;
+    says += measured.weight > 0;
+    CHECK(std::abs(said.weight - measured.weight) <= 1);
+    CHECK(std::abs(said.height - measured.height) <= 1400);  // a step of the weight or of the height
+    for (int k = 0; k < 3; ++k) CHECK(std::abs(said.normal[k] - measured.normal[k]) <= 600);
   }
   CHECK(otherSide < 3);
   CHECK(moved > questions.size() / 8);
   CHECK(taken > questions.size() / 50);
   CHECK(colored > questions.size() / 20);
+  CHECK(says > questions.size() / 10);
 }
 
 }  // namespace palpate

@@ -23,52 +23,75 @@ TEST_CASE("no brush moves a point further than a quarter of a support radius, or
     CAPTURE(name);
     const BrushOptions options{.kind = kind, .tau = 0.5, .beta = 1, .radius = 1e4, .strength = 1, .falloff = 0};
     const DVec3 hip(0, 0, -2), lastHip(5, 0, -2), place(3, 1, 0), normal(0, 0, 1);
-    const PlacedBrush brush(options, kSupport, hip, lastHip, {0, 0, 2});
+    const PlacedBrush::Found found{place, normal};
+    const PlacedBrush brush = brushAt(options, kSupport, hip, {0, 0, 2}, hip - lastHip);
     CHECK(brush.acts());
-    CHECK(glm::distance(brush.brushed(place, normal).position, place) <= longest * (1 + 1e-12));
+    CHECK(glm::distance(brush.brushed(place, normal, found).position, place) <= longest * (1 + 1e-12));
     const SurfaceSample far{.defined = true, .distance = 100, .normal = normal, .neighbours = 9};
-    CHECK(glm::distance(brush.smoothed(place, far), place) <= longest * (1 + 1e-12));
-    const PlacedBrush shallow(options, kSupport, hip, lastHip, {0, 0, 0.5});
+    CHECK(glm::distance(brush.smoothed(place, found, far), place) <= longest * (1 + 1e-12));
+    const PlacedBrush shallow = brushAt(options, kSupport, hip, {0, 0, 0.5});
     CHECK_FALSE(shallow.acts());
-    CHECK(shallow.brushed(place, normal).position == place);
-    CHECK(shallow.smoothed(place, far) == place);
-    CHECK(shallow.painted(place, 7) == 7);
-    CHECK(ballOf(sharedBrush(options, kSupport), Vec3(hip), Vec3(lastHip), Vec3(0, 0, 2), 0).acts == 0);
+    CHECK(shallow.brushed(place, normal, found).position == place);
+    CHECK(shallow.smoothed(place, found, far) == place);
+    CHECK(shallow.painted(place, found, 7) == 7);
   }
 }
 
 TEST_CASE("each brush does at the middle of the brush what its strength says") {
-  const DVec3 hip(0, 0, -1), lastHip(0.1, 0, -1), spring(0, 0, 1), middle(0), up(0, 0, 1);
-  const auto at = [&](BrushKind kind) {
-    const BrushOptions options{.kind = kind, .tau = 0.1, .radius = 4, .strength = 0.5};
-    return PlacedBrush(options, kSupport, hip, lastHip, spring);
+  const DVec3 hip(0, 0, -1), spring(0, 0, 1), middle(0), up(0, 0, 1);
+  const auto at = [&](BrushKind kind, const DVec3& place, const DVec3& normal) {
+    const BrushOptions options{.kind = kind, .tau = 0.1, .beta = 0.2, .radius = 4, .strength = 0.5};
+    const DVec3 motion = kind == BrushKind::grab ? DVec3(-0.1, 0, 0) : DVec3(0);
+    return brushAt(options, kSupport, hip, spring, motion).brushed(place, normal, {place, normal});
   };
-  CHECK(glm::distance(at(BrushKind::inflate).brushed(middle, up).position, DVec3(0, 0, 0.002)) < 1e-9);
-  CHECK(glm::distance(at(BrushKind::grab).brushed(middle, up).position, DVec3(-0.05, 0, 0)) < 1e-12);
-  // Onto the plane through the proxy, from either side of it, and not along it.
-  CHECK(glm::distance(at(BrushKind::flatten).brushed(DVec3(0, 0, 0.3), up).position, DVec3(0, 0, 0.15)) < 2e-3);
-  CHECK(glm::distance(at(BrushKind::flatten).brushed(DVec3(0, 0, -0.3), up).position, DVec3(0, 0, -0.15)) < 2e-3);
-  CHECK(at(BrushKind::flatten).brushed(DVec3(1, 2, 0), up).position == DVec3(1, 2, 0));
+  CHECK(glm::distance(at(BrushKind::inflate, middle, up).position, DVec3(0, 0, 0.002)) < 1e-9);
+  CHECK(glm::distance(at(BrushKind::grab, middle, up).position, DVec3(-0.05, 0, 0)) < 1e-12);
+  // Onto the plane of the surface, from either side of it, and not along it.
+  CHECK(glm::distance(at(BrushKind::flatten, {0, 0, 0.3}, up).position, DVec3(0, 0, 0.15)) < 2e-3);
+  CHECK(glm::distance(at(BrushKind::flatten, {0, 0, -0.3}, up).position, DVec3(0, 0, -0.15)) < 2e-3);
+  CHECK(at(BrushKind::flatten, {1, 2, 0}, up).position == DVec3(1, 2, 0));
   const SurfaceSample below{.defined = true, .distance = 0.2, .normal = up, .neighbours = 9};
-  CHECK(glm::distance(at(BrushKind::smooth).smoothed(middle, below), DVec3(0, 0, -0.1)) < 1e-12);
-  CHECK(at(BrushKind::smooth).smoothed(middle, {}) == middle);
-  // The ball of carve reaches 0.9 below the surface: what faces it goes half of that way, what faces away is gone.
-  const PlacedBrush::Point cut = at(BrushKind::carve).brushed(middle, up);
+  const BrushOptions smooths{.kind = BrushKind::smooth, .tau = 0.1, .radius = 4, .strength = 0.5};
+  const PlacedBrush smooth = brushAt(smooths, kSupport, hip, spring);
+  CHECK(glm::distance(smooth.smoothed(middle, {middle, up}, below), DVec3(0, 0, -0.1)) < 1e-12);
+  CHECK(smooth.smoothed(middle, {middle, up}, {}) == middle);
+  // The ball reaches 0.9 below the surface: push takes a point its share of the way down, wherever it is over the ball.
+  CHECK(glm::distance(at(BrushKind::push, middle, up).position, DVec3(0, 0, -0.18)) < 1e-12);
+  const double chord = std::sqrt(16 - 4);
+  CHECK(glm::distance(at(BrushKind::push, {2, 0, 0}, up).position, DVec3(2, 0, -0.2 * (chord - 3.1))) < 1e-12);
+  // What faces carve goes half of the way to its wall, what faces away is gone.
+  const PlacedBrush::Point cut = at(BrushKind::carve, middle, up);
   CHECK_FALSE(cut.taken);
   CHECK(cut.position.z == near(-0.375, 1e-6));  // the longest move
-  CHECK(at(BrushKind::carve).brushed(middle, -up).taken);
-  CHECK(at(BrushKind::carve).brushed(DVec3(0, 0, 3.1), up).taken);  // as deep as no surface is that it has met slowly
+  CHECK(at(BrushKind::carve, middle, -up).taken);
+  CHECK(at(BrushKind::carve, {0, 0, 3.1}, up).taken);  // as deep as no surface is that it has met slowly
+}
+
+TEST_CASE("a side of the model that faces away from the tool is left alone by every brush but carve") {
+  const DVec3 hip(0, 0, -1), spring(0, 0, 1), far(0.2, 0.1, -0.4), down(0, 0, -1);
+  for (const auto& [name, kind] : kBrushKinds) {
+    if (kind == BrushKind::carve) continue;
+    CAPTURE(name);
+    const BrushOptions options{.kind = kind, .tau = 0.1, .beta = 1, .radius = 4, .strength = 1};
+    const DVec3 motion = kind == BrushKind::grab ? DVec3(0.3, 0, 0) : DVec3(0);
+    const PlacedBrush brush = brushAt(options, kSupport, hip, spring, motion);
+    CHECK(brush.acts());
+    CHECK(brush.brushed(far, down, {far, down}).position == far);
+    CHECK(brush.smoothed(far, {far, down}, {.defined = true, .distance = 0.3, .normal = down}) == far);
+    CHECK(brush.painted(far, {far, down}, 7) == 7);
+  }
 }
 
 TEST_CASE("paint arrives at its colour and stays there, however weak it is") {
   const BrushOptions options{
       .kind = BrushKind::paint, .tau = 0, .radius = 4, .strength = 0.001, .color = {10, 200, 0, 255}};
-  const PlacedBrush brush(options, kSupport, {0, 0, -1}, {0, 0, -1}, {0, 0, 1});
+  const PlacedBrush brush = brushAt(options, kSupport, {0, 0, -1}, {0, 0, 1});
+  const PlacedBrush::Found facing{DVec3(0), DVec3(0, 0, 1)};
   std::uint32_t color = packedColor({255, 0, 130, 0});
-  for (int tick = 0; tick < 256; ++tick) color = brush.painted({3.9, 0, 0}, color);
+  for (int tick = 0; tick < 256; ++tick) color = brush.painted({3.9, 0, 0}, facing, color);
   CHECK(color == packedColor(options.color));
-  CHECK(brush.painted({0, 0, 0}, color) == color);
-  CHECK(brush.painted({4.1, 0, 0}, 5) == 5);
+  CHECK(brush.painted({0, 0, 0}, facing, color) == color);
+  CHECK(brush.painted({4.1, 0, 0}, facing, 5) == 5);
 }
 
 }  // namespace palpate::brush_test

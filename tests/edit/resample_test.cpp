@@ -8,6 +8,7 @@
 #include <set>
 
 #include "engine/edit/cpu_sculpture.hpp"
+#include "tests/edit/tool_at.hpp"
 #include "tests/edit/surface_gaps.hpp"
 #include "tests/scenes.hpp"
 
@@ -66,8 +67,8 @@ PointCloud densePatches(int side) {
 int shakeUntilSettled(CpuSculpture& sculpture, double radius) {
   const BrushOptions everything{.kind = BrushKind::grab, .tau = 0, .radius = 1e4, .strength = 1, .falloff = 0};
   const DVec3 hip(0, 0, -1);
-  sculpture.edit(PlacedBrush(everything, radius, hip, hip - DVec3(0, 0, 0.01), kUp));
-  const PlacedBrush nothing(everything, radius, hip, hip, DVec3(0));
+  sculpture.edit(brushAt(everything, radius, hip, kUp, {0, 0, 0.01}));
+  const PlacedBrush nothing(everything, radius, {});
   int ticks = 1;
   for (; !sculpture.settled() && ticks < 1000; ++ticks) sculpture.edit(nothing);
   return ticks;
@@ -349,11 +350,11 @@ CameAndWent carveWildGround(std::uint32_t seed) {
   const BrushOptions carve{.kind = BrushKind::carve, .tau = 0, .radius = 5, .strength = 0.5};
   DVec3 hip(10, 20, -3);
   for (int tick = 0; tick < 200; ++tick) {
-    const DVec3 last = std::exchange(hip, hip + DVec3(0.1, 0, 0));
-    sculpture.edit(PlacedBrush(carve, radius, hip, last, kUp));
+    hip += DVec3(0.1, 0, 0);
+    sculpture.edit(brushAt(carve, radius, hip, kUp));
   }
   CHECK(sculpture.points().size() > cloud.size());
-  const PlacedBrush lifted(carve, radius, hip, hip, DVec3(0));
+  const PlacedBrush lifted(carve, radius, {});
   int ticks = 0;
   while (!sculpture.settled() && ++ticks < 300) sculpture.edit(lifted);
   CHECK(sculpture.settled());

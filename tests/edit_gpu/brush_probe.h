@@ -7,22 +7,22 @@ PALPATE_SHARED_BEGIN
 // One question to the functions of shaders/shared/brush.h, and what they answer.
 struct BrushQuestion {
   Brush brush;
-  vec3 hip;
-  vec3 lastHip;
-  vec3 spring;
-  uint touching;
+  BrushTool tool;
   vec3 position;
   vec3 normal;
+  vec3 foundPosition;
+  vec3 foundNormal;
   uint color;
 };
-PALPATE_SIZE(BrushQuestion, 104);
+PALPATE_SIZE(BrushQuestion, 156);
 
 struct BrushAnswer {
   Brushed brushed;
   uint painted;
   vec3 smoothed;
+  MeasuredPoint measured;
 };
-PALPATE_SIZE(BrushAnswer, 32);
+PALPATE_SIZE(BrushAnswer, 52);
 
 struct BrushProbeArgs {
   PALPATE_ADDRESS(BrushQuestions) questions;
@@ -33,11 +33,14 @@ struct BrushProbeArgs {
 PALPATE_SIZE(BrushProbeArgs, 24);
 
 PALPATE_FUNCTION BrushAnswer answerTo(BrushQuestion q, float signedDistance) {
-  const BrushBall ball = ballOf(q.brush, q.hip, q.lastHip, q.spring, q.touching);
+  FoundPoint found;
+  found.position = q.foundPosition;
+  found.normal = q.foundNormal;
   BrushAnswer answer;
-  answer.brushed = brushed(q.brush, ball, q.position, q.normal);
-  answer.painted = painted(q.brush, ball, q.position, q.color);
-  answer.smoothed = smoothed(q.brush, ball, q.position, signedDistance, q.normal);
+  answer.brushed = brushed(q.brush, q.tool, q.position, q.normal, found);
+  answer.painted = painted(q.brush, q.tool, q.position, q.foundNormal, q.color);
+  answer.smoothed = smoothed(q.brush, q.tool, q.position, q.foundNormal, signedDistance, q.normal);
+  answer.measured = measured(q.brush, q.tool, found);
   return answer;
 }
 

@@ -69,12 +69,12 @@ TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
   for (const BrushOptions options :
        {BrushOptions{.tau = 0.5, .beta = 0.1, .radius = 6}, BrushOptions{.tau = 0, .beta = 1, .radius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
-    const PlacedBrush brush(options, scene.radius, hip, hip, spring);
+    const PlacedBrush brush = brushAt(options, scene.radius, hip, spring);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
     std::size_t count = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
-      const DVec3 before(scene.cloud.positions[i]);
-      const DVec3 expected = brush.brushed(before, {}).position;
+      const DVec3 before(scene.cloud.positions[i]), normal(scene.cloud.normals[i]);
+      const DVec3 expected = brush.brushed(before, normal, {before, normal}).position;
       if (expected == before) {
         // A point within rounding of the brush's border may go either way; by less than that.
         CHECK(glm::distance(DVec3(moved.positions[i]), before) < 1e-4);

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "engine/gpu/transfer.hpp"
+#include "tests/edit/tool_at.hpp"
 
 namespace palpate {
 
@@ -13,7 +14,7 @@ EditedScene::EditedScene(Device& device, const PointCloud& cloud, const HashGrid
       live_(device, cloud, spare.value_or(HashUpdate::spareSlots(cloud.size()))),
       hash_(device, grid, live_.slots(), sort, BucketOrder::stable, Slots::spare),
       log_(device, live_.slots()),
-      state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "state")) {
+      radius_(radius) {
   hash_.build(live_);
   edit_.emplace(device, brush, hash_, live_, log_, colors, radius);
   compaction_.emplace(device, hash_, live_, edit_->update(), compaction);
@@ -31,20 +32,13 @@ bool EditedScene::run(How how, const std::function<void(CommandList&)>& record) 
 }
 
 bool EditedScene::brush(const DVec3& hip, const DVec3& spring, How how, const DVec3& motion) {
-  upload(device_, state_,
-         std::vector<shared::ContactState>{{.lastHip = Vec3(hip),
-                                            .touching = 1,
-                                            .spring = Vec3(spring),
-                                            .face = 0,
-                                            .motion = Vec3(motion),
-                                            .facing = {},
-                                            .started = 1}});
+  edit_->setTool(spring == DVec3(0) ? BrushStroke::Tool() : toolAt(edit_->brush(), radius_, hip, spring, motion));
   return run(how, [&](CommandList& list) {
     if (how == How::incremental)
-      edit_->recordIncremental(list, live_.front(), state_);
+      edit_->recordIncremental(list, live_.front(), edit_->reach());
     else
-      edit_->recordRebuild(list, live_.front(), live_.back(), state_, hash_.sort(),
-                           how == How::rebuild ? EditPass::Reach::box : EditPass::Reach::all);
+      edit_->recordRebuild(list, live_.front(), live_.back(), hash_.sort(),
+                           how == How::rebuild ? edit_->reach() : EditPass::Reach::all);
   });
 }
 

@@ -52,7 +52,7 @@ class EditedScene {
   LiveCloud live_;
   SpatialHash hash_;
   EditLog log_;
-  Buffer state_;
+  double radius_;
   std::uint32_t logSeen_ = 0;
   std::optional<EditPass> edit_;
   std::optional<HashCompaction> compaction_;

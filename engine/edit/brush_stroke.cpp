@@ -1,0 +1,200 @@
+#include "engine/edit/brush_stroke.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "shaders/shared/edit.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kGap_s = 0.3;        // without contact, in one stroke
+constexpr double kTick_s = 1e-3;      // in which a brush has its share of the whole effect
+constexpr double kMostTicks = 16;     // that one edit makes up for
+constexpr double kWithdrawing = 0.5;  // cosine between the motion of a hand and the tool's axis, from which it withdraws
+// Of the brush's radius: how far the tool goes on between two edits at most, and how far apart places of its way are
+// remembered. Less costs edits, more leaves ripples.
+constexpr double kLongestStep = 0.25, kShortestStep = 1.0 / 256, kWayStep = 1.0 / 16;
+// By how many powers of e what is left of a point's way shrinks while the tool comes over it.
+constexpr double kDecays = 1.5;
+constexpr double kShaftMargin = 0.25;  // of the brush's radius, over the surface as it was found
+constexpr double kMostShaft = 2;       // radii of the brush
+constexpr double kMostHeld = 1.9, kMostHeldAside = 0.5;  // radii of the brush: how far grab takes what it holds
+constexpr double kMostRaised = 0.9;    // of the brush's radius, or it would raise points out of its reach
+constexpr double kLeastLength = 0.3;   // of a mean normal that says anything
+constexpr double kMostMeasured = 8192;
+
+double asSigned(std::uint32_t sum) { return static_cast<double>(static_cast<std::int32_t>(sum)); }
+
+double normalSteps() { return static_cast<double>(shared::kNormalSteps); }
+
+}  // namespace
+
+void SurfaceMeasure::add(const shared::MeasuredPoint& point) {
+  weights += static_cast<std::uint32_t>(point.weight);
+  for (int k = 0; k < 3; ++k) normals[static_cast<std::size_t>(k)] += static_cast<std::uint32_t>(point.normal[k]);
+  heights += static_cast<std::uint32_t>(point.height);
+}
+
+SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b) {
+  SurfaceMeasure gap{.weights = a.weights - b.weights, .normals = {}, .heights = a.heights - b.heights};
+  for (std::size_t k = 0; k < 3; ++k) gap.normals[k] = a.normals[k] - b.normals[k];
+  return gap;
+}
+
+void BrushStroke::setBrush(const BrushOptions& brush) {
+  end();
+  brush_ = brush;
+}
+
+void BrushStroke::end() {
+  open_ = acts_ = false;
+  wayCount_ = 0;
+}
+
+void BrushStroke::lift() {
+  open_ = acts_ = knowsLast_ = false;
+}
+
+void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& spring, bool sculpts, double time_s) {
+  const DVec3 motion = knowsLast_ ? hip - lastHip_ : DVec3(0);
+  knowsLast_ = true;
+  lastHip_ = hip;
+  const bool touches = contact.touching && sculpts;
+  const bool yields = touches && glm::length(spring) > brush_.tau;
+  if (touches) lastTouch_s_ = time_s;
+  const bool holds = brush_.kind == BrushKind::grab && open_ && sculpts;
+  if (!sculpts || (!holds && time_s - lastTouch_s_ > kGap_s)) open_ = false;
+  if (yields && !isGoingOn()) begin(contact, hip, spring);
+  const bool withdraws =
+      brush_.kind != BrushKind::grab && glm::dot(motion, outward_) > kWithdrawing * glm::length(motion) &&
+      motion != DVec3(0);
+  acts_ = open_ && (holds || yields) && !withdraws;
+  if (acts_) goOnTo(hip);
+}
+
+void BrushStroke::begin(const Contact& contact, const DVec3& hip, const DVec3& spring) {
+  open_ = true;
+  edited_ = false;
+  ++number_;
+  const double length = glm::length(spring);
+  const DVec3 springs = spring / length;
+  outward_ = glm::length(contact.normal) > 0.5 ? glm::normalize(contact.normal) : springs;
+  if (glm::dot(outward_, springs) < 0) outward_ = springs;  // felt from behind
+  foundAt_ = heldAt_ = hip + spring;
+  place_ = heldFrom_ = hip;
+  wayCount_ = 0;
+}
+
+void BrushStroke::goOnTo(const DVec3& hip) {
+  const auto at = [&](std::size_t k) -> DVec3& { return way_[(wayFirst_ + k) % kMostWay]; };
+  const DVec3 from = wayCount_ < 2 ? place_ : at(wayCount_ - 2);
+  // The last place is the hand's own, as long as it is near the one before.
+  if (wayCount_ > 0 && glm::distance(from, hip) < kWayStep * brush_.radius) {
+    at(wayCount_ - 1) = hip;
+    return;
+  }
+  if (wayCount_ == kMostWay) {
+    wayFirst_ = (wayFirst_ + 1) % kMostWay;
+    --wayCount_;
+  }
+  at(wayCount_++) = hip;
+}
+
+// A tool that passes over a point must leave it the time to yield, which goes a share of its way in each edit.
+double BrushStroke::longestStep(double share) const {
+  const double radius = brush_.radius, depth = std::clamp(found() - brush_.tau, 0.1 * radius, radius);
+  const double halfWidth = std::sqrt(radius * radius - (radius - depth) * (radius - depth));
+  const double yield = static_cast<double>(shared::kLongestMove) * support_;
+  const double most = std::min({kLongestStep * radius, yield * std::clamp(radius / depth, 0.5, 2.0),
+                                share > 0 ? share * halfWidth / kDecays : kLongestStep * radius});
+  return std::max(most, kShortestStep * radius);
+}
+
+void BrushStroke::advance(double most) {
+  while (wayCount_ > 0) {
+    const DVec3 to = way_[wayFirst_];
+    const double length = glm::distance(place_, to);
+    if (length > most) {
+      place_ += (most / length) * (to - place_);
+      return;
+    }
+    place_ = to;
+    most -= length;
+    wayFirst_ = (wayFirst_ + 1) % kMostWay;
+    --wayCount_;
+  }
+}
+
+std::uint32_t BrushStroke::sampling() const {
+  const double across = static_cast<double>(shared::kSupportSpacings) * brush_.radius / support_;
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(std::log2(3.2 * across * across / kMostMeasured)), 0.0, 31.0));
+}
+
+const BrushStroke::Tool& BrushStroke::next(double time_s) {
+  tool_ = {};
+  if (!acts()) return tool_;
+  const double since_s = edited_ ? time_s - lastEdit_s_ : kTick_s;
+  lastEdit_s_ = time_s;
+  edited_ = true;
+  const double ticks = std::clamp(std::round(since_s / kTick_s), 1.0, kMostTicks);
+  const bool inflates = brush_.kind == BrushKind::inflate;
+  const double strength = brush_.kind == BrushKind::push ? brush_.beta : brush_.strength;
+  tool_.share = inflates ? strength * ticks : 1 - std::pow(1 - strength, ticks);
+  advance(brush_.kind == BrushKind::grab ? std::numeric_limits<double>::infinity()
+                                         : longestStep(inflates ? 1 : tool_.share));
+  placeTool();
+  return tool_;
+}
+
+// Sideways no further than the surface can follow without being folded over.
+DVec3 BrushStroke::held() const {
+  const DVec3 way = place_ - heldFrom_;
+  const double along = glm::dot(way, outward_);
+  const DVec3 aside = way - along * outward_;
+  const double length = glm::length(aside), mostAside = kMostHeldAside * brush_.radius;
+  const double most = kMostHeld * brush_.radius;
+  return std::clamp(along, -most, most) * outward_ + (length > mostAside ? mostAside / length : 1.0) * aside;
+}
+
+void BrushStroke::placeTool() {
+  const double height = found();
+  tool_.acts = 1;
+  tool_.outward = outward_;
+  tool_.stroke = number_;
+  tool_.sampling = sampling();
+  tool_.reach = brush_.radius;
+  tool_.center = place_ + height * outward_;
+  tool_.middle = tool_.center;
+  if (brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve) {
+    const double tip = brush_.tau + brush_.radius;
+    tool_.center = place_ + tip * outward_;
+    if (height > tip) tool_.shaft = std::min(height - tip + kShaftMargin * brush_.radius, kMostShaft * brush_.radius);
+    tool_.middle = tool_.center + 0.5 * tool_.shaft * outward_;
+    tool_.reach = brush_.radius + 0.5 * tool_.shaft;
+  } else if (brush_.kind == BrushKind::inflate) {
+    tool_.height = std::clamp(height - brush_.tau, 0.0, kMostRaised * brush_.radius);
+  } else if (brush_.kind == BrushKind::grab) {
+    tool_.center = heldAt_;
+    tool_.motion = held();
+    tool_.middle = heldAt_ + 0.5 * tool_.motion;
+    tool_.reach = brush_.radius + 0.5 * glm::length(tool_.motion);
+  }
+}
+
+void BrushStroke::note(const SurfaceMeasure& measure) {
+  const double weights = asSigned(measure.weights);
+  if (tool_.acts == 0 || tool_.stroke != number_ || !(weights > 0)) return;
+  const DVec3 mean = DVec3(asSigned(measure.normals[0]), asSigned(measure.normals[1]), asSigned(measure.normals[2])) /
+                     (weights * normalSteps());
+  const double height = asSigned(measure.heights) / (weights * static_cast<double>(shared::kHeightSteps));
+  // More than can be: the sums have run over.
+  const double length = glm::length(mean);
+  if (!(length > kLeastLength && length < 1.01 && std::abs(height) <= static_cast<double>(shared::kMostHeight))) return;
+  foundAt_ = tool_.center + height * brush_.radius * tool_.outward;
+  if (brush_.kind != BrushKind::grab) outward_ = mean / length;
+}
+
+}  // namespace palpate

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "engine/edit/placed_brush.hpp"
+
+namespace palpate {
+
+/// The tool of a stroke that begins with one tick, in which the proxy is `spring` from the HIP; `motion`: of the hand
+/// since it took hold.
+inline BrushStroke::Tool toolAt(const BrushOptions& options, double support, const DVec3& hip, const DVec3& spring,
+                                const DVec3& motion = DVec3(0)) {
+  BrushStroke stroke(support);
+  stroke.setBrush(options);
+  const Contact contact{.touching = true};
+  stroke.feel(contact, hip - motion, spring, true, 0);
+  if (motion != DVec3(0)) stroke.feel(contact, hip, spring, true, 1e-3);
+  return stroke.next(1e-3);
+}
+
+/// A brush with that tool.
+inline PlacedBrush brushAt(const BrushOptions& options, double support, const DVec3& hip, const DVec3& spring,
+                           const DVec3& motion = DVec3(0)) {
+  return {options, support, toolAt(options, support, hip, spring, motion)};
+}
+
+}  // namespace palpate
