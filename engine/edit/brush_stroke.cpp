@@ -19,12 +19,23 @@ constexpr double kWithdrawing = 0.5;  // cosine between the motion of a hand and
 constexpr double kLongestStep = 0.25, kShortestStep = 1.0 / 256, kWayStep = 1.0 / 16;
 // By how many powers of e what is left of a point's way shrinks while the tool comes over it.
 constexpr double kDecays = 1.5;
+// Of the brush's radius: a hand that yields nothing on its way and goes on further away has not meant what lies between.
+constexpr double kJump = 0.5;
 constexpr double kShaftMargin = 0.25;  // of the brush's radius, over the surface as it was found
 constexpr double kMostShaft = 2;       // radii of the brush
 constexpr double kMostHeld = 1.9, kMostHeldAside = 0.5;  // radii of the brush: how far grab takes what it holds
 constexpr double kMostRaised = 0.9;    // of the brush's radius, or it would raise points out of its reach
 constexpr double kLeastLength = 0.3;   // of a mean normal that says anything
 constexpr double kMostMeasured = 8192;
+
+// Of the surface that a hand has met. Felt from behind, it is the hand's own side.
+DVec3 outwardOf(const Contact& contact, const DVec3& spring) {
+  const double length = glm::length(spring);
+  const DVec3 springs = length > 0 ? spring / length : DVec3(0, 0, 1);
+  if (!(glm::length(contact.normal) > 0.5)) return springs;
+  const DVec3 normal = glm::normalize(contact.normal);
+  return glm::dot(normal, springs) < 0 ? springs : normal;
+}
 
 double asSigned(std::uint32_t sum) { return static_cast<double>(static_cast<std::int32_t>(sum)); }
 
@@ -67,40 +78,40 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   if (touches) lastTouch_s_ = time_s;
   const bool holds = brush_.kind == BrushKind::grab && open_ && sculpts;
   if (!sculpts || (!holds && time_s - lastTouch_s_ > kGap_s)) open_ = false;
-  if (yields && !isGoingOn()) begin(contact, hip, spring);
-  const bool withdraws =
-      brush_.kind != BrushKind::grab && glm::dot(motion, outward_) > kWithdrawing * glm::length(motion) &&
-      motion != DVec3(0);
+  const Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
+  if (yields && !isGoingOn()) begin(place);
+  const bool withdraws = brush_.kind != BrushKind::grab && motion != DVec3(0) &&
+                         glm::dot(motion, outward_) > kWithdrawing * glm::length(motion);
   acts_ = open_ && (holds || yields) && !withdraws;
-  if (acts_) goOnTo(hip);
+  if (acts_) goOnTo(place);
 }
 
-void BrushStroke::begin(const Contact& contact, const DVec3& hip, const DVec3& spring) {
+void BrushStroke::begin(const Place& place) {
   open_ = true;
   edited_ = false;
   ++number_;
-  const double length = glm::length(spring);
-  const DVec3 springs = spring / length;
-  outward_ = glm::length(contact.normal) > 0.5 ? glm::normalize(contact.normal) : springs;
-  if (glm::dot(outward_, springs) < 0) outward_ = springs;  // felt from behind
-  foundAt_ = heldAt_ = hip + spring;
-  place_ = heldFrom_ = hip;
+  outward_ = place.outward;
+  foundAt_ = heldAt_ = place.found;
+  place_ = heldFrom_ = place.hip;
   wayCount_ = 0;
 }
 
-void BrushStroke::goOnTo(const DVec3& hip) {
-  const auto at = [&](std::size_t k) -> DVec3& { return way_[(wayFirst_ + k) % kMostWay]; };
-  const DVec3 from = wayCount_ < 2 ? place_ : at(wayCount_ - 2);
+void BrushStroke::goOnTo(const Place& place) {
+  const auto at = [&](std::size_t k) -> Place& { return way_[(wayFirst_ + k) % kMostWay]; };
+  const auto hipAt = [&](std::size_t back) { return wayCount_ < back ? place_ : at(wayCount_ - back).hip; };
+  const bool jumps = place.jumps && brush_.kind != BrushKind::grab &&
+                     glm::distance(hipAt(1), place.hip) > kJump * brush_.radius;
   // The last place is the hand's own, as long as it is near the one before.
-  if (wayCount_ > 0 && glm::distance(from, hip) < kWayStep * brush_.radius) {
-    at(wayCount_ - 1) = hip;
+  if (!jumps && wayCount_ > 0 && glm::distance(hipAt(2), place.hip) < kWayStep * brush_.radius) {
+    at(wayCount_ - 1).hip = place.hip;
     return;
   }
   if (wayCount_ == kMostWay) {
     wayFirst_ = (wayFirst_ + 1) % kMostWay;
     --wayCount_;
   }
-  at(wayCount_++) = hip;
+  at(wayCount_) = place;
+  at(wayCount_++).jumps = jumps;
 }
 
 // A tool that passes over a point must leave it the time to yield, which goes a share of its way in each edit.
@@ -114,15 +125,20 @@ double BrushStroke::longestStep(double share) const {
 }
 
 void BrushStroke::advance(double most) {
-  while (wayCount_ > 0) {
-    const DVec3 to = way_[wayFirst_];
-    const double length = glm::distance(place_, to);
-    if (length > most) {
-      place_ += (most / length) * (to - place_);
+  for (bool moved = false; wayCount_ > 0; moved = true) {
+    const Place& to = way_[wayFirst_];
+    const double length = glm::distance(place_, to.hip);
+    if (to.jumps) {
+      if (moved) return;  // with the next edit
+      outward_ = to.outward;
+      foundAt_ = to.found;
+    } else if (length > most) {
+      place_ += (most / length) * (to.hip - place_);
       return;
+    } else {
+      most -= length;
     }
-    place_ = to;
-    most -= length;
+    place_ = to.hip;
     wayFirst_ = (wayFirst_ + 1) % kMostWay;
     --wayCount_;
   }

@@ -60,10 +60,16 @@ class BrushStroke {
   std::uint32_t number() const { return number_; }
 
  private:
-  static constexpr std::size_t kMostWay = 4096;
+  static constexpr std::size_t kMostWay = 1024;
+  struct Place {
+    DVec3 hip{0};
+    bool jumps = false;  // nothing yielded on the way here, and then
+    DVec3 outward{0};    // the surface lies so,
+    DVec3 found{0};      // and here
+  };
 
-  void begin(const Contact& contact, const DVec3& hip, const DVec3& spring);
-  void goOnTo(const DVec3& hip);
+  void begin(const Place& place);
+  void goOnTo(const Place& place);
   void advance(double most);
   double longestStep(double share) const;
   double found() const { return glm::dot(foundAt_ - place_, outward_); }
@@ -83,7 +89,7 @@ class BrushStroke {
   DVec3 place_{0};          // of the hand, where the tool has come to
   DVec3 heldAt_{0}, heldFrom_{0};  // grab: where the surface was that it holds, and the hand
   // What is left of the way, a ring.
-  std::array<DVec3, kMostWay> way_;
+  std::array<Place, kMostWay> way_;
   std::size_t wayFirst_ = 0, wayCount_ = 0;
   Tool tool_{};
 };

@@ -6,6 +6,7 @@
 #include "engine/edit/normal_fit.hpp"
 #include "engine/edit/placed_brush.hpp"
 #include "engine/spatial/cpu_hash.hpp"
+#include "tests/edit/tool_at.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 
 namespace palpate::push_edit_test {

@@ -114,7 +114,8 @@ inline void checkOffersAmidStrokes(TouchBackend& touch, const PointCloud& cloud,
   bool isElsewhere = true;
   for (int i = 0; i < kStrokes * kTicks; ++i) {
     const double phase = (i % kTicks) / (0.5 * kTicks), depth = 3 * (phase < 1 ? phase : 2 - phase);
-    touch.query({.time_s = 1e-3 * i, .hip = {6.0 * (i / kTicks), 0, 51 - depth}}, 0);
+    const double time_s = 1e-3 * i + 0.5 * (i / kTicks);  // apart enough to be strokes
+    touch.query({.time_s = time_s, .hip = {6.0 * (i / kTicks), 0, 51 - depth}}, 0);
     if (i % 3 == 0) {
       const std::size_t before = others.taken();
       others.follow();

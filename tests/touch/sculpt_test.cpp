@@ -110,12 +110,10 @@ TEST_CASE("a probe that slides through the dent never falls through") {
 
 TEST_CASE("a hand at rest in its dent comes to rest: nothing comes or goes any more") {
   const Scene scene = makeScene("sphere", 20'000);
-  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = brush(BrushKind::push)});
-  const Played first = play(touch, scene.cloud, along(down(6), 50, 300));
-  std::vector<Pose> rest(100, {.time_s = 2, .hip = down(6).back()});
-  const Played second = play(touch, scene.cloud, rest);
+  const Played first = sculpt(scene, brush(BrushKind::push), along(down(6), 50, 300));
+  const Played longer = sculpt(scene, brush(BrushKind::push), along(down(6), 50, 500));
   CHECK(first.cloud.size() > scene.cloud.size() + 20);
-  CHECK(second.cloud.size() == first.cloud.size());
+  CHECK(longer.cloud.positions == first.cloud.positions);
 }
 
 TEST_CASE("carve cuts a closed crater, and a trench to its side, in the shape of its ball") {
@@ -135,7 +133,7 @@ TEST_CASE("carve cuts a closed crater, and a trench to its side, in the shape of
 
 TEST_CASE("inflate and grab stretch the surface without holes, and move it where they should") {
   const Scene scene = makeScene("sphere", 20'000);
-  const Played bump = sculpt(scene, brush(BrushKind::inflate, 1), along(down(1), 50, 600));
+  const Played bump = sculpt(scene, brush(BrushKind::inflate, 1), along(down(3), 50, 1200));
   CHECK(bump.lost == 0);
   CHECK(bump.last.proxy.z > 52);
   CHECK(gapsAround(bump.cloud, scene, {0, 0, 51}, 10).widest < 1.25);
@@ -143,7 +141,10 @@ TEST_CASE("inflate and grab stretch the surface without holes, and move it where
   const Played pulled = sculpt(scene, brush(BrushKind::grab, 1), along({{0, 0, 50.5}, {0, 0, 47}, {8, 0, 47}}, 50, 50));
   CHECK(pulled.changed > 50);
   CHECK(gapsAround(pulled.cloud, scene, {4, 0, 48}, 14).widest < 1.25);
-  CHECK(glm::distance(pulled.last.proxy, DVec3(8, 0, 47)) < 2);
+  // What it took goes with the hand, sideways by half of the tool's radius at most, or it would be folded over.
+  CHECK(std::ranges::any_of(pulled.cloud.positions, [&](const Vec3& place) {
+    return glm::distance(DVec3(place), DVec3(kToolRadius / 2, 0, 47 + kTau)) < scene.spacing;
+  }));
 }
 
 TEST_CASE("smooth takes the noise away and leaves the shape") {

@@ -191,7 +191,7 @@ TEST_CASE_FIXTURE(SoftFixture,
         scene->touch().query({.time_s = 1e-3 * k++, .hip = atDepth(depth + 6 * std::min(0.0, 2.0 * i / ticks - 1))}, 0);
     };
     ask(4, 150);
-    ask(-6, 40);
+    ask(-6, 340);  // long enough that the stroke is over
   }
   const std::vector<Vec3> dent = shapeOf(gpu);
   CHECK(deepest(dent) > 5e-4);

@@ -21,7 +21,8 @@ std::vector<Contact> press(TouchBackend& touch, int strokes, Journal* journal = 
   EditBatch batch;
   for (int i = 0; i < strokes * kTicks; ++i) {
     const double phase = (i % kTicks) / (0.5 * kTicks), depth = 3 * (phase < 1 ? phase : 2 - phase);
-    contacts.push_back(touch.query({.time_s = 1e-3 * i, .hip = {6.0 * (i / kTicks), 0, 51 - depth}}, 0));
+    const double time_s = 1e-3 * i + 0.5 * (i / kTicks);  // apart enough to be strokes
+    contacts.push_back(touch.query({.time_s = time_s, .hip = {6.0 * (i / kTicks), 0, 51 - depth}}, 0));
     if (!journal) continue;
     touch.takeEdits(batch);
     journal->follow(batch);

@@ -47,7 +47,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it st
   CHECK(moved < sculpted.size() / 4);
   double deepest = 50;
   for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == within(46.26, 0.03));  // 46 + tau, less what averaging rounds off
+  CHECK(deepest == within(46.32, 0.03));  // 46 + tau, and what the point nearest to the tip is beside it
   for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
 }
 
