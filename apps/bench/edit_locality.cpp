@@ -7,7 +7,7 @@ namespace palpate {
 namespace {
 
 constexpr std::string_view kRow =
-    "{:<20}{:>8} {:<8}{:<8}{:<6}{:>7}{:>7}{:>7}{:>11}{:>9}{:>9}{:>13}{:>8}{:>12}{:>7}{:>10}  {}\n";
+    "{:<20}{:>8} {:<8}{:<8}{:<6}{:>7}{:>7}{:>7}{:>11}{:>9}{:>9}{:>13}{:>8}{:>12}{:>7}{:>10}{:>7}{:>6}{:>8}  {}\n";
 
 double share(std::size_t part, std::size_t all) {
   return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0;
@@ -49,6 +49,9 @@ Json toJson(const StrokeRecord& record) {
           {"nearest_spacings", v.nearest},
           {"outside", v.outside},
           {"farthest_outside_R", v.farthestOutside},
+          {"deepest_mm", record.deepest_mm},
+          {"highest_mm", record.highest_mm},
+          {"doubled_share", share(v.doubled, v.changed)},
           {"normals", {{"fitted", v.fitted}, {"p95_deg", v.normal_deg}, {"sided", v.sided}, {"turned", v.turned}}},
           {"turned_at_rest", v.turnedAtRest},
           {"settling_ticks", record.settling},
@@ -60,14 +63,16 @@ Json toJson(const StrokeRecord& record) {
 }
 
 void printStrokeHeading(std::FILE* out) {
-  fmt::print(out,
-             "\nstrokes; far: beyond the brush's radius from its way, support radii; close: new points nearer than 0.4 "
-             "spacings of their place; out: new points off the old surface, and how far, support radii; normals: 95 % "
-             "of the changed ones are nearer than so to a plane fit, degrees, then how many face the other way, "
-             "changed / at rest; settle: ticks until nothing changed any more; looks: points changed by a brush "
-             "without effect, before / after the stroke\n");
+  fmt::print(
+      out,
+      "\nstrokes; far: beyond the brush's radius from its way, support radii; close: new points nearer than 0.4 "
+      "spacings of their place; out: new points off the old surface, and how far, support radii; normals: 95 % "
+      "of the changed ones are nearer than so to a plane fit, degrees, then how many face the other way, "
+      "changed / at rest; settle: ticks until nothing changed any more; looks: points changed by a brush "
+      "without effect, before / after the stroke; deep, high: of changed points under and over the surface before, "
+      "mm; double: of them, those with one that faces the other way within half a spacing\n");
   fmt::print(out, kRow, "model", "points", "backend", "brush", "way", "moved", "new", "gone", "far moved", "far new",
-             "close", "out", "normals", "turned", "settle", "looks", "broken");
+             "close", "out", "normals", "turned", "settle", "looks", "deep", "high", "double", "broken");
 }
 
 void printStroke(std::FILE* out, const StrokeRecord& record) {
@@ -81,7 +86,9 @@ void printStroke(std::FILE* out, const StrokeRecord& record) {
              v.outside > 0 ? fmt::format("{}, {:.2f}", v.outside, v.farthestOutside) : "–",
              v.fitted > 0 ? fmt::format("{:.1f}", v.normal_deg) : "–", fmt::format("{} / {}", v.turned, v.turnedAtRest),
              record.settled ? fmt::format("{}", record.settling) : "never",
-             fmt::format("{} / {}", changes(record.before), changes(record.after)), fmt::join(record.broken(), ", "));
+             fmt::format("{} / {}", changes(record.before), changes(record.after)),
+             fmt::format("{:.2f}", record.deepest_mm), fmt::format("{:.2f}", record.highest_mm),
+             fmt::format("{:.1f} %", 100 * share(v.doubled, v.changed)), fmt::join(record.broken(), ", "));
   std::fflush(out);
 }
 

@@ -24,6 +24,7 @@ struct StrokeRecord {
   bool carves = false;
   IdleRecord before, after;  ///< presses on the unmoved cloud, and at the settled one
   EditVerdict verdict;
+  double deepest_mm = 0, highest_mm = 0;  ///< of the verdict
 
   /// In words, those of EditVerdict among them; empty when nothing is. `strict`: as there.
   std::vector<std::string_view> broken(bool strict = false) const;

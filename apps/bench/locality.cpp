@@ -20,6 +20,7 @@ constexpr double kAbove_mm = 3, kDown_mm_per_s = 25, kAlong_mm_per_s = 50;
 constexpr double kQuerySlide_mm = 20, kQueryStep_mm = 0.5;
 constexpr int kDirections = 8;
 constexpr double kTau_mm = 0.5, kBeta = 0.1, kStrength = 0.5;  // as in touch
+constexpr double kDepthSlack_mm = 0.4, kMostRaised_mm = 0.3;
 constexpr std::size_t kIdleTicks = 100;
 constexpr double kIdleDeeper_mm = 1;  // than the stroke, so that the brush acts in what that has left
 constexpr std::size_t kMostSettling = 400, kQuiet = 24, kDrain = 8;  // ticks
@@ -84,40 +85,81 @@ LocalitySubject unevenSubject(Context& context, const std::string& name, std::si
   return subject;
 }
 
-// Where the HIP is in each tick; relative to the cloud's origin.
-class HipWay {
- public:
-  explicit HipWay(const DVec3& start) : hips_{start} {}
-
-  void moveTo(const DVec3& end, double speed) {  // units per second
-    const DVec3 start = hips_.back();
-    const auto ticks = static_cast<int>(std::ceil(glm::distance(start, end) / speed * kQueryRate_Hz));
-    for (int k = 1; k <= ticks; ++k) hips_.push_back(start + (static_cast<double>(k) / ticks) * (end - start));
-  }
-  void rest(std::size_t ticks) { hips_.insert(hips_.end(), ticks, hips_.back()); }
-  const std::vector<DVec3>& hips() const { return hips_; }
-
- private:
-  std::vector<DVec3> hips_;
+// Where the HIP is in a tick, and the surface over it; relative to the cloud's origin.
+struct HipPlace {
+  DVec3 hip{0}, on{0}, normal{0};
 };
 
-std::vector<DVec3> pressHips(const LocalitySubject& subject, double depth_mm, std::size_t restTicks) {
+// Tick by tick.
+class HipWay {
+ public:
+  HipWay(const SurfaceSpot& over, double height) : places_{at(over, height)} {}
+
+  void moveTo(const SurfaceSpot& over, double height, double speed) {  // units per second
+    const HipPlace start = places_.back(), end = at(over, height);
+    const auto ticks = static_cast<int>(std::ceil(glm::distance(start.hip, end.hip) / speed * kQueryRate_Hz));
+    for (int k = 1; k <= ticks; ++k) {
+      const double share = static_cast<double>(k) / ticks;
+      places_.push_back({.hip = glm::mix(start.hip, end.hip, share),
+                         .on = glm::mix(start.on, end.on, share),
+                         .normal = glm::normalize(glm::mix(start.normal, end.normal, share))});
+    }
+  }
+  void rest(std::size_t ticks) { places_.insert(places_.end(), ticks, places_.back()); }
+  const std::vector<HipPlace>& places() const { return places_; }
+
+ private:
+  static HipPlace at(const SurfaceSpot& over, double height) {
+    return {over.position + height * over.normal, over.position, over.normal};
+  }
+  std::vector<HipPlace> places_;
+};
+
+// How the surface lay around a place before any stroke: the mean normal over the brush, of the points that face the
+// same way. Near the places of a way it is asked for again and again.
+class FoundAxes {
+ public:
+  FoundAxes(const PointCloud& cloud, double radius) : cloud_(cloud), tree_(cloud.positions), radius_(radius) {}
+
+  DVec3 axisAt(const HipPlace& place) {
+    if (last_ && glm::distance(last_->first, place.on) < kSamePlace * radius_) return last_->second;
+    found_.clear();
+    tree_.within(place.on, radius_, found_);
+    DVec3 sum(0);
+    for (const std::uint32_t i : found_) {
+      const DVec3 normal(cloud_.normals[i]), offset = (DVec3(cloud_.positions[i]) - place.on) / radius_;
+      if (glm::dot(normal, place.normal) > kFaces) sum += (1 - glm::dot(offset, offset)) * normal;
+    }
+    const DVec3 axis = glm::length(sum) > 0 ? glm::normalize(sum) : place.normal;
+    last_.emplace(place.on, axis);
+    return axis;
+  }
+
+ private:
+  static constexpr double kSamePlace = 0.01, kFaces = 0.2;
+  const PointCloud& cloud_;
+  PointTree tree_;
+  double radius_;
+  std::vector<std::uint32_t> found_;
+  std::optional<std::pair<DVec3, DVec3>> last_;
+};
+
+std::vector<HipPlace> pressHips(const LocalitySubject& subject, double depth_mm, std::size_t restTicks) {
   const ModelScale& scale = subject.model.scale;
   const SurfaceSpot& spot = subject.way.front();
-  HipWay way(spot.position + scale.toUnits(kAbove_mm) * spot.normal);
-  way.moveTo(spot.position - scale.toUnits(depth_mm) * spot.normal, scale.toUnits(kDown_mm_per_s));
+  HipWay way(spot, scale.toUnits(kAbove_mm));
+  way.moveTo(spot, -scale.toUnits(depth_mm), scale.toUnits(kDown_mm_per_s));
   way.rest(restTicks);
-  return way.hips();
+  return way.places();
 }
 
-std::vector<DVec3> slideHips(const LocalitySubject& subject, double depth_mm) {
+std::vector<HipPlace> slideHips(const LocalitySubject& subject, double depth_mm) {
   const ModelScale& scale = subject.model.scale;
-  const SurfaceSpot& spot = subject.way.front();
-  HipWay way(spot.position + scale.toUnits(kAbove_mm) * spot.normal);
+  HipWay way(subject.way.front(), scale.toUnits(kAbove_mm));
   for (const SurfaceSpot& next : subject.way)
-    way.moveTo(next.position - scale.toUnits(depth_mm) * next.normal,
+    way.moveTo(next, -scale.toUnits(depth_mm),
                scale.toUnits(&next == &subject.way.front() ? kDown_mm_per_s : kAlong_mm_per_s));
-  return way.hips();
+  return way.places();
 }
 
 // The brush of a stroke, or, `idle`, the same without any effect.
@@ -132,7 +174,7 @@ BrushConfig brushFor(BrushKind kind, const LocalityBenchOptions& options, bool i
 // Moves the brush of a session that keeps a journal, in virtual time, and follows what becomes of the points.
 class Play {
  public:
-  explicit Play(Session& session) : session_(session), origin_(session.model().cloud.origin) {}
+  Play(Session& session, FoundAxes& axes) : session_(session), origin_(session.model().cloud.origin), axes_(axes) {}
 
   std::span<const PointState> points() { return session_.journal()->points(); }
   /// Of the brush's ball, tick by tick, since the last call of begin().
@@ -143,8 +185,8 @@ class Play {
     brush_ = brushOptions(brush, session_.model().scale);
     centers_.clear();
   }
-  void follow(const std::vector<DVec3>& hips) {
-    for (const DVec3& hip : hips) tick(hip);
+  void follow(const std::vector<HipPlace>& places) {
+    for (const HipPlace& place : places) tick(place);
     finish();
   }
   /// Lifts the hand to `hip` and waits until nothing changes any more: how many ticks that took, and whether it came.
@@ -153,7 +195,7 @@ class Play {
     for (std::size_t ticks = 0; ticks < kMostSettling; ticks += kDrain) {
       if (ticks - last >= kQuiet) return {last, true};
       std::size_t states = 0;
-      for (std::size_t k = 0; k < kDrain; ++k) states += tick(hip);
+      for (std::size_t k = 0; k < kDrain; ++k) states += tick({hip, hip, DVec3(0)});
       states += finish();
       if (states > 0) last = ticks + kDrain;
     }
@@ -161,18 +203,17 @@ class Play {
   }
 
  private:
-  std::size_t tick(const DVec3& hip) {
+  std::size_t tick(const HipPlace& place) {
     TouchBackend& backend = session_.backend();
     const Contact contact =
-        backend.query({.time_s = static_cast<double>(ticks_++) / kQueryRate_Hz, .hip = origin_ + hip}, 0);
+        backend.query({.time_s = static_cast<double>(ticks_++) / kQueryRate_Hz, .hip = origin_ + place.hip}, 0);
     if (!contact.valid) backend.finish();  // throws what was wrong
     backend.prepare();
-    const DVec3 spring = contact.proxy - origin_ - hip;
-    const double depth = glm::length(spring);
-    // As engine/core/brush.hpp has it: a ball whose tip stands tau before the HIP, or one about the proxy.
+    // As engine/core/brush.hpp has it: a ball whose tip stands tau before the HIP, or one about the place where the
+    // surface was found over the hand.
     const bool tip = brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve;
-    if (contact.touching && depth > brush_.tau)
-      centers_.push_back(hip + (tip ? (brush_.tau + brush_.radius) / depth * spring : spring));
+    if (contact.touching && glm::distance(contact.proxy, origin_ + place.hip) > brush_.tau)
+      centers_.push_back(tip ? place.hip + (brush_.tau + brush_.radius) * axes_.axisAt(place) : place.on);
     return ticks_ % kDrain == 0 ? drain() : 0;
   }
   std::size_t finish() {
@@ -186,6 +227,7 @@ class Play {
 
   Session& session_;
   DVec3 origin_;
+  FoundAxes& axes_;
   BrushOptions brush_;
   std::vector<DVec3> centers_;
   std::uint64_t ticks_ = 0;
@@ -223,7 +265,8 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   record.radius_mm = model.scale.toMm(support);
   record.brushRadius_mm = options.brushRadius_mm;
   record.carves = kind == BrushKind::carve;
-  Play play(session);
+  FoundAxes axes(model.cloud, model.scale.toUnits(options.brushRadius_mm));
+  Play play(session, axes);
   record.before = pressIdly(play, subject, idle, options.depth_mm);
 
   const auto hips = what.gesture == "press"
@@ -238,11 +281,21 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   play.begin(idle);  // the lifted hand may stand in another part of the model
   std::tie(record.settling, record.settled) =
       play.settle(end.position + model.scale.toUnits(2 * kAbove_mm) * end.normal);
-  record.verdict = judge.judge(play.points(), {.centers = centers,
-                                               .radius = model.scale.toUnits(brush.radius_mm),
-                                               .support = support,
-                                               .carves = record.carves,
-                                               .pushes = kind == BrushKind::push});
+  record.verdict =
+      judge.judge(play.points(), {.centers = centers,
+                                  .radius = model.scale.toUnits(brush.radius_mm),
+                                  .support = support,
+                                  .carves = record.carves,
+                                  .pushes = kind == BrushKind::push,
+                                  .depth = kind == BrushKind::push || kind == BrushKind::carve
+                                               ? std::optional(model.scale.toUnits(options.depth_mm - kTau_mm))
+                                               : std::nullopt,
+                                  .depthSlack = model.scale.toUnits(kDepthSlack_mm),
+                                  .mostRaised = kind == BrushKind::push || kind == BrushKind::carve
+                                                    ? std::optional(model.scale.toUnits(kMostRaised_mm))
+                                                    : std::nullopt});
+  record.deepest_mm = model.scale.toMm(record.verdict.deepest);
+  record.highest_mm = model.scale.toMm(record.verdict.highest);
   record.after = pressIdly(play, subject, idle, options.depth_mm + kIdleDeeper_mm);
   return record;
 }

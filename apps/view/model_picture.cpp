@@ -6,8 +6,15 @@
 
 namespace palpate {
 
+namespace {
+
+constexpr std::size_t kPicked = 5;    // depths: under the cursor, and left, right, over and under it
+constexpr std::uint32_t kBeside = 4;  // pixels of the picture
+
+}  // namespace
+
 ModelPicture::ModelPicture(Device& sight)
-    : sight_(sight), pick_(sight, sizeof(float), Memory::readback, "picked depth") {}
+    : sight_(sight), pick_(sight, kPicked * sizeof(float), Memory::readback, "picked depths") {}
 
 void ModelPicture::choosePace(bool still) {
   constexpr double kSlow_ms = 90;
@@ -29,6 +36,7 @@ void ModelPicture::fit(const UVec2& window_px, std::uint32_t supersample) {
 
 void ModelPicture::record(CommandList& list, WindowSession& session, const ShownMesh& mesh, const Camera& camera,
                           const FrameOptions& options) {
+  followFound(list, camera);
   const bool drawsMesh = mesh.triangleCount() > 0;
   const Scene scene{camera, options, session.edits(), session.frames(), drawsMesh ? mesh.version() : 0};
   if (scene_ == scene) return;
@@ -41,15 +49,37 @@ void ModelPicture::record(CommandList& list, WindowSession& session, const Shown
     frame_->record(list, session.drawn(), camera, options);
 }
 
+// Before the next picture: the last one, which is done, is what a stroke that begins has found.
+void ModelPicture::followFound(CommandList& list, const Camera& camera) {
+  if (found_ && !(keepsFound_ && found_->camera == camera)) found_.reset();
+  if (!keepsFound_ || found_ || !scene_ || !(scene_->camera == camera)) return;
+  const Buffer& depths = frame_->depthImage();
+  found_.emplace(Found{.depths = Buffer(sight_, depths.bytes(), Memory::device, "found depths"),
+                       .size_px = {frame_->width(), frame_->height()},
+                       .shrink = shrink_,
+                       .camera = camera});
+  list.copy(depths, found_->depths, depths.bytes());
+}
+
 void ModelPicture::recordPick(CommandList& list, const DVec2& cursor_px, const DVec2& window_px) {
-  const UVec2 at(glm::clamp(glm::floor(cursor_px), DVec2(0), window_px - 1.0) / double(shrink_));
-  asked_ = {.place_px = cursor_px};
-  list.copy(frame_->depthImage(), pick_, sizeof(float), sizeof(float) * (std::uint64_t{at.y} * frame_->width() + at.x));
+  const UVec2 size_px = found_ ? found_->size_px : UVec2(frame_->width(), frame_->height());
+  const std::uint32_t shrink = found_ ? found_->shrink : shrink_;
+  const Buffer& depths = found_ ? found_->depths : frame_->depthImage();
+  const UVec2 at =
+      glm::min(UVec2(glm::clamp(glm::floor(cursor_px), DVec2(0), window_px - 1.0) / double(shrink)), size_px - 1u);
+  asked_ = {.place_px = cursor_px, .beside_px = double(kBeside * shrink)};
+  const UVec2 low = at - glm::min(at, UVec2(kBeside)), high = glm::min(at + kBeside, size_px - 1u);
+  const UVec2 places[kPicked] = {at, {low.x, at.y}, {high.x, at.y}, {at.x, low.y}, {at.x, high.y}};
+  for (std::size_t k = 0; k < kPicked; ++k)
+    list.copy(depths, pick_, sizeof(float), sizeof(float) * (std::uint64_t{places[k].y} * size_px.x + places[k].x),
+              sizeof(float) * k);
 }
 
 void ModelPicture::takePick() {
   picked_ = asked_;
-  picked_.depth = static_cast<double>(pick_.mapped<float>()[0]);
+  const std::span<const float> depths = pick_.mapped<float>();
+  picked_.depth = static_cast<double>(depths[0]);
+  for (std::size_t k = 0; k < picked_.beside.size(); ++k) picked_.beside[k] = static_cast<double>(depths[1 + k]);
 }
 
 void ModelPicture::noteTime(double time_ms) {

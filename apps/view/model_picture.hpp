@@ -28,6 +28,9 @@ class ModelPicture {
   /// Draws the triangles where there are some, else the discs.
   void record(CommandList& list, WindowSession& session, const ShownMesh& mesh, const Camera& camera,
               const FrameOptions& options);
+  /// While it is on, picks go by the picture as it was before the next one: a stroke goes by the surface as it found
+  /// it.
+  void keepFound(bool on) { keepsFound_ = on; }
   /// Copies the depth under the cursor; takePick() reads it once the picture is done.
   void recordPick(CommandList& list, const DVec2& cursor_px, const DVec2& window_px);
   void takePick();
@@ -51,10 +54,21 @@ class ModelPicture {
     bool operator==(const Scene&) const = default;
   };
 
+  // The depths of the picture that a stroke has found.
+  struct Found {
+    Buffer depths;
+    UVec2 size_px{0};
+    std::uint32_t shrink = 1;
+    Camera camera;
+  };
+  void followFound(CommandList& list, const Camera& camera);
+
   Device& sight_;
   std::unique_ptr<Frame> frame_;
   std::uint32_t supersample_ = 0, shrink_ = 1;
   std::optional<Scene> scene_;  // of the picture that the frame has
+  std::optional<Found> found_;
+  bool keepsFound_ = false;
   Buffer pick_;
   Pick asked_, picked_;
   std::uint64_t made_ = 0;

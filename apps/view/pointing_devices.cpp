@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kZoomPerNotch = 0.85;  // of the distance that is left
 constexpr double kZoom_per_s = 1.5;     // with the cap of a 3D mouse
+// A surface that is seen to fall back more steeply than this, and further than a step, is another one.
+constexpr double kSteepest = 4, kStep_mm = 2;
 constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
 
 }  // namespace
@@ -152,11 +154,30 @@ void PointingDevices::move(double dt_s, const ViewSettings& view, const Pointed&
   const double beside = glm::dot(camera.target - camera.eye, camera.axes().forward);
   const auto depth = hand_.depthAt(cursor_px_, at.picked, view.followsSurface, beside);
   if (!depth) return;
+  aimAt(camera.unproject(cursor_px_, *depth, at.size_px), view, at);
+}
+
+// A stylus that sculpts goes as deep under the surface as it means to, straight under it, and so much further as its
+// spring and its hand give. Where the surface that is seen goes on behind, it is lifted and put down there.
+void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const Pointed& at) {
   const Model& model = at.session->model();
-  const double inward = model.scale.toUnits(hand_.takeInward_mm(view.press_mm));
-  const DVec3 place = camera.unproject(cursor_px_, *depth, at.size_px);
-  const DVec3 along = glm::normalize(place - camera.eye);
-  at.session->aim(model.cloud.origin + place + inward * along);
+  const std::optional<DVec3> last = std::exchange(pressedAt_, hand_.isPressing() ? std::optional(place) : std::nullopt);
+  const DVec3 along = glm::normalize(place - at.viewpoint.camera().eye);
+  if (last && pressedAt_) {
+    const double deeper = std::abs(glm::dot(place - *last, along));
+    const double aside = glm::length(place - *last - glm::dot(place - *last, along) * along);
+    if (deeper > kSteepest * aside + model.scale.toUnits(kStep_mm)) {
+      at.session->lift();
+      hand_.putDownAnew();
+      pressedAt_.reset();
+    }
+  }
+  const double inward_mm = hand_.takeInward_mm(view.press_mm);
+  const double given_mm = at.session->givenWay_mm();
+  DVec3 way = model.scale.toUnits(inward_mm) * along;
+  if (inward_mm > 0 && given_mm > 0)
+    way = -model.scale.toUnits(inward_mm + given_mm) * normalAt(at.picked, at.viewpoint.camera(), at.size_px);
+  at.session->aim(model.cloud.origin + place + way);
 }
 
 }  // namespace palpate

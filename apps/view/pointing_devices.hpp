@@ -38,6 +38,7 @@ class PointingDevices {
   bool isTouching() const { return hand_.isHeld() || device_; }  ///< with the stylus, or a device
   bool isMoving() const { return hand_.isHeld() || drag_.isUnderWay(); }
   std::uint64_t presses() const { return presses_; }  ///< of the stylus so far
+  bool isPressing() const { return hand_.isHeld() && hand_.isPressing(); }
 
   void moveMouse(const DVec2& place_px, const Pointed& at);
   void press(MouseButton button, bool shift, const Pointed& at);
@@ -58,6 +59,7 @@ class PointingDevices {
   void hold(bool on, WindowSession* session);
   void moveByPad(double dt_s, const Pointed& at);
   void moveByCap(double dt_s, const Pointed& at);
+  void aimAt(const DVec3& place, const ViewSettings& view, const Pointed& at);
   void moveCursor(const DVec2& way_px, const Pointed& at);
   std::optional<DVec3> placeUnderCursor(const Pointed& at) const;
 
@@ -67,6 +69,7 @@ class PointingDevices {
   DVec2 cursor_px_{0};
   CameraDrag drag_;
   StylusHand hand_;
+  std::optional<DVec3> pressedAt_;  // of the surface, where it pressed last; model units
   PushEvent push_;
   std::uint64_t presses_ = 0;
   std::optional<SpaceMouse> spaceMouse_;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine/core/named_values.hpp"
+#include "haptics/devices/guided_touch.hpp"
 
 namespace palpate {
 
@@ -79,6 +80,12 @@ HeldTool WindowSession::heldTool() const {
   if (const auto brush = brushOf(brush_, config()); brush && (config().brush || !config().matter))
     tool.brush = brushOptions(*brush, model().scale);
   return tool;
+}
+
+double WindowSession::givenWay_mm() const {
+  const auto kind = brush_.kind;
+  if (kind != BrushKind::push && kind != BrushKind::carve && kind != BrushKind::inflate) return 0;
+  return brush_.tau_mm * (1 + feel_.stiffness_N_per_mm / guidedHand(DVec3(1)).handStiffness_N_per_mm);
 }
 
 void WindowSession::setBrushSettings(const BrushSettings& brush) {

@@ -66,6 +66,9 @@ class WindowSession final : private DrawnSlot, public LiveSession {
   const FeelSettings& feel() const { return feel_; }
   /// Model units; without a brush while the surface is only felt.
   HeldTool heldTool() const;
+  /// How much further than it is to sculpt a hand without a device must mean to go, mm: its brush begins where its
+  /// spring is so long, which pulls it back. 0 where it only feels.
+  double givenWay_mm() const;
   void setBrushSettings(const BrushSettings& brush);
   void setFeel(const FeelSettings& feel);
 

@@ -21,6 +21,8 @@ class ShownModel {
 
   /// Takes in what the last picture had under the cursor, once it is done.
   void takePick();
+  /// ModelPicture::keepFound().
+  void keepFound(bool on) { picture_.keepFound(on); }
   /// Before each picture, at that time: drawn smaller while that is slow and something moves (`moves`: what is not the
   /// points), unless it is wanted in full.
   void choosePace(bool moves, double clock_s, bool inFull);

@@ -1,6 +1,7 @@
 #include "apps/view/stylus_hand.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace palpate {
@@ -13,6 +14,34 @@ constexpr double kDeepestPush_mm = 6, kFarthestPush_mm = 60;  // behind and befo
 constexpr double kClose_px = 3;
 
 }  // namespace
+
+DVec3 normalAt(const Pick& pick, const Camera& camera, const DVec2& size_px) {
+  const DVec3 place = camera.unproject(pick.place_px, pick.depth, size_px);
+  const DVec3 toEye = glm::normalize(camera.eye - place);
+  // Of the two places beside it the one that is nearer in depth is on the same surface.
+  const auto along = [&](std::size_t first, const DVec2& way_px) -> std::optional<DVec3> {
+    std::optional<DVec3> best;
+    double least = 0;
+    for (const std::size_t k : {first, first + 1}) {
+      if (!(pick.beside[k] > 0)) continue;
+      const double side = k == first ? -1 : 1, gap = std::abs(pick.beside[k] - pick.depth);
+      if (best && gap >= least) continue;
+      least = gap;
+      best = side * (camera.unproject(pick.place_px + side * way_px, pick.beside[k], size_px) - place);
+    }
+    return best;
+  };
+  if (!(pick.depth > 0)) return toEye;
+  const auto right = along(0, {pick.beside_px, 0}), down = along(2, {0, pick.beside_px});
+  if (!right || !down) return toEye;
+  const DVec3 normal = glm::cross(*down, *right);
+  const double length = glm::length(normal);
+  if (!(length > 0)) return toEye;
+  // What is seen from the side alone is seen badly.
+  constexpr double kLeastTowardsEye = 0.3;
+  const DVec3 facing = (glm::dot(normal, toEye) < 0 ? -1.0 : 1.0) / length * normal;
+  return glm::dot(facing, toEye) < kLeastTowardsEye ? toEye : facing;
+}
 
 void StylusHand::hold(bool on) {
   held_ = on;
@@ -40,9 +69,9 @@ std::optional<double> StylusHand::depthAt(const DVec2& cursor_px, const Pick& pi
   // The surface that is seen, where the last picture was looked at close to here; else the stylus keeps its depth.
   const bool looked = glm::distance(picked.place_px, cursor_px) < kClose_px;
   const bool seen = looked && picked.depth > 0;
+  isBeside_ = pressing_ && looked && !seen;
   // A hand that presses in one place goes no deeper because the surface gives way.
-  const bool rests =
-      (pressing_ || trigger_ != 0 || hover_mm_ < 0) && glm::distance(picked.place_px, planePlace_px_) < kClose_px;
+  const bool rests = (trigger_ != 0 || hover_mm_ < 0) && glm::distance(picked.place_px, planePlace_px_) < kClose_px;
   if (seen && (planeDepth_ == 0 || (followsSurface && !rests))) {
     planeDepth_ = picked.depth;
     planePlace_px_ = picked.place_px;
@@ -57,7 +86,7 @@ std::optional<double> StylusHand::depthAt(const DVec2& cursor_px, const Pick& pi
 double StylusHand::takeInward_mm(double press_mm) {
   if (!std::exchange(putDown_, true)) return -kHover_mm;
   if (trigger_ != 0) return -hover_mm_ + trigger_ * (hover_mm_ + press_mm);
-  return pressing_ ? press_mm + extraPress_mm_ : -hover_mm_;
+  return pressing_ && !isBeside_ ? press_mm + extraPress_mm_ : -hover_mm_;
 }
 
 }  // namespace palpate

@@ -1,17 +1,23 @@
 // The stylus in a hand that holds a mouse, a gamepad or a 3D mouse: how deep it is, by what is seen under the cursor.
 #pragma once
 
+#include <array>
 #include <optional>
 
-#include "engine/core/vec.hpp"
+#include "engine/render/camera.hpp"
 
 namespace palpate {
 
-/// What the last picture has under the cursor.
+/// What the last picture has under the cursor; while a stroke goes on, what it has found there.
 struct Pick {
   DVec2 place_px{0};
   double depth = 0;  ///< model units; 0: nothing is there
+  double beside_px = 0;
+  std::array<double, 4> beside{};  ///< the same so many pixels to the left, right, over and under it
 };
+
+/// The normal of the surface that is seen there, towards the eye; straight to the eye where little is seen.
+DVec3 normalAt(const Pick& pick, const Camera& camera, const DVec2& size_px);
 
 class StylusHand {
  public:
@@ -36,6 +42,8 @@ class StylusHand {
   /// -1 to 1, by the triggers of a gamepad.
   void pressByTrigger(double share) { trigger_ = share; }
 
+  /// The surface that it presses on goes on behind the one that it was on: it must be put down there anew.
+  void putDownAnew() { putDown_ = false; }
   /// How far from the eye the stylus goes under the cursor; `beside` where no surface was seen there. Nothing while
   /// nobody has looked: it must not begin inside the model, which it would never feel from there.
   std::optional<double> depthAt(const DVec2& cursor_px, const Pick& picked, bool followsSurface, double beside);
@@ -49,6 +57,7 @@ class StylusHand {
   double planeDepth_ = 0;   // of the surface that the stylus goes by, and
   DVec2 planePlace_px_{0};  // where it was seen
   bool putDown_ = false;    // since it is held
+  bool isBeside_ = false;   // it presses where no surface is seen
 };
 
 }  // namespace palpate

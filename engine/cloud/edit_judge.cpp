@@ -70,6 +70,32 @@ void judgeNormals(const EditAftermath& aftermath, const PointCloud& before, Edit
   verdict.normal_deg = *p95;
 }
 
+// How deep and how high a stroke has gone, and whether it has folded the surface over.
+void judgeShape(const EditAftermath& aftermath, EditJudge& judge, const BrushPath& way, EditVerdict& verdict) {
+  std::vector<Vec3> places;
+  std::vector<std::uint32_t> changed, near;
+  for (const std::uint32_t i : aftermath.there())
+    if (aftermath.isNew(i) || aftermath.moved(i)) {
+      changed.push_back(i);
+      places.emplace_back(aftermath.position(i));
+    }
+  verdict.changed = changed.size();
+  const PointTree tree(places);
+  for (const std::uint32_t i : changed) {
+    const DVec3 place = aftermath.position(i);
+    const double height = judge.heightAt(place);
+    verdict.deepest = std::max(verdict.deepest, -height);
+    verdict.highest = std::max(verdict.highest, height);
+    near.clear();
+    tree.within(place, 0.5 * judge.spacingAt(place, aftermath.facing(i)), near);
+    verdict.doubled += std::ranges::any_of(
+        near, [&](std::uint32_t k) { return glm::dot(aftermath.normal(changed[k]), aftermath.normal(i)) < -kSided; });
+  }
+  if (way.depth)
+    verdict.wrongDepth = std::abs(verdict.deepest - *way.depth) > EditTolerance::kDepth * *way.depth + way.depthSlack;
+  if (way.mostRaised) verdict.raised = verdict.highest > *way.mostRaised;
+}
+
 }  // namespace
 
 double distanceToWay(const DVec3& place, std::span<const DVec3> centers) {
@@ -220,6 +246,7 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const BrushPath&
   }
   if (verdict.farthestOutside == -kFar) verdict.farthestOutside = 0;
   judgeNormals(aftermath, before_, verdict);
+  judgeShape(aftermath, *this, way, verdict);
   return verdict;
 }
 
@@ -235,6 +262,9 @@ std::vector<std::string_view> EditVerdict::broken(bool carves, bool strict) cons
     broken.emplace_back("crowds");
   if (carves && tooMany(outside, inserted, EditTolerance::kMostOutside)) broken.emplace_back("grows");
   if (tooMany(turned, sided, EditTolerance::kMostTurned)) broken.emplace_back("turns normals");
+  if (wrongDepth) broken.emplace_back("wrong depth");
+  if (raised) broken.emplace_back("raises");
+  if (tooMany(doubled, changed, EditTolerance::kMostDoubled)) broken.emplace_back("second layer");
   if (turnedAtRest > 0) broken.emplace_back("turns normals at rest");
   return broken;
 }

@@ -10,22 +10,24 @@ namespace palpate {
 
 namespace {
 
-constexpr double kGap_s = 0.3;        // without contact, in one stroke
-constexpr double kTick_s = 1e-3;      // in which a brush has its share of the whole effect
-constexpr double kMostTicks = 16;     // that one edit makes up for
-constexpr double kWithdrawing = 0.5;  // cosine between the motion of a hand and the tool's axis, from which it withdraws
+constexpr double kGap_s = 0.3;     // without contact, in one stroke
+constexpr double kTick_s = 1e-3;   // in which a brush has its share of the whole effect
+constexpr double kMostTicks = 16;  // that one edit makes up for
+constexpr double kWithdrawing =
+    0.5;  // cosine between the motion of a hand and the tool's axis, from which it withdraws
 // Of the brush's radius: how far the tool goes on between two edits at most, and how far apart places of its way are
 // remembered. Less costs edits, more leaves ripples.
 constexpr double kLongestStep = 0.25, kShortestStep = 1.0 / 256, kWayStep = 1.0 / 16;
 // By how many powers of e what is left of a point's way shrinks while the tool comes over it.
 constexpr double kDecays = 1.5;
-// Of the brush's radius: a hand that yields nothing on its way and goes on further away has not meant what lies between.
+// Of the brush's radius: a hand that yields nothing on its way and goes on further away has not meant what lies
+// between.
 constexpr double kJump = 0.5;
-constexpr double kShaftMargin = 0.25;  // of the brush's radius, over the surface as it was found
-constexpr double kMostShaft = 2;       // radii of the brush
+constexpr double kShaftMargin = 0.25;                    // of the brush's radius, over the surface as it was found
+constexpr double kMostShaft = 2;                         // radii of the brush
 constexpr double kMostHeld = 1.9, kMostHeldAside = 0.5;  // radii of the brush: how far grab takes what it holds
-constexpr double kMostRaised = 0.9;    // of the brush's radius, or it would raise points out of its reach
-constexpr double kLeastLength = 0.3;   // of a mean normal that says anything
+constexpr double kMostRaised = 0.9;   // of the brush's radius, or it would raise points out of its reach
+constexpr double kLeastLength = 0.3;  // of a mean normal that says anything
 constexpr double kMostMeasured = 8192;
 
 // Of the surface that a hand has met. Felt from behind, it is the hand's own side.
@@ -65,9 +67,7 @@ void BrushStroke::end() {
   wayCount_ = 0;
 }
 
-void BrushStroke::lift() {
-  open_ = acts_ = knowsLast_ = false;
-}
+void BrushStroke::lift() { open_ = acts_ = knowsLast_ = false; }
 
 void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& spring, bool sculpts, double time_s) {
   const DVec3 motion = knowsLast_ ? hip - lastHip_ : DVec3(0);
@@ -99,8 +99,8 @@ void BrushStroke::begin(const Place& place) {
 void BrushStroke::goOnTo(const Place& place) {
   const auto at = [&](std::size_t k) -> Place& { return way_[(wayFirst_ + k) % kMostWay]; };
   const auto hipAt = [&](std::size_t back) { return wayCount_ < back ? place_ : at(wayCount_ - back).hip; };
-  const bool jumps = place.jumps && brush_.kind != BrushKind::grab &&
-                     glm::distance(hipAt(1), place.hip) > kJump * brush_.radius;
+  const bool jumps =
+      place.jumps && brush_.kind != BrushKind::grab && glm::distance(hipAt(1), place.hip) > kJump * brush_.radius;
   // The last place is the hand's own, as long as it is near the one before.
   if (!jumps && wayCount_ > 0 && glm::distance(hipAt(2), place.hip) < kWayStep * brush_.radius) {
     at(wayCount_ - 1).hip = place.hip;

@@ -22,12 +22,12 @@ struct SurfaceMeasure {
   friend SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b);
 };
 
-/// One stroke after another. The tool is fixed to the hand: it follows the way of the HIP, no faster than the points can
-/// yield, and goes on when the hand has left until it has gone all of it, so that the result does not depend on how many
-/// edits a machine gets done. Its axis is the normal of the surface as the stroke found it, averaged over the brush:
-/// never the way from HIP to proxy, since in a drag the proxy trails. While a hand withdraws nothing yields, but to
-/// grab. One press of the button is a stroke, or one contact of a hand that always sculpts, with gaps of up to 0.3 s.
-/// Places are relative to the cloud's origin, model units. Allocates nothing.
+/// One stroke after another. The tool is fixed to the hand: it follows the way of the HIP, no faster than the points
+/// can yield, and goes on when the hand has left until it has gone all of it, so that the result does not depend on how
+/// many edits a machine gets done. Its axis is the normal of the surface as the stroke found it, averaged over the
+/// brush: never the way from HIP to proxy, since in a drag the proxy trails. While a hand withdraws nothing yields, but
+/// to grab. One press of the button is a stroke, or one contact of a hand that always sculpts, with gaps of up to 0.3
+/// s. Places are relative to the cloud's origin, model units. Allocates nothing.
 class BrushStroke {
  public:
   using Tool = shared::BrushToolOf<double>;
@@ -82,11 +82,11 @@ class BrushStroke {
   std::uint32_t number_ = 0;
   bool open_ = false, acts_ = false, knowsLast_ = false;
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
-  bool edited_ = false;     // in this stroke
-  DVec3 lastHip_{0};        // of the last answer
-  DVec3 outward_{0, 0, 1};  // of the surface as the stroke found it
-  DVec3 foundAt_{0};        // a place of it
-  DVec3 place_{0};          // of the hand, where the tool has come to
+  bool edited_ = false;            // in this stroke
+  DVec3 lastHip_{0};               // of the last answer
+  DVec3 outward_{0, 0, 1};         // of the surface as the stroke found it
+  DVec3 foundAt_{0};               // a place of it
+  DVec3 place_{0};                 // of the hand, where the tool has come to
   DVec3 heldAt_{0}, heldFrom_{0};  // grab: where the surface was that it holds, and the hand
   // What is left of the way, a ring.
   std::array<Place, kMostWay> way_;

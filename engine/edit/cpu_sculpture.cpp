@@ -165,7 +165,8 @@ void CpuSculpture::measure(const PlacedBrush& brush) {
 DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) const {
   const DVec3 place(points_.positions[point]);
   const SurfaceOptions options{.radius = options_.radius, .kind = SurfaceKind::sphere};
-  return brush.smoothed(place, found(brush, point), surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
+  return brush.smoothed(place, found(brush, point),
+                        surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
                           grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
                             visit(DVec3(near.position) - place, points_.normals[near.number]);
                           });

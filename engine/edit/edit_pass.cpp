@@ -71,8 +71,8 @@ void EditPass::recordIncremental(CommandList& list, const LiveCloud::Half& half,
   recordRequests(list, cloud, half.parity, scratch());
 }
 
-void EditPass::recordRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
-                             SortMethod sort, Reach reach) const {
+void EditPass::recordRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to, SortMethod sort,
+                             Reach reach) const {
   {
     const auto edit = list.section("edit");
     recordReached(list, from, reach);
@@ -151,9 +151,8 @@ BrushMoves::Io EditPass::movesIo(const shared::CloudView& cloud, std::uint32_t p
 
 SurfaceMeasure EditPass::measure() const {
   const shared::HashUpdate& sums = report();
-  return {.weights = sums.weights,
-          .normals = {sums.normals[0], sums.normals[1], sums.normals[2]},
-          .heights = sums.heights};
+  return {
+      .weights = sums.weights, .normals = {sums.normals[0], sums.normals[1], sums.normals[2]}, .heights = sums.heights};
 }
 
 EditSequel::Io EditPass::sequelIo(const shared::CloudView& cloud, std::uint32_t parity, const Scratch& scratch) const {
@@ -191,9 +190,7 @@ void EditPass::complete(std::vector<PointState>& points) const {
   }
 }
 
-std::uint64_t EditPass::mostLogged(Reach reach) const {
-  return hasBox(reach) ? update_.mostMoves() : live_.slots();
-}
+std::uint64_t EditPass::mostLogged(Reach reach) const { return hasBox(reach) ? update_.mostMoves() : live_.slots(); }
 
 std::uint64_t EditPass::bytes() const {
   return update_.bytes() + (resample_ ? resample_->bytes() : 0) + moves_.bytes() + given_.bytes() + tables_.bytes() +
@@ -203,8 +200,8 @@ std::uint64_t EditPass::bytes() const {
 std::uint64_t EditPass::predictedBytes(std::uint64_t points, bool colors) {
   constexpr std::uint64_t kWord = sizeof(std::uint32_t);
   const std::uint64_t spare = HashUpdate::spareSlots(points);
-  return HashUpdate::predictedBytes(points) + kWord * spare + sizeof(shared::Found) * (points + spare) + (colors ? kWord * (points + spare) : 0) +
-         GivenChanges::predictedBytes(points) +
+  return HashUpdate::predictedBytes(points) + kWord * spare + sizeof(shared::Found) * (points + spare) +
+         (colors ? kWord * (points + spare) : 0) + GivenChanges::predictedBytes(points) +
          Resample::predictedBytes(points, points + spare, HashUpdate::defaultMoves(points));
 }
 

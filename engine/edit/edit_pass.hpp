@@ -44,8 +44,8 @@ class EditPass {
   /// At the cost of the points that it reaches: the points on `half` and their index change in place.
   void recordIncremental(CommandList& list, const LiveCloud::Half& half, Reach reach) const;
   /// With a full build: reads `from` and writes `to`; the caller flips the cloud.
-  void recordRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
-                     SortMethod sort, Reach reach) const;
+  void recordRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to, SortMethod sort,
+                     Reach reach) const;
 
   // Of changes as they are given, at most mostChanges() at a time; recorded after give(). Of those that are offered a
   // point that does not stand where its change says stays as it is; without that none of them is carried out then.

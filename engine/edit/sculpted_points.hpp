@@ -52,8 +52,9 @@ struct SculptedPoints {
   PointState state(std::uint32_t point) const;
   /// Sets a point, which is settled then; makes room where it is new. Its parent must be one of the file's points.
   void set(const PointState& state);
-  /// Adds a point at `position`, with the middle of the normals, colours and rests of two points, and of them as a stroke
-  /// found them; the first of them asked for it. `parent`: whose parent it gets, one of the two. Gives its number.
+  /// Adds a point at `position`, with the middle of the normals, colours and rests of two points, and of them as a
+  /// stroke found them; the first of them asked for it. `parent`: whose parent it gets, one of the two. Gives its
+  /// number.
   std::uint32_t insertBetween(std::uint32_t point, std::uint32_t other, std::uint32_t parent, const Vec3& position);
 };
 

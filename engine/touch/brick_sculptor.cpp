@@ -6,7 +6,6 @@
 #include "engine/core/held_contact.hpp"
 #include "engine/core/thread_priority.hpp"
 
-
 namespace palpate {
 
 namespace {

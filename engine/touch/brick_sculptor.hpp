@@ -27,8 +27,8 @@ class BrickSculptor {
   /// Another brush from now on, or none.
   void setBrush(const std::optional<BrushOptions>& brush);
   bool hasBrush() const { return brush_.has_value(); }
-  /// An answer. `felt_s`: of the frame that it was felt in. Against the clock a frame in which the last edit is not felt
-  /// yet is no reason for another one, and nobody waits. Allocates nothing.
+  /// An answer. `felt_s`: of the frame that it was felt in. Against the clock a frame in which the last edit is not
+  /// felt yet is no reason for another one, and nobody waits. Allocates nothing.
   void editIfYielding(const Contact& contact, const Pose& pose, double felt_s, bool realtime);
   /// The hand is put down elsewhere.
   void lift() { stroke_.lift(); }

@@ -74,7 +74,7 @@ class CpuEdits {
   Work work_;
   bool isUnderWay_ = false, inStroke_ = false;
   std::uint32_t strokeMarked_ = 0;  // the one that edits belong to
-  double time_s_ = 0;  // of the pose whose answer led to the last edit
+  double time_s_ = 0;               // of the pose whose answer led to the last edit
   std::uint64_t answered_ = 0;
   std::uint64_t changes_ = 0;  // calls of change() that were reported
   EditPace pace_;

@@ -59,9 +59,8 @@ void EditPipeline::record() {
   for (const SortMethod sort : {index_.hash().sort(), index_.hash().fallback()})
     for (const Reach reach : {Reach::near, Reach::far, Reach::all})
       if (!lists.rebuilds.contains({sort, reach}))
-        lists.rebuilds[{sort, reach}] = recorded([&](CommandList& list) {
-          pass_.recordRebuild(list, cloud.front(), cloud.back(), sort, reach);
-        });
+        lists.rebuilds[{sort, reach}] =
+            recorded([&](CommandList& list) { pass_.recordRebuild(list, cloud.front(), cloud.back(), sort, reach); });
 }
 
 void EditPipeline::followIndex() {

@@ -46,8 +46,8 @@ class EditPipeline {
   /// Another brush from now on, or none, while nothing is under way; the edits of both halves are recorded again.
   void setBrush(const std::optional<BrushOptions>& brush);
 
-  /// The answer to a pose, one after another: the stroke goes on with it, begins or ends. `origin`: of the cloud, in the
-  /// pose's coordinates.
+  /// The answer to a pose, one after another: the stroke goes on with it, begins or ends. `origin`: of the cloud, in
+  /// the pose's coordinates.
   void feel(const Contact& contact, const Pose& pose, const DVec3& origin);
   /// The hand is put down elsewhere.
   void lift() { stroke_.lift(); }

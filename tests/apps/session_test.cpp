@@ -22,8 +22,9 @@ struct Scene {
     std::ofstream path(folder / name);
     path << "t_s,x,y,z\n";
     for (int i = 0; i < taps; ++i) {
-      path << 0.2 * i << "," << 5 * i << ",0,52\n" << 0.2 * i + 0.08 << "," << 5 * i << ",0," << deepest << "\n";
-      path << 0.2 * i + 0.16 << "," << 5 * i << ",0,52\n";
+      const double begin_s = 0.5 * i;  // apart enough to be strokes
+      path << begin_s << "," << 5 * i << ",0,52\n" << begin_s + 0.08 << "," << 5 * i << ",0," << deepest << "\n";
+      path << begin_s + 0.16 << "," << 5 * i << ",0,52\n";
     }
   }
   std::string file(const std::string& name) const { return (folder / name).string(); }

@@ -107,7 +107,7 @@ TEST_CASE(
   CHECK(later["same"] == true);
   CHECK(later["sent"] == 0);
   // Taken back, a stroke leaves what others have done.
-  works("touch " + joins + " --backend cpu --duration 0.3 --edit push --penetration 4 --undo 1 --save " +
+  works("touch " + joins + " --backend cpu --duration 0.3 --edit push --penetration 6 --undo 1 --save " +
         in("undone.ply") + " --json " + in("undone.json"));
   const Result undone = jsonOf(in("undone.json"));
   CHECK(undone["shared"]["sent"] > 10);

@@ -263,7 +263,8 @@ TEST_CASE_TEMPLATE("brushes act by their tool, on points in its middle too", Rea
 TEST_CASE_TEMPLATE("how the surface lies under a tool is measured to a few thousandths", Real, float, double) {
   const shared::BrushOf<Real> brush{.kind = shared::kBrushPush, .radius = 4, .longestMove = 1, .support = 1};
   const DVec3 outward = glm::normalize(DVec3(1, 2, 3));
-  const shared::BrushToolOf<Real> tool{.center = V3<Real>(7, 8, 9), .acts = 1, .outward = V3<Real>(outward), .share = 1};
+  const shared::BrushToolOf<Real> tool{
+      .center = V3<Real>(7, 8, 9), .acts = 1, .outward = V3<Real>(outward), .share = 1};
   // A plane that is tilted against the tool, a quarter of its radius under its centre.
   const DVec3 normal = glm::normalize(outward + DVec3(0.1, -0.2, 0));
   const Frame3 frame = frameAround(normal);

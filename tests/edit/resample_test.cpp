@@ -8,8 +8,8 @@
 #include <set>
 
 #include "engine/edit/cpu_sculpture.hpp"
-#include "tests/edit/tool_at.hpp"
 #include "tests/edit/surface_gaps.hpp"
+#include "tests/edit/tool_at.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate::resample_test {

