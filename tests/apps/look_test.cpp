@@ -166,7 +166,7 @@ TEST_CASE("a few points are discs that can be told apart, and none is cut off") 
 
 TEST_CASE("the window has a model upright, turns it over on demand, and shows what is painted") {
   if (!hasDisplay()) return;
-  const auto played = play("%/cone.ply --size 560x420", R"(
+  const auto played = play("%/cone.ply --size 560x640", R"(
 0.2 state %/first.json
 0.2 screenshot %/first.png
 0.3 click Tool
@@ -178,7 +178,7 @@ TEST_CASE("the window has a model upright, turns it over on demand, and shows wh
 1.6 click height
 1.9 state %/heights.json
 1.9 screenshot %/heights.png
-2.0 mouse 418 210
+2.0 mouse 418 320
 2.1 key 7
 2.2 key space down
 2.4 button left down
@@ -199,7 +199,7 @@ TEST_CASE("the window has a model upright, turns it over on demand, and shows wh
   CHECK(turned["camera"]["up"] == std::vector{0.0, 0.0, -1.0});
   CHECK(played->state("heights.json")["color"] == "height");
   const Picture shown(played->folder.path() / "heights.png"), before(played->folder.path() / "first.png");
-  CHECK(differing(before, shown, 532, 280, 8) > 50);  // the legend
+  CHECK(differing(before, shown, 532, 512, 8) > 50);  // the legend
   const auto painted = played->state("painted.json");
   REQUIRE(painted["edits"].get<int>() > 0);
   CHECK(painted["color"] == "rgb");

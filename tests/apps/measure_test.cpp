@@ -21,15 +21,15 @@ bool isRefused(const std::string& arguments, const std::string& saying) {
 TEST_CASE("two places that are picked give their distance, and a true length the scale, which saved files say") {
   if (!hasDisplay()) return;
   // A plane of 3 x 2 units that faces the eye fills much of the window.
-  const auto played = play("%/plane.ply --size 480x360 --backend cpu", R"(
+  const auto played = play("%/plane.ply --size 480x600 --backend cpu", R"(
 0.1 key tab
 0.2 key z
 0.3 key d
-0.4 mouse 310 180
+0.4 mouse 310 300
 0.6 button left down
 0.6 button left up
 0.7 state %/one.json
-0.8 mouse 430 180
+0.8 mouse 430 300
 1.0 button left down
 1.0 button left up
 1.2 state %/two.json
@@ -58,7 +58,7 @@ TEST_CASE("two places that are picked give their distance, and a true length the
   // The view is along z: 120 pixels at the depth of the plane, by the picture's own camera of 45 degrees.
   const auto vec = [](const Result& v) { return DVec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
   const double depth = glm::distance(vec(two["camera"]["eye"]), vec(two["camera"]["target"]));
-  const double units = 120 * depth / (0.5 * 360 / std::tan(22.5 / 57.29577951308232));
+  const double units = 120 * depth / (0.5 * 600 / std::tan(22.5 / 57.29577951308232));
   CHECK(two["measured"].get<double>() == near(units, 0.02));
   CHECK(two["mm_per_unit"].get<double>() == near(100 / 3.0, 0.01));
   CHECK(scaled["mm_per_unit"].get<double>() == near(400 / two["measured"].get<double>(), 1e-6));
@@ -74,18 +74,18 @@ TEST_CASE("two places that are picked give their distance, and a true length the
 
 TEST_CASE("a scale is not set over changes before the person has said what becomes of them") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --edit push --backend cpu", R"(
-0.1 mouse 373 180
+  const auto played = play("%/sphere.ply --size 480x600 --edit push --backend cpu", R"(
+0.1 mouse 373 300
 0.4 key space down
 0.5 button left down
 1.3 button left up
 1.4 key space up
 1.5 ask
 1.6 key d
-1.7 mouse 348 155
+1.7 mouse 348 275
 1.9 button left down
 1.9 button left up
-2.0 mouse 398 200
+2.0 mouse 398 320
 2.2 button left down
 2.2 button left up
 2.4 click true length, mm

@@ -231,7 +231,7 @@ TEST_CASE("what cannot be saved is not left behind") {
 
 TEST_CASE("the panels turn the surface, save under another name, record and play") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --edit push", R"(
+  const auto played = play("%/sphere.ply --size 480x600 --edit push", R"(
 0.1 click Feel
 0.3 click surface
 0.5 click sharp
@@ -243,7 +243,7 @@ TEST_CASE("the panels turn the surface, save under another name, record and play
 1.1 click session.log
 1.2 text take.log
 1.3 click Record
-1.5 mouse 373 180
+1.5 mouse 373 300
 1.8 key space down
 1.9 button left down
 2.5 button left up
