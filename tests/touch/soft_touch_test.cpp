@@ -415,7 +415,7 @@ TEST_CASE(
   goDown(block, time_s, began - 4, 600);
   wait(block, time_s, 400);
   // A dent that stays, in which nothing is felt.
-  CHECK(began - topOf(block) > 2);
+  CHECK(began - topOf(block) > 1);
   CHECK_FALSE(goDown(block, time_s, began - 1, 100).touching);
   const std::vector<Vec3> first = shapeOf(block);
   const SoftLattice& lattice = const_cast<MatterSimulation&>(block.world()).sculpture()->body().lattice();
