@@ -302,10 +302,10 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
   help("marching cubes (M); touched blocks follow while you sculpt");
   if (view.mesh) {
     ImGui::SameLine();
-    int exponent = static_cast<int>(std::lround(std::log2(view.lattice / 64)));
+    int exponent = static_cast<int>(std::lround(std::log2(view.lattice / 32)));
     ImGui::PushItemWidth(em(5));
-    if (noted("lattice", ImGui::Combo("lattice", &exponent, "64\000128\000256\000512\000\000")))
-      view.lattice = 64 << exponent;
+    if (noted("lattice", ImGui::Combo("lattice", &exponent, "32\00064\000128\000256\000512\000\000")))
+      view.lattice = 32 << exponent;
     ImGui::PopItemWidth();
     ImGui::TextDisabled("%llu triangles, last change %.1f ms", static_cast<unsigned long long>(status.meshTriangles),
                         status.meshTime_ms);

@@ -22,7 +22,7 @@ struct ViewCommandOptions {
   JoinOptionsGiven join;
   ScaleOptions scale;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
-              edit = "none", device = "mouse", scheduler = "device", present = "auto";
+              edit = "none", lattice = "128", device = "mouse", scheduler = "device", present = "auto";
   bool hidesCamera = false, rumble = false, realtime = false, allPoints = false;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
 };
@@ -65,7 +65,10 @@ void setJoin(const JoinOptionsGiven& options, const std::string& live, ViewOptio
 void view(Context& context, const ViewCommandOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
-  ViewOptions view{.models = options.models, .look = options.look, .size_px = {width, height}};
+  ViewOptions view{.models = options.models,
+                   .look = options.look,
+                   .lattice = std::stoi(options.lattice),
+                   .size_px = {width, height}};
   if (!options.script.empty()) view.script = readScript(options.script);
   view.session.config.model =
       ModelOptions{.scale = options.scale, .normals = options.normals, .allPoints = options.allPoints}.config();
@@ -162,6 +165,10 @@ void addView(Options& app, Context& context, Command& command) {
       .showDefault();
   sub.add("--edit", options->edit, "the first brush, or none")
       .check(oneOf(namesOf(kBrushKinds, {"none"})))
+      .showDefault();
+  sub.add("--lattice", options->lattice,
+          "of the triangles (M), cells along the longest side; coarse ones come sooner on a slow GPU")
+      .check(oneOf({"32", "64", "128", "256", "512"}))
       .showDefault();
   sub.add("--rate", options->rate_Hz, "ticks per second").check(between(1, bounds::kMostRate_Hz)).showDefault();
   sub.add("--undo-memory", options->undoMemory_MiB, "for strokes that can be taken back, MiB")

@@ -20,6 +20,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
   ViewSettings& view = settings_.view;
   view.up = upNamed(options.look.up);
   view.unit = unitNamed(options.look.unit);
+  view.lattice = options.lattice;
   // Under a script the display's pace means nothing.
   if (!script_.isEmpty()) view.waitsForDisplay = false;
   view.plots = double(options.size_px.x) >= panels_.roomyWidth_px();

@@ -6,6 +6,7 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "tests/io/fuzz_specimens.hpp"
+#include "tests/labels.hpp"
 
 namespace palpate {
 
@@ -49,6 +50,12 @@ inline std::map<std::string, std::filesystem::path> filesOfAllFormats(const std:
     files[name->second] = specimen.sourceIn(place);
   }
   return files;
+}
+
+/// Whether a file of that format is drawn in this tier: triangles of any format become half a million points alike, so
+/// that one of them stands for all in the quick tier.
+inline bool isDrawn(const std::string& format) {
+  return inFullTier() || (format != "OBJ" && format != "OFF" && format != "STL");
 }
 
 }  // namespace palpate

@@ -4,7 +4,7 @@
 
 namespace palpate::formats_test {
 
-TEST_CASE("info, touch and render open a file of every format") {
+TEST_CASE("info, touch and render open a file of every format" * kMoreInFull) {
   const ScratchFolder folder;
   const std::map<std::string, std::filesystem::path> files = filesOfAllFormats(folder.path());
   const std::string json = (folder / "a.json").string(), picture = (folder / "a.png").string();
@@ -19,6 +19,7 @@ TEST_CASE("info, touch and render open a file of every format") {
     works("touch " + file.string() + " --backend cpu --path builtin:press --rate 250 --quiet --json " + json);
     CHECK(jsonOf(json)["ticks"] > 0);
     if (format.write) CHECK(jsonOf(json)["contact_ticks"] > 0);  // the others are no ball
+    if (!isDrawn(std::string(format.name))) continue;
     std::filesystem::remove(picture);
     works("render " + file.string() + " --size 64x64 --quiet -o " + picture);
     CHECK(std::filesystem::file_size(picture) > 100);

@@ -21,15 +21,15 @@ bool isRefused(const std::string& arguments, const std::string& saying) {
 TEST_CASE("two places that are picked give their distance, and a true length the scale, which saved files say") {
   if (!hasDisplay()) return;
   // A plane of 3 x 2 units that faces the eye fills much of the window.
-  const auto played = play("%/plane.ply --size 800x600 --backend cpu", R"(
+  const auto played = play("%/plane.ply --size 480x600 --backend cpu", R"(
 0.1 key tab
 0.2 key z
 0.3 key d
-0.4 mouse 300 300
+0.4 mouse 310 300
 0.6 button left down
 0.6 button left up
 0.7 state %/one.json
-0.8 mouse 500 300
+0.8 mouse 430 300
 1.0 button left down
 1.0 button left up
 1.2 state %/two.json
@@ -49,16 +49,16 @@ TEST_CASE("two places that are picked give their distance, and a true length the
 3.1 quit
 )",
                            "", [](const std::filesystem::path& folder) {
-                             works("--quiet make plane -n 20000 --size 3 -o " + (folder / "plane.ply").string());
+                             works("--quiet make plane -n 8000 --size 3 -o " + (folder / "plane.ply").string());
                            });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto one = played->state("one.json"), two = played->state("two.json"), scaled = played->state("scaled.json");
   CHECK(one["measured"].is_null());
   REQUIRE_FALSE(two["measured"].is_null());
-  // The view is along z: 200 pixels at the depth of the plane, by the picture's own camera of 45 degrees.
+  // The view is along z: 120 pixels at the depth of the plane, by the picture's own camera of 45 degrees.
   const auto vec = [](const Result& v) { return DVec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
   const double depth = glm::distance(vec(two["camera"]["eye"]), vec(two["camera"]["target"]));
-  const double units = 200 * depth / (0.5 * 600 / std::tan(22.5 / 57.29577951308232));
+  const double units = 120 * depth / (0.5 * 600 / std::tan(22.5 / 57.29577951308232));
   CHECK(two["measured"].get<double>() == near(units, 0.02));
   CHECK(two["mm_per_unit"].get<double>() == near(100 / 3.0, 0.01));
   CHECK(scaled["mm_per_unit"].get<double>() == near(400 / two["measured"].get<double>(), 1e-6));
@@ -74,32 +74,32 @@ TEST_CASE("two places that are picked give their distance, and a true length the
 
 TEST_CASE("a scale is not set over changes before the person has said what becomes of them") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600 --edit push --backend cpu", R"(
-0.1 mouse 400 300
+  const auto played = play("%/sphere.ply --size 480x600 --edit push --backend cpu", R"(
+0.1 mouse 373 300
 0.4 key space down
 0.5 button left down
-4.0 button left up
-4.1 key space up
-4.2 ask
-4.3 key d
-4.4 mouse 360 260
-4.6 button left down
-4.6 button left up
-4.7 mouse 440 330
-4.9 button left down
-4.9 button left up
-5.1 click true length, mm
-5.2 text 500
-5.3 click Set
-5.5 state %/asked.json
-5.6 click Cancel
-5.8 state %/cancelled.json
-5.9 click Set
-6.1 click Do not save
-6.4 state %/scaled.json
-6.5 quit
+1.3 button left up
+1.4 key space up
+1.5 ask
+1.6 key d
+1.7 mouse 348 275
+1.9 button left down
+1.9 button left up
+2.0 mouse 398 320
+2.2 button left down
+2.2 button left up
+2.4 click true length, mm
+2.5 text 500
+2.6 click Set
+2.8 state %/asked.json
+2.9 click Cancel
+3.1 state %/cancelled.json
+3.2 click Set
+3.4 click Do not save
+3.7 state %/scaled.json
+3.8 quit
 )",
-                           "", [](const auto& folder) { makeSphere(folder, 5000); });
+                           "", [](const auto& folder) { makeSphere(folder, 3000); });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto asked = played->state("asked.json"), cancelled = played->state("cancelled.json"),
              scaled = played->state("scaled.json");

@@ -58,7 +58,7 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
     CHECK(alone.text.find("served by another program") != std::string::npos);
     works("replay " + (folder / "log").string() + " --model " + model);
   }
-  works("render --join 'the city'" + domain() + " -o " + (folder / "p.png").string());
+  works("render --join 'the city'" + domain() + " --size 320x180 -o " + (folder / "p.png").string());
   CHECK(contentOf(folder / "p.png").substr(1, 3) == "PNG");
   const Outcome brush = palpate("touch --join 'the city'" + domain() + " --backend cpu --edit push");
   CHECK(brush.code == 1);
@@ -115,7 +115,7 @@ TEST_CASE(
   works("convert " + in("undone.ply") + " " + in("undone.npy"));
   works("convert " + in("later.ply") + " " + in("later.npy"));
   CHECK(contentOf(in("undone.npy")) == contentOf(in("later.npy")));
-  works("render " + joins + " -o " + in("p.png"));
+  works("render " + joins + " --size 320x180 -o " + in("p.png"));
   CHECK(serving.program.wait(SIGINT) == 0);
   works("convert " + in("end.ply") + " " + in("end.npy"));
   CHECK(contentOf(in("end.npy")) == contentOf(in("later.npy")));
@@ -546,7 +546,7 @@ TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is
   const Outcome tool = palpate(touch + " --tool ball --duration 0.1");
   CHECK(tool.code == 2);
   CHECK(tool.text.find("a hand holds the scene's ball") != std::string::npos);
-  works("render" + join + " -o " + in("p.png"));
+  works("render" + join + " --size 320x180 -o " + in("p.png"));
   CHECK(std::filesystem::file_size(in("p.png")) > 1000);
   CHECK(serving.program.wait(SIGINT) == 0);
   const Result served = jsonOf(in("s.json"));

@@ -129,7 +129,7 @@ TEST_CASE("what does not go with a tool is refused before anything is loaded") {
 TEST_CASE("bench step measures what a tool costs beside a point") {
   const ScratchFolder folder;
   const std::string json = (folder / "b.json").string();
-  works("bench step --sizes 1000 --repeat 1 --backend vulkan,cpu --method fused,direct --tool-points 1,4 --json " +
+  works("bench step --sizes 400 --repeat 1 --backend vulkan,cpu --method fused,direct --tool-points 1,4 --json " +
         json);
   const auto report = jsonOf(json);
   std::string ways;

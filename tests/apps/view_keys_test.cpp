@@ -19,17 +19,17 @@ struct Eye {
 
 TEST_CASE("the mouse and the keys move the view") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600", R"(
-0.1 mouse 400 300
+  const auto played = play("%/sphere.ply --size 480x360", R"(
+0.1 mouse 373 180
 0.2 state %/still.json
 0.4 state %/begin.json
 0.5 button middle down
-0.6 mouse 440 320
+0.6 mouse 413 200
 0.7 button middle up
 0.8 state %/panned.json
 0.9 key shift down
 0.9 button left down
-1.0 mouse 400 300
+1.0 mouse 373 180
 1.1 button left up
 1.1 key shift up
 1.2 state %/back.json
@@ -37,7 +37,7 @@ TEST_CASE("the mouse and the keys move the view") {
 1.4 state %/near.json
 1.5 key r
 1.6 state %/fitted.json
-1.7 mouse 430 330
+1.7 mouse 403 205
 2.0 button left down
 2.0 button left up
 2.0 button left down
@@ -83,33 +83,33 @@ TEST_CASE("the mouse and the keys move the view") {
 
 TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
   if (!hasDisplay()) return;
-  std::string script = "0.1 mouse 400 300\n0.4 state %/begin.json\n";
+  std::string script = "0.1 mouse 373 180\n0.4 state %/begin.json\n";
   for (int key = 1; key <= 8; ++key) {
-    const double time_s = 0.5 + 0.8 * (key - 1);
-    script += fmt::format("{:.1f} key {}\n{:.1f} state %/tool{}.json\n", time_s, key, time_s + 0.3, key);
+    const double time_s = 0.5 + 0.4 * (key - 1);
+    script += fmt::format("{:.1f} key {}\n{:.1f} state %/tool{}.json\n", time_s, key, time_s + 0.2, key);
   }
   script += R"(
-7.0 key 1
-7.2 key [
-7.4 key t
-7.7 state %/kept.json
-7.8 key space
-8.1 state %/still_kept.json
-8.2 button left down
-9.7 state %/pressed.json
-9.8 key backspace
-10.4 state %/off.json
-10.5 key backspace
-10.6 button left up
-11.1 button left down
-12.6 state %/on.json
-12.7 button left up
-12.8 key escape
-13.1 state %/let.json
-13.2 key ctrl+q
+3.8 key 1
+4.0 key [
+4.2 key t
+4.5 state %/kept.json
+4.6 key space
+4.9 state %/still_kept.json
+5.0 button left down
+5.8 state %/pressed.json
+5.9 key backspace
+6.2 state %/off.json
+6.3 key backspace
+6.4 button left up
+6.9 button left down
+7.7 state %/on.json
+7.8 button left up
+7.9 key escape
+8.2 state %/let.json
+8.3 key ctrl+q
 29.9 state %/after.json
 )";
-  const auto played = play("%/sphere.ply --size 800x600", script, "",
+  const auto played = play("%/sphere.ply --size 480x360", script, "",
                            [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);

@@ -8,27 +8,27 @@ namespace palpate::view_panels_test {
 namespace {
 
 void makeTwo(const std::filesystem::path& folder) {
-  makeSphere(folder, 5000);
+  makeSphere(folder, 3000);
   works("--quiet make torus -n 1000 -o " + (folder / "torus.ply").string());
 }
 
-// Presses the brush into the middle of a window of 800 x 600.
+// Presses the brush into the middle of what the panel leaves free in a window of 480 x 360.
 constexpr const char* kStroke = R"(
-0.1 mouse 400 300
+0.1 mouse 373 180
 0.4 key space down
 0.5 button left down
-4.0 button left up
-4.1 key space up
-4.3 ask
-4.4 state %/dent.json
+1.3 button left up
+1.4 key space up
+1.6 ask
+1.7 state %/dent.json
 )";
 
 }  // namespace
 
 TEST_CASE("the curves pause, and go to CSV files, none over another") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600", R"(
-0.1 mouse 400 300
+  const auto played = play("%/sphere.ply --size 800x400", R"(
+0.1 mouse 408 200
 0.4 key space down
 0.5 button left down
 1.6 state %/pressed.json
@@ -131,16 +131,16 @@ TEST_CASE("the model stands in the middle of what the panels leave free, in dark
 
 TEST_CASE("another model is not opened over changes before the person has said what becomes of them") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600 --edit push", std::string(kStroke) + R"(
-4.5 drop %/torus.ply
-4.7 state %/asked.json
-4.8 key ctrl+z
-4.9 click Cancel
-5.1 state %/cancelled.json
-5.2 drop %/torus.ply
-5.4 click Do not save
-5.7 state %/discarded.json
-5.8 quit
+  const auto played = play("%/sphere.ply --size 480x360 --edit push", std::string(kStroke) + R"(
+1.8 drop %/torus.ply
+2.0 state %/asked.json
+2.1 key ctrl+z
+2.2 click Cancel
+2.5 state %/cancelled.json
+2.6 drop %/torus.ply
+2.8 click Do not save
+3.1 state %/discarded.json
+3.2 quit
 31.9 state %/after.json
 )",
                            "", [](const auto& folder) {
@@ -168,23 +168,23 @@ TEST_CASE("another model is not opened over changes before the person has said w
 
 TEST_CASE("changes are saved first where the person says so, and the window closes only then") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600 --edit push", std::string(kStroke) + R"(
-4.5 drop %/torus.ply
-4.7 click Save
-5.0 state %/torus.json
-5.1 drop %/sphere.ply
-5.3 state %/again.json
-5.4 mouse 400 300
-5.7 key space down
-5.8 button left down
-9.8 button left up
-9.9 key space up
-10.1 quit
-10.3 state %/asked.json
-10.4 key escape
-10.6 state %/stays.json
-10.7 key q
-10.9 click Save
+  const auto played = play("%/sphere.ply --size 480x360 --edit push", std::string(kStroke) + R"(
+1.8 drop %/torus.ply
+2.0 click Save
+2.3 state %/torus.json
+2.4 drop %/sphere.ply
+2.6 state %/again.json
+2.7 mouse 373 180
+3.0 key space down
+3.1 button left down
+4.1 button left up
+4.2 key space up
+4.4 quit
+4.6 state %/asked.json
+4.7 key escape
+4.9 state %/stays.json
+5.0 key q
+5.2 click Save
 33.9 state %/after.json
 )",
                            "", makeTwo);
@@ -208,12 +208,12 @@ TEST_CASE("what cannot be saved is not left behind") {
   if (!hasDisplay()) return;
   // No file can be written under a longer name, as is done before the model's own name is given to it.
   const std::string name = std::string(248, 's') + ".ply";
-  const auto played = play("%/" + name + " --size 800x600 --edit push", std::string(kStroke) + R"(
-4.5 quit
-4.7 click Save
-5.3 state %/failed.json
-5.4 quit
-5.6 click Do not save
+  const auto played = play("%/" + name + " --size 480x360 --edit push", std::string(kStroke) + R"(
+1.8 quit
+2.0 click Save
+2.4 state %/failed.json
+2.5 quit
+2.7 click Do not save
 31.9 state %/after.json
 )",
                            "", [&](const auto& folder) {
@@ -231,7 +231,7 @@ TEST_CASE("what cannot be saved is not left behind") {
 
 TEST_CASE("the panels turn the surface, save under another name, record and play") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600 --edit push", R"(
+  const auto played = play("%/sphere.ply --size 480x600 --edit push", R"(
 0.1 click Feel
 0.3 click surface
 0.5 click sharp
@@ -243,32 +243,32 @@ TEST_CASE("the panels turn the surface, save under another name, record and play
 1.1 click session.log
 1.2 text take.log
 1.3 click Record
-1.5 mouse 400 300
+1.5 mouse 373 300
 1.8 key space down
 1.9 button left down
-2.9 button left up
-3.0 key space up
-3.1 click Stop
-3.3 state %/recorded.json
-3.4 click other.ply
-3.5 text saved.ply
-3.6 click Save as
-4.1 state %/saved.json
-4.2 click Save as
-4.4 state %/twice.json
-4.5 click Record
-4.7 state %/again.json
-4.8 click Undo
-5.0 click Play
-8.0 state %/replayed.json
-8.1 click Replace
-8.6 state %/replaced.json
-8.7 click Models
-8.8 click file.ply
-8.9 text torus.ply
-9.0 key enter
-9.2 state %/torus.json
-9.3 quit
+2.5 button left up
+2.6 key space up
+2.7 click Stop
+2.9 state %/recorded.json
+3.0 click other.ply
+3.1 text saved.ply
+3.2 click Save as
+3.7 state %/saved.json
+3.8 click Save as
+4.0 state %/twice.json
+4.1 click Record
+4.3 state %/again.json
+4.4 click Undo
+4.6 click Play
+7.0 state %/replayed.json
+7.1 click Replace
+7.6 state %/replaced.json
+7.7 click Models
+7.8 click file.ply
+7.9 text torus.ply
+8.0 key enter
+8.2 state %/torus.json
+8.3 quit
 )",
                            "", makeTwo);
   CAPTURE(played->outcome.text);

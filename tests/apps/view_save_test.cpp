@@ -19,10 +19,10 @@ void makeMesh(const std::filesystem::path& folder) {
   std::filesystem::copy_file(folder / "mesh.ply", folder / "original.ply");
 }
 
-// Presses the brush into the middle of a window of 800 x 600.
+// Presses the brush into the middle of what the panel leaves free in a window of 480 x 360.
 std::string strokeAt(double time_s) {
-  return fmt::format("{} mouse 400 300\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
-                     time_s, time_s + 0.2, time_s + 0.3, time_s + 2.8, time_s + 2.9);
+  return fmt::format("{} mouse 373 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
+                     time_s, time_s + 0.2, time_s + 0.3, time_s + 1.1, time_s + 1.2);
 }
 
 bool exists(const Played& played, const char* name) { return std::filesystem::exists(played.folder.path() / name); }
@@ -33,22 +33,22 @@ std::string fileOf(const Played& played, const char* name) { return contentOf(pl
 TEST_CASE(
     "Ctrl+S where a mesh would lose its faces asks, and by default saves beside it, from then on without asking") {
   if (!hasDisplay()) return;
-  const auto played = play("%/mesh.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
-3.1 ask
-3.2 key ctrl+s
-3.4 state %/asked.json
-3.4 screenshot %/asked.png
-3.5 key ctrl+z
-3.6 key escape
-3.8 state %/cancelled.json
-3.9 key ctrl+s
-4.1 key enter
-4.9 state %/saved.json
-)" + strokeAt(5) + R"(
-8.1 key ctrl+s
-8.9 state %/again.json
-9.0 quit
-12 state %/after.json
+  const auto played = play("%/mesh.ply --size 480x360 --edit push", strokeAt(0.1) + R"(
+1.4 ask
+1.5 key ctrl+s
+1.7 state %/asked.json
+1.7 screenshot %/asked.png
+1.8 key ctrl+z
+1.9 key escape
+2.1 state %/cancelled.json
+2.2 key ctrl+s
+2.4 key enter
+2.8 state %/saved.json
+)" + strokeAt(2.9) + R"(
+4.2 key ctrl+s
+4.6 state %/again.json
+4.7 quit
+8 state %/after.json
 )",
                            "", [](const auto& folder) {
                              makeMesh(folder);
@@ -78,15 +78,15 @@ TEST_CASE(
 
 TEST_CASE("saved over, a mesh is kept as it was, and so is what was kept before") {
   if (!hasDisplay()) return;
-  const auto played = play("%/mesh.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
-3.1 ask
-3.2 key ctrl+s
-3.4 click Save over
-4.2 state %/saved.json
-)" + strokeAt(5) + R"(
-8.1 key ctrl+s
-8.9 state %/again.json
-9.0 quit
+  const auto played = play("%/mesh.ply --size 480x360 --edit push", strokeAt(0.1) + R"(
+1.4 ask
+1.5 key ctrl+s
+1.7 click Save over
+2.3 state %/saved.json
+)" + strokeAt(2.4) + R"(
+3.7 key ctrl+s
+4.1 state %/again.json
+4.2 quit
 )",
                            "", [](const auto& folder) {
                              makeMesh(folder);
@@ -107,16 +107,16 @@ TEST_CASE("saved over, a mesh is kept as it was, and so is what was kept before"
 
 TEST_CASE("saved first when the window closes, a mesh is asked about, too") {
   if (!hasDisplay()) return;
-  const auto played = play("%/mesh.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
-3.1 ask
-3.2 quit
-3.4 click Save
-3.8 state %/asked.json
-3.9 click Cancel
-4.1 state %/cancelled.json
-4.2 quit
-4.4 click Save
-4.8 click Save beside
+  const auto played = play("%/mesh.ply --size 480x360 --edit push", strokeAt(0.1) + R"(
+1.4 ask
+1.5 quit
+1.7 click Save
+2.1 state %/asked.json
+2.2 click Cancel
+2.5 state %/cancelled.json
+2.6 quit
+2.8 click Save
+3.2 click Save beside
 30 state %/after.json
 )",
                            "", makeMesh);
@@ -133,13 +133,13 @@ TEST_CASE("saved first when the window closes, a mesh is asked about, too") {
 
 TEST_CASE("a script that does not ask saves beside, and a file of our own is saved over as it was") {
   if (!hasDisplay()) return;
-  const std::string script = strokeAt(0.1) + "3.2 key ctrl+s\n4.0 state %/saved.json\n4.1 quit\n";
-  const auto mesh = play("%/mesh.ply --size 800x600 --edit push", script, "", makeMesh);
+  const std::string script = strokeAt(0.1) + "1.5 key ctrl+s\n1.9 state %/saved.json\n2.0 quit\n";
+  const auto mesh = play("%/mesh.ply --size 480x360 --edit push", script, "", makeMesh);
   REQUIRE_MESSAGE(mesh->outcome.code == 0, mesh->outcome.text);
   CHECK(mesh->state("saved.json")["changed"] == false);
   CHECK(fileOf(*mesh, "mesh.ply") == fileOf(*mesh, "original.ply"));
   CHECK(exists(*mesh, "mesh-sculpted.ply"));
-  const auto ours = play("%/sphere.ply --size 800x600 --edit push", "0 ask\n" + script, "", makeMesh);
+  const auto ours = play("%/sphere.ply --size 480x360 --edit push", "0 ask\n" + script, "", makeMesh);
   REQUIRE_MESSAGE(ours->outcome.code == 0, ours->outcome.text);
   CHECK(ours->state("saved.json")["asks_how_to_save"] == false);
   CHECK(std::string(ours->state("saved.json")["save_file"]).ends_with("sphere.ply"));
@@ -150,23 +150,23 @@ TEST_CASE("a script that does not ask saves beside, and a file of our own is sav
 
 TEST_CASE("what is undone is not changed, comes back with redo, and is relative to what was saved") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
-3.1 ask
-3.2 state %/dent.json
-3.3 key ctrl+z
-3.6 state %/undone.json
-3.7 key ctrl+s
-3.8 state %/nothing.json
-3.9 key ctrl+shift+z
-4.2 state %/redone.json
-4.3 key ctrl+s
-5.1 state %/saved.json
-5.2 key ctrl+z
-5.5 state %/behind.json
-5.6 key ctrl+shift+z
-5.9 state %/same.json
-6.0 quit
-9 state %/after.json
+  const auto played = play("%/sphere.ply --size 480x360 --edit push", strokeAt(0.1) + R"(
+1.4 ask
+1.5 state %/dent.json
+1.6 key ctrl+z
+1.9 state %/undone.json
+2.0 key ctrl+s
+2.1 state %/nothing.json
+2.2 key ctrl+shift+z
+2.5 state %/redone.json
+2.6 key ctrl+s
+3.0 state %/saved.json
+3.1 key ctrl+z
+3.4 state %/behind.json
+3.5 key ctrl+shift+z
+3.8 state %/same.json
+3.9 quit
+8 state %/after.json
 )",
                            "", [](const auto& folder) {
                              makeSphere(folder, 2000);
@@ -189,27 +189,27 @@ TEST_CASE("what is undone is not changed, comes back with redo, and is relative 
 
 TEST_CASE("a recording that meets a full disk is told once, and the session goes on") {
   if (!hasDisplay()) return;
-  // In a program whose files may have 200 KiB: one and a half seconds of ticks.
+  // In a program whose files may have 100 KiB: three quarters of a second of ticks.
   const ScratchFolder folder;
   const std::filesystem::path limited = folder / "limited.sh";
-  std::ofstream(limited) << "#!/bin/bash\ntrap '' XFSZ\nulimit -f 200\nexec '" +
+  std::ofstream(limited) << "#!/bin/bash\ntrap '' XFSZ\nulimit -f 100\nexec '" +
                                 std::filesystem::absolute(program()).string() + "' \"$@\"\n";
   std::filesystem::permissions(limited, std::filesystem::perms::owner_all);
   const char* before = std::getenv("PALPATE_PROGRAM");
   const std::string old = before ? before : "";
   ::setenv("PALPATE_PROGRAM", limited.c_str(), 1);
-  const auto played = play("%/sphere.ply --size 800x600 --edit push", "0.1 record %/take.log\n" + strokeAt(0.2) + R"(
-6.0 state %/full.json
-6.1 record
-6.3 state %/ended.json
-6.4 quit
+  const auto played = play("%/sphere.ply --size 480x360 --edit push", "0.1 record %/take.log\n" + strokeAt(0.2) + R"(
+2.5 state %/full.json
+2.6 record
+2.8 state %/ended.json
+2.9 quit
 )",
                            "", [](const auto& scene) { makeSphere(scene, 2000); });
   before ? ::setenv("PALPATE_PROGRAM", old.c_str(), 1) : ::unsetenv("PALPATE_PROGRAM");
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const auto full = played->state("full.json");
-  CHECK(full["ticks"] > 3000);
+  CHECK(full["ticks"] > 2000);
   CHECK(full["edits"] > 0);
   CHECK(full["recording"] == true);
   CHECK(says(std::string(full["last_message"]), "take.log: cannot be written"));

@@ -40,41 +40,41 @@ TEST_CASE("a script that is wrong is refused with its line before anything is op
 
 TEST_CASE("a session in the window, from the first touch to the saved file") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600 --edit push", R"(
-0.1 mouse 400 300
-0.9 screenshot %/before.png
-0.9 state %/before.json
-1.0 key Space down
-1.2 button left down
-1.6 wheel 6
-4.0 screenshot %/touch.png
-4.0 state %/touch.json
-4.1 button left up
-4.2 key space up
-5.0 screenshot %/dent.png
-5.0 state %/dent.json
-5.1 drop %/broken.ply
-5.4 state %/broken.json
-5.5 save %/saved.ply
-6.2 state %/saved.json
-6.3 key Ctrl+Z
-7.2 screenshot %/undone.png
-7.2 state %/undone.json
-7.3 key ctrl+shift+z
-7.5 state %/redone.json
-7.6 mouse 380 310
-7.7 button left down
-7.8 mouse 460 300
-7.9 button left up
-8.0 state %/turned.json
-8.1 resize 640 480
-8.4 state %/resized.json
-8.5 minimise
-8.7 restore
-8.9 key 3
-9.0 key ]
-9.2 state %/tool.json
-9.3 quit
+  const auto played = play("%/sphere.ply --size 560x420 --edit push", R"(
+0.1 mouse 418 210
+0.4 screenshot %/before.png
+0.4 state %/before.json
+0.5 key Space down
+0.7 button left down
+1.1 wheel 6
+2.0 screenshot %/touch.png
+2.0 state %/touch.json
+2.1 button left up
+2.2 key space up
+2.6 screenshot %/dent.png
+2.6 state %/dent.json
+2.7 drop %/broken.ply
+3.0 state %/broken.json
+3.1 save %/saved.ply
+3.4 state %/saved.json
+3.5 key Ctrl+Z
+4.0 screenshot %/undone.png
+4.0 state %/undone.json
+4.1 key ctrl+shift+z
+4.3 state %/redone.json
+4.4 mouse 398 220
+4.5 button left down
+4.6 mouse 478 210
+4.7 button left up
+4.8 state %/turned.json
+4.9 resize 480 360
+5.2 state %/resized.json
+5.3 minimise
+5.5 restore
+5.7 key 3
+5.8 key ]
+6.0 state %/tool.json
+6.1 quit
 )",
                            "", [](const std::filesystem::path& folder) {
                              makeSphere(folder);
@@ -86,7 +86,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
   CHECK(before["points"] == 8000);
   CHECK(before["strokes"] == 0);
   CHECK(before["tool"] == "push");
-  CHECK(before["size"] == std::vector{800, 600});
+  CHECK(before["size"] == std::vector{560, 420});
   CHECK(touch["contact"] == true);
   CHECK(touch["stylus"] == true);
   CHECK(touch["penetration_mm"] > 0);
@@ -108,37 +108,37 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
   CHECK(undone["undoable"] == dent["undoable"].get<int>() - 1);
   CHECK(played->state("redone.json")["undoable"] == dent["undoable"]);
   CHECK(played->state("turned.json")["camera"]["eye"] != before["camera"]["eye"]);
-  CHECK(played->state("resized.json")["size"] == std::vector{640, 480});
+  CHECK(played->state("resized.json")["size"] == std::vector{480, 360});
   CHECK(played->state("tool.json")["tool"] == "carve");
   CHECK(played->state("tool.json")["tool_radius_mm"] > 6.1);
 
   const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
   const Picture first = picture("before.png"), touching = picture("touch.png"), dented = picture("dent.png");
-  CHECK(ringPixels(first, 400, 300) == 0);
-  CHECK(ringPixels(touching, 400, 300) > 30);
-  CHECK(ringPixels(dented, 400, 300) == 0);
-  CHECK(differing(first, dented, 400, 300, 40) > 100);  // the dent
-  if (dent["undoable"] == 1) CHECK(differing(first, picture("undone.png"), 400, 300, 60) < 10);
-  CHECK(differing(first, dented, 560, 480, 10) == 0);  // and nothing else
+  CHECK(ringPixels(first, 418, 210) == 0);
+  CHECK(ringPixels(touching, 418, 210) > 30);
+  CHECK(ringPixels(dented, 418, 210) == 0);
+  CHECK(differing(first, dented, 418, 210, 40) > 100);  // the dent
+  if (dent["undoable"] == 1) CHECK(differing(first, picture("undone.png"), 418, 210, 60) < 10);
+  CHECK(differing(first, dented, 480, 250, 10) == 0);  // and nothing else
   // The panel: darker than the background beside it.
   CHECK(first.at(200, 40)[0] < first.at(330, 40)[0]);
 }
 
 TEST_CASE("a second press in one place meets the surface, however soon the cursor is there before it") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600", R"(
-0.1 mouse 400 300
+  const auto played = play("%/sphere.ply --size 480x360", R"(
+0.1 mouse 373 180
 0.5 key space down
 0.7 button left down
-2.0 state %/first.json
-2.1 button left up
-2.2 key space up
-2.3 mouse 560 590
-2.8 mouse 400 300
-2.8 key space down
-2.8 button left down
-4.4 state %/second.json
-4.5 quit
+1.5 state %/first.json
+1.6 button left up
+1.7 key space up
+1.8 mouse 470 350
+2.1 mouse 373 180
+2.1 key space down
+2.1 button left down
+3.1 state %/second.json
+3.2 quit
 )",
                            "", [](const std::filesystem::path& folder) { makeSphere(folder, 3000); });
   CAPTURE(played->outcome.text);
@@ -154,7 +154,7 @@ TEST_CASE("a second press in one place meets the surface, however soon the curso
 TEST_CASE("a script plays the same ticks on any machine, and in real time those of the clock") {
   if (!hasDisplay()) return;
   const std::string script = R"(
-0.1 mouse 400 300
+0.1 mouse 335 120
 0.5 key space down
 0.7 button left down
 1.5 state %/pressed.json
@@ -163,7 +163,7 @@ TEST_CASE("a script plays the same ticks on any machine, and in real time those 
   const auto sphere = [](const std::filesystem::path& folder) { makeSphere(folder, 3000); };
   Result states[2];
   for (Result& state : states) {
-    const auto played = play("%/sphere.ply --size 800x600 --edit push", script, "", sphere);
+    const auto played = play("%/sphere.ply --size 400x240 --edit push", script, "", sphere);
     REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
     state = played->state("pressed.json");
   }
@@ -175,7 +175,7 @@ TEST_CASE("a script plays the same ticks on any machine, and in real time those 
   CHECK(states[0]["ticks"] > 1300);
   CHECK(states[0]["ticks"] < 1600);
   CHECK(states[0]["edits"] > 0);
-  const auto played = play("%/sphere.ply --size 800x600 --realtime", script, "", sphere);
+  const auto played = play("%/sphere.ply --size 400x240 --realtime", script, "", sphere);
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto state = played->state("pressed.json");
   CHECK(state["ticks"].get<int>() + state["missed_ticks"].get<int>() > 1300);
@@ -236,7 +236,7 @@ TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first bu
 
 TEST_CASE("no validation message while a model is touched, sculpted and meshed") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x240 --edit carve", R"(
+  const auto played = play("%/sphere.ply --size 480x240 --edit carve --lattice 32", R"(
 0.1 mouse 373 120
 0.2 impatient
 0.3 key m
@@ -245,7 +245,7 @@ TEST_CASE("no validation message while a model is touched, sculpted and meshed")
 0.6 state %/mesh.json
 0.7 key space down
 0.9 button left down
-1.0 wheel 4
+1.0 wheel 16
 1.6 button left up
 1.7 key space up
 1.9 state %/carved.json
@@ -255,7 +255,7 @@ TEST_CASE("no validation message while a model is touched, sculpted and meshed")
 2.5 screenshot %/last.png
 2.6 quit
 )",
-                           "--validate=core", [](const std::filesystem::path& folder) { makeSphere(folder, 1500); });
+                           "--validate=core", [](const std::filesystem::path& folder) { makeSphere(folder, 4000); });
   CAPTURE(played->outcome.text);
   CHECK(played->outcome.code == 0);
   const auto mesh = played->state("mesh.json"), undone = played->state("undone.json");
@@ -301,23 +301,23 @@ TEST_CASE("the window closes while a model is loaded, and models follow one anot
 
 TEST_CASE("a session that was recorded in the window runs again, in the window and without one") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 600x400 --edit push", R"(
-0.1 mouse 433 190
+  const auto played = play("%/sphere.ply --size 480x300 --edit push", R"(
+0.1 mouse 373 145
 0.2 record %/session.log
 0.3 key space down
 0.6 button left down
-2.0 button left up
-2.1 key space up
-2.2 record
-2.3 state %/recorded.json
-2.4 key ctrl+z
-2.5 replay %/session.log
-8.0 state %/replayed.json
-8.1 record %/late.log
-8.2 state %/late.json
-8.3 quit
+1.4 button left up
+1.5 key space up
+1.6 record
+1.7 state %/recorded.json
+1.8 key ctrl+z
+1.9 replay %/session.log
+4.5 state %/replayed.json
+4.6 record %/late.log
+4.7 state %/late.json
+4.8 quit
 )",
-                           "", [](const std::filesystem::path& folder) { makeSphere(folder); });
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 3000); });
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   CHECK(played->state("recorded.json")["edits"] > 0);
@@ -332,8 +332,8 @@ TEST_CASE("a session that was recorded in the window runs again, in the window a
 
 TEST_CASE("another device draws what this one touches: edits cross through the host") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 600x400 --edit paint --backend vulkan --sight-gpu 0", R"(
-0.1 mouse 433 190
+  const auto played = play("%/sphere.ply --size 480x300 --edit paint --backend vulkan --sight-gpu 0 --rate 250", R"(
+0.1 mouse 373 145
 0.6 screenshot %/before.png
 0.7 key space down
 1.0 button left down
@@ -344,14 +344,14 @@ TEST_CASE("another device draws what this one touches: edits cross through the h
 2.0 state %/painted.json
 2.1 quit
 )",
-                           "", [](const std::filesystem::path& folder) { makeSphere(folder); });
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 3000); });
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const auto painted = played->state("painted.json");
   CHECK(painted["backend"] == "vulkan");
   CHECK(painted["edits"] > 0);
   const Picture before(played->folder.path() / "before.png"), after(played->folder.path() / "painted.png");
-  CHECK(differing(before, after, 433, 190, 30) > 20);
+  CHECK(differing(before, after, 373, 145, 30) > 20);
 }
 
 TEST_CASE("a device that a person holds is felt in the window, and goes where the hand does on the screen") {

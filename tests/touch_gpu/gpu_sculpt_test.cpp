@@ -98,7 +98,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a brush larger than the model, and a stroke t
     large.strength = 1;
     TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = large, .index = index});
     std::vector<Pose> through;
-    for (int k = 0; k <= 40; ++k) through.push_back({.time_s = kTick_s * k, .hip = {0, 0, 51.0 - 3 * k}});
+    for (int k = 0; k <= 20; ++k) through.push_back({.time_s = kTick_s * k, .hip = {0, 0, 51.0 - 6 * k}});
     const Played played = play(touch, scene.cloud, through);
     CHECK(played.changed > 0);
     CHECK(played.cloud.size() < scene.cloud.size());
