@@ -93,6 +93,17 @@ inline ClayResult judgeClay(const Scene& scene, const ClayGesture& gesture, Poin
   return result;
 }
 
+/// Depth within a quarter and 0.4 mm of the hand's, nothing over the surface, no second layer.
+inline void checkClay(const ClayResult& result, double depth) {
+  const double tip = depth - kClayTau, slack = 0.25 * tip + 0.4;
+  CHECK(result.changed > 10);
+  CHECK(std::abs(result.deepest - tip) <= slack);
+  CHECK(std::abs(result.trenchLeast - tip) <= slack);
+  CHECK(std::abs(result.trenchMost - tip) <= slack);
+  CHECK(result.highest <= 0.3);
+  CHECK(result.secondLayer <= 0.01);
+}
+
 /// A machine that gets done one tick of `every`.
 inline ClayResult mould(TouchBackend& touch, const Scene& scene, const ClayGesture& gesture, int every = 1) {
   for (std::size_t k = 0; k < gesture.hips.size(); k += static_cast<std::size_t>(every))

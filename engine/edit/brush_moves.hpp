@@ -22,6 +22,7 @@ class BrushMoves {
   const BrushOptions& brush() const { return options_; }
   /// As shaders read it.
   DeviceAddress address() const { return brush_.address(); }
+  DeviceAddress tool() const { return tool_.address(); }
   /// Where the tool is in the edit that is submitted next. While none is under way.
   void setTool(const BrushStroke::Tool& tool);
 

@@ -75,9 +75,11 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   lastHip_ = hip;
   const bool touches = contact.touching && sculpts;
   const bool yields = touches && glm::length(spring) > brush_.tau;
+  const bool wasLifted = !touched_ && time_s - lastTouch_s_ > kGap_s;
   if (touches) lastTouch_s_ = time_s;
+  touched_ = touches;
   const bool holds = brush_.kind == BrushKind::grab && open_ && sculpts;
-  if (!sculpts || (!holds && time_s - lastTouch_s_ > kGap_s)) open_ = false;
+  if (!sculpts || (!holds && wasLifted)) open_ = false;
   const Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
   if (yields && !isGoingOn()) begin(place);
   const bool withdraws = brush_.kind != BrushKind::grab && motion != DVec3(0) &&

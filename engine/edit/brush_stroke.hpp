@@ -80,7 +80,7 @@ class BrushStroke {
   double support_;
   BrushOptions brush_;
   std::uint32_t number_ = 0;
-  bool open_ = false, acts_ = false, knowsLast_ = false;
+  bool open_ = false, acts_ = false, knowsLast_ = false, touched_ = false;
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
   bool edited_ = false;            // in this stroke
   DVec3 lastHip_{0};               // of the last answer

@@ -99,6 +99,8 @@ void CpuSculpture::edit(const PlacedBrush& brush) {
   changed_.clear();
   measure_ = {};
   carves_ = brush.kind() == BrushKind::carve;
+  pushes_.reset();
+  if ((brush.kind() == BrushKind::push || brush.kind() == BrushKind::grab) && brush.acts()) pushes_ = brush;
   if (brush.acts()) applyBrush(brush);
   findUnsettled();
   refit();
@@ -208,6 +210,11 @@ void CpuSculpture::refit() {
   }
 }
 
+std::optional<DVec3> CpuSculpture::pushedFrom(std::uint32_t point) const {
+  if (!pushes_ || points_.founds[point].stroke != pushes_->stroke()) return std::nullopt;
+  return pushes_->outward();
+}
+
 ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbours) const {
   const auto seen = [&](std::uint32_t number, const DVec3& offset) {
     return ResampleNeighbour{.offset = offset,
@@ -235,7 +242,8 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbo
                                                  .reach = reachOf(point),
                                                  .complete = complete,
                                                  .carves = carves_,
-                                                 .moved = isMoved(point)});
+                                                 .moved = isMoved(point),
+                                                 .pushedFrom = pushedFrom(point)});
 }
 
 void CpuSculpture::resample() {
@@ -253,6 +261,8 @@ void CpuSculpture::resample() {
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     const std::uint32_t point = unsettled_[i];
     points_.unsettled[point] = requests_[i].unsettled;
+    // From now on it counts as part of the sheet that it has come to.
+    if (requests_[i].stops) points_.founds[point].normal = Vec3(-pushes_->outward());
     settled_ = settled_ && !requests_[i].unsettled;
     if (!requests_[i].goes) continue;
     points_.there[point] = 0;

@@ -62,6 +62,7 @@ class CpuSculpture {
   void findUnsettled();
   void refit();
   Vec3 refitted(std::uint32_t point) const;
+  std::optional<DVec3> pushedFrom(std::uint32_t point) const;
   ResampleRequest requestOf(std::uint32_t point, Neighbours& neighbours) const;
   void resample();
   void insertClaimed();
@@ -74,6 +75,7 @@ class CpuSculpture {
   double buildTime_us_ = 0;
   std::uint64_t builds_ = 0;
   bool settled_ = true, carves_ = false;
+  std::optional<PlacedBrush> pushes_;  // of this tick
   SurfaceMeasure measure_;
   // Of one tick.
   struct Request : ResampleRequest {

@@ -39,6 +39,7 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
                                            .reaches = resample_ ? resample_->reaches() : 0,
                                            .founds = founds_.address(),
                                            .brush = moves_.address(),
+                                           .tool = moves_.tool(),
                                            .examined = resample_ ? resample_->examined() : 0,
                                            .lists = resample_ ? resample_->lists() : 0,
                                            .moves = update_.moves(),

@@ -31,6 +31,7 @@ class PlacedBrush {
   const DVec3& center() const { return tool_.middle; }
   double radius() const { return tool_.reach; }
   std::uint32_t stroke() const { return tool_.stroke; }
+  const DVec3& outward() const { return tool_.outward; }  ///< unit, the tool's axis
 
   struct Point {
     DVec3 position;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "shaders/shared/brush.h"
+
 namespace palpate {
 
 namespace {
@@ -116,13 +118,19 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
   const std::span<const ResampleNeighbour> neighbours = view.neighbours;
   if (view.carves && view.moved && standsOutside(self, DVec3(0), neighbours, kGoes)) return {.goes = true};
   ResampleRequest request;
+  request.stops = view.pushedFrom && std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
+                    return glm::dot(other.normal, *view.pushedFrom) <= static_cast<double>(shared::kTurnedAway) &&
+                           shared::isThrough(Vec3(-other.offset), Vec3(other.normal), static_cast<float>(self.spacing),
+                                             shared::kStopMargin);
+                  });
   const ResampleNeighbour* first = nullptr;  // of those that crowd this point
   for (const ResampleNeighbour& other : neighbours)
     if (hasToYield(self, other) && (!first || rank(other) < rank(*first))) first = &other;
   if (first) {
     const auto firstYieldsTo = [&](const ResampleNeighbour& third) { return hasToYield(*first, third); };
     // One that is settled stays as it is.
-    if (!first->unsettled || std::ranges::none_of(neighbours, firstYieldsTo)) return {.goes = true};
+    if (!first->unsettled || std::ranges::none_of(neighbours, firstYieldsTo))
+      return {.goes = true, .stops = request.stops};
     request.unsettled = true;
   }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct ResampleNeighbour {
 /// What an unsettled point requests in one tick.
 struct ResampleRequest {
   bool goes = false;             ///< it is merged into a neighbour
+  bool stops = false;            ///< it has been pushed as far as the far sheet of a plate
   bool unsettled = false;        ///< it must be examined again in the next tick, whatever becomes of its request
   bool inserts = false;          ///< it requests a new point
   DVec3 offset{0};               ///< of the new point
@@ -41,17 +43,19 @@ struct ResampleRequest {
 struct ResampleView {
   std::span<const ResampleNeighbour> neighbours;           ///< all others within the neighbourhood radius
   double reach = std::numeric_limits<double>::infinity();  ///< it may have a new point no further away, model units
-  bool complete = true;  ///< false: there are more than could be examined, and so no new point is asked for
-  bool carves = false;   ///< a ball cuts a solid: what it has moved outside of that goes
-  bool moved = true;     ///< a brush has moved the point since it came
+  bool complete = true;             ///< false: there are more than could be examined, and so no new point is asked for
+  bool carves = false;              ///< a ball cuts a solid: what it has moved outside of that goes
+  bool moved = true;                ///< a brush has moved the point since it came
+  std::optional<DVec3> pushedFrom;  ///< unit, the axis of a tool that pushes the point in this stroke
 };
 
-/// While a ball carves, a point goes that it has moved outside the solid (shared::kSkin); a new one stays where it
-/// came, or it would come again. Points nearer than kCrowded to one another rank settled before unsettled, then by
-/// number. A point goes where the first of those before it stays itself in this tick. Otherwise it requests a new point
-/// in the middle of the narrowest gap where none stands: a gap has a neighbour on its other side, within the look
-/// radius, so that borders do not grow, and its ends have moved against one another, so that an uneven cloud that
-/// nobody has edited has none. `self`: the point that decides, its offset zero.
+/// A point that a tool pushes stops where it comes to a sheet that is turned away from the tool: the far side of a
+/// plate stays as it is. While a ball carves, a point goes that it has moved outside the solid (shared::kSkin); a new
+/// one stays where it came, or it would come again. Points nearer than kCrowded to one another rank settled before
+/// unsettled, then by number. A point goes where the first of those before it stays itself in this tick. Otherwise it
+/// requests a new point in the middle of the narrowest gap where none stands: a gap has a neighbour on its other side,
+/// within the look radius, so that borders do not grow, and its ends have moved against one another, so that an uneven
+/// cloud that nobody has edited has none. `self`: the point that decides, its offset zero.
 ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleView& view);
 
 /// The distances to the nearest neighbour of the same sheet in every sector about a point; infinity where there is

@@ -57,6 +57,8 @@ bool firstYields;
 uint blocked;  // a bit for each sector
 uint requested;   // the sector in which a new point is requested; kGapSectors: none
 bool crowded, leaves;
+bool pushes, stops;  // a tool pushes the point in this stroke; it has come to the far sheet of a plate
+vec3 outward;        // the tool's axis
 bool carves, moved;  // a brush has moved the point since it came
 
 // What a subgroup knows of a sector. Distances are compared as bits, which for these are in the same order.
@@ -160,6 +162,8 @@ void visitNeighbour(uint at) {
   if (!visitedBefore) {
     const vec3 normal = args.cloud.normals.at[slot].xyz;
     if (carves && walk == kWalkAround) noteOutside(at, normal, d);
+    if (pushes && walk == kWalkAround)
+      stops = stops || (dot(normal, outward) <= kTurnedAway && isThrough(-d, normal, self.spacing, kStopMargin));
     if (!sameSheet(self.normal, normal)) slot |= kOtherSheet;
     if (carves && walk == kWalkBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
     keptNeighbours[at].w = uintBitsToFloat(slot);
@@ -194,7 +198,7 @@ void begin() {
   firstYields = false;
   blocked = 0;
   requested = kGapSectors;
-  through = false;
+  through = stops = false;
   votes = vec2(0.0);
   crowded = false;
   leaves = false;
@@ -345,7 +349,10 @@ void requestForAll() {
   parentsOf = args.tables.at[0].parents;
   spacings = args.tables.at[0].spacings;
   rests = args.tables.at[0].rests;
-  carves = args.tables.at[0].brush.at[0].kind == kBrushCarve;
+  const uint kind = args.tables.at[0].brush.at[0].kind;
+  carves = kind == kBrushCarve;
+  const bool pushing = (kind == kBrushPush || kind == kBrushGrab) && args.tables.at[0].tool.at[0].acts != 0;
+  outward = args.tables.at[0].tool.at[0].outward;
   const uint changed = args.update.at[0].changed;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
@@ -358,6 +365,7 @@ void requestForAll() {
     center = position.xyz;
     const float mostReach = kReach * args.radius;
     reach = id < firstNew ? mostReach : args.tables.at[0].reaches.at[id - firstNew];
+    pushes = pushing && args.tables.at[0].founds.at[id].stroke == args.tables.at[0].tool.at[0].stroke;
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
     begin();
     for (walk = kWalkAround; walk != kWalkNoMore; walk = nextWalk()) {
@@ -365,6 +373,8 @@ void requestForAll() {
                       walk != kWalkAround);
       subgroupShares();
     }
+    // From now on it counts as part of the sheet that it has come to.
+    if (subgroupAny(stops) && subgroupElect()) args.tables.at[0].founds.at[id].normal = -outward;
     if (subgroupElect() && (leaves || crowded || requested < kGapSectors)) requestFor(id, center, requested);
     subgroupShares();
   }

@@ -54,6 +54,7 @@ struct PointTables {
   PALPATE_ADDRESS(Floats) reaches;   // of the points from firstNew on: how far others may come from there
   PALPATE_ADDRESS(Founds) founds;
   PALPATE_ADDRESS(Brushes) brush;
+  PALPATE_ADDRESS(BrushTools) tool;
   PALPATE_ADDRESS(Uints) examined;  // tick in which a point was last examined
   PALPATE_ADDRESS(ResampleLists) lists;
   PALPATE_ADDRESS(PointMoves) moves;
@@ -65,7 +66,7 @@ struct PointTables {
   uint mostMoves;  // that there is room for; as many requests
   uint unused;
 };
-PALPATE_SIZE(PointTables, 120);
+PALPATE_SIZE(PointTables, 128);
 
 // What a point that was examined requests for the next tick: at least to be examined again.
 struct PointRequest {

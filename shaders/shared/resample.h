@@ -63,6 +63,9 @@ const float kSkin = 0.1f, kBeside = 2.0f, kAtRest = 0.02f, kNearlyAll = 0.8f;
 // and go for ever.
 const float kBirthMargin = 0.1f, kHalfOfThem = 0.5f;
 
+// A point that a tool pushes stops so many of its spacings before a sheet that is turned away from the tool.
+const float kStopMargin = 0.4f;
+
 // Whether a place is through, `offset` from a point that faces the other way, whose unit normal is `normal`.
 PALPATE_FUNCTION bool isThrough(vec3 offset, vec3 normal, float spacing, float margin) {
   const float before = dot(offset, normal);  // negative inside

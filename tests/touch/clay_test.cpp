@@ -1,36 +1,153 @@
 // What a stroke leaves is what the hand meant: how deep, how high, how many layers, by analytic truth. Needs no GPU.
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "engine/cloud/edited_cloud.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/clay.hpp"
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
-#include "tests/scenes.hpp"
 
 namespace palpate::clay_test {
 
-TEST_CASE("table" * doctest::skip()) {
-  const char* shape = std::getenv("CLAY_SHAPE");
-  const Scene scene = makeScene(shape ? shape : "plane", std::getenv("CLAY_N") ? atoi(std::getenv("CLAY_N")) : 20'000);
-  for (const BrushKind kind :
-       {BrushKind::push, BrushKind::carve, BrushKind::flatten, BrushKind::inflate, BrushKind::smooth, BrushKind::grab})
+namespace {
+
+ClayResult mouldOnCpu(const Scene& scene, const BrushOptions& brush, const ClayGesture& gesture, int every = 1) {
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = brush, .threads = 1});
+  return mould(touch, scene, gesture, every);
+}
+
+}  // namespace
+
+TEST_CASE("a drag leaves a trench as deep as the hand, and nothing over the surface or under it" * kMoreInFull) {
+  for (const char* shape : {"plane", "sphere"}) {
+    const Scene scene = makeScene(shape, byTier(6'000, 20'000));
+    for (const BrushKind kind : {BrushKind::push, BrushKind::carve})
+      for (const double depth : byTier<std::vector<double>>({3}, {2, 3, 4, 6, 9}))
+        for (const double speed : byTier<std::vector<double>>({100}, {20, 100, 500})) {
+          CAPTURE(shape);
+          CAPTURE(static_cast<int>(kind));
+          CAPTURE(depth);
+          CAPTURE(speed);
+          checkClay(mouldOnCpu(scene, clayBrush(kind), clayDrag(scene, depth, speed)), depth);
+        }
+  }
+}
+
+TEST_CASE("the same gesture leaves the same trench where the machine gets a half or a third of the ticks done") {
+  const Scene scene = makeScene("plane", 6'000);
+  for (const BrushKind kind : {BrushKind::push, BrushKind::carve}) {
+    CAPTURE(static_cast<int>(kind));
+    const ClayGesture gesture = clayDrag(scene, 3, 200);
+    const ClayResult all = mouldOnCpu(scene, clayBrush(kind), gesture);
+    for (const int every : {2, 3}) {
+      CAPTURE(every);
+      const ClayResult some = mouldOnCpu(scene, clayBrush(kind), gesture, every);
+      checkClay(some, 3);
+      CHECK(some.deepest == near(all.deepest, 0.05));
+      CHECK(some.trenchLeast == near(all.trenchLeast, 0.1));
+    }
+  }
+}
+
+TEST_CASE("a hand that dwells adds nothing, and lifting it changes nothing, with every brush but grab") {
+  const Scene scene = makeScene("plane", 4'000);
+  for (const auto& [name, kind] : kBrushKinds) {
+    if (kind == BrushKind::grab) continue;
+    CAPTURE(name);
+    ClayGesture gesture = clayDrag(scene, 3, 100);
+    const std::size_t lifts = gesture.hips.size() - 170;  // 100 ticks of rest and 70 upwards
+    BrushOptions brush = clayBrush(kind);
+    brush.strength = 1;
+    CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = brush, .threads = 1});
+    double time_s = 0;
+    const auto go = [&](const DVec3& hip) { touch.query({.time_s = time_s += 1e-3, .hip = hip}, 0); };
+    for (std::size_t k = 0; k < lifts; ++k) go(gesture.hips[k]);
+    const auto points = [&] {
+      PointCloud now = scene.cloud;
+      touch.readBack(now);
+      return now;
+    };
+    for (int k = 0; k < 900; ++k) go(gesture.hips[lifts - 1]);
+    const PointCloud rested = points();
+    CHECK((rested.positions != scene.cloud.positions || rested.colors != scene.cloud.colors) ==
+          (kind != BrushKind::smooth && kind != BrushKind::flatten));
+    for (int k = 0; k < 50; ++k) go(gesture.hips[lifts - 1]);
+    CHECK(points().positions == rested.positions);
+    for (std::size_t k = lifts; k < gesture.hips.size(); ++k) go(gesture.hips[k]);
+    CHECK(points().positions == rested.positions);
+    CHECK(points().normals == rested.normals);
+    CHECK(points().colors == rested.colors);
+  }
+}
+
+TEST_CASE("inflate raises the surface by as much as the hand presses, smoothly, and stops") {
+  const Scene scene = makeScene("plane", 4'000);
+  BrushOptions brush = clayBrush(BrushKind::inflate);
+  brush.strength = 1;
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = brush, .threads = 1});
+  double time_s = 0;
+  for (int k = 0; k < 50; ++k) touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, 1 - 0.07 * k}}, 0);
+  const auto hold = [&](int ticks) {
+    for (int k = 0; k < ticks; ++k) touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, -2.5}}, 0);
+    PointCloud now = scene.cloud;
+    touch.readBack(now);
+    return now;
+  };
+  const PointCloud raised = hold(1200);
+  double highest = 0;
+  for (const Vec3& place : raised.positions) {
+    const double r = glm::length(DVec3(place.x, place.y, 0)) / kClayRadius;
+    CHECK(static_cast<double>(place.z) < 2 * std::max(0.0, 1 - r * r) + 0.25);
+    highest = std::max(highest, static_cast<double>(place.z));
+  }
+  CHECK(highest == near(2, 0.1));
+  CHECK(hold(1000).positions == raised.positions);
+}
+
+TEST_CASE("the far side of a plate stays as it is, and the near one stops before it") {
+  Scene scene = makeScene("plane", 6'000);
+  const std::size_t near = scene.cloud.size();
+  for (std::size_t i = 0; i < near; ++i) {
+    scene.cloud.positions.push_back(scene.cloud.positions[i] - Vec3(0, 0, 3));
+    scene.cloud.normals.push_back(-scene.cloud.normals[i]);
+  }
+  for (const BrushKind kind : {BrushKind::push, BrushKind::flatten, BrushKind::inflate, BrushKind::grab}) {
+    CAPTURE(static_cast<int>(kind));
+    CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = clayBrush(kind), .threads = 1});
+    const ClayGesture gesture = clayDrag(scene, 4.5, 200);
+    for (std::size_t k = 0; k + 150 < gesture.hips.size(); ++k)
+      touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, 0);
+    touch.finish();
+    PointCloud after = scene.cloud;
+    CHECK((touch.readBack(after) > 20) == (kind != BrushKind::flatten));
+    std::size_t far = 0;
+    double lowest = 0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      if (after.normals[i].z < -0.5f) {
+        ++far;
+        CHECK(after.positions[i].z == -3);
+      } else {
+        lowest = std::min(lowest, static_cast<double>(after.positions[i].z));
+      }
+    }
+    CHECK(far == near);
+    CHECK(lowest > -3);
+    if (kind == BrushKind::push) CHECK(lowest < -1.5);
+  }
+}
+
+TEST_CASE("how deep, how high, how folded: all brushes at all depths, speeds and shares of the ticks" * kFull) {
+  const Scene scene = makeScene("plane", 20'000);
+  for (const auto& [name, kind] : kBrushKinds)
     for (const double speed : {20.0, 100.0, 500.0})
       for (const double depth : {2.0, 3.0, 4.0, 9.0, 18.0})
         for (const int every : {1, 3}) {
           if (every > 1 && speed < 100) continue;
-          const ClayGesture gesture = clayDrag(scene, depth, speed);
-          CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = clayBrush(kind)});
-          const ClayResult r = mould(touch, scene, gesture, every);
-          fmt::print(
-              "{:8} {:4} mm/s {:4} mm 1/{}: deepest {:.2f} highest {:.2f} trench {:.2f}..{:.2f} new {} changed {} "
-              "second {:.1f}%\n",
-              std::string(std::ranges::find(kBrushKinds, kind, &std::pair<std::string_view, BrushKind>::second)->first),
-              speed, depth, every, r.deepest, r.highest, r.trenchLeast, r.trenchMost, r.added, r.changed,
-              100 * r.secondLayer);
+          const ClayResult r = mouldOnCpu(scene, clayBrush(kind), clayDrag(scene, depth, speed), every);
+          MESSAGE(name << ", " << speed << " mm/s, " << depth << " mm, 1/" << every << " of the ticks: deepest "
+                       << r.deepest << ", highest " << r.highest << ", trench " << r.trenchLeast << " to "
+                       << r.trenchMost << ", " << r.added << " new, " << r.changed << " changed, second layer "
+                       << 100 * r.secondLayer << " %");
+          if (kind != BrushKind::grab) CHECK(r.secondLayer <= 0.01);
         }
 }
 

@@ -1,0 +1,206 @@
+// Where the tool is while a hand sculpts, and which strokes there are.
+#include "engine/edit/brush_stroke.hpp"
+
+#include <doctest/doctest.h>
+
+#include "shaders/shared/edit.h"
+#include "tests/near.hpp"
+
+namespace palpate::brush_stroke_test {
+
+namespace {
+
+constexpr double kSupport = 2, kTau = 0.5, kRadius = 6;
+const DVec3 kUp(0, 0, 1);
+
+BrushOptions brush(BrushKind kind) {
+  return {.kind = kind, .tau = kTau, .beta = 0.1, .radius = kRadius, .strength = 0.5};
+}
+
+// A hand over a plane at z = 0.
+class Hand {
+ public:
+  explicit Hand(BrushKind kind) : stroke(kSupport) { stroke.setBrush(brush(kind)); }
+
+  // The proxy trails: it is `behind` the hand along x.
+  void feel(const DVec3& hip, double behind = 0, bool sculpts = true, double after_s = 1e-3) {
+    time_s += after_s;
+    const bool touching = hip.z < 0;
+    const DVec3 spring = touching ? DVec3(-behind, 0, -hip.z) : DVec3(0);
+    stroke.feel({.normal = kUp, .touching = touching}, hip, spring, sculpts, time_s);
+  }
+  const BrushStroke::Tool& next() { return stroke.next(time_s); }
+
+  BrushStroke stroke;
+  double time_s = 0;
+};
+
+// What a tool that has found that plane, tilted so, says of it.
+SurfaceMeasure measured(const DVec3& normal, double height_radii, int weights = 1000) {
+  SurfaceMeasure measure;
+  measure.add({.weight = weights,
+               .normal = IVec3(weights * 511.0 * normal),
+               .height = static_cast<int>(weights * 255 * height_radii)});
+  return measure;
+}
+
+}  // namespace
+
+TEST_CASE("the ball stands over the hand along the surface as it was found, however far the proxy trails") {
+  for (const BrushKind kind : {BrushKind::push, BrushKind::carve}) {
+    Hand hand(kind);
+    hand.feel({0, 0, -2}, 3);
+    const auto& tool = hand.next();
+    CHECK(tool.acts == 1);
+    CHECK(tool.outward == kUp);
+    CHECK(glm::distance(tool.center, DVec3(0, 0, -2 + kTau + kRadius)) < 1e-12);
+    CHECK(tool.shaft == 0);
+    // What the edit has found counts from the next one on.
+    const DVec3 tilted = glm::normalize(DVec3(0.2, 0, 1));
+    hand.stroke.note(measured(tilted, -0.75));
+    hand.feel({0, 0, -2}, 3);
+    CHECK(glm::distance(hand.next().outward, tilted) < 5e-3);
+  }
+}
+
+TEST_CASE("a tool that is deeper than its ball is wide goes on outwards as a shaft, over the surface as it was") {
+  Hand hand(BrushKind::push);
+  hand.feel({0, 0, -12});
+  const auto& tool = hand.next();
+  CHECK(tool.center.z == near(-12 + kTau + kRadius, 1e-12));
+  CHECK(tool.center.z + tool.shaft > 0);
+  CHECK(tool.center.z + tool.shaft < kRadius);
+  CHECK(tool.reach == near(kRadius + tool.shaft / 2, 1e-12));
+  CHECK(tool.reach <= 2 * kRadius);
+  Hand far(BrushKind::push);
+  far.feel({0, 0, -500});
+  CHECK(far.next().reach <= 2 * kRadius);
+}
+
+TEST_CASE("nothing acts while the hand withdraws, and a hand that goes sideways does not") {
+  Hand hand(BrushKind::push);
+  hand.feel({0, 0, -2});
+  hand.next();
+  hand.feel({0.1, 0, -2});
+  CHECK(hand.stroke.acts());
+  hand.next();
+  hand.feel({0.1, 0, -1.9});
+  CHECK_FALSE(hand.stroke.acts());
+  CHECK(hand.next().acts == 0);
+  hand.feel({0.3, 0, -1.85});
+  CHECK(hand.stroke.acts());
+}
+
+TEST_CASE("the tool goes the hand's way no faster than points yield, and all of it when the hand has left") {
+  Hand hand(BrushKind::push);
+  for (int k = 0; k <= 10; ++k) {
+    hand.feel({2.0 * k, 0, -3});
+    hand.next();
+  }
+  const double atEnd = hand.stroke.tool().center.x;
+  CHECK(atEnd < 10);
+  hand.feel({20, 0, 5});  // lifted
+  double last = atEnd, longest = 0;
+  int edits = 0;
+  while (hand.stroke.acts() && ++edits < 200) {
+    const auto& tool = hand.next();
+    longest = std::max(longest, tool.center.x - last);
+    last = tool.center.x;
+    CHECK(tool.center.y == 0);
+    CHECK(tool.center.z == near(-3 + kTau + kRadius, 1e-9));
+  }
+  CHECK(last == near(20, 1e-9));
+  CHECK(longest <= static_cast<double>(shared::kLongestMove) * kSupport * 2 * (1 + 1e-9));
+  CHECK(longest > 0.2);
+}
+
+TEST_CASE(
+    "where a hand was lifted and put down elsewhere in one stroke the tool does not go through what lies between") {
+  Hand hand(BrushKind::carve);
+  hand.feel({0, 0, -2});
+  hand.next();
+  hand.feel({0, 0, 3});
+  hand.feel({30, 0, -2});
+  CHECK(hand.next().center.x == near(30, 1e-12));
+  CHECK(hand.stroke.number() == 1);
+  // A pause of one tick, as of a hand that trembles, is no jump.
+  hand.feel({30, 0, -1.9});
+  hand.feel({30.5, 0, -2});
+  CHECK(hand.next().center.x == near(30.5, 1e-12));
+}
+
+TEST_CASE("gaps of up to 0.3 s are of one stroke, longer ones and a button let go are not") {
+  Hand hand(BrushKind::push);
+  const auto press = [&](double after_s) {
+    hand.feel({0, 0, -2}, 0, true, after_s);
+    hand.next();
+    hand.feel({0, 0, 1});
+  };
+  press(1e-3);
+  CHECK(hand.stroke.number() == 1);
+  press(0.25);
+  CHECK(hand.stroke.number() == 1);
+  press(0.35);
+  CHECK(hand.stroke.number() == 2);
+  hand.feel({0, 0, -2}, 0, true);
+  hand.next();
+  hand.feel({0, 0, -2}, 0, false);
+  CHECK_FALSE(hand.stroke.isGoingOn());
+  press(1e-3);
+  CHECK(hand.stroke.number() == 3);
+  hand.stroke.lift();
+  press(1e-3);
+  CHECK(hand.stroke.number() == 4);
+}
+
+TEST_CASE("an edit that comes late does what the ticks before it would have done") {
+  Hand hand(BrushKind::push);
+  hand.feel({0, 0, -2});
+  CHECK(hand.next().share == near(0.1, 1e-12));
+  hand.feel({0, 0, -2}, 0, true, 3e-3);
+  CHECK(hand.next().share == near(1 - 0.9 * 0.9 * 0.9, 1e-12));
+  Hand inflate(BrushKind::inflate);
+  inflate.feel({0, 0, -2});
+  CHECK(inflate.next().share == near(0.5, 1e-12));
+  CHECK(inflate.stroke.tool().height == near(2 - kTau, 1e-12));
+  inflate.feel({0, 0, -2}, 0, true, 4e-3);
+  CHECK(inflate.next().share == near(2, 1e-12));
+}
+
+TEST_CASE("grab holds on when the hand draws out, by two radii at most, and sideways by half of one") {
+  Hand hand(BrushKind::grab);
+  hand.feel({0, 0, -1});
+  hand.next();
+  for (int k = 0; k < 40; ++k) hand.feel({k * 1.0, 0, k * 0.5});
+  CHECK(hand.stroke.acts());
+  const auto& tool = hand.next();
+  CHECK(tool.center == DVec3(0));
+  CHECK(tool.motion.z > 1.8 * kRadius);
+  CHECK(tool.motion.x == near(0.5 * kRadius, 1e-9));
+  CHECK(tool.reach <= 2 * kRadius);
+  hand.feel({0, 0, 20}, 0, false);
+  CHECK_FALSE(hand.stroke.acts());
+}
+
+TEST_CASE("measures that have run over, or say nothing, do not turn the tool") {
+  Hand hand(BrushKind::push);
+  hand.feel({0, 0, -2});
+  hand.next();
+  hand.stroke.note({});
+  hand.stroke.note(measured({0.1, 0, 0.1}, 0));
+  hand.stroke.note(measured({3, 0, 3}, 0));
+  hand.stroke.note(measured({1, 0, 0}, 40));
+  hand.feel({0, 0, -2});
+  CHECK(hand.next().outward == kUp);
+  // Sums that run over give the same differences.
+  SurfaceMeasure before{.weights = 0xffffff00u, .normals = {5, 0x7fffffffu, 0xfffffff0u}, .heights = 0xfffffffeu};
+  const SurfaceMeasure one = measured(kUp, -0.5);
+  SurfaceMeasure after = before;
+  after.add({.weight = 1000, .normal = IVec3(0, 0, 511'000), .height = -127'500});
+  const SurfaceMeasure gap = after - before;
+  CHECK(gap.weights == one.weights);
+  CHECK(gap.normals == one.normals);
+  CHECK(gap.heights == one.heights);
+}
+
+}  // namespace palpate::brush_stroke_test
