@@ -11,6 +11,13 @@ namespace {
 constexpr std::size_t kPicked = 5;    // depths: under the cursor, and left, right, over and under it
 constexpr std::uint32_t kBeside = 4;  // pixels of the picture
 
+// Whatever lies nearest and farthest, which edits may change.
+bool isSameView(const Camera& a, Camera b) {
+  b.nearDepth = a.nearDepth;
+  b.farDepth = a.farDepth;
+  return a == b;
+}
+
 }  // namespace
 
 ModelPicture::ModelPicture(Device& sight)
@@ -51,8 +58,8 @@ void ModelPicture::record(CommandList& list, WindowSession& session, const Shown
 
 // Before the next picture: the last one, which is done, is what a stroke that begins has found.
 void ModelPicture::followFound(CommandList& list, const Camera& camera) {
-  if (found_ && !(keepsFound_ && found_->camera == camera)) found_.reset();
-  if (!keepsFound_ || found_ || !scene_ || !(scene_->camera == camera)) return;
+  if (found_ && !(keepsFound_ && isSameView(found_->camera, camera))) found_.reset();
+  if (!keepsFound_ || found_ || !scene_ || !isSameView(scene_->camera, camera)) return;
   const Buffer& depths = frame_->depthImage();
   found_.emplace(Found{.depths = Buffer(sight_, depths.bytes(), Memory::device, "found depths"),
                        .size_px = {frame_->width(), frame_->height()},

@@ -13,7 +13,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kFar = 2;  // radii of the brush: the furthest reach of a tool
+// Radii of the brush: the reach of a tool that is as long as its ball, and the furthest one.
+constexpr double kNear = 1.4, kFar = 2.5;
 
 // Cells that a ball of `radius` may touch, along one side; 0 where they are more than the buckets.
 std::uint64_t boxCells(const HashGrid& grid, double radius) {
@@ -40,14 +41,14 @@ BrushMoves::BrushMoves(Device& device, const HashUpdate& update, const HashGrid&
 
 void BrushMoves::setBrush(const BrushOptions& brush) {
   options_ = brush;
-  boxCells_ = {boxCells(grid_, brush.radius), boxCells(grid_, kFar * brush.radius)};
+  boxCells_ = {boxCells(grid_, kNear * brush.radius), boxCells(grid_, kFar * brush.radius)};
   upload(device_, brush_, std::vector{sharedBrush(brush, radius_)});
 }
 
 void BrushMoves::setTool(const BrushStroke::Tool& tool) {
   tool_.mapped<shared::BrushTool>()[0] = sharedTool(tool);
   PALPATE_CHECK_LE(tool.reach, kFar * options_.radius * (1 + 1e-9));
-  box_ = tool.reach > options_.radius * (1 + 1e-9) ? Box::far : Box::near;
+  box_ = tool.reach > kNear * options_.radius * (1 - 1e-6) ? Box::far : Box::near;
 }
 
 BrushMoves::Selection BrushMoves::select(Box box, std::uint32_t slots) const {

@@ -26,7 +26,8 @@ class BrushMoves {
   /// Where the tool is in the edit that is submitted next. While none is under way.
   void setTool(const BrushStroke::Tool& tool);
 
-  /// The boxes in which a brush looks for points: one around its ball, and one around a tool that reaches twice as far.
+  /// The boxes in which a brush looks for points: one around its ball and what is near the hand, and one
+  /// around a tool that reaches further.
   enum class Box { near, far };
   /// The one that the tool asks for.
   Box box() const { return box_; }

@@ -14,7 +14,7 @@ constexpr double kGap_s = 0.3;     // without contact, in one stroke
 constexpr double kTick_s = 1e-3;   // in which a brush has its share of the whole effect
 constexpr double kMostTicks = 16;  // that one edit makes up for
 constexpr double kWithdrawing =
-    0.5;  // cosine between the motion of a hand and the tool's axis, from which it withdraws
+    0.5;  // cosine between the motion of a hand and the way to its proxy, from which on it withdraws
 // Of the brush's radius: how far the tool goes on between two edits at most, and how far apart places of its way are
 // remembered. Less costs edits, more leaves ripples.
 constexpr double kLongestStep = 0.25, kShortestStep = 1.0 / 256, kWayStep = 1.0 / 16;
@@ -25,6 +25,11 @@ constexpr double kDecays = 1.5;
 constexpr double kJump = 0.5;
 constexpr double kShaftMargin = 0.25;                    // of the brush's radius, over the surface as it was found
 constexpr double kMostShaft = 2;                         // radii of the brush
+// Radii of the brush: how far the ends of what the tool reaches are apart, but for the ball at each of them.
+constexpr double kMostLength = 2.9;
+// Points in a ball as large as the brush's, so many of its radii over the hand, are asked how the surface lies; those
+// that were found no further from the hand than so many times its depth say so.
+constexpr double kHeardOver = 1.0 / 3, kHearing = 1.3;
 constexpr double kMostHeld = 1.9, kMostHeldAside = 0.5;  // radii of the brush: how far grab takes what it holds
 constexpr double kMostRaised = 0.9;   // of the brush's radius, or it would raise points out of its reach
 constexpr double kLeastLength = 0.3;  // of a mean normal that says anything
@@ -82,8 +87,9 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   if (!sculpts || (!holds && wasLifted)) open_ = false;
   const Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
   if (yields && !isGoingOn()) begin(place);
+  // Towards the proxy, which trails behind a hand that goes sideways.
   const bool withdraws = brush_.kind != BrushKind::grab && motion != DVec3(0) &&
-                         glm::dot(motion, outward_) > kWithdrawing * glm::length(motion);
+                         glm::dot(motion, spring) > kWithdrawing * glm::length(motion) * glm::length(spring);
   acts_ = open_ && (holds || yields) && !withdraws;
   if (acts_) goOnTo(place);
 }
@@ -178,28 +184,35 @@ DVec3 BrushStroke::held() const {
 }
 
 void BrushStroke::placeTool() {
-  const double height = found();
+  const double radius = brush_.radius, height = found();
   tool_.acts = 1;
   tool_.outward = outward_;
   tool_.stroke = number_;
   tool_.sampling = sampling();
-  tool_.reach = brush_.radius;
-  tool_.center = place_ + height * outward_;
-  tool_.middle = tool_.center;
-  if (brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve) {
-    const double tip = brush_.tau + brush_.radius;
-    tool_.center = place_ + tip * outward_;
-    if (height > tip) tool_.shaft = std::min(height - tip + kShaftMargin * brush_.radius, kMostShaft * brush_.radius);
-    tool_.middle = tool_.center + 0.5 * tool_.shaft * outward_;
-    tool_.reach = brush_.radius + 0.5 * tool_.shaft;
-  } else if (brush_.kind == BrushKind::inflate) {
-    tool_.height = std::clamp(height - brush_.tau, 0.0, kMostRaised * brush_.radius);
-  } else if (brush_.kind == BrushKind::grab) {
+  tool_.hand = place_;
+  tool_.hearing = std::clamp(kHearing * height, radius, static_cast<double>(shared::kMostHeight) * radius);
+  if (brush_.kind == BrushKind::grab) {
     tool_.center = heldAt_;
     tool_.motion = held();
     tool_.middle = heldAt_ + 0.5 * tool_.motion;
-    tool_.reach = brush_.radius + 0.5 * glm::length(tool_.motion);
+    tool_.reach = radius + 0.5 * glm::length(tool_.motion);
+    return;
   }
+  // All that it reaches lies along its axis, over the hand.
+  const double heard = kHeardOver * radius;
+  double first = height;
+  if (brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve) {
+    first = brush_.tau + radius;
+    if (height > first) tool_.shaft = std::min(height - first + kShaftMargin * radius, kMostShaft * radius);
+  } else if (brush_.kind == BrushKind::inflate) {
+    tool_.height = std::clamp(height - brush_.tau, 0.0, kMostRaised * radius);
+  }
+  first = std::min(first, heard + kMostLength * radius);
+  const double last = std::min(first + tool_.shaft, heard + kMostLength * radius), low = std::min(first, heard);
+  tool_.shaft = last - first;
+  tool_.center = place_ + first * outward_;
+  tool_.middle = place_ + 0.5 * (low + std::max(last, heard)) * outward_;
+  tool_.reach = radius + 0.5 * (std::max(last, heard) - low);
 }
 
 void BrushStroke::note(const SurfaceMeasure& measure) {
@@ -211,7 +224,7 @@ void BrushStroke::note(const SurfaceMeasure& measure) {
   // More than can be: the sums have run over.
   const double length = glm::length(mean);
   if (!(length > kLeastLength && length < 1.01 && std::abs(height) <= static_cast<double>(shared::kMostHeight))) return;
-  foundAt_ = tool_.center + height * brush_.radius * tool_.outward;
+  foundAt_ = tool_.hand + height * brush_.radius * tool_.outward;
   if (brush_.kind != BrushKind::grab) outward_ = mean / length;
 }
 

@@ -52,6 +52,8 @@ shared::BrushTool sharedTool(const BrushStroke::Tool& tool) {
           .share = static_cast<float>(tool.share),
           .middle = Vec3(tool.middle),
           .reach = static_cast<float>(tool.reach),
+          .hand = Vec3(tool.hand),
+          .hearing = static_cast<float>(tool.hearing),
           .height = static_cast<float>(tool.height),
           .stroke = tool.stroke,
           .sampling = tool.sampling,

@@ -25,8 +25,6 @@ const float kAtCenter = 1e-6f;
 // Cosine between the normal that the stroke found at a point and the tool's axis: a point that is turned further away
 // belongs to another side of the model, which the tool does not touch.
 const float kTurnedAway = -0.3f;
-// The same for points that say how the surface lies under the tool.
-const float kFacesTool = 0.2f;
 // Of what is measured: a weight, a normal and a height of one, as whole numbers, so that their sums do not depend on
 // the order in which they come.
 const float kWeightSteps = 63.0f, kNormalSteps = 511.0f, kHeightSteps = 255.0f;
@@ -56,13 +54,15 @@ PALPATE_STRUCT(BrushTool) {
   Real share;            // of the whole effect that this edit has; inflate: ticks times strength
   PALPATE_VEC3 middle;   // of the ball around all that the tool reaches
   Real reach;            // its radius
+  PALPATE_VEC3 hand;     // where the tool is in the hand
+  Real hearing;          // points that were found no further from there say how the surface lies
   Real height;           // inflate: how far it raises the middle, model units
   uint stroke;           // number, from 1 on
   uint sampling;         // one of 2^sampling points is measured
   uint unused;
 };
 PALPATE_SINGLE(BrushTool);
-PALPATE_SIZE(BrushTool, 80);
+PALPATE_SIZE(BrushTool, 96);
 
 // A point as the stroke found it.
 PALPATE_STRUCT(FoundPoint) {
@@ -78,11 +78,12 @@ PALPATE_STRUCT(Brushed) {
 };
 PALPATE_SINGLE(Brushed);
 
-// What one point says of the surface under the tool: sums of these over all points say how it lies there.
+// What one point says of the surface over the hand: sums of these over all points say how it lies there. The nearer it
+// was found, the more it says: a hand that has gone from one side of the model into another is under that one.
 struct MeasuredPoint {
   int weight;
   ivec3 normal;  // times the weight
-  int height;    // over the tool's centre along its axis, times the weight
+  int height;    // over the hand along the tool's axis, times the weight
 };
 
 PALPATE_FORMULA MeasuredPoint
@@ -91,15 +92,15 @@ PALPATE_FORMULA MeasuredPoint
   point.weight = 0;
   point.normal = ivec3(0);
   point.height = 0;
-  if (!(dot(found.normal, tool.outward) > Real(kFacesTool))) return point;
-  const PALPATE_VEC3 offset = found.position - tool.center;
-  const Real height = dot(offset, tool.outward);
-  const PALPATE_VEC3 aside = (offset - height * tool.outward) / brush.radius;
-  const Real weight = Real(1.0) - dot(aside, aside);
-  if (!(weight > Real(0.0))) return point;
-  point.weight = int(Real(kWeightSteps) * weight + Real(0.5));
+  const PALPATE_VEC3 offset = found.position - tool.hand;
+  if (!(dot(found.normal, tool.outward) > Real(kTurnedAway)) || !(dot(found.normal, offset) > Real(0.0))) return point;
+  const PALPATE_VEC3 scaled = offset / tool.hearing;
+  const Real near = Real(1.0) - dot(scaled, scaled);
+  if (!(near > Real(0.0))) return point;
+  point.weight = int(Real(kWeightSteps) * (near * near) + Real(0.5));
   point.normal = point.weight * ivec3(Real(kNormalSteps) * found.normal);
-  const Real heightInRadii = max(-Real(kMostHeight), min(Real(kMostHeight), height / brush.radius));
+  const Real height = dot(offset, tool.outward) / brush.radius;
+  const Real heightInRadii = max(-Real(kMostHeight), min(Real(kMostHeight), height));
   point.height = point.weight * int(Real(kHeightSteps) * heightInRadii);
   return point;
 }

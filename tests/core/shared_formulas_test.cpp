@@ -260,19 +260,19 @@ TEST_CASE_TEMPLATE("brushes act by their tool, on points in its middle too", Rea
   CHECK_FALSE(taken(tool.center + Real(5) * up, up));
 }
 
-TEST_CASE_TEMPLATE("how the surface lies under a tool is measured to a few thousandths", Real, float, double) {
+TEST_CASE_TEMPLATE("how the surface lies over a hand is measured to a few thousandths", Real, float, double) {
   const shared::BrushOf<Real> brush{.kind = shared::kBrushPush, .radius = 4, .longestMove = 1, .support = 1};
   const DVec3 outward = glm::normalize(DVec3(1, 2, 3));
   const shared::BrushToolOf<Real> tool{
-      .center = V3<Real>(7, 8, 9), .acts = 1, .outward = V3<Real>(outward), .share = 1};
-  // A plane that is tilted against the tool, a quarter of its radius under its centre.
+      .acts = 1, .outward = V3<Real>(outward), .share = 1, .hand = V3<Real>(7, 8, 9), .hearing = 5};
+  // A plane that is tilted against the tool, a quarter of its radius over the hand.
   const DVec3 normal = glm::normalize(outward + DVec3(0.1, -0.2, 0));
   const Frame3 frame = frameAround(normal);
   double weights = 0, heights = 0;
   DVec3 normals(0);
   for (double u = -6; u < 6; u += 0.1)
     for (double v = -6; v < 6; v += 0.1) {
-      const DVec3 place = DVec3(tool.center) - 1.0 * normal + u * frame.u + v * frame.v;
+      const DVec3 place = DVec3(tool.hand) + 1.0 * normal + u * frame.u + v * frame.v;
       const auto point = shared::measured(brush, tool, {V3<Real>(place), V3<Real>(normal)});
       weights += point.weight;
       heights += point.height;
@@ -281,7 +281,10 @@ TEST_CASE_TEMPLATE("how the surface lies under a tool is measured to a few thous
     }
   CHECK(weights > 0);
   CHECK(off(V3<double>(normals / (weights * 511)), normal) < 5e-3);
-  CHECK(heights / (weights * 255) * 4 == within(-1 / glm::dot(normal, outward), 0.02));
+  CHECK(heights / (weights * 255) * 4 == within(glm::dot(normal, outward), 0.02));
+  // What the hand has not come under says nothing, and neither does what is too far.
+  CHECK(shared::measured(brush, tool, {V3<Real>(DVec3(tool.hand) - outward), V3<Real>(outward)}).weight == 0);
+  CHECK(shared::measured(brush, tool, {V3<Real>(DVec3(tool.hand) + 5.0 * outward), V3<Real>(outward)}).weight == 0);
 }
 
 TEST_CASE_TEMPLATE("half way between two points of a circle is on it; of one place it is that place", Real, float,

@@ -57,7 +57,7 @@ TEST_CASE("the ball stands over the hand along the surface as it was found, howe
     CHECK(tool.shaft == 0);
     // What the edit has found counts from the next one on.
     const DVec3 tilted = glm::normalize(DVec3(0.2, 0, 1));
-    hand.stroke.note(measured(tilted, -0.75));
+    hand.stroke.note(measured(tilted, 2 / kRadius));
     hand.feel({0, 0, -2}, 3);
     CHECK(glm::distance(hand.next().outward, tilted) < 5e-3);
   }
@@ -70,11 +70,12 @@ TEST_CASE("a tool that is deeper than its ball is wide goes on outwards as a sha
   CHECK(tool.center.z == near(-12 + kTau + kRadius, 1e-12));
   CHECK(tool.center.z + tool.shaft > 0);
   CHECK(tool.center.z + tool.shaft < kRadius);
-  CHECK(tool.reach == near(kRadius + tool.shaft / 2, 1e-12));
-  CHECK(tool.reach <= 2 * kRadius);
+  CHECK(glm::distance(tool.middle, tool.center + tool.shaft * kUp) + kRadius <= tool.reach * (1 + 1e-12));
+  CHECK(glm::distance(tool.middle, tool.center) + kRadius <= tool.reach * (1 + 1e-12));
+  CHECK(tool.reach <= 2.5 * kRadius);
   Hand far(BrushKind::push);
   far.feel({0, 0, -500});
-  CHECK(far.next().reach <= 2 * kRadius);
+  CHECK(far.next().reach <= 2.5 * kRadius);
 }
 
 TEST_CASE("nothing acts while the hand withdraws, and a hand that goes sideways does not") {
@@ -177,7 +178,7 @@ TEST_CASE("grab holds on when the hand draws out, by two radii at most, and side
   CHECK(tool.center == DVec3(0));
   CHECK(tool.motion.z > 1.8 * kRadius);
   CHECK(tool.motion.x == near(0.5 * kRadius, 1e-9));
-  CHECK(tool.reach <= 2 * kRadius);
+  CHECK(tool.reach <= 2.5 * kRadius);
   hand.feel({0, 0, 20}, 0, false);
   CHECK_FALSE(hand.stroke.acts());
 }

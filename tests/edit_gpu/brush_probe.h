@@ -14,7 +14,7 @@ struct BrushQuestion {
   vec3 foundNormal;
   uint color;
 };
-PALPATE_SIZE(BrushQuestion, 156);
+PALPATE_SIZE(BrushQuestion, 172);
 
 struct BrushAnswer {
   Brushed brushed;

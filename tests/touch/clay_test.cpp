@@ -68,8 +68,12 @@ TEST_CASE("a hand that dwells adds nothing, and lifting it changes nothing, with
     };
     for (int k = 0; k < 900; ++k) go(gesture.hips[lifts - 1]);
     const PointCloud rested = points();
-    CHECK((rested.positions != scene.cloud.positions || rested.colors != scene.cloud.colors) ==
-          (kind != BrushKind::smooth && kind != BrushKind::flatten));
+    // What is flat and smooth already stays.
+    const bool alters = kind != BrushKind::smooth && kind != BrushKind::flatten;
+    double farthest = 0;
+    for (std::size_t i = 0; i < scene.cloud.size(); ++i)
+      farthest = std::max(farthest, double{glm::distance(rested.positions[i], scene.cloud.positions[i])});
+    CHECK((farthest > 0.1 || rested.colors != scene.cloud.colors) == alters);
     for (int k = 0; k < 50; ++k) go(gesture.hips[lifts - 1]);
     CHECK(points().positions == rested.positions);
     for (std::size_t k = lifts; k < gesture.hips.size(); ++k) go(gesture.hips[k]);
@@ -118,7 +122,7 @@ TEST_CASE("the far side of a plate stays as it is, and the near one stops before
       touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, 0);
     touch.finish();
     PointCloud after = scene.cloud;
-    CHECK((touch.readBack(after) > 20) == (kind != BrushKind::flatten));
+    CHECK(touch.readBack(after) > 20);
     std::size_t far = 0;
     double lowest = 0;
     for (std::size_t i = 0; i < after.size(); ++i) {
