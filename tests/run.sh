@@ -58,7 +58,7 @@ summary() {  # LEGS...
     { grep -hE '^ *second try: |^skipped: |\((Failed|Timeout)\)$| ERROR: ' "build/tests/$leg.log" || true
       awk -F '\t' '$1 == "skipped" { print $5 ": " $6 }' "build/tests/$leg.cases"; } | sort -u | sed "s/^/$leg: /"
   done
-  if [ -s build/tests/quick.cases ]; then
+  if [[ " $* " == *' quick '* ]] && [ -s build/tests/quick.cases ]; then
     echo 'The ten dearest cases of the quick tier, in seconds of a core (budget: 2, with whole programs 10):'
     grep -v '^skipped' build/tests/quick.cases | sort -t $'\t' -k 2,2nr | head -n 10 | cut -f 2,5,6 || true
   fi
