@@ -28,7 +28,11 @@ portable() { PALPATE_TESTS_ONLY=portable release -L '^gpu$'; }
 swiftshader() { drivers && VK_DRIVER_FILES=$drivers/swiftshader.json PALPATE_GPU=SwiftShader validate=0 portable; }
 layer() { drivers && VK_LAYER_PATH=$drivers portable; }                    # a current validation layer
 lint() { bash tests/lint.sh; }
-mutations() { build release palpate all_tests && bash tests/mutations.sh; }
+mutations() {  # in a copy that is built from nothing where there is something that is not committed
+  local here=
+  ! git diff --quiet HEAD || here=--here
+  build release palpate all_tests && bash tests/mutations.sh $here
+}
 fuzz() { build asan tests_io && PALPATE_FUZZ_S=600 build/asan/tests_io --source-file='*reader_fuzz*'; }
 windows() {
   local missing
