@@ -14,7 +14,7 @@ tests() {  # PRESET [CTEST OPTIONS...]: two places for each entry, one for what 
   ctest --preset "$1" -j $((2 * $(nproc) + 2)) --no-tests=error "${@:2}"
 }
 release() { build release palpate all_tests && PALPATE_TESTS_VALIDATE=${validate:-core} tests release "$@"; }
-skip() { echo "skipped: $*"; return 77; }
+skip() { echo "skipped: ${*//$'\n'/; }"; return 77; }
 drivers() { drivers=$(bash third_party/drivers.sh 2>&1) || skip "$drivers"; }
 
 quick() { release -LE '^links$'; }
