@@ -2,10 +2,11 @@
 # Applies small deliberate bugs (tests/mutations/NN-room-what.patch) one by one, builds the test that each patch names
 # and runs it: it must fail. A table at the end says for each bug whether it was killed or survived. The exit code is 1
 # where more than three bugs survive the quick tier, or one survives the full tier, or a patch has to be made again.
-#   bash tests/mutations.sh [--tier quick|full] [--survivors] [NN...]
+#   bash tests/mutations.sh [--tier quick|full] [--survivors] [--here] [NN...]
 # --tier full runs named cases of the full tier, too (PALPATE_TESTS_TIER=full). --survivors runs the whole tier
 # (tests/run.sh, or tests/run.sh --full) on each bug that its named case lets pass. All of it happens in a git worktree
-# of HEAD, build/mutations, which keeps what was built: what is not committed is not in it, but for the patches.
+# of HEAD, build/mutations, which keeps what was built: what is not committed is not in it, but for the patches. --here
+# takes this tree and what is built in it, which saves building all of it a second time: where nothing is uncommitted.
 #
 # The header of a patch has three lines before the diff:
 #   Mutation: one sentence that says what is wrong
@@ -19,11 +20,12 @@ preset=${PALPATE_MUTATIONS_PRESET:-release}  # of the quick tier
 limit_s=300                              # of one case; a bug that makes it stand still is killed
 export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_VALIDATE=${PALPATE_TESTS_VALIDATE:-core}
 
-tier=quick survivors=no numbers=()
+tier=quick survivors=no here=no numbers=()
 while [ $# -gt 0 ]; do
   case $1 in
     --tier) tier=${2:-}; shift ;;
     --survivors) survivors=yes ;;
+    --here) here=yes ;;
     [0-9][0-9]) numbers+=("$1") ;;
     *) echo "mutations.sh: '$1' is not an option or a number of two digits (see the head of this file)" >&2; exit 2 ;;
   esac
@@ -39,13 +41,21 @@ for patch in tests/mutations/[0-9][0-9]-*.patch; do
 done
 [ ${#patches[@]} -gt 0 ] || { echo "mutations.sh: no patch in tests/mutations has such a number" >&2; exit 2; }
 
-copy=$PWD/build/mutations built=$PWD/build/mutations/build/$preset log=$PWD/build/mutations.log
-git worktree prune
-if [ -e "$copy/.git" ]; then
-  git -C "$copy" checkout -q -f --detach "$(git rev-parse HEAD)"
+copy=$PWD/build/mutations log=$PWD/build/mutations.log
+if [ $here = yes ]; then
+  copy=$PWD
+  # Between two bugs all is put back as HEAD has it.
+  [ -z "$(git status --porcelain --untracked-files=no)" ] ||
+    { echo "mutations.sh: --here requires that all changes are committed" >&2; exit 2; }
 else
-  git worktree add -q -f --detach "$copy" HEAD
+  git worktree prune
+  if [ -e "$copy/.git" ]; then
+    git -C "$copy" checkout -q -f --detach "$(git rev-parse HEAD)"
+  else
+    git worktree add -q -f --detach "$copy" HEAD
+  fi
 fi
+built=$copy/build/$preset
 cd "$copy"
 trap 'git -C "$copy" checkout -q -f' EXIT
 cmake --preset "$preset" > /dev/null

@@ -14,7 +14,7 @@ tests() {  # PRESET [CTEST OPTIONS...]: two places for each entry, one for what 
   ctest --preset "$1" -j $((2 * $(nproc) + 2)) --no-tests=error "${@:2}"
 }
 release() { build release palpate all_tests && PALPATE_TESTS_VALIDATE=${validate:-core} tests release "$@"; }
-skip() { echo "skipped: $*"; return 77; }
+skip() { echo "skipped: ${*//$'\n'/; }"; return 77; }
 drivers() { drivers=$(bash third_party/drivers.sh 2>&1) || skip "$drivers"; }
 
 quick() { release -LE '^links$'; }
@@ -28,7 +28,11 @@ portable() { PALPATE_TESTS_ONLY=portable release -L '^gpu$'; }
 swiftshader() { drivers && VK_DRIVER_FILES=$drivers/swiftshader.json PALPATE_GPU=SwiftShader validate=0 portable; }
 layer() { drivers && VK_LAYER_PATH=$drivers portable; }                    # a current validation layer
 lint() { bash tests/lint.sh; }
-mutations() { build release palpate all_tests && bash tests/mutations.sh; }
+mutations() {  # in a copy that is built from nothing where there is something that is not committed
+  local here=
+  ! git diff --quiet HEAD || here=--here
+  build release palpate all_tests && bash tests/mutations.sh $here
+}
 fuzz() { build asan tests_io && PALPATE_FUZZ_S=600 build/asan/tests_io --source-file='*reader_fuzz*'; }
 windows() {
   local missing
@@ -58,7 +62,7 @@ summary() {  # LEGS...
     { grep -hE '^ *second try: |^skipped: |\((Failed|Timeout)\)$| ERROR: ' "build/tests/$leg.log" || true
       awk -F '\t' '$1 == "skipped" { print $5 ": " $6 }' "build/tests/$leg.cases"; } | sort -u | sed "s/^/$leg: /"
   done
-  if [ -s build/tests/quick.cases ]; then
+  if [[ " $* " == *' quick '* ]] && [ -s build/tests/quick.cases ]; then
     echo 'The ten dearest cases of the quick tier, in seconds of a core (budget: 2, with whole programs 10):'
     grep -v '^skipped' build/tests/quick.cases | sort -t $'\t' -k 2,2nr | head -n 10 | cut -f 2,5,6 || true
   fi

@@ -199,6 +199,7 @@ void addTimeBenches(Options& bench, Context& context, Command& command) {
         const std::vector<const Options*> asked = bench.named();
         checkMeaning(asked);
         std::vector<std::string> names;
+        names.reserve(asked.size());
         for (const Options* one : asked) names.push_back(one->name());
         measure(context, names, *options);
       };

@@ -144,13 +144,12 @@ void addView(Options& app, Context& context, Command& command) {
       .check(oneOf({"auto", "swapchain", "copy"}))
       .showDefault();
   sub.add("--device", options->device, "what moves the stylus: mouse (or keys and a gamepad); " + heldDevicesHelp())
-      .check(Check(
-          [](const std::string& device) {
-            return device == "mouse" || isHeldDevice(device)
-                       ? std::string()
-                       : "'" + device + "' is no device; there is mouse, " + heldDevicesHelp();
-          },
-          "DEVICE"))
+      .check(Check{[](const std::string& device) {
+                     return device == "mouse" || isHeldDevice(device)
+                                ? std::string()
+                                : "'" + device + "' is no device; there is mouse, " + heldDevicesHelp();
+                   },
+                   "DEVICE"})
       .showDefault();
   sub.add("--scheduler", options->scheduler, "of an OpenHaptics device, as in palpate touch")
       .check(oneOf({"device", "own"}))

@@ -24,7 +24,7 @@ struct TickRoom {
   double* torques_mNm = nullptr;  ///< 3 for each row; null: not wanted
 };
 
-void runInto(const TickRoom& room, OpenSession& session, std::vector<Path> paths,
+void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>& paths,
              const std::optional<BrushConfig>& brush) {
   if (paths.size() != session.hands())
     throw UsageError("paths: {} were given to a session of {} hands, each of which follows one", paths.size(),
@@ -123,7 +123,7 @@ pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths
     if (hands > 0) required(paths, "paths");
     std::vector<Path> all;
     for (std::uint32_t i = 0; i < hands; ++i) all.push_back(pathFrom(paths[i], open.config().rate_Hz));
-    runInto({ticks, capacity, count, torques_mNm}, open, std::move(all), brushOr(brush));
+    runInto({ticks, capacity, count, torques_mNm}, open, all, brushOr(brush));
   });
 }
 

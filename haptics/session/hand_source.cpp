@@ -27,13 +27,13 @@ Path pathFor(const HandConfig& config, const Model& model) {
   return builtinPath(name, model.cloud, model.scale, config.penetration_mm);
 }
 
-HandSource simulated(const HandConfig& config, Path path, const ModelScale& scale) {
+HandSource simulated(const HandConfig& config, const Path& path, const ModelScale& scale) {
   const WorkspaceMap map =
       config.fit == WorkspaceFit::identity ? WorkspaceMap{.scale = scale.toUnits(1)} : workspaceAround(path, scale);
   SimulatedTouchOptions touch{.lead_s = kBeforePath_s};
   if (config.stiffness_N_per_mm > 0) touch.handStiffness_N_per_mm = config.stiffness_N_per_mm;
   if (config.damping_N_s_per_mm > 0) touch.handDamping_N_s_per_mm = config.damping_N_s_per_mm;
-  auto device = std::make_unique<SimulatedTouch>(std::move(path), map, touch);
+  auto device = std::make_unique<SimulatedTouch>(path, map, touch);
   const double duration_s = device->duration_s();
   return {.device = std::move(device), .map = map, .duration_s = duration_s};
 }

@@ -304,7 +304,9 @@ std::vector<std::string> LiveSession::play(const std::string& log) {
     session_.backend().resetHand(0);
     for (LoggedTick& tick : record.ticks) tick.time_s += servo_.next_s;
     const double end_s = record.ticks.back().time_s;
-    playing_.emplace(std::make_unique<ReplayDevice>(std::move(record.ticks), recorded.limits), recorded.map, end_s);
+    playing_ = Playing{.device = std::make_unique<ReplayDevice>(std::move(record.ticks), recorded.limits),
+                       .map = recorded.map,
+                       .end_s = end_s};
   });
   return lacks;
 }

@@ -11,6 +11,7 @@ namespace {
 
 bool same(const PointState& a, const PointState& b, const Tolerance& tolerance) {
   if (a.gone() || b.gone()) return a.gone() == b.gone() && a.number() == b.number();
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits are meant
   if (tolerance.value <= 0) return std::memcmp(&a, &b, sizeof a) == 0;
   return a.id == b.id && a.color == b.color &&
          tolerance.scale.toMm(glm::distance(DVec3(a.position), DVec3(b.position))) <= tolerance.value;

@@ -12,6 +12,7 @@ namespace {
 // As the digest has it: zero has two signs.
 bool isSameToTheBit(const PointState& a, const PointState& b) {
   static_assert(sizeof(PointState) == 36);  // no padding
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits are meant
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 

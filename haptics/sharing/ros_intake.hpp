@@ -56,10 +56,12 @@ class RosIntake {
       wait_.attach(readers_.emplace_back(participant, topic_, qos));
     }
   }
-  /// Sleeps until something has come, for so long at most, and shows it, each message once.
+  /// Sleeps until something has come, for so long at most, and shows it: each message once, and none after a later one
+  /// of the same writer.
   template <class Visit>
   void take(double most_s, Visit&& visit) {
     wait_.sleep(most_s);
+    shown_.clear();
     for (const auto& reader : readers_)
       reader.take([&](const T& message, const dds_sample_info_t& about) {
         if (isNew({about.publication_handle, about.source_timestamp})) visit(message);
@@ -68,10 +70,13 @@ class RosIntake {
 
  private:
   using Sent = std::pair<dds_instance_handle_t, dds_time_t>;  // who has, and when
-  // What one reader has had comes to the next one at once, or not at all.
+  // What one reader has had comes to the next one at once, or not at all. Where it is on its way there the next one
+  // still has what came before it.
   bool isNew(const Sent& sent) {
-    if (std::ranges::count(seen_, sent) > 0) return false;
+    const auto isLater = [&](const Sent& other) { return other.first == sent.first && other.second > sent.second; };
+    if (std::ranges::count(seen_, sent) > 0 || std::ranges::any_of(shown_, isLater)) return false;
     seen_[next_++ % seen_.size()] = sent;
+    shown_.push_back(sent);
     return true;
   }
 
@@ -79,6 +84,7 @@ class RosIntake {
   ReaderWait wait_;
   std::vector<Reader<T>> readers_;
   std::array<Sent, 16> seen_{};
+  std::vector<Sent> shown_;  // since it slept
   std::size_t next_ = 0;
 };
 

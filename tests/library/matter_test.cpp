@@ -130,6 +130,9 @@ pp_matter_state stateOf(pp_matter matter) {
 }
 
 // So fine and without weight that it takes one step at a time: its sound is slower than a hand that beats about.
+constexpr const char* kCoarse =
+    R"({"matter": "water", "box_mm": [80, 120, 80], "fill_mm": [80, 70, 80], "spacing_mm": 16,
+        "tool": {"radius_mm": 20, "mass_kg": 0.034}})";
 constexpr const char* kThin = R"({"matter": "water", "box_mm": [16, 16, 16], "fill_mm": [16, 16, 16], "spacing_mm": 2,
                                   "gravity_m_s2": [0, 0, 0]})";
 
@@ -324,8 +327,11 @@ TEST_CASE("a host's own loop feels water tick by tick, with a budget against the
 }
 
 TEST_CASE("a live hand in water: ticks come, frames are new, and it is governed from another thread") {
-  const SceneFile scene;
-  const OpenScene water(scene.name());
+  // Little enough for a busy machine to answer before the force of the last answer has faded.
+  const SceneFile scene(kCoarse);
+  pp_session_options options = cpuOptions();
+  options.threads = 1;
+  const OpenScene water(scene.name(), options);
   const std::vector<double> rows{0, 40, 100, 40, 0.3, 40, 35, 40};
   const pp_path path = pathOf(rows, 4);
   pp_live_options live = pp_default_live_options();
@@ -344,7 +350,7 @@ TEST_CASE("a live hand in water: ticks come, frames are new, and it is governed 
   });
   std::vector<pp_tick> all;
   double most_N = 0;  // the last answer fades where the machine is slow, and another one is waited for
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while ((all.size() < 250 || most_N <= 0.05) && std::chrono::steady_clock::now() < end) {
     std::vector<pp_tick> ticks(64);
     std::uint64_t count = 0;
