@@ -35,17 +35,25 @@ void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {
 }
 
 void ForceLaw::reset() noexcept {
-  stretching_.reset();
-  for (RateEstimate& stretching : stretchings_) stretching.reset();
+  rates_.reset();
+  for (Rates& rates : pointRates_) rates.reset();
   force_N_ = torque_mNm_ = DVec3(0);
   demand_N_ = 0;
 }
 
 // F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
-// backward difference, so it needs two ticks of contact.
-DVec3 ForceLaw::spring(const Contact& contact, const DVec3& hip, double dt_s, RateEstimate& stretching) const noexcept {
+// backward difference, so it needs two ticks of contact. Where the surface moves, dx' is no faster than hand and
+// surface go, one against the other: what is faster comes of points that another frame has put in the place of the last
+// ones, and the damper has nothing to brake there.
+DVec3 ForceLaw::spring(const Contact& contact, const DVec3& hip, double dt_s, Rates& rates) const noexcept {
   const DVec3 stretch_mm = (contact.proxy - hip) * scale_.mm_per_unit;
-  const DVec3 rate_mm_per_s = stretching.add(stretch_mm, dt_s);
+  DVec3 rate_mm_per_s = rates.stretch.add(stretch_mm, dt_s);
+  const DVec3 hand_mm_per_s = rates.hand.add(hip * scale_.mm_per_unit, dt_s);
+  if (contact.velocity != DVec3(0)) {
+    const double apart_mm_per_s = glm::length(hand_mm_per_s - contact.velocity * scale_.mm_per_unit);
+    const double size_mm_per_s = glm::length(rate_mm_per_s);
+    if (size_mm_per_s > apart_mm_per_s) rate_mm_per_s *= apart_mm_per_s / size_mm_per_s;
+  }
   return options_.stiffness_N_per_mm * stretch_mm + options_.damping_N_s_per_mm * rate_mm_per_s;
 }
 
@@ -55,7 +63,7 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
     return DVec3(0);
   }
   if (contact.force_N) {
-    stretching_.reset();
+    rates_.reset();
     if (!isFinite(contact.torque_mNm)) {
       reset();
       return DVec3(0);
@@ -66,7 +74,7 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
     return felt_N;
   }
   torque_mNm_ = DVec3(0);
-  const DVec3 force_N = spring(contact, pose.hip, dt_s, stretching_);
+  const DVec3 force_N = spring(contact, pose.hip, dt_s, rates_);
   if (custom_) return given(custom_.function(custom_.user, contact, pose, dt_s, force_N), contact.velocity, dt_s);
   if (!isFinite(force_N) || !isFinite(contact.normal) || !std::isfinite(dt_s)) {
     reset();
@@ -96,13 +104,13 @@ DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> point
                        double dt_s) noexcept {
   DVec3 asked_N(0), sum_N(0), torque_mNm(0);
   if (!whole.valid || !whole.touching) points = {};
-  for (std::size_t i = 0; i < points.size() && i < stretchings_.size(); ++i) {
+  for (std::size_t i = 0; i < points.size() && i < pointRates_.size(); ++i) {
     const PointContact& point = points[i];
     if (!point.contact.touching) {
-      stretchings_[i].reset();
+      pointRates_[i].reset();
       continue;
     }
-    const DVec3 force_N = point.share * spring(point.contact, point.hip, dt_s, stretchings_[i]);
+    const DVec3 force_N = point.share * spring(point.contact, point.hip, dt_s, pointRates_[i]);
     asked_N += force_N;
     // What is no number goes on into the sum.
     if (glm::dot(force_N, point.contact.normal) <= 0) continue;

@@ -139,6 +139,7 @@ ContactOptions TouchSide::contactOptions() const {
           .friction = options_.friction,
           .split = options_.split,
           .pointsMove = moves(options_),
+          .normalsTurn = normalsTurn(options_),
           .probes = hands_.back().firstProbe + hands_.back().probes.probes()};
 }
 
@@ -148,13 +149,14 @@ void TouchSide::makeBridge() {
                                  .kind = options_.surface,
                                  .localRadius = options_.localRadius,
                                  .widening = options_.widening},
-                  options_.friction, index_.cloud().slots());
+                  options_.friction, index_.cloud().slots(),
+                  PatchFetch::Motion{.pointsMove = moves(options_), .normalsTurn = normalsTurn(options_)});
 }
 
 void TouchSide::recordAll() {
   for (int turn = 0; turn < 2; ++turn) {
     questions_.record(index_.parity(), index_.view(), record_.log.head(), frames_.velocities(index_.parity()));
-    bridge_->record(index_.parity(), index_.view());
+    bridge_->record(index_.parity(), index_.view(), frames_.velocities(index_.parity()));
     if (edits_) edits_->record(questions_.contact().state());
     index_.flip();
   }

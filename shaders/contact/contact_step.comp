@@ -86,6 +86,10 @@ void main() {
   if (args.pose.at[i].pose.tick == 0) return;  // it was waited for in vain
   if (kManyProbes) patchSpill = i * args.spillSlots;
   const Probe probe = probeOf(args.pose, args.state, i, args.radius);
+  if (kPointsMove) {
+    patchAge = args.pose.at[i].pointsAge;
+    patchVelocity = probe.velocity;
+  }
   if (!takeFirstPatch(probe)) return;
   touching = probe.touching;
   sticking = probe.sticking;
