@@ -39,6 +39,7 @@ void ForceLaw::reset() noexcept {
   for (Rates& rates : pointRates_) rates.reset();
   force_N_ = torque_mNm_ = DVec3(0);
   demand_N_ = 0;
+  isLettingGo_ = false;
 }
 
 // F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
@@ -59,6 +60,8 @@ DVec3 ForceLaw::spring(const Contact& contact, const DVec3& hip, double dt_s, Ra
 
 DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) noexcept {
   if (!contact.valid || !contact.touching) {
+    isLettingGo_ = isLettingGo_ || contact.isWithin;
+    if (contact.valid && isLettingGo_) return letGo(dt_s);
     reset();
     return DVec3(0);
   }
@@ -89,6 +92,17 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
   return force_N_;
 }
 
+// A surface that ends under a loaded hand, or that nobody finds any more, is no reason for a knock.
+DVec3 ForceLaw::letGo(double dt_s) noexcept {
+  const DVec3 before_N = force_N_;
+  reset();
+  if (before_N == DVec3(0) || !std::isfinite(dt_s)) return DVec3(0);
+  force_N_ = before_N;
+  isLettingGo_ = true;
+  force_N_ = limited(DVec3(0), DVec3(0), dt_s);
+  return force_N_;
+}
+
 // Such a force may also pull, as what a ball carries along in matter does.
 DVec3 ForceLaw::given(const DVec3& force_N, const DVec3& velocity, double dt_s) noexcept {
   if (!isFinite(force_N) || !std::isfinite(dt_s)) {
@@ -103,7 +117,11 @@ DVec3 ForceLaw::given(const DVec3& force_N, const DVec3& velocity, double dt_s) 
 DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> points, const Pose& pose,
                        double dt_s) noexcept {
   DVec3 asked_N(0), sum_N(0), torque_mNm(0);
-  if (!whole.valid || !whole.touching) points = {};
+  const bool touches = whole.valid && whole.touching;
+  for (std::size_t i = 0; i < points.size() && i < pointRates_.size(); ++i)
+    isLettingGo_ = isLettingGo_ || (pointRates_[i].stretch.isKnown() && points[i].contact.isWithin);
+  if (!touches && whole.valid && isLettingGo_) return letGo(dt_s);
+  if (!touches) points = {};
   for (std::size_t i = 0; i < points.size() && i < pointRates_.size(); ++i) {
     const PointContact& point = points[i];
     if (!point.contact.touching) {
@@ -132,7 +150,7 @@ DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> point
 }
 
 // `velocity`: of the surface, model units per second.
-DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_s) const noexcept {
+DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_s) noexcept {
   const double wanted_N = glm::length(target_N);
   if (!std::isfinite(wanted_N)) return DVec3(0);  // the squares overflowed
   double size_N = std::min(wanted_N, options_.maxForce_N);
@@ -142,12 +160,14 @@ DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_
   // The last force, shrunk to the new size if it was larger, is where the step begins: so a fall is free and a turn is
   // not.
   const double last_N = glm::length(force_N_);
-  const DVec3 from_N = last_N > size_N ? force_N_ * (size_N / last_N) : force_N_;
+  const DVec3 from_N = last_N > size_N && !isLettingGo_ ? force_N_ * (size_N / last_N) : force_N_;
   const DVec3 step_N = clamped_N - from_N;
   const double rise_N_per_s = (isChanging_ ? kChangingRise : 1) * options_.maxRise_N_per_s;
   const double longest_N = dt_s > 0 ? rise_N_per_s * std::min(dt_s, kLongestRise_s) : 0;
   const double length_N = glm::length(step_N);
-  return length_N <= longest_N ? clamped_N : from_N + step_N * (longest_N / length_N);
+  if (length_N > longest_N) return from_N + step_N * (longest_N / length_N);
+  isLettingGo_ = false;
+  return clamped_N;
 }
 
 }  // namespace palpate

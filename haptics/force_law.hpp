@@ -15,7 +15,9 @@ struct ForceOptions {
   double stiffness_N_per_mm = 0.8;
   double damping_N_s_per_mm = 0.002;
   double maxForce_N = kTouchPeakForce_N;
-  double maxRise_N_per_s = 600;  ///< how fast the force may grow or turn; its size may always fall at once
+  /// How fast the force may grow or turn. Its size may fall at once, but where a surface is lost under a hand that is
+  /// still within: there it falls no faster than it may grow.
+  double maxRise_N_per_s = 600;
   /// What a surface that moves by itself may do to the hand: its velocity times the force. 2 N at half a metre per
   /// second.
   double maxSurfacePower_W = 1;
@@ -83,8 +85,9 @@ class ForceLaw {
     void reset() noexcept { stretch.reset(), hand.reset(); }
   };
   DVec3 spring(const Contact& contact, const DVec3& hip, double dt_s, Rates& rates) const noexcept;
+  DVec3 letGo(double dt_s) noexcept;
   DVec3 given(const DVec3& force_N, const DVec3& velocity, double dt_s) noexcept;
-  DVec3 limited(const DVec3& target_N, const DVec3& velocity, double dt_s) const noexcept;
+  DVec3 limited(const DVec3& target_N, const DVec3& velocity, double dt_s) noexcept;
 
   ForceOptions options_;
   ModelScale scale_;
@@ -95,6 +98,7 @@ class ForceLaw {
   DVec3 torque_mNm_{0};
   double demand_N_ = 0;
   bool isChanging_ = false;
+  bool isLettingGo_ = false;  ///< of a surface that was lost
 };
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include "engine/contact/surface.hpp"
 #include "engine/core/cloud_frame.hpp"
+#include "shaders/shared/contact.h"
 
 namespace palpate {
 
@@ -74,6 +75,8 @@ class ProxyTracker {
   void follow(const SurfaceField& field, const DVec3& hip, double now_s = 0, const PointsTime& points = {});
 
   bool touching() const { return touching_; }
+  /// It touches nothing, and has not come out of the surface in front.
+  bool isLost() const { return !touching_ && face_ == shared::kFaceInside; }
   /// The HIP itself while nothing is touched.
   const DVec3& proxy() const { return proxy_; }
   /// The surface at the proxy; its outside is the face that is felt.

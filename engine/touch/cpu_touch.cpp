@@ -186,6 +186,7 @@ Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip, double now_
           .touching = tracker.touching(),
           .fresh = true,
           .valid = isFinite(tracker.proxy()) && isFinite(surface.normal),
+          .isWithin = tracker.isLost(),
           .neighbours = surface.neighbours,
           .velocity = tracker.velocity()};
 }

@@ -330,6 +330,7 @@ Contact TouchSide::contactOf(const shared::ContactSample& sample, const DVec3& h
       .touching = sample.touching != 0,
       .fresh = true,
       .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal) && isFinite(sample.velocity),
+      .isWithin = sample.touching == shared::kFree && sample.flags >> shared::kSampleFaceShift == shared::kFaceInside,
       .neighbours = sample.neighbours,
       .gpu_us = questions_.question().gpu_us,
       .velocity = DVec3(sample.velocity)};

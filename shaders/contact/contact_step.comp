@@ -96,7 +96,7 @@ void main() {
   face = probe.face;
   facing = probe.facing;
   vec3 proxy = probe.proxy;
-  Surface surface = Surface(false, 0.0, vec3(0.0), 0);
+  Surface surface = Surface(false, 0.0, vec3(0.0), 0, false);
   bool truncated = false;
   uint trackingSteps = 0;
 
@@ -132,7 +132,7 @@ void main() {
         x = proxy = before;
         continue;
       }
-      face = faceAfter(face, surface.defined, inFront, probe.traced);
+      face = faceAfter(face, surface.defined, surface.ends, inFront, probe.traced);
       if (substep == probe.substeps) break;
       before = x;
       x = placeOnWay(probe, ++substep);
