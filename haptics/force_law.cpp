@@ -35,27 +35,38 @@ void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {
 }
 
 void ForceLaw::reset() noexcept {
-  stretching_.reset();
-  for (RateEstimate& stretching : stretchings_) stretching.reset();
+  rates_.reset();
+  for (Rates& rates : pointRates_) rates.reset();
   force_N_ = torque_mNm_ = DVec3(0);
   demand_N_ = 0;
+  isLettingGo_ = false;
 }
 
 // F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
-// backward difference, so it needs two ticks of contact.
-DVec3 ForceLaw::spring(const Contact& contact, const DVec3& hip, double dt_s, RateEstimate& stretching) const noexcept {
+// backward difference, so it needs two ticks of contact. Where the surface moves, dx' is no faster than hand and
+// surface go, one against the other: what is faster comes of points that another frame has put in the place of the last
+// ones, and the damper has nothing to brake there.
+DVec3 ForceLaw::spring(const Contact& contact, const DVec3& hip, double dt_s, Rates& rates) const noexcept {
   const DVec3 stretch_mm = (contact.proxy - hip) * scale_.mm_per_unit;
-  const DVec3 rate_mm_per_s = stretching.add(stretch_mm, dt_s);
+  DVec3 rate_mm_per_s = rates.stretch.add(stretch_mm, dt_s);
+  const DVec3 hand_mm_per_s = rates.hand.add(hip * scale_.mm_per_unit, dt_s);
+  if (contact.velocity != DVec3(0)) {
+    const double apart_mm_per_s = glm::length(hand_mm_per_s - contact.velocity * scale_.mm_per_unit);
+    const double size_mm_per_s = glm::length(rate_mm_per_s);
+    if (size_mm_per_s > apart_mm_per_s) rate_mm_per_s *= apart_mm_per_s / size_mm_per_s;
+  }
   return options_.stiffness_N_per_mm * stretch_mm + options_.damping_N_s_per_mm * rate_mm_per_s;
 }
 
 DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) noexcept {
   if (!contact.valid || !contact.touching) {
+    isLettingGo_ = isLettingGo_ || contact.isWithin;
+    if (contact.valid && isLettingGo_) return letGo(dt_s);
     reset();
     return DVec3(0);
   }
   if (contact.force_N) {
-    stretching_.reset();
+    rates_.reset();
     if (!isFinite(contact.torque_mNm)) {
       reset();
       return DVec3(0);
@@ -66,7 +77,7 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
     return felt_N;
   }
   torque_mNm_ = DVec3(0);
-  const DVec3 force_N = spring(contact, pose.hip, dt_s, stretching_);
+  const DVec3 force_N = spring(contact, pose.hip, dt_s, rates_);
   if (custom_) return given(custom_.function(custom_.user, contact, pose, dt_s, force_N), contact.velocity, dt_s);
   if (!isFinite(force_N) || !isFinite(contact.normal) || !std::isfinite(dt_s)) {
     reset();
@@ -78,6 +89,17 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
   const auto pushes = [&](const DVec3& f) { return glm::dot(f, contact.normal) > 0; };
   const DVec3 result = pushes(force_N) ? limited(force_N, contact.velocity, dt_s) : DVec3(0);
   force_N_ = pushes(result) ? result : DVec3(0);
+  return force_N_;
+}
+
+// A surface that ends under a loaded hand, or that nobody finds any more, is no reason for a knock.
+DVec3 ForceLaw::letGo(double dt_s) noexcept {
+  const DVec3 before_N = force_N_;
+  reset();
+  if (before_N == DVec3(0) || !std::isfinite(dt_s)) return DVec3(0);
+  force_N_ = before_N;
+  isLettingGo_ = true;
+  force_N_ = limited(DVec3(0), DVec3(0), dt_s);
   return force_N_;
 }
 
@@ -95,14 +117,18 @@ DVec3 ForceLaw::given(const DVec3& force_N, const DVec3& velocity, double dt_s) 
 DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> points, const Pose& pose,
                        double dt_s) noexcept {
   DVec3 asked_N(0), sum_N(0), torque_mNm(0);
-  if (!whole.valid || !whole.touching) points = {};
-  for (std::size_t i = 0; i < points.size() && i < stretchings_.size(); ++i) {
+  const bool touches = whole.valid && whole.touching;
+  for (std::size_t i = 0; i < points.size() && i < pointRates_.size(); ++i)
+    isLettingGo_ = isLettingGo_ || (pointRates_[i].stretch.isKnown() && points[i].contact.isWithin);
+  if (!touches && whole.valid && isLettingGo_) return letGo(dt_s);
+  if (!touches) points = {};
+  for (std::size_t i = 0; i < points.size() && i < pointRates_.size(); ++i) {
     const PointContact& point = points[i];
     if (!point.contact.touching) {
-      stretchings_[i].reset();
+      pointRates_[i].reset();
       continue;
     }
-    const DVec3 force_N = point.share * spring(point.contact, point.hip, dt_s, stretchings_[i]);
+    const DVec3 force_N = point.share * spring(point.contact, point.hip, dt_s, pointRates_[i]);
     asked_N += force_N;
     // What is no number goes on into the sum.
     if (glm::dot(force_N, point.contact.normal) <= 0) continue;
@@ -124,7 +150,7 @@ DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> point
 }
 
 // `velocity`: of the surface, model units per second.
-DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_s) const noexcept {
+DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_s) noexcept {
   const double wanted_N = glm::length(target_N);
   if (!std::isfinite(wanted_N)) return DVec3(0);  // the squares overflowed
   double size_N = std::min(wanted_N, options_.maxForce_N);
@@ -134,12 +160,14 @@ DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_
   // The last force, shrunk to the new size if it was larger, is where the step begins: so a fall is free and a turn is
   // not.
   const double last_N = glm::length(force_N_);
-  const DVec3 from_N = last_N > size_N ? force_N_ * (size_N / last_N) : force_N_;
+  const DVec3 from_N = last_N > size_N && !isLettingGo_ ? force_N_ * (size_N / last_N) : force_N_;
   const DVec3 step_N = clamped_N - from_N;
   const double rise_N_per_s = (isChanging_ ? kChangingRise : 1) * options_.maxRise_N_per_s;
   const double longest_N = dt_s > 0 ? rise_N_per_s * std::min(dt_s, kLongestRise_s) : 0;
   const double length_N = glm::length(step_N);
-  return length_N <= longest_N ? clamped_N : from_N + step_N * (longest_N / length_N);
+  if (length_N > longest_N) return from_N + step_N * (longest_N / length_N);
+  isLettingGo_ = false;
+  return clamped_N;
 }
 
 }  // namespace palpate

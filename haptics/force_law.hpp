@@ -15,7 +15,9 @@ struct ForceOptions {
   double stiffness_N_per_mm = 0.8;
   double damping_N_s_per_mm = 0.002;
   double maxForce_N = kTouchPeakForce_N;
-  double maxRise_N_per_s = 600;  ///< how fast the force may grow or turn; its size may always fall at once
+  /// How fast the force may grow or turn. Its size may fall at once, but where a surface is lost under a hand that is
+  /// still within: there it falls no faster than it may grow.
+  double maxRise_N_per_s = 600;
   /// What a surface that moves by itself may do to the hand: its velocity times the force. 2 N at half a metre per
   /// second.
   double maxSurfacePower_W = 1;
@@ -59,7 +61,7 @@ class ForceLaw {
   DVec3 update(const Contact& contact, const Pose& pose, double dt_s) noexcept;
 
   /// Makes room for a tool of so many points.
-  void feelWith(std::size_t points) { stretchings_.resize(points); }
+  void feelWith(std::size_t points) { pointRates_.resize(points); }
 
   /// The same for a tool: each point has its share of spring and damper and only pushes, and the limits act on the sum.
   /// Exactly zero while `whole`, the answer as a whole, touches nothing or is a fault.
@@ -77,19 +79,26 @@ class ForceLaw {
   void reset() noexcept;
 
  private:
-  DVec3 spring(const Contact& contact, const DVec3& hip, double dt_s, RateEstimate& stretching) const noexcept;
+  /// How fast the spring of a point stretches, and its hand goes, mm/s.
+  struct Rates {
+    RateEstimate stretch, hand;
+    void reset() noexcept { stretch.reset(), hand.reset(); }
+  };
+  DVec3 spring(const Contact& contact, const DVec3& hip, double dt_s, Rates& rates) const noexcept;
+  DVec3 letGo(double dt_s) noexcept;
   DVec3 given(const DVec3& force_N, const DVec3& velocity, double dt_s) noexcept;
-  DVec3 limited(const DVec3& target_N, const DVec3& velocity, double dt_s) const noexcept;
+  DVec3 limited(const DVec3& target_N, const DVec3& velocity, double dt_s) noexcept;
 
   ForceOptions options_;
   ModelScale scale_;
   CustomForce custom_;
-  RateEstimate stretching_;                ///< of the way from HIP to proxy, mm/s
-  std::vector<RateEstimate> stretchings_;  ///< of a tool, point by point
-  DVec3 force_N_{0};                       ///< at the last tick
+  Rates rates_;
+  std::vector<Rates> pointRates_;  ///< of a tool
+  DVec3 force_N_{0};               ///< at the last tick
   DVec3 torque_mNm_{0};
   double demand_N_ = 0;
   bool isChanging_ = false;
+  bool isLettingGo_ = false;  ///< of a surface that was lost
 };
 
 }  // namespace palpate

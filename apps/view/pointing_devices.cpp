@@ -14,6 +14,7 @@ constexpr double kZoomPerNotch = 0.85;  // of the distance that is left
 constexpr double kZoom_per_s = 1.5;     // with the cap of a 3D mouse
 // A surface that is seen to fall back more steeply than this, and further than a step, is another one.
 constexpr double kSteepest = 4, kStep_mm = 2;
+constexpr double kLost_s = 0.12;  // without the surface, before a stylus that presses is put down anew
 constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
 
 }  // namespace
@@ -166,11 +167,16 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
   if (last && pressedAt_) {
     const double deeper = std::abs(glm::dot(place - *last, along));
     const double aside = glm::length(place - *last - glm::dot(place - *last, along) * along);
-    if (deeper > kSteepest * aside + model.scale.toUnits(kStep_mm)) {
+    const auto& rows = at.session->history().rows();
+    if (!rows.empty() && rows.back().contact) felt_s_ = at.time_s;
+    // Where it has lost what is seen under the cursor, as in a crease, it is within.
+    if (deeper > kSteepest * aside + model.scale.toUnits(kStep_mm) || at.time_s - felt_s_ > kLost_s) {
       at.session->lift();
       hand_.putDownAnew();
       pressedAt_.reset();
     }
+  } else {
+    felt_s_ = at.time_s;
   }
   const double inward_mm = hand_.takeInward_mm(view.press_mm);
   const double given_mm = at.session->givenWay_mm();

@@ -21,6 +21,7 @@ Contact ContactReference::answerTo(const Pose& pose, double) noexcept {
           .touching = tracker_.touching(),
           .fresh = true,
           .valid = true,
+          .isWithin = tracker_.isLost(),
           .neighbours = tracker_.surface().neighbours};
 }
 

@@ -22,6 +22,7 @@ struct ContactOptions {
   std::optional<bool> split;  ///< fused: whether a few workgroups share a gather; where not given, as the patch's size
                               ///< asks for. The answers are the same, bit by bit.
   bool pointsMove = false;    ///< each with a velocity; the answers know the surface's
+  bool normalsTurn = false;   ///< and those of points that move, each with a turn
   std::uint32_t probes = 1;   ///< that are answered at once, each with a state of its own; more than one only fused
 };
 
@@ -40,8 +41,7 @@ class ContactStep {
   /// Command lists to record ahead.
   std::uint32_t lists() const;
   /// The run of these lists reads the question that was put and leaves its answer in sample(). `logHead`: address of a
-  /// uint32 that is copied into the answer. `velocities`: of a vec4 for each id, model units per second, where points
-  /// move.
+  /// uint32 that is copied into the answer. `velocities`: where points move, as shaders/shared/motion.h has them.
   void record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud, DeviceAddress logHead,
               DeviceAddress velocities = 0) const;
   std::uint32_t firstList() const;

@@ -19,11 +19,13 @@ static_assert(kMostCells / shared::kContactWorkgroup * (shared::kPatchRoundCandi
 
 }  // namespace
 
-PatchFetch::PatchFetch(Device& device, const HashGrid& grid, double radius, std::uint32_t points)
+PatchFetch::PatchFetch(Device& device, const HashGrid& grid, double radius, std::uint32_t points, const Motion& motion)
     : reach_(std::min(static_cast<double>(shared::kCarriedReach) * radius,
                       widestReach(grid, shared::kCarriedCellsPerSide))),
       pass_(device, shader_code::contact_fetch_patch,
-            {.workgroupSize = shared::kContactWorkgroup, .pushBytes = sizeof(shared::PatchFetchArgs)}),
+            {.workgroupSize = shared::kContactWorkgroup,
+             .pushBytes = sizeof(shared::PatchFetchArgs),
+             .constants = {motion.pointsMove ? VK_TRUE : VK_FALSE, motion.normalsTurn ? VK_TRUE : VK_FALSE}}),
       centre_(Buffer::of<Vec4>(device, 1, Memory::upload, "patch centre")),
       patch_(device, sizeof(shared::CarriedHead) + 2 * sizeof(Vec4) * shared::kMostCarriedPoints, Memory::readback,
              "carried patch"),
@@ -33,19 +35,20 @@ PatchFetch::PatchFetch(Device& device, const HashGrid& grid, double radius, std:
   patch_.mapped<shared::CarriedHead>()[0] = {};
 }
 
-void PatchFetch::record(CommandList& commands, const shared::CloudView& cloud) const {
+void PatchFetch::record(CommandList& commands, const shared::CloudView& cloud, DeviceAddress velocities) const {
   commands.dispatch(pass_, shared::kContactWorkgroup,
                     shared::PatchFetchArgs{.cloud = cloud,
                                            .centre = centre_.address(),
                                            .fetched = patch_.address(),
                                            .near = near_.address(),
+                                           .velocities = velocities,
                                            .reach = static_cast<float>(reach_),
                                            .mostCells = kMostCells});
 }
 
-void PatchFetch::aimAt(const Vec3& centre) {
-  aim_ = centre;
-  centre_.mapped<Vec4>()[0] = Vec4(centre, 0);
+void PatchFetch::aimAt(const Vec3& centre, double age_s, const Vec3& now) {
+  aim_ = now;
+  centre_.mapped<Vec4>()[0] = Vec4(centre, static_cast<float>(age_s));
 }
 
 CarriedPatch PatchFetch::patch() const {

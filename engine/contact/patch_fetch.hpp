@@ -12,13 +12,19 @@ namespace palpate {
 /// answer waits for it, and the list's fence says when the patch is whole.
 class PatchFetch {
  public:
+  /// As ContactOptions' of these names.
+  struct Motion {
+    bool pointsMove = false, normalsTurn = false;
+  };
   /// `grid`: of the hash that record() is going to see. `points`: how many the cloud may have. `radius`: support
   /// radius, model units.
-  PatchFetch(Device& device, const HashGrid& grid, double radius, std::uint32_t points);
+  PatchFetch(Device& device, const HashGrid& grid, double radius, std::uint32_t points, const Motion& motion);
 
-  void record(CommandList& commands, const shared::CloudView& cloud) const;
-  /// Where the next run fetches; not while one is under way.
-  void aimAt(const Vec3& centre);
+  /// `velocities`: as for ContactStep.
+  void record(CommandList& commands, const shared::CloudView& cloud, DeviceAddress velocities) const;
+  /// Where the next run fetches; not while one is under way. Points that move are `age_s` older than their index, and
+  /// what is at `centre` in that is at `now`.
+  void aimAt(const Vec3& centre, double age_s, const Vec3& now);
   /// What the last run brought; until the next one begins.
   CarriedPatch patch() const;
 

@@ -60,7 +60,7 @@ void ProxyTracker::walkFreely(const SurfaceField& field, const DVec3& hip) {
       sticks_ = true;
       proxy_ = before;
     } else {
-      face_ = shared::faceAfter(face_, surface_.defined, inFront, traced);
+      face_ = shared::faceAfter(face_, surface_.defined, surface_.ends, inFront, traced);
     }
     before = x;
   }

@@ -4,6 +4,7 @@
 
 #include "engine/contact/surface.hpp"
 #include "engine/core/cloud_frame.hpp"
+#include "shaders/shared/contact.h"
 
 namespace palpate {
 
@@ -22,14 +23,16 @@ class SurfaceField {
 
 /// How points that move have gone on until a tick.
 struct PointsMotion {
-  double age_s = 0;        ///< since the time that they are true for
+  double age_s = 0;        ///< since the time that they are true for; negative while they come there
   double sinceLast_s = 0;  ///< since the tick before
 };
 /// `last_s`: of the tick before.
 inline PointsMotion pointsMotion(double now_s, const PointsTime& points, double last_s) {
-  if (now_s < points.true_s) return {};
+  const double from_s = points.true_s - points.comes_s;
+  if (now_s < from_s) return {.age_s = -points.comes_s};
   const double until_s = std::min(now_s, points.true_s + points.goOn_s);
-  return {.age_s = until_s - points.true_s, .sinceLast_s = std::max(0.0, until_s - last_s)};
+  const double since_s = points.comes_s > 0 ? std::max(last_s, from_s) : last_s;
+  return {.age_s = until_s - points.true_s, .sinceLast_s = std::max(0.0, until_s - since_s)};
 }
 
 /// What shaders/contact/contact_step.comp does from tick to tick, over any surface: contact begins where the HIP's
@@ -72,6 +75,8 @@ class ProxyTracker {
   void follow(const SurfaceField& field, const DVec3& hip, double now_s = 0, const PointsTime& points = {});
 
   bool touching() const { return touching_; }
+  /// It touches nothing, and has not come out of the surface in front.
+  bool isLost() const { return !touching_ && face_ == shared::kFaceInside; }
   /// The HIP itself while nothing is touched.
   const DVec3& proxy() const { return proxy_; }
   /// The surface at the proxy; its outside is the face that is felt.

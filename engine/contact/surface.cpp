@@ -14,7 +14,8 @@ SurfaceSample SurfaceSums::sample() const {
   return {.defined = surface.defined,
           .distance = surface.distance,
           .normal = surface.normal,
-          .neighbours = surface.neighbours};
+          .neighbours = surface.neighbours,
+          .ends = surface.ends};
 }
 
 // Positions that are off by `noise_spacings` leave a ripple of 1.05 noise / (R / spacing) spacings: the sum of the

@@ -17,6 +17,7 @@ struct SurfaceSample {
   double distance = 0;  ///< signed, model units, positive outside
   DVec3 normal{0};      ///< unit
   std::uint32_t neighbours = 0;
+  bool ends = false;  ///< it is not defined past its rim
 };
 
 struct SurfaceOptions {

@@ -32,6 +32,7 @@ struct Contact {
   bool fresh = false;            ///< from this tick's own query
   bool valid = false;            ///< false: a fault; the force must be zero
   bool lost = false;             ///< and there will never be a valid answer again
+  bool isWithin = false;         ///< nothing is touched, though the HIP has not come out in front of the surface
   std::uint32_t neighbours = 0;  ///< points within the support radius of the proxy (of the HIP when free)
   double gpu_us = 0;             ///< time on the GPU; 0 where it was not measured
   DVec3 velocity{0};             ///< of the surface there, model units per second; zero where points stand still

@@ -82,7 +82,7 @@ class ContactStep {
         sticking_ = true;
         proxy_ = last;
       } else {
-        face_ = faceAfter(face_, surface_.defined, inFront, traced);
+        face_ = faceAfter(face_, surface_.defined, surface_.ends, inFront, traced);
       }
       last = x;
     }

@@ -116,13 +116,15 @@ void CudaTouch::State::takeAnswer() {
   if (editOut_) editDone();
   shortfalls.truncatedTicks += (sample.flags & shared::kSampleTruncated) != 0;
   shortfalls.thinnedTicks += (sample.flags & shared::kSampleThinned) != 0;
-  last_ = {.proxy = asked.pose.hip + DVec3(sample.spring),
-           .normal = DVec3(sample.normal),
-           .touching = sample.touching != 0,
-           .fresh = true,
-           .valid = sample.tick == tick_ && isFinite(sample.spring) && isFinite(sample.normal),
-           .neighbours = sample.neighbours,
-           .gpu_us = asked.timed || !method_->inStreamOrder() ? method_->time_us() : 0};
+  last_ = {
+      .proxy = asked.pose.hip + DVec3(sample.spring),
+      .normal = DVec3(sample.normal),
+      .touching = sample.touching != 0,
+      .fresh = true,
+      .valid = sample.tick == tick_ && isFinite(sample.spring) && isFinite(sample.normal),
+      .isWithin = sample.touching == shared::kFree && sample.flags >> shared::kSampleFaceShift == shared::kFaceInside,
+      .neighbours = sample.neighbours,
+      .gpu_us = asked.timed || !method_->inStreamOrder() ? method_->time_us() : 0};
   lastPose_ = asked.pose;
   if (push_ && last_.valid)
     stroke_.feel(last_, lastPose_.hip - origin_, DVec3(sample.spring), lastPose_.sculpts, lastPose_.time_s);

@@ -41,6 +41,7 @@ void requireWhole(const CloudFrame& frame, std::size_t points) {
   requireWhole(frame.positions, "positions", frame);
   requireWhole(frame.normals, "normals", frame);
   if (!frame.velocities.empty()) requireWhole(frame.velocities, "velocities", frame);
+  if (!frame.turns.empty()) requireWhole(frame.turns, "turns of normals", frame);
   if (!frame.colors.empty()) requireAll(frame.colors.size(), "colours", frame);
   if (frame.ids.empty()) return;
   requireAll(frame.ids.size(), "ids", frame);

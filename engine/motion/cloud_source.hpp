@@ -22,6 +22,8 @@ class CloudSource {
   /// Whether a point of one frame is the same as that of its id in the next one. Otherwise nothing is known of what
   /// moved where between the two.
   virtual bool keepsPoints() const { return true; }
+  /// Whether frames may say how their normals turn.
+  virtual bool turnsNormals() const { return false; }
   /// Makes `frame`, whose memory is used again, the newest one that is known at `time_s`, and says in it which time it
   /// is true for. The same time gives the same bytes, whatever was asked for before. Throws Error where it cannot.
   virtual void makeFrame(double time_s, CloudFrame& frame) = 0;

@@ -7,14 +7,16 @@
 #include <optional>
 
 #include "engine/core/parallel.hpp"
+#include "shaders/shared/motion.h"
 
 namespace palpate {
 
 namespace {
 
-constexpr double kFastest_m_s = 1;   // of a surface that is followed, towards the camera or away
-constexpr double kLeastWay = 0.01;   // in depths: what noise alone lets it move
-constexpr double kSameDepth = 0.02;  // in depths: pixels side by side that see one surface
+constexpr double kFastest_m_s = 1;    // of a surface that is followed, towards the camera or away
+constexpr double kLeastWay = 0.01;    // in depths: what noise alone lets it move
+constexpr double kLeastFacing = 0.2;  // of normals, one to the other, that a surface has turned between
+constexpr double kSameDepth = 0.02;   // in depths: pixels side by side that see one surface
 
 struct Seen {
   DVec3 place;  // in the world
@@ -100,6 +102,13 @@ class SeenPoints {
   std::vector<std::uint32_t> at_;  // of the points, by ray
 };
 
+/// To a normal, from the one that was seen before, which had not come there by `late`; zero where that is none, or
+/// faces away from it.
+DVec3 turnTo(const DVec3& normal, const DVec3& before, const DVec3& late) {
+  const DVec3 from = shared::normalAfter(before, late, -1.0);
+  return glm::dot(from, normal) > kLeastFacing ? normal - from : DVec3(0);
+}
+
 }  // namespace
 
 bool DepthBlend::canFollow(const DepthFrame& before, const DepthFrame& frame) {
@@ -110,40 +119,45 @@ bool DepthBlend::canFollow(const DepthFrame& before, const DepthFrame& frame) {
 
 void DepthBlend::begin(CloudFrame& points) {
   points.velocities.clear();
+  points.turns.clear();
   points.goOn_s = kMostPointsAge_s;
   ways_.clear();
 }
 
-void DepthBlend::follow(const DepthCamera& camera, const DepthFrame& before, const DepthFrame& frame,
-                        const DVec3& origin, const std::vector<std::uint32_t>& pixels, const Step& step,
-                        CloudFrame& points) {
+void DepthBlend::follow(const DepthCamera& camera, const Before& before, const DepthFrame& frame, const DVec3& origin,
+                        const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points) {
   const double share =
       ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysGoOn_s_, 0.0, 1.0);  // that is still to come
   const std::size_t rays = std::size_t{camera.width} * camera.height;
   left_.swap(ways_);
-  ways_.assign(rays, Vec3(0));
+  ways_.assign(rays, {});
   waysGoOn_s_ = step.goOn_s;
   points.velocities.assign(points.size(), Vec3(0));
+  points.turns.assign(points.size(), Vec3(0));
   const double toGo = 1 - std::clamp(step.gone_s / step.goOn_s, 0.0, 1.0);
   points.goOn_s = toGo * step.goOn_s;
+  points.slides = false;
   const auto followIn = [&](const auto& seenBefore) {
     parallelFor(points.size(), threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const DVec3 place = DVec3(points.positions[i]) + origin, normal(points.normals[i]);
         const auto seen = seenBefore.before(place, pixels[i], step.between_s);
         if (!seen) continue;
-        const DVec3 late = share > 0 ? share * DVec3(left_[seen->pixel]) : DVec3(0);
-        const DVec3 way = glm::dot(normal, place - seen->place + late) * normal;
-        ways_[pixels[i]] = Vec3(way);
+        const Way late = share > 0 ? left_[seen->pixel] : Way{};
+        const DVec3 way = place - seen->place + share * DVec3(late.way);
+        const DVec3 turn = turnTo(normal, DVec3(before.normals[seen->pixel]), share * DVec3(late.turn));
+        ways_[pixels[i]] = {.way = Vec3(way), .turn = Vec3(turn)};
         points.positions[i] = Vec3(place - toGo * way - origin);
+        points.normals[i] = Vec3(shared::normalAfter(normal, turn, -toGo));
         points.velocities[i] = Vec3(way / step.goOn_s);
+        points.turns[i] = Vec3(turn / step.goOn_s);
       }
     });
   };
   if (frame.points)
-    followIn(SeenPoints(rays, before));
+    followIn(SeenPoints(rays, before.frame));
   else
-    followIn(SeenFrame(camera, before));
+    followIn(SeenFrame(camera, before.frame));
 }
 
 }  // namespace palpate

@@ -12,9 +12,9 @@ namespace palpate {
 /// not jump.
 ///
 /// A point is looked for in the frame before, by projection (no pixel of one frame is one of the next, but the surface
-/// is the same), or where a sensor sends points on the same ray, and goes along its own normal: nothing is known of how
-/// it slid in its plane. Where the frame before saw nothing there, or another surface, the point stands in its place
-/// from the beginning.
+/// is the same), or where a sensor sends points on the same ray. It begins in the very place, and with the normal, that
+/// were seen there; of its velocity the part along the surface says nothing, as nobody knows how that slid. Where the
+/// frame before saw nothing there, or another surface, the point stands in its place from the beginning.
 class DepthBlend {
  public:
   /// The points do not depend on `threads` (0: one per core).
@@ -29,17 +29,26 @@ class DepthBlend {
   };
   /// Whether that can be said of two frames: pictures, or points on the rays of one sensor.
   static bool canFollow(const DepthFrame& before, const DepthFrame& frame);
-  /// `points` are those of `frame`, as DepthPoints makes them with their pixels(), and get velocities and times to go.
-  /// `before`: of the same camera, the frame that was given the last time.
-  void follow(const DepthCamera& camera, const DepthFrame& before, const DepthFrame& frame, const DVec3& origin,
+  /// What a frame saw, with its normals by pixel, or ray; zero where it has no point.
+  struct Before {
+    const DepthFrame& frame;
+    const std::vector<Vec3>& normals;
+  };
+  /// `points` are those of `frame`, as DepthPoints makes them with their pixels(), and get velocities, turns and times
+  /// to go. `before`: of the same camera, the frame that was given the last time.
+  void follow(const DepthCamera& camera, const Before& before, const DepthFrame& frame, const DVec3& origin,
               const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points);
   /// There is no frame before: `points` stand where they are.
   void begin(CloudFrame& points);
 
  private:
   unsigned threads_;
-  std::vector<Vec3> left_;  // by the pixels of the frame before: the way that its points still had; empty: none had any
-  std::vector<Vec3> ways_;  // likewise, of this frame: all of it
+  // Of a point, and of its normal.
+  struct Way {
+    Vec3 way{0}, turn{0};
+  };
+  std::vector<Way> left_;  // by the pixels of the frame before, as they were at its beginning; empty: none had any
+  std::vector<Way> ways_;  // likewise, of this frame
   double waysGoOn_s_ = 0;
 };
 

@@ -186,7 +186,9 @@ std::optional<DepthPlayer::Played> DepthPlayer::nextDue(double time_s) {
   const std::uint64_t taken = ahead_.stream().isRecorded() ? takeDue(placeAt(time_s)) : takeLive(time_s);
   count(time_s, taken);
   if (taken == 0) return std::nullopt;
-  return present();
+  Played played = present();
+  played.lasts_s = lasts_s();
+  return played;
 }
 
 bool DepthPlayer::rewindFor(double time_s) {

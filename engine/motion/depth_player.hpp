@@ -36,7 +36,7 @@ class DepthPlayer {
     /// Of frameAt(): the one that was played before it, in the same pass of a recording; null where there is none. In
     /// exact play always the one that comes before it in the recording.
     const DepthFrame* before = nullptr;
-    /// Of frameAt(): until the next one is due, as far as that is known: otherwise as long as since the one before.
+    /// Until the next one is due, as far as that is known: otherwise as long as since the one before.
     double lasts_s = 0;
   };
   /// The newest frame that is due at a time of the session. Recorded: the last of those up to its place in the

@@ -7,6 +7,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
+#include "engine/motion/fusion.hpp"
 
 namespace palpate {
 
@@ -23,6 +24,7 @@ class DepthGrid {
       : depths_(frame.depth_m),
         width_(camera.width),
         height_(camera.height),
+        sensor_(sensorOf(camera, {})),
         jump_(std::max(kLeastJump, kSteepest / std::min(camera.fx, camera.fy))) {
     for (std::uint32_t column = 0; column < width_; ++column) across_.push_back(camera.placeAt(column, 0, 1).x);
     for (std::uint32_t row = 0; row < height_; ++row) down_.push_back(camera.placeAt(0, row, 1).y);
@@ -39,16 +41,38 @@ class DepthGrid {
   }
   /// Unit, towards the camera, of a pixel that sees `place`; nothing where nobody knows.
   std::optional<DVec3> normalAt(std::uint32_t column, std::uint32_t row, const DVec3& place) const {
+    for (int reach = shared::fitReach(sensor_, static_cast<float>(place.z)); reach > 1; --reach)
+      if (const auto normal = wideNormal(column, row, place, static_cast<std::uint32_t>(reach))) return normal;
     const auto across = way(place, {column, row, column > 0, column + 1 < width_}, {1, 0});
     const auto down = way(place, {column, row, row > 0, row + 1 < height_}, {0, 1});
     if (!across || !down) return std::nullopt;
-    const DVec3 normal = glm::cross(*down, *across);
+    return upright(*across, *down, place);
+  }
+
+ private:
+  /// Of the plane that fits the pixel and the eight that are `reach` beside it, above it and below it; nothing where
+  /// they do not all see its surface.
+  std::optional<DVec3> wideNormal(std::uint32_t column, std::uint32_t row, const DVec3& place,
+                                  std::uint32_t reach) const {
+    if (column < reach || row < reach || column + reach >= width_ || row + reach >= height_) return std::nullopt;
+    DVec3 across(0), down(0);
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x) {
+        if (x == 0 && y == 0) continue;
+        const std::uint32_t there = column + x * reach, below = row + y * reach;
+        if (!isSameSurface(place.z, depthAt(pixelAt(there, below)))) return std::nullopt;
+        const DVec3 seen = placeAt(there, below);
+        across += static_cast<double>(x) * seen;
+        down += static_cast<double>(y) * seen;
+      }
+    return upright(across, down, place);
+  }
+  static std::optional<DVec3> upright(const DVec3& across, const DVec3& down, const DVec3& place) {
+    const DVec3 normal = glm::cross(down, across);
     const double size = glm::length(normal);
     if (!(size > 0)) return std::nullopt;
     return normal * (glm::dot(normal, place) > 0 ? -1 / size : 1 / size);
   }
-
- private:
   struct Pixel {
     std::uint32_t column, row;
     bool hasBefore, hasBehind;  // pixels of the picture, along the way that is asked for
@@ -70,6 +94,7 @@ class DepthGrid {
 
   const std::vector<float>& depths_;
   std::uint32_t width_, height_;
+  shared::DepthSensor sensor_;         // whose noise says how wide a normal is
   double jump_;                        // of depth from pixel to pixel, in depths
   std::vector<double> across_, down_;  // of a place at depth 1, by column and by row
 };
@@ -96,13 +121,19 @@ void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
 
 void DepthPoints::make(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points) {
   requireWhole(camera, frame);
-  points.positions.clear(), points.normals.clear(), points.velocities.clear();
+  points.positions.clear(), points.normals.clear(), points.velocities.clear(), points.turns.clear();
+  points.slides = true;
   points.colors.clear(), points.ids.clear(), pixels_.clear();
   if (frame.points) return makeFromPoints(frame, origin, points);
   makeFromDepths(camera, frame, origin, points);
   if (frame.colors.empty()) return;
   points.colors.resize(pixels_.size());
   for (std::size_t i = 0; i < pixels_.size(); ++i) points.colors[i] = frame.colors[pixels_[i]];
+}
+
+void DepthPoints::normalsByPixel(const CloudFrame& points, std::size_t pixels, std::vector<Vec3>& normals) const {
+  normals.assign(pixels, Vec3(0));
+  for (std::size_t i = 0; i < pixels_.size(); ++i) normals[pixels_[i]] = points.normals[i];
 }
 
 void DepthPoints::makeFromPoints(const DepthFrame& frame, const DVec3& origin, CloudFrame& points) {

@@ -12,8 +12,10 @@ namespace palpate {
 /// the frame has a pose, else in the camera's axes (x right, y down, z ahead). Each with the normal that faces the
 /// camera, and its colour where the frame has some. The frame's time is left to the caller.
 ///
-/// A normal stands upright on the way from the pixel before to the one behind, along the row and along the column
-/// (central differences). Where one of the two was not measured, or lies on another surface, the pixel itself stands in
+/// A normal is that of the plane which fits 3 x 3 pixels, as far apart as noise demands, up to three pixels (fitReach()
+/// of shaders/shared/depth_image.h, for the noise of a structured-light camera). Where not all of those lie on the
+/// surface it stands upright on the way from the pixel before to the one behind, along the row and along the column
+/// (central differences); where one of the two was not measured, or lies on another surface, the pixel itself stands in
 /// for it; where both do, there is no normal, and no point. Another surface begins where depth jumps by more than a
 /// surface can from pixel to pixel that is seen at less than 84 degrees from upright, or than a depth camera's noise.
 ///
@@ -29,6 +31,8 @@ class DepthPoints {
   /// Of the last frame: the pixel that each point is of, or its ray; where those are not known, its place
   /// in the frame.
   const std::vector<std::uint32_t>& pixels() const { return pixels_; }
+  /// Of the last frame, whose points they are, by pixel or ray; zero where there is none.
+  void normalsByPixel(const CloudFrame& points, std::size_t pixels, std::vector<Vec3>& normals) const;
 
  private:
   struct Part {  // of the rows

@@ -56,12 +56,34 @@ void DepthSource::makeFrame(double time_s, CloudFrame& frame) {
     frame = {.time_s = time_s};
     return;
   }
-  points_.make(stream_->player->camera(), played.frame, origin_, frame);
+  measure(played);
+  frame = now_->points;
   frame.time_s = played.time_s;
   if (made_->isAtRest)
     blend_.begin(frame);
   else
     blend(played, time_s, time_s + watch.elapsed_us() * 1e-6 + kHandOver_s, frame);
+}
+
+// A frame is measured once, however often its points are blended; most often the one before is known as well.
+void DepthSource::measure(const DepthPlayer::Played& played) {
+  const auto isOf = [](const std::optional<Measured>& measured, const DepthFrame& frame) {
+    return measured && measured->number == frame.number && measured->time_s == frame.time_s;
+  };
+  if (!isOf(now_, played.frame)) {
+    std::swap(now_, before_);
+    if (!isOf(now_, played.frame)) measure(played.frame, now_);
+  }
+  if (played.before && !isOf(before_, *played.before)) measure(*played.before, before_);
+}
+
+void DepthSource::measure(const DepthFrame& frame, std::optional<Measured>& measured) {
+  if (!measured) measured.emplace();
+  measured->number = frame.number;
+  measured->time_s = frame.time_s;
+  points_.make(stream_->player->camera(), frame, origin_, measured->points);
+  measured->pixels = points_.pixels();
+  points_.normalsByPixel(measured->points, size_, measured->normals);
 }
 
 void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double ready_s, CloudFrame& frame) {
@@ -85,7 +107,8 @@ void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double
     step.since_s = frame.time_s - setOut_s_;
     setOut_s_ = frame.time_s;
   }
-  blend_.follow(stream_->player->camera(), *played.before, played.frame, origin_, points_.pixels(), step, frame);
+  blend_.follow(stream_->player->camera(), {.frame = *played.before, .normals = before_->normals}, played.frame,
+                origin_, now_->pixels, step, frame);
 }
 
 bool DepthSource::hasNewer(double time_s, double /*than_s*/) {

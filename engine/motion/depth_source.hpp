@@ -19,6 +19,7 @@ class DepthSource final : public CloudSource {
   /// As many as the camera has pixels.
   std::size_t size() const override { return size_; }
   bool keepsPoints() const override { return false; }
+  bool turnsNormals() const override { return true; }
   /// Throws Error where no frame of the stream can be read. A time of a recorded stream that is played exactly has the
   /// same points, whatever was asked for before.
   void makeFrame(double time_s, CloudFrame& frame) override;
@@ -33,6 +34,16 @@ class DepthSource final : public CloudSource {
   };
   const DepthPlayer::Played& playedAt(double time_s);
   Made wanted(const DepthPlayer::Played& played, double time_s) const;
+  /// The points of a frame, as it was measured.
+  struct Measured {
+    std::uint64_t number = 0;
+    double time_s = 0;  ///< of the camera
+    CloudFrame points;
+    std::vector<std::uint32_t> pixels;
+    std::vector<Vec3> normals;  ///< by pixel; zero where there is no point
+  };
+  void measure(const DepthFrame& frame, std::optional<Measured>& measured);
+  void measure(const DepthPlayer::Played& played);
   void blend(const DepthPlayer::Played& played, double time_s, double ready_s, CloudFrame& frame);
 
   std::shared_ptr<PlayedStream> stream_;
@@ -44,8 +55,9 @@ class DepthSource final : public CloudSource {
   // What the player has said last: hasNewer() and makeFrame() for one time are of one frame.
   std::optional<DepthPlayer::Played> played_;
   double asked_s_ = 0;
-  std::optional<Made> made_;  // last
-  double setOut_s_ = 0;       // when its points did
+  std::optional<Measured> now_, before_;  // of the frame that was played last, and the one before it
+  std::optional<Made> made_;              // last
+  double setOut_s_ = 0;                   // when its points did
 };
 
 }  // namespace palpate

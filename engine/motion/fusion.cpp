@@ -119,7 +119,10 @@ shared::FusionView fusionView(const FrameImages& images, const CameraPose& pose,
           .width = images.camera.width,
           .height = images.camera.height,
           .number = static_cast<std::uint32_t>(images.number),
-          .colored = images.colors.empty() ? 0u : 1u};
+          .colored = images.colors.empty() ? 0u : 1u,
+          .felt = 0,
+          .left = 0,
+          .perSecond = 0};
 }
 
 std::array<std::uint8_t, 3> colorOf(const shared::SurfelRecord& record) {

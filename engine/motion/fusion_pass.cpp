@@ -100,7 +100,17 @@ void FusionPass::put(const FrameImages& images, const CameraPose& pose, const DV
 }
 
 void FusionPass::setPose(const FrameImages& images, const CameraPose& pose, const DVec3& origin) {
-  images_.view.mapped<shared::FusionView>()[0] = fusionView(images, pose, origin, options_);
+  shared::FusionView view = fusionView(images, pose, origin, options_);
+  view.felt = isFelt_ ? 1 : 0;
+  view.left = left_s_;
+  view.perSecond = perSecond_;
+  images_.view.mapped<shared::FusionView>()[0] = view;
+}
+
+void FusionPass::setWay(double left_s, double comes_s) {
+  isFelt_ = true;
+  left_s_ = static_cast<float>(left_s);
+  perSecond_ = static_cast<float>(comes_s > 0 ? 1 / comes_s : 0);
 }
 
 void FusionPass::recordSurfaces(CommandList& list) const {
@@ -113,14 +123,16 @@ void FusionPass::recordSurfaces(CommandList& list) const {
                                          .unused = 0});
 }
 
-void FusionPass::record(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to) const {
+void FusionPass::record(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
+                        const Velocities& velocities) const {
   const auto section = list.section("fusion");
-  recordUpdate(list, from, to);
-  recordAppend(list, to);
+  recordUpdate(list, from, to, velocities);
+  recordAppend(list, to, velocities.to);
   list.copy(totals_, totalsRead_, totals_.bytes());
 }
 
-void FusionPass::recordUpdate(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to) const {
+void FusionPass::recordUpdate(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
+                              const Velocities& velocities) const {
   {
     const auto overlap = list.independent();
     list.fill(totals_, 0, totals_.bytes());
@@ -140,11 +152,13 @@ void FusionPass::recordUpdate(CommandList& list, const LiveCloud::Half& from, co
                                        .freeIds = free_.ids.address(),
                                        .emptySlots = free_.slots.address(),
                                        .totals = totals_.address(),
+                                       .velocitiesIn = velocities.from,
+                                       .velocitiesOut = velocities.to,
                                        .slots = slots_,
                                        .unused = 0});
 }
 
-void FusionPass::recordAppend(CommandList& list, const LiveCloud::Half& to) const {
+void FusionPass::recordAppend(CommandList& list, const LiveCloud::Half& to, DeviceAddress velocities) const {
   {
     const auto overlap = list.independent();
     list.dispatch(passes_.findNew, pixels(),
@@ -193,8 +207,9 @@ void FusionPass::recordAppend(CommandList& list, const LiveCloud::Half& to) cons
                                          .normals = to.normals.address(),
                                          .records = records_.address(),
                                          .totals = totals_.address(),
+                                         .velocities = velocities,
                                          .pixels = pixels(),
-                                         .unused = 0});
+                                         .slots = slots_});
 }
 
 FusionCounts FusionPass::counts() const {

@@ -29,7 +29,19 @@ class FusionPass {
   void setPose(const FrameImages& images, const CameraPose& pose, const DVec3& origin);
   /// Fuses what was put. Reads all slots of `from` and writes all of `to`, which must be other memory. May be recorded
   /// ahead for both halves and submitted again and again.
-  void record(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to) const;
+  void record(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to) const {
+    record(list, from, to, {});
+  }
+  /// The same for a map that is felt: what the frame does to a point it does over a time. The addresses are of the
+  /// velocities of both halves, with turns (shaders/shared/motion.h).
+  struct Velocities {
+    DeviceAddress from = 0, to = 0;
+  };
+  void record(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
+              const Velocities& velocities) const;
+  /// Of the frames that are put from now on: points come to where it puts them within `comes_s`, and those of the one
+  /// before still have a way of `left_s` before them. A map that is felt, alone.
+  void setWay(double left_s, double comes_s);
 
   /// What the frame's pixels see, for who looks for its pose first; record() has it with the rest.
   void recordSurfaces(CommandList& list) const;
@@ -66,8 +78,9 @@ class FusionPass {
     ComputePipeline pixelSurface, fusePoints, findNew, countFree, listFree, appendPoints;
   };
 
-  void recordUpdate(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to) const;
-  void recordAppend(CommandList& list, const LiveCloud::Half& to) const;
+  void recordUpdate(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
+                    const Velocities& velocities) const;
+  void recordAppend(CommandList& list, const LiveCloud::Half& to, DeviceAddress velocities) const;
   std::uint32_t pixels() const { return camera_.width * camera_.height; }
   std::uint32_t pixelWords() const;
   std::uint32_t slotWords() const;
@@ -78,6 +91,8 @@ class FusionPass {
   std::uint32_t slots_;
   Passes passes_;
   PrefixScan scan_;
+  bool isFelt_ = false;
+  float left_s_ = 0, perSecond_ = 0;
   Images images_;
   NewPoints new_;
   Free free_;

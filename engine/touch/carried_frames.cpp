@@ -26,7 +26,7 @@ MadeFrame CarriedFrames::make(double time_s, const LiveCloud::Half& /*incoming*/
   return MadeFrame::recorded;
 }
 
-void CarriedFrames::record(CommandList& list, const LiveCloud::Half& /*front*/, const LiveCloud::Half& incoming,
+void CarriedFrames::record(CommandList& list, const Front& /*front*/, const LiveCloud::Half& incoming,
                            const Buffer& velocities) const {
   carrier_.recordFrame(list, {.positions = incoming.positions.address(),
                               .normals = incoming.normals.address(),

@@ -14,7 +14,7 @@ class CarriedFrames final : public FrameWriter {
 
   std::size_t size() const override { return source_.size(); }
   MadeFrame make(double time_s, const LiveCloud::Half& incoming) override;
-  void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
+  void record(CommandList& list, const Front& front, const LiveCloud::Half& incoming,
               const Buffer& velocities) const override;
   double time_s() const override { return time_s_; }
   bool isColored() const override { return false; }

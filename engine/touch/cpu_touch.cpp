@@ -3,6 +3,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/processor.hpp"
+#include "shaders/shared/motion.h"
 
 #include <algorithm>
 
@@ -39,12 +40,38 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
   answers_.resize(hands_.size());
 }
 
+// Calls visit(offset, normal, number) for the points about a place, where they are at the time of the question in the
+// frame of the surface that is felt.
+template <class Visit>
+void CpuTouch::forEachNear(const DVec3& x, double radius, Visit&& visit) const {
+  if (!frames_) {
+    const std::vector<Vec3>& normals = sculpture_.points().normals;
+    sculpture_.grid().forEachNear(x, radius, [&](const SortedGrid::Placed& point) {
+      visit(DVec3(point.position) - x, normals[point.number], point.number);
+    });
+    return;
+  }
+  const CloudFrame& frame = frames_->frame();
+  if (age_s_ == 0 || frame.velocities.empty()) {
+    frames_->grid().forEachNear(x, radius, [&](const SortedGrid::Placed& point) {
+      visit(DVec3(point.position) - x, frame.normals[point.number], point.number);
+    });
+    return;
+  }
+  const double reach = (1 + static_cast<double>(shared::kPatchSlack)) * radius;
+  const auto age_s = static_cast<float>(age_s_);
+  frames_->grid().forEachNear(x, reach, [&](const SortedGrid::Placed& point) {
+    const std::uint32_t i = point.number;
+    const DVec3 offset = shared::placeAfter(DVec3(point.position), DVec3(frame.velocities[i]), ofSurface_, age_s_) - x;
+    if (!(glm::dot(offset, offset) < radius * radius)) return;
+    const Vec3& normal = frame.normals[i];
+    visit(offset, frame.turns.empty() ? normal : shared::normalAfter(normal, frame.turns[i], age_s), i);
+  });
+}
+
 SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {
-  const SortedGrid& grid = frames_ ? frames_->grid() : sculpture_.grid();
-  const std::vector<Vec3>& normals = frames_ ? frames_->frame().normals : sculpture_.points().normals;
   return surfaceOf(surface_, facing, [&](double radius, auto&& visit) {
-    grid.forEachNear(x, radius,
-                     [&](const SortedGrid::Placed& point) { visit(DVec3(point.position) - x, normals[point.number]); });
+    forEachNear(x, radius, [&](const DVec3& offset, const Vec3& normal, std::uint32_t) { visit(offset, normal); });
   });
 }
 
@@ -53,14 +80,13 @@ DVec3 CpuTouch::velocity(const DVec3& x, const DVec3& facing) const {
   const CloudFrame& frame = frames_->frame();
   DVec3 sum(0);
   double weights = 0;
-  frames_->grid().forEachNear(x, surface_.radius, [&](const SortedGrid::Placed& point) {
-    const double r = glm::distance(DVec3(point.position), x) / surface_.radius;
-    const double w =
-        wendland(std::min(1.0, r)) * shared::facingWeight(glm::dot(DVec3(frame.normals[point.number]), facing));
-    sum += w * DVec3(frame.velocities[point.number]);
+  forEachNear(x, surface_.radius, [&](const DVec3& offset, const Vec3& normal, std::uint32_t number) {
+    const double r = glm::length(offset) / surface_.radius;
+    const double w = wendland(std::min(1.0, r)) * shared::facingWeight(glm::dot(DVec3(normal), facing));
+    sum += w * DVec3(frame.velocities[number]);
     weights += w;
   });
-  return weights > 0 ? sum / weights : DVec3(0);
+  return weights > 0 ? shared::knownVelocity(sum / weights, facing, frame.slides ? 0.0 : 1.0) : DVec3(0);
 }
 
 std::span<const Contact> CpuTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
@@ -107,6 +133,7 @@ void CpuTouch::prepare() noexcept {
 void CpuTouch::answer(std::span<const Pose> poses, bool realtime) {
   realtime_ = realtime;
   if (frames_ && !realtime) frames_->bring(poses.front().time_s);
+  if (frames_) age_s_ = pointsMotion(poses.front().time_s, frames_->frame().time(), 0).age_s;
   for (std::size_t i = 0; i < hands_.size(); ++i) feel(hands_[i], poses[i]);
   const Pose& pose = poses.front();
   const Contact& own = hands_.front().probes.own();
@@ -151,7 +178,8 @@ void CpuTouch::setContact(SurfaceKind surface, double friction, std::string_view
   edits_.lift();
 }
 
-Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s) const {
+Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s) {
+  ofSurface_ = tracker.velocity();
   tracker.follow(*this, hip - origin_, now_s, frames_ ? frames_->frame().time() : PointsTime{.true_s = now_s});
   const SurfaceSample& surface = tracker.surface();
   return {.proxy = tracker.touching() ? tracker.proxy() + origin_ : hip,
@@ -159,11 +187,12 @@ Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip, double now_
           .touching = tracker.touching(),
           .fresh = true,
           .valid = isFinite(tracker.proxy()) && isFinite(surface.normal),
+          .isWithin = tracker.isLost(),
           .neighbours = surface.neighbours,
           .velocity = tracker.velocity()};
 }
 
-void CpuTouch::feel(CpuHand& hand, const Pose& pose) const {
+void CpuTouch::feel(CpuHand& hand, const Pose& pose) {
   hand.probes.ask(pose);
   for (std::uint32_t i = 0; i < hand.probes.probes(); ++i)
     hand.probes.answered(i, contactOf(hand.trackers[i], hand.probes.place(i, pose), pose.time_s));

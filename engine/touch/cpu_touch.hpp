@@ -88,10 +88,12 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   };
   SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
   DVec3 velocity(const DVec3& x, const DVec3& facing) const override;
-  Contact contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s) const;
+  template <class Visit>
+  void forEachNear(const DVec3& x, double radius, Visit&& visit) const;
+  Contact contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s);
   bool isFiniteAt(std::span<const Pose> poses) const;
   void answer(std::span<const Pose> poses, bool realtime);
-  void feel(CpuHand& hand, const Pose& pose) const;
+  void feel(CpuHand& hand, const Pose& pose);
   // The answer to each hand, as it stands.
   std::span<const Contact> given();
   static void forget(CpuHand& hand);
@@ -101,6 +103,8 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   CpuSculpture sculpture_;
   std::optional<CpuFrames> frames_;  // where a source moves the points
   bool realtime_ = false;            // of the last question
+  double age_s_ = 0;                 // of the frame's points, at its time
+  DVec3 ofSurface_{0};               // velocity of the surface in whose frame the question is answered
   SurfaceOptions surface_;
   std::vector<CpuHand> hands_;
   std::vector<Contact> answers_;  // one for each

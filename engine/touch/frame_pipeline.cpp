@@ -15,29 +15,35 @@ namespace {
 constexpr double kLook_us = 1;  // a budget that lets no thread sleep
 constexpr std::chrono::microseconds kBetweenLooks{100};
 
+std::size_t velocitySlots(const FrameWriter& writer) { return (writer.turnsNormals() ? 2 : 1) * writer.size(); }
+
 }  // namespace
 
 FramePipeline::FramePipeline(Device& device, FrameWriter& writer, LiveIndex& index)
     : device_(device),
       writer_(writer),
       index_(index),
-      velocities_{Buffer::of<Vec4>(device, writer.size(), Memory::device, "velocities"),
-                  Buffer::of<Vec4>(device, writer.size(), Memory::device, "velocities")},
+      velocities_{Buffer::of<Vec4>(device, velocitySlots(writer), Memory::device, "velocities"),
+                  Buffer::of<Vec4>(device, velocitySlots(writer), Memory::device, "velocities")},
       incoming_{Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming positions"),
                 Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming normals"), 0},
       beside_(device.backgroundQueue().another()),
       task_([this] { make(); }) {
   PALPATE_CHECK_EQ(writer.size(), std::size_t{index.cloud().slots()});
-  CommandList clear(device, device.latencyQueue(), "no velocities");
-  clear.begin();
-  for (const Buffer& velocities : velocities_) clear.fill(velocities, 0, velocities.bytes());
-  clear.end();
-  device.latencyQueue().run(clear);
+  for (const Buffer& velocities : velocities_) fillWithZeros(device.latencyQueue(), velocities);
   for (int turn = 0; turn < 2; ++turn) {
     record(device.latencyQueue(), listsFirst_);
     index_.flip();
   }
   bring(0);
+}
+
+void FramePipeline::fillWithZeros(Queue& queue, const Buffer& velocities) const {
+  CommandList list(device_, queue, "no velocities");
+  list.begin();
+  list.fill(velocities, 0, velocities.bytes());
+  list.end();
+  queue.run(list);
 }
 
 // For the half that is felt now, unless they are there.
@@ -50,7 +56,9 @@ void FramePipeline::record(const Queue& queue, Lists& lists) {
       if (list) continue;
       list = std::make_unique<CommandList>(device_, queue, writes ? "frame" : "frame's index");
       list->begin();
-      if (writes) writer_.record(*list, cloud.front(), incoming_, velocities_[cloud.back().parity]);
+      if (writes)
+        writer_.record(*list, {.points = cloud.front(), .velocities = velocities_[cloud.parity()]}, incoming_,
+                       velocities_[cloud.back().parity]);
       hash.recordBuild(*list, incoming_, cloud.back(), cloud.slots(), sort);
       list->end();
     }
@@ -71,7 +79,9 @@ void FramePipeline::make() {
 }
 
 void FramePipeline::submit(Queue& queue, const Lists& lists) {
-  times_[back()] = {.true_s = writer_.time_s(), .goOn_s = writer_.goOn_s()};
+  const double comes_s = writer_.comes_s();
+  times_[back()] = {.true_s = writer_.time_s() + comes_s, .goOn_s = writer_.goOn_s(), .comes_s = comes_s};
+  if (made_ == MadeFrame::incoming) fillWithZeros(queue, velocities_[back()]);
   colored_[back()] = writer_.isColored();
   const auto& ways = made_ == MadeFrame::incoming ? lists.builds : lists.frames;
   on_ = &queue;
@@ -80,7 +90,7 @@ void FramePipeline::submit(Queue& queue, const Lists& lists) {
 
 void FramePipeline::hasArrived() {
   index_.built();
-  exchange_.publish(index_.parity(), pointsTime(index_.parity()).true_s);
+  exchange_.publish(index_.parity(), frameTime_s(index_.parity()));
   isBuilding_ = false;
 }
 
@@ -173,9 +183,9 @@ bool FramePipeline::take(CloudFrame& frame) {
 }
 
 CloudFrame FramePipeline::front() const {
-  return fetch(device_.latencyQueue(), {.half = index_.cloud().front(),
-                                        .time_s = pointsTime(index_.parity()).true_s,
-                                        .colored = colored_[index_.parity()]});
+  return fetch(
+      device_.latencyQueue(),
+      {.half = index_.cloud().front(), .time_s = frameTime_s(index_.parity()), .colored = colored_[index_.parity()]});
 }
 
 CloudFrame FramePipeline::fetch(Queue& queue, const Placed& placed) const {

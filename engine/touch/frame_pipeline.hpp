@@ -40,8 +40,8 @@ class FramePipeline {
   /// Waits for what is under way, and drops it: for who goes.
   void stop() noexcept;
 
-  /// The time of the frame in each half of the live cloud, and the velocities of its points: a vec4 for each id, model
-  /// units per second.
+  /// The time of the frame in each half of the live cloud, and the velocities of its points, as shaders/shared/motion.h
+  /// has them.
   const PointsTime& pointsTime(std::uint32_t parity) const { return times_[parity]; }
   const Buffer& velocities(std::uint32_t parity) const { return velocities_[parity]; }
 
@@ -69,6 +69,8 @@ class FramePipeline {
     std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> frames, builds;
   };
   void record(const Queue& queue, Lists& lists);
+  double frameTime_s(std::uint32_t parity) const { return times_[parity].true_s - times_[parity].comes_s; }
+  void fillWithZeros(Queue& queue, const Buffer& velocities) const;
   void runNow();
   void make();
   void startMaking();

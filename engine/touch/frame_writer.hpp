@@ -26,13 +26,20 @@ class FrameWriter {
   /// Makes ready the next one of the frames that are due by `time_s`; `incoming`: the points that its index is built
   /// from, in any order. Throws Error where it cannot.
   virtual MadeFrame make(double time_s, const LiveCloud::Half& incoming) = 0;
-  /// Records how it becomes the points `incoming`, in any order, and the velocities by id. `front`: the points so far.
-  virtual void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
+  /// The points so far, and their velocities.
+  struct Front {
+    const LiveCloud::Half& points;
+    const Buffer& velocities;
+  };
+  /// Records how it becomes the points `incoming`, in any order, and their velocities (shaders/shared/motion.h).
+  virtual void record(CommandList& list, const Front& front, const LiveCloud::Half& incoming,
                       const Buffer& velocities) const = 0;
-  /// Of what was made last: the time that it is true for, how long it goes on from there (PointsTime), and whether the
-  /// normals' fourth words have colours.
+  /// Whether there are turns beside the velocities.
+  virtual bool turnsNormals() const { return false; }
+  /// Of what was made last: CloudFrame's times, and whether the normals' fourth words have colours.
   virtual double time_s() const = 0;
   virtual double goOn_s() const { return kMostPointsAge_s; }
+  virtual double comes_s() const { return 0; }
   virtual bool isColored() const = 0;
   /// Whether make() looks at the points so far: it runs then only once the frame before has become them.
   virtual bool looksAtPoints() const { return false; }

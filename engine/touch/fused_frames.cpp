@@ -1,11 +1,15 @@
 #include "engine/touch/fused_frames.hpp"
 
+#include <algorithm>
+
 #include "engine/core/check.hpp"
 #include "engine/gpu/device.hpp"
 
 namespace palpate {
 
 namespace {
+
+constexpr double kHandOver_s = 0.003;  // from a frame to points that are felt
 
 const FusedStream& checked(const FusedStream& frames, const LiveCloud& cloud) {
   PALPATE_CHECK(frames.stream && frames.stream->player && frames.begin);
@@ -23,6 +27,7 @@ FusedFrames::FusedFrames(Device& device, const FusedStream& frames, const LiveCl
       pass_(device, frames.stream->player->camera(), frames.options, cloud.slots()),
       search_(device, *queue_, pass_, cloud),
       intake_(frames.options, frames.icp, frames.log),
+      isExact_(frames.stream->player->isExact()),
       colored_(begun().hasColors()) {
   pass_.reset(*queue_, begun());
   intake_.beginAt(begunFrom_);
@@ -33,7 +38,7 @@ void FusedFrames::startOver(const LiveCloud::Half& incoming) {
   cloud_.upload(*queue_, begun(), incoming);
   intake_.beginAt(begunFrom_);
   frames_.stream->seenFrom = begunFrom_;
-  time_s_ = 0;
+  from_s_ = comes_s_ = 0;
 }
 
 bool FusedFrames::puts(const DepthCamera& camera, const DepthFrame& frame) {
@@ -61,8 +66,12 @@ MadeFrame FusedFrames::make(double time_s, const LiveCloud::Half& incoming) {
   }
   MadeFrame made = MadeFrame::none;
   while (const auto played = player.nextDue(time_s)) {
+    // Points that set out before they can be felt would leap by as far as they are late.
+    const double from_s = isExact_ ? played->time_s : std::max(played->time_s, time_s + kHandOver_s);
+    pass_.setWay(std::clamp(from_s_ + comes_s_ - from_s, 0.0, comes_s_), played->lasts_s);
     if (puts(player.camera(), played->frame)) {
-      time_s_ = played->time_s;
+      from_s_ = from_s;
+      comes_s_ = played->lasts_s;
       made = MadeFrame::recorded;
       break;
     }
@@ -74,9 +83,9 @@ MadeFrame FusedFrames::make(double time_s, const LiveCloud::Half& incoming) {
   return made;
 }
 
-void FusedFrames::record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
-                         const Buffer& /*velocities*/) const {
-  pass_.record(list, front, incoming);
+void FusedFrames::record(CommandList& list, const Front& front, const LiveCloud::Half& incoming,
+                         const Buffer& velocities) const {
+  pass_.record(list, front.points, incoming, {.from = front.velocities.address(), .to = velocities.address()});
 }
 
 }  // namespace palpate

@@ -11,8 +11,8 @@ namespace palpate {
 
 /// The map that depth frames fuse into on the GPU, as points of the live cloud: what has been done to those since the
 /// last frame stays. A frame that does not say where it was seen from is looked for in the front half, on a queue of
-/// its own, which gives way to questions; nobody writes that half before the frame is made. A stream that is taken from
-/// it leaves the map as it is.
+/// its own, which gives way to questions; nobody writes that half before the frame is made. What a frame does to a
+/// point it does until the next one is due, as in FusedSource. A stream that is taken from it leaves the map as it is.
 class FusedFrames final : public FrameWriter {
  public:
   /// `frames.begin` is the live cloud at first, whose points have the first ids. Throws as FusionPass.
@@ -22,9 +22,12 @@ class FusedFrames final : public FrameWriter {
   /// The next frame that the stream's player hands out; one that cannot be placed or fused is said, counts as lost, and
   /// is left out. Where the time has gone back, the map that it begins with comes first.
   MadeFrame make(double time_s, const LiveCloud::Half& incoming) override;
-  void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
+  void record(CommandList& list, const Front& front, const LiveCloud::Half& incoming,
               const Buffer& velocities) const override;
-  double time_s() const override { return time_s_; }
+  bool turnsNormals() const override { return true; }
+  double time_s() const override { return from_s_; }
+  double goOn_s() const override { return 0; }
+  double comes_s() const override { return comes_s_; }
   bool isColored() const override { return colored_; }
   bool looksAtPoints() const override { return true; }
 
@@ -48,7 +51,8 @@ class FusedFrames final : public FrameWriter {
   FusionPass pass_;
   PoseSearchPass search_;
   FrameIntake intake_;
-  double time_s_ = 0;
+  bool isExact_;
+  double from_s_ = 0, comes_s_ = 0;  // since when its points come to where they are, and for how long
   bool colored_;
 };
 

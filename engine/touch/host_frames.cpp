@@ -12,7 +12,8 @@ HostFrames::HostFrames(Device& device, CloudSource& source)
     : source_(source),
       positions_(Buffer::of<Vec4>(device, source.size(), Memory::upload, "staged positions")),
       normals_(Buffer::of<Vec4>(device, source.size(), Memory::upload, "staged normals")),
-      velocities_(Buffer::of<Vec4>(device, source.size(), Memory::upload, "staged velocities")) {}
+      velocities_(Buffer::of<Vec4>(device, (source.turnsNormals() ? 2 : 1) * source.size(), Memory::upload,
+                                   "staged velocities")) {}
 
 MadeFrame HostFrames::make(double time_s, const LiveCloud::Half& /*incoming*/) {
   if (made_s_ && (*made_s_ == time_s || !source_.hasNewer(time_s, frame_.time_s))) return MadeFrame::none;
@@ -31,12 +32,13 @@ void HostFrames::stage() {
     const auto [red, green, blue] = frame_.colors.empty() ? std::array<std::uint8_t, 3>{} : frame_.colors[i];
     positions[i] = Vec4(frame_.positions[i], std::bit_cast<float>(id));
     normals[i] = Vec4(frame_.normals[i], std::bit_cast<float>(bitsOfColor(red, green, blue)));
-    velocities[id] = frame_.velocities.empty() ? Vec4(0) : Vec4(frame_.velocities[i], 0.0f);
+    velocities[id] = frame_.velocities.empty() ? Vec4(0) : Vec4(frame_.velocities[i], frame_.slides ? 0.0f : 1.0f);
+    if (turnsNormals()) velocities[size() + id] = frame_.turns.empty() ? Vec4(0) : Vec4(frame_.turns[i], 0.0f);
   }
   std::ranges::fill(positions.subspan(frame_.size()), Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot)));
 }
 
-void HostFrames::record(CommandList& list, const LiveCloud::Half& /*front*/, const LiveCloud::Half& incoming,
+void HostFrames::record(CommandList& list, const Front& /*front*/, const LiveCloud::Half& incoming,
                         const Buffer& velocities) const {
   const auto overlap = list.independent();
   list.copy(positions_, incoming.positions, positions_.bytes());

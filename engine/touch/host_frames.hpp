@@ -16,10 +16,12 @@ class HostFrames final : public FrameWriter {
 
   std::size_t size() const override { return source_.size(); }
   MadeFrame make(double time_s, const LiveCloud::Half& incoming) override;
-  void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
+  void record(CommandList& list, const Front& front, const LiveCloud::Half& incoming,
               const Buffer& velocities) const override;
   double time_s() const override { return frame_.time_s; }
+  bool turnsNormals() const override { return source_.turnsNormals(); }
   double goOn_s() const override { return frame_.goOn_s; }
+  double comes_s() const override { return frame_.comes_s; }
   bool isColored() const override { return !frame_.colors.empty(); }
 
  private:

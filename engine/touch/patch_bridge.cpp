@@ -15,20 +15,21 @@ constexpr std::size_t kAnswerTimesKept = 1 << 16;
 }  // namespace
 
 PatchBridge::PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, const SurfaceOptions& surface,
-                         double friction, std::uint32_t points)
+                         double friction, std::uint32_t points, const PatchFetch::Motion& motion)
     : device_(device),
       radius_(surface.radius),
       origin_(origin),
-      pass_(device, grid, surface.radius, points),
+      pointsMove_(motion.pointsMove),
+      pass_(device, grid, surface.radius, points, motion),
       contact_(surface, friction, origin) {
   answerTimes_us_.reserve(kAnswerTimesKept);
 }
 
-void PatchBridge::record(std::uint32_t parity, const shared::CloudView& cloud) {
+void PatchBridge::record(std::uint32_t parity, const shared::CloudView& cloud, DeviceAddress velocities) {
   auto& list = lists_[parity];
   list = std::make_unique<CommandList>(device_, device_.latencyQueue(), "fetch patch");
   list->begin();
-  pass_.record(*list, cloud);
+  pass_.record(*list, cloud, velocities);
   list->end();
 }
 
@@ -37,8 +38,11 @@ void PatchBridge::renew(const Pose& pose, std::uint32_t parity, const PointsTime
   const ProxyTracker::State state = contact_.state();
   const DVec3 place = state.touching ? state.proxy : pose.hip - origin_;
   if (underWay_ || !wanted(place)) return;
-  pass_.aimAt(Vec3(place));
-  underWay_ = Fetch{device_.latencyQueue().submit(*lists_[parity]), pose.time_s, edits_, points};
+  // Points that move are fetched where they are by now, and go on from there.
+  const double age_s = pointsMove_ ? pointsMotion(pose.time_s, points, pose.time_s).age_s : 0;
+  pass_.aimAt(Vec3(place - age_s * state.velocity), age_s, Vec3(place));
+  const PointsTime from{.true_s = points.true_s + age_s, .goOn_s = points.goOn_s - age_s};
+  underWay_ = Fetch{device_.latencyQueue().submit(*lists_[parity]), pose.time_s, edits_, from};
 }
 
 bool PatchBridge::wanted(const DVec3& place) const {

@@ -19,10 +19,10 @@ class PatchBridge {
  public:
   /// `grid`: of the hash that is fetched through. `origin`: of the cloud, in the poses' coordinates.
   PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, const SurfaceOptions& surface, double friction,
-              std::uint32_t points);
+              std::uint32_t points, const PatchFetch::Motion& motion);
 
-  /// Records the fetch for one half of the live cloud.
-  void record(std::uint32_t parity, const shared::CloudView& cloud);
+  /// Records the fetch for one half of the live cloud; `velocities`: as for ContactStep.
+  void record(std::uint32_t parity, const shared::CloudView& cloud, DeviceAddress velocities);
 
   /// Asks for a patch at `pose`, unless the one that is there, or on its way, will do. After a question was submitted,
   /// so that the host's part is done while the GPU works on that. `points`: the time of those of that half, where they
@@ -74,6 +74,7 @@ class PatchBridge {
   Device& device_;
   double radius_;
   DVec3 origin_;
+  bool pointsMove_;
   PatchFetch pass_;
   std::array<std::unique_ptr<CommandList>, 2> lists_;
   PatchContact contact_;

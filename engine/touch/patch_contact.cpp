@@ -52,6 +52,7 @@ std::optional<Contact> PatchContact::follow(ProxyTracker& tracker, const Pose& p
                  .normal = surface.normal,
                  .touching = tracker.touching(),
                  .valid = true,
+                 .isWithin = tracker.isLost(),
                  .neighbours = surface.neighbours,
                  .velocity = tracker.velocity(),
                  .dataTime_s = missingSince_s_.value_or(pose.time_s)};  // points at rest are as good as new

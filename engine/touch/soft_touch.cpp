@@ -1,6 +1,7 @@
 #include "engine/touch/soft_touch.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/contact/proxy_tracker.hpp"
 #include "engine/core/error.hpp"
@@ -11,7 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr double kNoAge_s = 1e-6;        // up to which points are of the tick itself
-constexpr double kQuiet_s = 0.02;        // after the scene has begun anew
+constexpr double kQuiet_s = 0.02;        // after the scene has begun anew, where its surface may yet have to come
 constexpr double kForVelocity_s = 2e-3;  // over which the velocity of a hand is taken
 
 }  // namespace
@@ -37,10 +38,11 @@ void SoftTouch::setSprings(std::span<const HandSpring> springs) {
 
 std::span<const Contact> SoftTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
   poses_.assign(poses.begin(), poses.end());
-  lookAtScene(poses.front().time_s);
+  lookAtScene(poses.front().time_s, false);
   if (std::ranges::all_of(poses, [](const Pose& pose) { return isFinite(pose.hip); })) tell(poses);
   const std::span<const Contact> answers = surface_->ask(poses, budget_us);
-  lookAtScene(poses.front().time_s);
+  const double pointsTime_s = surface_->pointsTime().value_or(PointsTime{}).true_s;
+  lookAtScene(poses.front().time_s, std::abs(poses.front().time_s - pointsTime_s) < kNoAge_s);
   remember(poses, answers);
   answer(poses, answers);
   return answers_;
@@ -48,14 +50,14 @@ std::span<const Contact> SoftTouch::ask(std::span<const Pose> poses, double budg
 
 // Where the surface stands somewhere else all at once a hand may be within: it feels nothing until the new surface is
 // there for certain, and is then not thrown out of it.
-void SoftTouch::lookAtScene(double time_s) {
+void SoftTouch::lookAtScene(double time_s, bool isThere) {
   const bool held = source_->isHeld();
   const bool jumped = held || isHeld_ || beginnings_ != source_->beginnings();
   isHeld_ = held;
   beginnings_ = source_->beginnings();
-  if (jumped) quietUntil_s_ = time_s + kQuiet_s;
+  if (jumped) quietUntil_s_ = isThere && !held ? time_s : time_s + kQuiet_s;
   if (time_s < quietUntil_s_ - kQuiet_s) quietUntil_s_ = 0;  // time has gone back
-  isQuiet_ = time_s < quietUntil_s_;
+  isQuiet_ = jumped || time_s < quietUntil_s_;
   if (isQuiet_)
     for (std::size_t i = 0; i < hands_.size(); ++i) resetHand(i);
 }

@@ -77,7 +77,8 @@ class SoftTouch final : public TouchBackend, private ShapeStrokes {
     std::vector<PointContact> points;  // as it gets them
     std::array<DVec3, kRemembered> hips{};
   };
-  void lookAtScene(double time_s);
+  // `isThere`: the surface is known to be that of this time.
+  void lookAtScene(double time_s, bool isThere);
   void tell(std::span<const Pose> poses);
   void remember(std::span<const Pose> poses, std::span<const Contact> answers);
   void answer(std::span<const Pose> poses, std::span<const Contact> answers);

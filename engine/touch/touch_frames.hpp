@@ -13,6 +13,10 @@ struct PointCloud;
 
 /// Whether something moves the points.
 inline bool moves(const TouchOptions& options) { return options.source || options.fusion; }
+/// Whether normals turn from frame to frame.
+inline bool normalsTurn(const TouchOptions& options) {
+  return options.fusion || (options.source && options.source->turnsNormals());
+}
 /// Empty slots of the live cloud behind the points that are there.
 std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options);
 
@@ -26,7 +30,7 @@ class TouchFrames {
   bool move() const { return frames_.has_value(); }
   /// For whoever draws on the same GPU; null where nothing moves.
   FramePipeline* pipeline() { return frames_ ? &*frames_ : nullptr; }
-  /// By id, of the half; 0 where nothing moves.
+  /// Of the half, as shaders/shared/motion.h has them; 0 where nothing moves.
   DeviceAddress velocities(std::uint32_t parity) const { return frames_ ? frames_->velocities(parity).address() : 0; }
   /// Of the frame that is felt.
   PointsTime pointsTime() const { return frames_ ? frames_->pointsTime(index_.parity()) : PointsTime{}; }

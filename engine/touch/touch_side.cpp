@@ -139,6 +139,7 @@ ContactOptions TouchSide::contactOptions() const {
           .friction = options_.friction,
           .split = options_.split,
           .pointsMove = moves(options_),
+          .normalsTurn = normalsTurn(options_),
           .probes = hands_.back().firstProbe + hands_.back().probes.probes()};
 }
 
@@ -148,13 +149,14 @@ void TouchSide::makeBridge() {
                                  .kind = options_.surface,
                                  .localRadius = options_.localRadius,
                                  .widening = options_.widening},
-                  options_.friction, index_.cloud().slots());
+                  options_.friction, index_.cloud().slots(),
+                  PatchFetch::Motion{.pointsMove = moves(options_), .normalsTurn = normalsTurn(options_)});
 }
 
 void TouchSide::recordAll() {
   for (int turn = 0; turn < 2; ++turn) {
     questions_.record(index_.parity(), index_.view(), record_.log.head(), frames_.velocities(index_.parity()));
-    bridge_->record(index_.parity(), index_.view());
+    bridge_->record(index_.parity(), index_.view(), frames_.velocities(index_.parity()));
     if (edits_) edits_->record();
     index_.flip();
   }
@@ -331,6 +333,7 @@ Contact TouchSide::contactOf(const shared::ContactSample& sample, const DVec3& h
       .touching = sample.touching != 0,
       .fresh = true,
       .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal) && isFinite(sample.velocity),
+      .isWithin = sample.touching == shared::kFree && sample.flags >> shared::kSampleFaceShift == shared::kFaceInside,
       .neighbours = sample.neighbours,
       .gpu_us = questions_.question().gpu_us,
       .velocity = DVec3(sample.velocity)};

@@ -86,13 +86,17 @@ void main() {
   if (args.pose.at[i].pose.tick == 0) return;  // it was waited for in vain
   if (kManyProbes) patchSpill = i * args.spillSlots;
   const Probe probe = probeOf(args.pose, args.state, i, args.radius);
+  if (kPointsMove) {
+    patchAge = args.pose.at[i].pointsAge;
+    patchVelocity = probe.velocity;
+  }
   if (!takeFirstPatch(probe)) return;
   touching = probe.touching;
   sticking = probe.sticking;
   face = probe.face;
   facing = probe.facing;
   vec3 proxy = probe.proxy;
-  Surface surface = Surface(false, 0.0, vec3(0.0), 0);
+  Surface surface = Surface(false, 0.0, vec3(0.0), 0, false);
   bool truncated = false;
   uint trackingSteps = 0;
 
@@ -128,7 +132,7 @@ void main() {
         x = proxy = before;
         continue;
       }
-      face = faceAfter(face, surface.defined, inFront, probe.traced);
+      face = faceAfter(face, surface.defined, surface.ends, inFront, probe.traced);
       if (substep == probe.substeps) break;
       before = x;
       x = placeOnWay(probe, ++substep);

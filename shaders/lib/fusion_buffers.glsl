@@ -22,6 +22,9 @@ FusionView viewOf(FusionViews views) {
   view.height = views.at[0].height;
   view.number = views.at[0].number;
   view.colored = views.at[0].colored;
+  view.felt = views.at[0].felt;
+  view.left = views.at[0].left;
+  view.perSecond = views.at[0].perSecond;
   return view;
 }
 

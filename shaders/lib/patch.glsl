@@ -5,8 +5,10 @@
 
 #include "shaders/lib/candidates.glsl"
 #include "shaders/lib/probe.glsl"
+#include "shaders/shared/motion.h"
 
 layout(constant_id = 6) const uint kSharedPatch = kMostSharedPatch;
+layout(constant_id = 8) const bool kNormalsTurn = false;
 shared vec3 patchPositions[kSharedPatch];  // relative to patchCentre
 shared vec3 patchNormals[kSharedPatch];
 const uint kSharedIds = kPointsMove ? kSharedPatch : 1;
@@ -18,6 +20,8 @@ uint patchSpill = 0;  // where its part of the buffer for what shared memory can
 bool patchGathered = false;
 bool patchThinned = false;  // some gather of this step took only every so-manyth candidate
 uint workDone = 0;
+float patchAge = 0.0;            // of the points, s
+vec3 patchVelocity = vec3(0.0);  // of the surface in whose frame they are
 
 uint spilledAt(uint i) { return patchSpill + 2 * (i - kSharedPatch); }
 vec3 patchPosition(SpilledPoints spill, uint i) {
@@ -29,7 +33,20 @@ vec3 patchNormal(SpilledPoints spill, uint i) {
 uint patchId(SpilledPoints spill, uint i) {
   return i < kSharedPatch ? patchIds[i] : floatBitsToUint(spill.at[spilledAt(i)].w);
 }
+
+// As a point that moves is at the time of the question.
+void goOn(uint id, inout vec3 place, inout vec3 normal) {
+  if (patchAge == 0.0) return;
+  place = placeAfter(place, args.velocities.at[id].xyz, patchVelocity, patchAge);
+  if (kNormalsTurn) normal = normalAfter(normal, args.velocities.at[args.cloud.slots + id].xyz, patchAge);
+}
+
 void keepPoint(SpilledPoints spill, uint i, vec4 position, vec3 normal) {
+  if (kPointsMove) {
+    vec3 place = position.xyz;
+    goOn(floatBitsToUint(position.w), place, normal);
+    position.xyz = place;
+  }
   if (i < kSharedPatch) {
     patchPositions[i] = position.xyz;
     patchNormals[i] = normal;

@@ -24,6 +24,7 @@ struct Probe {
   uint face;
   vec3 facing;
   uint substeps;  // of a free HIP's way since the last tick
+  vec3 velocity;  // of the surface in whose frame the step is taken; zero where nothing was felt
 };
 
 // `i`: which of the points that a tool touches with.
@@ -38,11 +39,13 @@ Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
   const vec3 facing = carried ? pose.at[i].carried.facing : state.at[i].facing;
   const vec3 spring = carried ? pose.at[i].carried.spring : state.at[i].spring;
   precise vec3 way = started ? lastHip - probe.hip : vec3(0.0);
+  probe.velocity = vec3(0.0);
   if (kPointsMove && started) {
     const vec3 velocity = carried ? pose.at[i].carried.velocity : state.at[i].velocity;
     precise vec3 moved = pose.at[i].sinceLast * velocity, age = pose.at[i].pointsAge * velocity;
     way += moved;
     probe.hip -= age;
+    probe.velocity = velocity;
   }
   probe.lastHip = way;
   probe.touching = started && touching != kFree;

@@ -105,11 +105,13 @@ vec3 velocityAt(SpilledPoints spill, Vec4s velocities, vec3 x, float radius, vec
     const float r = distance(patchPosition(spill, i), x) / radius;
     if (r >= 1.0) continue;
     const float w = wendland(r) * facingWeight(dot(patchNormal(spill, i), facing));
-    sums.offsets.w += w;
-    sums.normals.xyz += w * velocities.at[patchId(spill, i)].xyz;
+    const vec4 velocity = velocities.at[patchId(spill, i)];
+    sums.offsets += w * vec4(velocity.w, 0.0, 0.0, 1.0);
+    sums.normals.xyz += w * velocity.xyz;
   }
   sums = sumOfAll(sums);
-  return sums.offsets.w > 0.0 ? sums.normals.xyz / sums.offsets.w : vec3(0.0);
+  if (!(sums.offsets.w > 0.0)) return vec3(0.0);
+  return knownVelocity(sums.normals.xyz / sums.offsets.w, facing, sums.offsets.x / sums.offsets.w);
 }
 
 // The surface at `x`, relative to the patch's centre, of the points of the face with the normal `facing`, or of

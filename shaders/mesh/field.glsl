@@ -17,7 +17,7 @@ struct FieldSums {
 };
 FieldSums noSums() { return FieldSums(SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0)), vec3(0.0)); }
 
-const Surface kNoSurface = Surface(false, 0.0, vec3(0.0), 0);
+const Surface kNoSurface = Surface(false, 0.0, vec3(0.0), 0, false);
 
 // Adds a point that is `d` support radii away, and gives its weight: zero where that is one or more, and then nothing
 // changes. `before`: what the pass before this one has found; of the first pass nothing.
@@ -39,7 +39,7 @@ Surface surfaceOf(FieldSums sums) {
   const float density = sums.surface.offsets.w * args.lattice.densityScale;
   const float steep = length(sums.slope);
   return Surface(true, (kMeshIsoDensity - density) * args.lattice.radius,
-                 steep > 0.0 ? -sums.slope / steep : vec3(0.0), 0);
+                 steep > 0.0 ? -sums.slope / steep : vec3(0.0), 0, false);
 }
 
 // Where cells hold too many candidates, every so-manyth is taken.

@@ -21,6 +21,10 @@ bool append(uint pixel, uint rank) {
   args.positions.at[place.y] = vec4(surfel.place, uintBitsToFloat(place.x));
   args.normals.at[place.y] = vec4(surfel.normal, uintBitsToFloat(colorBeside(surfel.record)));
   args.records.at[place.x] = surfel.record;
+  if (view.felt != 0) {  // it is there at once
+    args.velocities.at[place.x] = vec4(0.0, 0.0, 0.0, 1.0);
+    args.velocities.at[args.slots + place.x] = vec4(0.0);
+  }
   return true;
 }
 

@@ -41,9 +41,18 @@ uint look(FusionView view, Projection projection, inout Surfel surfel) {
   return sight.kind;
 }
 
+// The way of a point that stays, from where it was before the frame.
+void sendOn(FusionView view, uint id, vec3 place, vec3 normal, vec3 toPlace, vec3 toNormal) {
+  SurfelWay way;
+  way.velocity = args.velocitiesIn.at[id].xyz;
+  way.turn = args.velocitiesIn.at[args.slots + id].xyz;
+  const SurfelWay on = wayOn(view, place, normal, way, toPlace, toNormal);
+  args.velocitiesOut.at[id] = vec4(on.velocity, 1.0);
+  args.velocitiesOut.at[args.slots + id] = vec4(on.turn, 0.0);
+}
+
 // What becomes of a point, with its record. Whether it stays.
-bool fusePoint(inout vec4 position, inout vec4 normal) {
-  const FusionView view = viewOf(args.view);
+bool fusePoint(FusionView view, inout vec4 position, inout vec4 normal) {
   const Projection projection = projectionOf(view, position.xyz);
   if (!projection.inView) return true;
   const uint id = floatBitsToUint(position.w);
@@ -72,7 +81,11 @@ bool fusePoint(inout vec4 position, inout vec4 normal) {
 bool fuseSlot(uint slot) {
   // Both at once, needed or not: one would wait for the other.
   vec4 position = args.positionsIn.at[slot], normal = args.normalsIn.at[slot];
-  const bool stays = floatBitsToUint(position.w) != kEmptySlot && fusePoint(position, normal);
+  const vec4 positionBefore = position, normalBefore = normal;
+  const FusionView view = viewOf(args.view);
+  const bool stays = floatBitsToUint(position.w) != kEmptySlot && fusePoint(view, position, normal);
+  if (stays && view.felt != 0)
+    sendOn(view, floatBitsToUint(position.w), positionBefore.xyz, normalBefore.xyz, position.xyz, normal.xyz);
   args.positionsOut.at[slot] = stays ? position : vec4(0, 0, 0, uintBitsToFloat(kEmptySlot));
   args.normalsOut.at[slot] = stays ? normal : vec4(0);
   return stays;

@@ -169,7 +169,7 @@ struct ContactStepArgs {
   PALPATE_ADDRESS(SpilledPoints) spill;  // 2 per point: place relative to the patch's centre, normal
   PALPATE_ADDRESS(Uints) logHead;
   PALPATE_ADDRESS(GatheredPatch) gathered;  // of the first gather, unless it is kGatherAlone
-  PALPATE_ADDRESS(Vec4s) velocities;        // by ids, model units per second; where points move
+  PALPATE_ADDRESS(Vec4s) velocities;        // where points move: as shaders/shared/motion.h has them
   float radius;                             // support radius, model units
   uint gather;                              // kGather...
   uint mostCells;                           // of one gather, by the room in its buffers

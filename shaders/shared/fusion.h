@@ -7,6 +7,7 @@
 #ifndef PALPATE_SHARED_FUSION_H
 #define PALPATE_SHARED_FUSION_H
 #include "shaders/shared/depth_image.h"
+#include "shaders/shared/motion.h"
 #include "shaders/shared/types.h"
 
 PALPATE_SHARED_BEGIN
@@ -54,8 +55,13 @@ struct FusionView {
   uint height;
   uint number;   // of the frame
   uint colored;  // not 0: it has colours
+  // Where somebody feels the map (`felt` not 0): points still had a way of `left` seconds before them when the frame
+  // came, and come to where it puts them within 1 / `perSecond` s.
+  uint felt;
+  float left;
+  float perSecond;
 };
-PALPATE_SIZE(FusionView, 96);
+PALPATE_SIZE(FusionView, 108);
 
 // What is known of a point besides place and normal, by its id.
 struct SurfelRecord {
@@ -187,6 +193,25 @@ struct Surfel {
   vec3 normal;  // unit
   SurfelRecord record;
 };
+
+// How a point comes to where a frame puts it.
+struct SurfelWay {
+  vec3 velocity;  // m/s
+  vec3 turn;      // of its normal, 1/s
+};
+
+// Of a point that was at a place, with a normal, on a way of its own. One that is turned away does not come: it is
+// there.
+PALPATE_FUNCTION SurfelWay wayOn(FusionView view, vec3 place, vec3 normal, SurfelWay way, vec3 toPlace, vec3 toNormal) {
+  const vec3 from = normalAfter(normal, way.turn, -view.left);
+  SurfelWay on;
+  on.velocity = vec3(0.0f, 0.0f, 0.0f);
+  on.turn = vec3(0.0f, 0.0f, 0.0f);
+  if (!(dot(from, toNormal) > 0.0f)) return on;
+  on.velocity = view.perSecond * (toPlace - place + view.left * way.velocity);
+  on.turn = view.perSecond * (toNormal - from);
+  return on;
+}
 
 // The weighted average of a point and what its pixel has measured. It moves along the ray from the camera, towards the
 // plane through the place that was measured: noise of depth, which has put it where it is, leads back along the same

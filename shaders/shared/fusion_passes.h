@@ -64,10 +64,12 @@ struct FusePointsArgs {
   PALPATE_ADDRESS(Uints) freeIds;          // a bit for each id that a new point may have
   PALPATE_ADDRESS(Uints) emptySlots;       // out: a bit for each slot without a point
   PALPATE_ADDRESS(FusionTotalsAt) totals;
+  PALPATE_ADDRESS(Vec4s) velocitiesIn;  // as shaders/shared/motion.h has them, with turns; where the map is felt
+  PALPATE_ADDRESS(Vec4s) velocitiesOut;
   uint slots;
   uint unused;
 };
-PALPATE_SIZE(FusePointsArgs, 112);
+PALPATE_SIZE(FusePointsArgs, 128);
 
 struct FindNewArgs {
   PALPATE_ADDRESS(FusionViews) view;
@@ -121,10 +123,11 @@ struct AppendPointsArgs {
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(SurfelRecords) records;
   PALPATE_ADDRESS(FusionTotalsAt) totals;
+  PALPATE_ADDRESS(Vec4s) velocities;  // where the map is felt
   uint pixels;
-  uint unused;
+  uint slots;
 };
-PALPATE_SIZE(AppendPointsArgs, 96);
+PALPATE_SIZE(AppendPointsArgs, 104);
 
 PALPATE_SHARED_END
 #endif

@@ -20,13 +20,14 @@ PALPATE_SIZE(CarriedHead, 16);
 
 struct PatchFetchArgs {
   CloudView cloud;
-  PALPATE_ADDRESS(Vec4s) centre;          // xyz: model units relative to the cloud's origin
+  PALPATE_ADDRESS(Vec4s) centre;          // xyz: among the points as the index has them; w: how old they are, s
   PALPATE_ADDRESS(FetchedPatch) fetched;  // 2 vec4 per point, as the live cloud has them: position and id, normal
   PALPATE_ADDRESS(NearPoints) near;       // numbers of the points in reach; for the pass alone
+  PALPATE_ADDRESS(Vec4s) velocities;      // where points move: as shaders/shared/motion.h has them
   float reach;                            // model units
   uint mostCells;
 };
-PALPATE_SIZE(PatchFetchArgs, 88);
+PALPATE_SIZE(PatchFetchArgs, 96);
 
 PALPATE_SHARED_END
 #endif

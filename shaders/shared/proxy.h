@@ -15,10 +15,11 @@ PALPATE_FUNCTION bool crosses(uint face, bool inFront) { return inFront ? face =
 // Sub-steps of a free HIP that has come so far since the last tick, in kLongestStep support radii.
 PALPATE_FORMULA uint substepsOn(Real way) { return clamp(uint(ceil(min(way, Real(kMaxSubsteps)))), 1u, kMaxSubsteps); }
 
-// The face at which a HIP is that has not crossed a surface. `defined`: there is one in reach; `traced`: the
-// sub-steps cover the way since the last tick.
-PALPATE_FUNCTION uint faceAfter(uint face, bool defined, bool inFront, bool traced) {
-  if (!defined) return face == kFaceInside ? face : kFaceUnknown;
+// The face at which a HIP is that has not crossed a surface. `defined`: there is one in reach, or where it `ends`;
+// `traced`: the sub-steps cover the way since the last tick. Who was lost within a body stays so until it is out, and
+// who is past the rim of a sheet is out.
+PALPATE_FUNCTION uint faceAfter(uint face, bool defined, bool ends, bool inFront, bool traced) {
+  if (!defined) return face == kFaceInside && !ends ? face : kFaceUnknown;
   if (inFront) return kFaceOutside;
   if (face != kFaceUnknown) return face;
   return traced ? kFaceBehind : kFaceInside;

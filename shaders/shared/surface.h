@@ -16,6 +16,7 @@ PALPATE_STRUCT(Surface) {
   Real distance;        // signed, model units, positive outside
   PALPATE_VEC3 normal;  // unit
   uint neighbours;
+  bool ends;  // none is defined, as all that is near lies to one side: the place is past the rim of a sheet
 };
 
 PALPATE_STRUCT(SurfaceSums) {
@@ -77,6 +78,7 @@ PALPATE_FORMULA PALPATE_OF(Surface)
   none.distance = Real(0.0);
   none.normal = PALPATE_VEC3(Real(0.0));
   none.neighbours = uint(sums.normals.w);
+  none.ends = false;
   const Real normalLength = length(PALPATE_VEC3(sums.normals));
   // A NaN is no surface either.
   if (none.neighbours < kMinNeighbours || !(normalLength > Real(kLeastNormal) * sums.offsets.w)) return none;
@@ -87,7 +89,8 @@ PALPATE_FORMULA PALPATE_OF(Surface)
   surface.distance = -dot(surface.normal, mean);
   if (kind != kSurfaceAverage) fitSphere(sums, spread, turn, surface);
   const PALPATE_VEC3 aside = mean - dot(mean, surface.normal) * surface.normal;
-  if (!surface.defined || length(aside) >= Real(kFurthestAside)) return none;
+  none.ends = length(aside) >= Real(kFurthestAside);
+  if (!surface.defined || none.ends) return none;
   surface.distance *= radius;
   return surface;
 }

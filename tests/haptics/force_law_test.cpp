@@ -48,6 +48,54 @@ TEST_CASE("without contact or with a fault the force is exactly zero") {
   CHECK(law.update(contact, pose, kTick_s) == DVec3(0));
 }
 
+TEST_CASE("a damper brakes what hand and surface do, and not what another frame of a moving surface did") {
+  ForceLaw law({.maxRise_N_per_s = kInfinity}, ModelScale{1});
+  const Pose pose = below(3);
+  const auto at = [&](double aside_mm, double velocity_mm_s) {
+    Contact contact = onPlane(pose);
+    contact.proxy.x += aside_mm;
+    contact.velocity = {0, 0, velocity_mm_s};
+    return law.update(contact, pose, kTick_s);
+  };
+  at(0, 5);
+  // The hand rests: the surface comes with 5 mm/s, and no frame pulls at the hand with 300.
+  const DVec3 leapt_N = at(0.3, 5);
+  CHECK(glm::distance(leapt_N, 0.8 * DVec3(0.3, 0, 3)) <= 0.002 * 5 * (1 + 1e-9));
+  // Nothing is known to move: the proxy goes because the hand does.
+  law.reset();
+  at(0, 0);
+  CHECK(at(0.3, 0).x == near(0.8 * 0.3 + 0.002 * 300, 1e-6));
+}
+
+TEST_CASE("where a surface is lost under a loaded hand the force falls as fast as it may rise, and otherwise at once") {
+  ForceLaw law({.damping_N_s_per_mm = 0}, ModelScale{1});
+  const auto load = [&] {
+    law.reset();
+    for (int i = 0; i < 10; ++i) pushed_N(law, 3);
+  };
+  const Pose pose = below(3);
+  Contact free{.proxy = pose.hip, .fresh = true, .valid = true};
+  load();
+  CHECK(law.update(free, pose, kTick_s) == DVec3(0));
+  load();
+  free.isWithin = true;
+  double last_N = 2.4;
+  for (int i = 0; i < 3; ++i) {
+    const DVec3 force_N = law.update(free, pose, kTick_s);
+    CHECK(force_N.z == near(last_N - 0.6, 1e-9));
+    last_N = force_N.z;
+    free.isWithin = false;  // it is out by now
+  }
+  CHECK(law.update(free, pose, kTick_s).z == within(0.0, 1e-9));
+  CHECK(law.update(free, pose, kTick_s) == DVec3(0));
+  load();
+  free.isWithin = true;
+  law.update(free, pose, kTick_s);
+  SUBCASE("a fault ends it") { free.valid = false; }
+  SUBCASE("a hand without a load has nothing to let go of") { law.reset(); }
+  CHECK(law.update(free, pose, kTick_s) == DVec3(0));
+}
+
 TEST_CASE("a pose or a time that is no number gives no force, and the next good tick starts afresh") {
   ForceLaw law({}, ModelScale{});
   pushed_N(law, 1);

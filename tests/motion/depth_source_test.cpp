@@ -90,6 +90,14 @@ TEST_CASE("a sensor's points in rows set out from where their rays met the surfa
     }
     return frame;
   };
+  const auto normalsOf = [&](const DepthFrame& frame) {
+    DepthPoints maker;
+    CloudFrame points;
+    maker.make(kRays, frame, DVec3(0), points);
+    std::vector<Vec3> normals;
+    maker.normalsByPixel(points, kRays.width, normals);
+    return normals;
+  };
   for (const std::uint32_t rowLength : {2u, 4u}) {
     CAPTURE(rowLength);
     const DepthFrame before = seen(0, 0, 1, 2), frame = seen(1, 0.05, 0.99, rowLength);
@@ -97,13 +105,15 @@ TEST_CASE("a sensor's points in rows set out from where their rays met the surfa
     if (rowLength == 4) continue;  // of other rays nothing is known
     DepthPoints maker;
     CloudFrame points;
+    const std::vector<Vec3> normals = normalsOf(before);
     maker.make(kRays, frame, DVec3(0), points);
     DepthBlend blend;
-    blend.follow(kRays, before, frame, DVec3(0), maker.pixels(), {.between_s = 0.05, .goOn_s = 0.05}, points);
+    blend.follow(kRays, {.frame = before, .normals = normals}, frame, DVec3(0), maker.pixels(),
+                 {.between_s = 0.05, .goOn_s = 0.05}, points);
     REQUIRE(points.size() == 4);
     for (std::size_t i = 0; i < 3; ++i) {
       CHECK(points.positions[i].z == near(1, 1e-6));
-      CHECK(points.positions[i].x == within(0.099 * static_cast<double>(i), 1e-6));
+      CHECK(points.positions[i].x == within(0.1 * static_cast<double>(i), 1e-6));
       CHECK(points.velocities[i].z == within(-0.2, 1e-5));
     }
     CHECK(points.positions[3].z == near(0.99, 1e-6));
@@ -114,7 +124,9 @@ TEST_CASE("a sensor's points in rows set out from where their rays met the surfa
   DepthPoints maker;
   CloudFrame points;
   maker.make(kRays, leap, DVec3(0), points);
-  DepthBlend().follow(kRays, before, leap, DVec3(0), maker.pixels(), {.between_s = 0.05, .goOn_s = 0.05}, points);
+  const std::vector<Vec3> normals = normalsOf(before);
+  DepthBlend().follow(kRays, {.frame = before, .normals = normals}, leap, DVec3(0), maker.pixels(),
+                      {.between_s = 0.05, .goOn_s = 0.05}, points);
   for (const Vec3& velocity : points.velocities) CHECK(velocity == Vec3(0));
   DepthFrame odd = leap;
   odd.points->rays.back() = 4;

@@ -174,6 +174,8 @@ TEST_CASE("a wall that steps by a millimetre before a depth camera is felt as a 
   checkStepIsRamp(makeCpuOnStream);
 }
 
+TEST_CASE("no frame of a tilted plane is felt as a step on the CPU") { checkSteadyPlane(makeCpuOnStream); }
+
 TEST_CASE("a wall that comes before a depth camera lets no stylus through on the CPU") {
   checkComingWall(makeCpuOnStream);
 }

@@ -10,6 +10,7 @@
 #include "shaders/shared/edit.h"
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
+#include "tests/touch/rim_scene.hpp"
 
 namespace palpate::cpu_touch_test {
 
@@ -200,6 +201,12 @@ TEST_CASE("in real time an edit that outlasts the budget is bridged by the last 
   touch.finish();
   CHECK(touch.editTimes_us().size() == edits + (slow ? 0 : 1));
   CHECK(touch.shortfalls().editsTooSlow == leftOut + (slow ? 1 : 0));
+}
+
+TEST_CASE("a hand that is lost past an open rim says so, and is caught again from either side on the CPU") {
+  checkRim([](const PointCloud& cloud, double radius) {
+    return std::make_unique<CpuTouch>(cloud, CpuTouchOptions{.radius = radius, .threads = 1});
+  });
 }
 
 }  // namespace palpate::cpu_touch_test

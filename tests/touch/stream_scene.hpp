@@ -14,6 +14,7 @@
 #include "engine/motion/depth_points.hpp"
 #include "engine/motion/depth_source.hpp"
 #include "tests/motion/depth_scene.hpp"
+#include "tests/motion/plane_stream.hpp"
 #include "tests/near.hpp"
 
 namespace palpate {
@@ -108,6 +109,34 @@ inline void checkComingWall(const MakeStreamTouch& make) {
     CHECK(contacts[i].touching);
     CHECK(std::abs(contacts[i].proxy.z - truth) < 1e-4);
     CHECK(contacts[i].normal.z < -0.99);
+  }
+}
+
+/// A hand held in a plane that is tilted, and moves: from tick to tick, frames or not, its spring hardly stretches.
+inline void checkSteadyPlane(const MakeStreamTouch& make) {
+  struct Case {
+    SeenPlane seen;
+    double mostStretch_mm;
+  };
+  for (const Case& at :
+       {Case{{.tilt_rad = 0.3, .rounded_m = 0.001}, 0.03}, Case{{.tilt_rad = 0.3, .noise_m = 0.001}, 0.1}}) {
+    DepthSource source(playedStream(std::make_shared<PlaneStream>(at.seen)), DVec3(0));
+    CloudFrame first;
+    source.makeFrame(0, first);
+    PointCloud cloud;
+    placeAt(first, cloud);
+    const auto touch = make(cloud, source, 4 * PlaneStream::kSpacing_m);
+    double most_mm = 0;
+    DVec3 last(0);
+    for (int i = 0; i < 250; ++i) {
+      const DVec3 hip = PlaneStream::heldAt(kStreamTick_s * i, 0.003, at.seen.normal());
+      const Contact contact = touch->query({.time_s = kStreamTick_s * i, .hip = hip}, 0);
+      touch->prepare();
+      if (i > 120) CHECK(contact.touching);
+      if (i > 120) most_mm = std::max(most_mm, 1000 * glm::distance(contact.proxy - hip, last));
+      last = contact.proxy - hip;
+    }
+    CHECK(most_mm < at.mostStretch_mm);
   }
 }
 

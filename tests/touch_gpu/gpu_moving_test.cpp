@@ -278,6 +278,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a wall before a depth camera steps as a ramp, tak
   checkStepIsRamp(make);
   checkComingWall(make);
   checkLeavingWall(make);
+  checkSteadyPlane(make);
 }
 
 }  // namespace palpate::gpu_moving_test

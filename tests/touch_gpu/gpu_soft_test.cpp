@@ -120,10 +120,11 @@ TEST_CASE_FIXTURE(SoftFixture,
 TEST_CASE_FIXTURE(SoftFixture,
                   "the same GPU gives the same poses the same bytes, and again when the scene has begun anew") {
   SoftScene one(lowBlock(), onlyOnGpu(), onGpu()), other(lowBlock(), onlyOnGpu(), onGpu());
+  // The body is touched within the first 20 ms, too, for which a surface is not felt that may yet have to come.
   const auto play = [](SoftScene& scene) {
     std::vector<DVec3> proxies;
-    for (int k = 0; k < 80; ++k)
-      proxies.push_back(scene.touch().query({.time_s = 1e-3 * k, .hip = atDepth(-3 + 0.1 * k)}, 0).proxy);
+    for (int k = 0; k < 40; ++k)
+      proxies.push_back(scene.touch().query({.time_s = 1e-3 * k, .hip = atDepth(-3 + 0.2 * k)}, 0).proxy);
     return proxies;
   };
   const auto first = play(one);

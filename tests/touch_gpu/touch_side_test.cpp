@@ -10,6 +10,7 @@
 #include "tests/near.hpp"
 #include "tests/scenes.hpp"
 #include "tests/touch/busy.hpp"
+#include "tests/touch/rim_scene.hpp"
 
 namespace palpate::touch_side_test {
 
@@ -285,6 +286,12 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud that cannot fit is refused with the numbe
   const std::uint64_t tooMany = device.ownMemory() / 64;  // two orders of two vec4 alone take all there is
   CHECK_NOTHROW(requireGpuMemory(device, tooMany / 2, false));
   CHECK_THROWS_WITH_AS(requireGpuMemory(device, tooMany, false), doctest::Contains("MiB"), OutOfGpuMemory);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a hand that is lost past an open rim says so, and is caught again from either side") {
+  checkRim([this](const PointCloud& cloud, double radius) {
+    return std::make_unique<TouchSide>(device, cloud, TouchOptions{.radius = radius});
+  });
 }
 
 }  // namespace palpate::touch_side_test
