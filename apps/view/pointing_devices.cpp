@@ -1,5 +1,6 @@
 #include "apps/view/pointing_devices.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -14,7 +15,8 @@ constexpr double kZoomPerNotch = 0.85;  // of the distance that is left
 constexpr double kZoom_per_s = 1.5;     // with the cap of a 3D mouse
 // A surface that is seen to fall back more steeply than this, and further than a step, is another one.
 constexpr double kSteepest = 4, kStep_mm = 2;
-constexpr double kLost_s = 0.12;  // without the surface, before a stylus that presses is put down anew
+// Without the surface, before a stylus that presses is put down anew; and how long it may take until it feels that.
+constexpr double kLost_s = 0.06, kPutDown_s = 0.2;
 constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
 
 }  // namespace
@@ -155,7 +157,8 @@ void PointingDevices::move(double dt_s, const ViewSettings& view, const Pointed&
   const double beside = glm::dot(camera.target - camera.eye, camera.axes().forward);
   const auto depth = hand_.depthAt(cursor_px_, at.picked, view.followsSurface, beside);
   if (!depth) return;
-  aimAt(camera.unproject(cursor_px_, *depth, at.size_px), view, at);
+  const bool goesByPick = hand_.isPressing() && view.followsSurface;
+  aimAt(camera.unproject(goesByPick ? at.picked.place_px : cursor_px_, *depth, at.size_px), view, at);
 }
 
 // A stylus that sculpts goes as deep under the surface as it means to, straight under it, and so much further as its
@@ -168,7 +171,7 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
     const double deeper = std::abs(glm::dot(place - *last, along));
     const double aside = glm::length(place - *last - glm::dot(place - *last, along) * along);
     const auto& rows = at.session->history().rows();
-    if (!rows.empty() && rows.back().contact) felt_s_ = at.time_s;
+    if (!rows.empty() && rows.back().contact) felt_s_ = std::max(felt_s_, at.time_s);
     // Where it has lost what is seen under the cursor, as in a crease, it is within.
     if (deeper > kSteepest * aside + model.scale.toUnits(kStep_mm) || at.time_s - felt_s_ > kLost_s) {
       at.session->lift();
@@ -176,7 +179,7 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
       pressedAt_.reset();
     }
   } else {
-    felt_s_ = at.time_s;
+    felt_s_ = at.time_s + kPutDown_s;
   }
   const double inward_mm = hand_.takeInward_mm(view.press_mm);
   const double given_mm = at.session->givenWay_mm();

@@ -66,8 +66,9 @@ void StylusHand::lift(double way_mm) { hover_mm_ = std::clamp(hover_mm_ + way_mm
 
 std::optional<double> StylusHand::depthAt(const DVec2& cursor_px, const Pick& picked, bool followsSurface,
                                           double beside) {
-  // The surface that is seen, where the last picture was looked at close to here; else the stylus keeps its depth.
-  const bool looked = glm::distance(picked.place_px, cursor_px) < kClose_px;
+  // The surface that is seen, where the last picture was looked at close to here; else the stylus keeps its depth. One
+  // that presses goes by what was looked at, however far the cursor has gone since.
+  const bool looked = pressing_ || glm::distance(picked.place_px, cursor_px) < kClose_px;
   const bool seen = looked && picked.depth > 0;
   isBeside_ = pressing_ && looked && !seen;
   // A hand that presses in one place goes no deeper because the surface gives way.

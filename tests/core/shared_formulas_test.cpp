@@ -174,12 +174,13 @@ TEST_CASE("a HIP crosses a surface from the face that it came from, and remember
   CHECK_FALSE(crosses(kFaceBehind, false));
   for (const bool traced : {false, true}) {
     for (const uint face : {kFaceUnknown, kFaceOutside, kFaceInside, kFaceBehind}) {
-      CHECK(faceAfter(face, true, true, traced) == kFaceOutside);
-      CHECK(faceAfter(face, false, false, traced) == (face == kFaceInside ? kFaceInside : kFaceUnknown));
+      CHECK(faceAfter(face, true, false, true, traced) == kFaceOutside);
+      CHECK(faceAfter(face, false, false, false, traced) == (face == kFaceInside ? kFaceInside : kFaceUnknown));
+      CHECK(faceAfter(face, false, true, false, traced) == kFaceUnknown);  // past the rim of a sheet
     }
-    CHECK(faceAfter(kFaceUnknown, true, false, traced) == (traced ? kFaceBehind : kFaceInside));
-    CHECK(faceAfter(kFaceInside, true, false, traced) == kFaceInside);
-    CHECK(faceAfter(kFaceBehind, true, false, traced) == kFaceBehind);
+    CHECK(faceAfter(kFaceUnknown, true, false, false, traced) == (traced ? kFaceBehind : kFaceInside));
+    CHECK(faceAfter(kFaceInside, true, false, false, traced) == kFaceInside);
+    CHECK(faceAfter(kFaceBehind, true, false, false, traced) == kFaceBehind);
   }
 }
 
