@@ -26,13 +26,12 @@ void addForceOptions(Options& sub, ForceOptions& force) {
 }
 
 void addEditOptions(Options& sub, TouchCommandOptions& options) {
-  sub.add("--edit", options.edit,
-          "none, or what a round tool does where the HIP stands deeper than --tau: push, the surface yields to "
-          "it; carve, cuts it out; inflate, along the normals; smooth; flatten, onto the plane at the proxy; grab, "
-          "along "
-          "with the hand; paint, with --paint-color (only push with cuda); of a soft body all but carve and paint "
-          "change "
-          "the shape in which it rests")
+  sub.add(
+         "--edit", options.edit,
+         "none, or what a round tool does where the HIP stands deeper than --tau: push, presses the surface down; "
+         "carve, cuts the tool out; inflate, along the normals, as high as the hand presses; smooth; flatten, onto the "
+         "plane of the surface; grab, along with the hand, outwards too; paint, with --paint-color (only push with "
+         "cuda); of a soft body all but carve and paint change the shape in which it rests")
       .check(oneOf(namesOf(kBrushKinds, {"none"})))
       .showDefault();
   sub.add("--tau", options.tau_mm, "how deep the HIP may stand behind the proxy before the surface yields, mm")
@@ -41,17 +40,16 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--beta", options.beta, "push: share of the way to the tool's surface that a point goes per tick, 0 to 1")
       .check(between(0, 1))
       .showDefault();
-  sub.add("--strength", options.strength,
-          "the other brushes: share of their effect per tick, 0 to 1; of carve the way to the tool's surface, of "
-          "inflate a thousandth of its radius, of smooth and flatten the way to their surface, of grab the hand's "
-          "motion, "
-          "of paint the colour")
+  sub.add(
+         "--strength", options.strength,
+         "the other brushes: share of their effect per tick, 0 to 1; of carve the way to the tool's surface, of "
+         "inflate a thousandth of its radius, of smooth and flatten the way to their surface, of grab the way to where "
+         "the hand has taken a point, of paint the colour")
       .check(between(0, 1))
       .showDefault();
   sub.add("--falloff", options.falloff,
           "inflate, smooth, flatten, grab, paint: how the strength falls off, (1 - r^2)^F at r tool radii from the "
-          "proxy; "
-          "a whole number, 0 to 16")
+          "place over the hand; a whole number, 0 to 16")
       .check(wholeBetween(0, kMostFalloff))
       .typeName("F")
       .showDefault();
@@ -63,7 +61,8 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
   sub.add("--undo", options.undo,
-          "take the last N strokes back once the path has ended; a stroke is all that is done in one contact")
+          "take the last N strokes back once the path has ended; a stroke is all that is done in one contact, with "
+          "gaps of up to 0.3 s")
       .check(wholeBetween(0, bounds::kMostCount))
       .typeName("N");
   sub.add("--redo", options.redo, "and do M of them again").check(wholeBetween(0, bounds::kMostCount)).typeName("M");

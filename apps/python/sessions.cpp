@@ -56,7 +56,7 @@ void bindTouch(py::class_<PySession>& session) {
           py::arg("strokes") = 1,
           "undo(strokes=1) -> int\n\nTakes the last strokes back, each point to the last bit; says how many there "
           "were. A stroke\n"
-          "is all that is done in one contact.")
+          "is all that is done in one contact, with gaps of up to 0.3 s.")
       .def(
           "redo",
           [](PySession& self, std::uint64_t strokes) {

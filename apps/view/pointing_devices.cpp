@@ -175,7 +175,7 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
     // Where it has lost what is seen under the cursor, as in a crease, it is within.
     if (deeper > kSteepest * aside + model.scale.toUnits(kStep_mm) || at.time_s - felt_s_ > kLost_s) {
       at.session->lift();
-      hand_.putDownAnew();
+      hand_.putDownAgain();
       pressedAt_.reset();
     }
   } else {

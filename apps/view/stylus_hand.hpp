@@ -43,7 +43,7 @@ class StylusHand {
   void pressByTrigger(double share) { trigger_ = share; }
 
   /// The surface that it presses on goes on behind the one that it was on: it must be put down there anew.
-  void putDownAnew() { putDown_ = false; }
+  void putDownAgain() { putDown_ = false; }
   /// How far from the eye the stylus goes under the cursor; `beside` where no surface was seen there. Nothing while
   /// nobody has looked: it must not begin inside the model, which it would never feel from there.
   std::optional<double> depthAt(const DVec2& cursor_px, const Pick& picked, bool followsSurface, double beside);

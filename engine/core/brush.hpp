@@ -30,10 +30,10 @@ constexpr std::array<std::pair<std::string_view, BrushKind>, 7> kBrushKinds = {{
 constexpr bool changesShape(BrushKind kind) { return kind != BrushKind::carve && kind != BrushKind::paint; }
 
 /// A brush and its settings. Every brush acts only while the HIP stands deeper than `tau` behind the proxy and does not
-/// withdraw. Its tool is fixed to the hand, and stands upright on the surface as the stroke found it (engine/edit's
-/// BrushStroke). Push and carve work with a ball on a shaft as wide, whose tip stands tau before the HIP; the others about
-/// the place where the surface was found over the hand. Points of a side of the model that faces away stay as they are,
-/// but for carve.
+/// withdraw. Its tool is fixed to the hand, and stands upright on the surface as the stroke found it (BrushStroke).
+/// Push and carve work with a ball on a shaft as wide, whose tip stands tau before the HIP; the others about the place
+/// where the surface was found over the hand. Points of a side of the model that faces away stay as they are, but for
+/// carve.
 struct BrushOptions {
   BrushKind kind = BrushKind::push;
   double tau = 0;     ///< how deep the HIP may stand behind the proxy before the surface yields, model units

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/core/brush_stroke.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/held_contact.hpp"
 #include "engine/cuda/cuda_error.hpp"
-#include "engine/edit/placed_brush.hpp"
 #include "shaders/shared/edit.h"
 
 namespace palpate {

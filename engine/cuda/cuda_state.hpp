@@ -2,11 +2,11 @@
 
 #include <exception>
 
+#include "engine/core/brush_stroke.hpp"
 #include "engine/cuda/cuda_touch.hpp"
 #include "engine/cuda/live_copy.hpp"
 #include "engine/cuda/push_edit.hpp"
 #include "engine/cuda/query_method.hpp"
-#include "engine/edit/brush_stroke.hpp"
 
 namespace palpate {
 

@@ -14,9 +14,8 @@ using Sums = PushEdit::Sums;
 
 unsigned blocksFor(std::uint32_t threads) { return threads / kBlock + (threads % kBlock != 0); }
 
-__global__ void __launch_bounds__(kBlock)
-    pushPoints(float4* positions, float4* normals, const BrushTool* tools, Found* founds, Sums* sums, uint count,
-               const Brush brush) {
+__global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* normals, const BrushTool* tools,
+                                                     Found* founds, Sums* sums, uint count, const Brush brush) {
   const uint i = blockIdx.x * kBlock + threadIdx.x;
   const BrushTool tool = *tools;
   if (i >= count || tool.acts == 0) return;
@@ -117,6 +116,7 @@ PushEdit::PushEdit(const Brush& brush, double radius, const Stream& stream, std:
     : brush_(brush),
       radius_(radius),
       refitBlocks_(fillingBlocks()),
+      toolHere_(1),
       founds_(points),
       sums_(1),
       moved_(points),
@@ -127,9 +127,11 @@ PushEdit::PushEdit(const Brush& brush, double radius, const Stream& stream, std:
 
 void PushEdit::recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count) const {
   if (count == 0) return;
-  pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(points(half.positions), points(half.normals),
-                                                            tool_.device(), founds_.data(), sums_.data(), count,
-                                                            brush_);
+  // Every thread reads it, which over the bus would take longer than the push.
+  checkCuda(cudaMemcpyAsync(toolHere_.data(), &tool_.host(), sizeof(BrushTool), cudaMemcpyHostToDevice, stream.get()),
+            "writing where the tool is");
+  pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(
+      points(half.positions), points(half.normals), toolHere_.data(), founds_.data(), sums_.data(), count, brush_);
   tellSums<<<1, 1, 0, stream.get()>>>(sums_.data(), told_.device());
   checkLaunch("launching the push");
 }

@@ -33,6 +33,7 @@ class PushEdit {
   unsigned refitBlocks_;
   MappedValue<shared::BrushTool> tool_;
   MappedValue<Sums> told_;
+  DeviceArray<shared::BrushTool> toolHere_;
   DeviceArray<shared::Found> founds_;  // by id
   DeviceArray<Sums> sums_;
   DeviceArray<std::uint32_t> moved_, movedCount_;

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "engine/core/brush_stroke.hpp"
 #include "engine/core/check.hpp"
 #include "engine/edit/edit_pipelines.hpp"
-#include "engine/edit/placed_brush.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "shaders/compiled.hpp"

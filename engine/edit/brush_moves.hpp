@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "engine/core/brush.hpp"
-#include "engine/edit/brush_stroke.hpp"
+#include "engine/core/brush_stroke.hpp"
 #include "engine/spatial/hash_update.hpp"
 #include "shaders/shared/edit.h"
 

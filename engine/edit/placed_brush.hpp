@@ -3,16 +3,11 @@
 
 #include "engine/contact/surface.hpp"
 #include "engine/core/brush.hpp"
+#include "engine/core/brush_stroke.hpp"
 #include "engine/core/point_state.hpp"
-#include "engine/edit/brush_stroke.hpp"
 #include "shaders/shared/brush.h"
 
 namespace palpate {
-
-/// The options as shaders read them. `support`: support radius, model units. Checks their ranges.
-shared::Brush sharedBrush(const BrushOptions& options, double support);
-/// The tool as shaders read it.
-shared::BrushTool sharedTool(const BrushStroke::Tool& tool);
 
 /// What a brush does to the points around it, for one place of its tool. Places relative to the cloud's origin, model
 /// units.

@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
+#include "engine/core/brush_stroke.hpp"
 #include "engine/core/latest_value.hpp"
 #include "engine/core/shape_strokes.hpp"
 #include "engine/core/tool_shape.hpp"
 #include "engine/core/touch_backend.hpp"
-#include "engine/edit/brush_stroke.hpp"
 #include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
 #include "engine/touch/stepped_control.hpp"

@@ -8,7 +8,8 @@
 shared uint cellStart[kMostSelectCells];  // points in the cells before
 shared uint cellFirst[kMostSelectCells];  // first slot
 
-// Whether the ball around the tool's reach goes into a cell; says so, too, where it misses by less than places are rounded.
+// Whether the ball around the tool's reach goes into a cell; says so, too, where it misses by less than places are
+// rounded.
 bool mayReach(HashGrid grid, ivec3 cell) {
   const vec3 center = (tool.middle - grid.origin) * grid.inverseCell;
   const float rounding = 0.01 + 1e-6 * max(abs(center.x), max(abs(center.y), abs(center.z)));

@@ -15,6 +15,8 @@ const uint kBrushGrab = 4;
 const uint kBrushPaint = 5;
 const uint kBrushFlatten = 6;
 
+// Of the support radius: no point moves further in one edit, so that a resting proxy keeps its surface.
+const float kLongestMove = 0.25f;
 // Of the support radius: points deeper than this in a carving ball are taken away at once. Less tears the surface where
 // the hand is fast; more leaves scraps of a model that the ball has swallowed whole.
 const float kCarveDepth = 2.0f;
@@ -86,8 +88,8 @@ struct MeasuredPoint {
   int height;    // over the hand along the tool's axis, times the weight
 };
 
-PALPATE_FORMULA MeasuredPoint
-    measured(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_OF(FoundPoint) found) {
+PALPATE_FORMULA MeasuredPoint measured(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool,
+                                       PALPATE_OF(FoundPoint) found) {
   MeasuredPoint point;
   point.weight = 0;
   point.normal = ivec3(0);
@@ -178,9 +180,8 @@ PALPATE_FORMULA PALPATE_OF(Brushed)
 
 // Where a point goes by what is known of it alone; smooth needs its neighbours too (smoothed()), and paint moves
 // nothing.
-PALPATE_FORMULA PALPATE_OF(Brushed)
-    brushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_VEC3 normal,
-            PALPATE_OF(FoundPoint) found) {
+PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
+                                            PALPATE_VEC3 normal, PALPATE_OF(FoundPoint) found) {
   if (brush.kind == kBrushPush) return pushed(brush, tool, position, found.normal);
   if (brush.kind == kBrushCarve) return carved(brush, tool, position, normal);
   PALPATE_OF(Brushed) result;

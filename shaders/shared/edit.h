@@ -17,9 +17,6 @@ const uint kNeighbourWorkBudget = 20000;
 // seen.
 const uint kMostExamined = 8192;
 
-// Of the support radius: no point moves further in one edit, so that a resting proxy keeps its surface.
-const float kLongestMove = 0.25f;
-
 // Cells that one workgroup searches for points that a brush reaches: as few as keep so many workgroups busy, within
 // these bounds. Fewer workgroups leave a GPU idle, more come and go for nothing.
 const uint kSelectWorkgroups = 528u;

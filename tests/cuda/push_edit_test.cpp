@@ -6,8 +6,8 @@
 #include "engine/edit/normal_fit.hpp"
 #include "engine/edit/placed_brush.hpp"
 #include "engine/spatial/cpu_hash.hpp"
-#include "tests/edit/tool_at.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
+#include "tests/edit/tool_at.hpp"
 
 namespace palpate::push_edit_test {
 
@@ -62,8 +62,7 @@ TEST_CASE("points in range move as the reference says, the others stay bit by bi
       wrong += glm::distance(DVec3(moved.positions[i]), expected) > 1e-4;
       marked += moved.normals[i].w != 0;
       // A point within rounding of the brush's border may be marked and refitted without having moved.
-      const bool clearlyOutside =
-          glm::distance(before, brush.center()) > brush.radius() + 1e-3;
+      const bool clearlyOutside = glm::distance(before, brush.center()) > brush.radius() + 1e-3;
       disturbed +=
           clearlyOutside && (movedAt(moved, scene.cloud, i) || Vec3(moved.normals[i]) != scene.cloud.normals[i]);
     }

@@ -344,7 +344,8 @@ PP_OPTIONS(brush)
  * the index again, so that points can come and go. */
 PP_API pp_status pp_session_set_brush(pp_session session, const pp_brush* brush);
 PP_API pp_status pp_session_set_feel(pp_session session, const pp_feel* feel);
-/* pp_session_touch() with a brush, for this one path. A stroke is all that is done in one contact. */
+/* pp_session_touch() with a brush, for this one path. A stroke is all that is done in one contact, with
+   gaps of up to 0.3 s. */
 PP_API pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
                                    uint64_t capacity, uint64_t* count);
 /* pp_session_touch() or pp_session_stroke() for all hands of a session: `paths` has one for each of them, `hands` of

@@ -94,4 +94,11 @@ class BrushStroke {
   Tool tool_{};
 };
 
+/// A brush in double precision, as the formulas read it. `support`: support radius, model units. Checks the ranges of
+/// its options.
+shared::BrushOf<double> brushOf(const BrushOptions& options, double support);
+/// The same, and the tool, as shaders read them.
+shared::Brush sharedBrush(const BrushOptions& options, double support);
+shared::BrushTool sharedTool(const BrushStroke::Tool& tool);
+
 }  // namespace palpate

@@ -1,7 +1,9 @@
 // Where the tool is while a hand sculpts, and which strokes there are.
-#include "engine/edit/brush_stroke.hpp"
+#include "engine/core/brush_stroke.hpp"
 
 #include <doctest/doctest.h>
+
+#include <cmath>
 
 #include "shaders/shared/edit.h"
 #include "tests/near.hpp"
@@ -181,6 +183,21 @@ TEST_CASE("grab holds on when the hand draws out, by two radii at most, and side
   CHECK(tool.reach <= 2.5 * kRadius);
   hand.feel({0, 0, 20}, 0, false);
   CHECK_FALSE(hand.stroke.acts());
+}
+
+TEST_CASE("no tool reaches further than an edit looks, wherever the hand and the surface are") {
+  for (const auto& [name, kind] : kBrushKinds) {
+    CAPTURE(name);
+    Hand hand(kind);
+    for (int k = 1; k < 60; ++k) {
+      const double depth = std::pow(1.3, k % 30) * 0.6, turn = 0.7 * k;
+      hand.feel({100 * std::sin(turn), 100 * std::cos(2 * turn), -depth}, 5 * depth);
+      const auto& tool = hand.next();
+      CHECK(tool.reach <= 2.5 * kRadius);
+      CHECK(std::isfinite(tool.center.x + tool.middle.y + tool.shaft + tool.hearing + tool.height));
+      hand.stroke.note(measured(glm::normalize(DVec3(std::sin(3 * turn), std::cos(turn), 1)), 4 * std::sin(5.0 * k)));
+    }
+  }
 }
 
 TEST_CASE("measures that have run over, or say nothing, do not turn the tool") {

@@ -1,10 +1,12 @@
-#include "engine/edit/brush_stroke.hpp"
+#include "engine/core/brush_stroke.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "shaders/shared/edit.h"
+#include "engine/core/check.hpp"
+#include "engine/core/point_state.hpp"
+#include "shaders/shared/contact.h"
 
 namespace palpate {
 
@@ -23,8 +25,8 @@ constexpr double kDecays = 1.5;
 // Of the brush's radius: a hand that yields nothing on its way and goes on further away has not meant what lies
 // between.
 constexpr double kJump = 0.5;
-constexpr double kShaftMargin = 0.25;                    // of the brush's radius, over the surface as it was found
-constexpr double kMostShaft = 2;                         // radii of the brush
+constexpr double kShaftMargin = 0.25;  // of the brush's radius, over the surface as it was found
+constexpr double kMostShaft = 2;       // radii of the brush
 // Radii of the brush: how far the ends of what the tool reaches are apart, but for the ball at each of them.
 constexpr double kMostLength = 2.9;
 // Points in a ball as large as the brush's, so many of its radii over the hand, are asked how the surface lies; those
@@ -44,11 +46,65 @@ DVec3 outwardOf(const Contact& contact, const DVec3& spring) {
   return glm::dot(normal, springs) < 0 ? springs : normal;
 }
 
+static_assert(static_cast<shared::uint>(BrushKind::push) == shared::kBrushPush);
+static_assert(static_cast<shared::uint>(BrushKind::carve) == shared::kBrushCarve);
+static_assert(static_cast<shared::uint>(BrushKind::inflate) == shared::kBrushInflate);
+static_assert(static_cast<shared::uint>(BrushKind::smooth) == shared::kBrushSmooth);
+static_assert(static_cast<shared::uint>(BrushKind::grab) == shared::kBrushGrab);
+static_assert(static_cast<shared::uint>(BrushKind::paint) == shared::kBrushPaint);
+static_assert(static_cast<shared::uint>(BrushKind::flatten) == shared::kBrushFlatten);
+
+static_assert(packedColor(kUnpainted) == shared::kUnpainted);
+
 double asSigned(std::uint32_t sum) { return static_cast<double>(static_cast<std::int32_t>(sum)); }
 
 double normalSteps() { return static_cast<double>(shared::kNormalSteps); }
 
 }  // namespace
+
+shared::BrushOf<double> brushOf(const BrushOptions& options, double support) {
+  PALPATE_CHECK_LE(0.0, options.tau);
+  PALPATE_CHECK_LE(0.0, options.beta);
+  PALPATE_CHECK_LE(options.beta, 1.0);
+  PALPATE_CHECK_LT(0.0, options.radius);
+  PALPATE_CHECK_LE(0.0, options.strength);
+  PALPATE_CHECK_LE(options.strength, 1.0);
+  PALPATE_CHECK_LE(options.falloff, kMostFalloff);
+  PALPATE_CHECK_LT(0.0, support);
+  return {.kind = static_cast<shared::uint>(options.kind),
+          .falloff = options.falloff,
+          .radius = options.radius,
+          .longestMove = static_cast<double>(shared::kLongestMove) * support,
+          .support = support,
+          .color = packedColor(options.color)};
+}
+
+shared::Brush sharedBrush(const BrushOptions& options, double support) {
+  const auto brush = brushOf(options, support);
+  return {.kind = brush.kind,
+          .falloff = brush.falloff,
+          .radius = static_cast<float>(brush.radius),
+          .longestMove = static_cast<float>(brush.longestMove),
+          .support = static_cast<float>(brush.support),
+          .color = brush.color};
+}
+
+shared::BrushTool sharedTool(const BrushStroke::Tool& tool) {
+  return {.center = Vec3(tool.center),
+          .acts = tool.acts,
+          .outward = Vec3(tool.outward),
+          .shaft = static_cast<float>(tool.shaft),
+          .motion = Vec3(tool.motion),
+          .share = static_cast<float>(tool.share),
+          .middle = Vec3(tool.middle),
+          .reach = static_cast<float>(tool.reach),
+          .hand = Vec3(tool.hand),
+          .hearing = static_cast<float>(tool.hearing),
+          .height = static_cast<float>(tool.height),
+          .stroke = tool.stroke,
+          .sampling = tool.sampling,
+          .unused = 0};
+}
 
 void SurfaceMeasure::add(const shared::MeasuredPoint& point) {
   weights += static_cast<std::uint32_t>(point.weight);
@@ -207,8 +263,9 @@ void BrushStroke::placeTool() {
   } else if (brush_.kind == BrushKind::inflate) {
     tool_.height = std::clamp(height - brush_.tau, 0.0, kMostRaised * radius);
   }
-  first = std::min(first, heard + kMostLength * radius);
-  const double last = std::min(first + tool_.shaft, heard + kMostLength * radius), low = std::min(first, heard);
+  const double longest = kMostLength * radius;
+  first = std::clamp(first, heard - longest, heard + longest);
+  const double last = std::min(first + tool_.shaft, heard + longest), low = std::min(first, heard);
   tool_.shaft = last - first;
   tool_.center = place_ + first * outward_;
   tool_.middle = place_ + 0.5 * (low + std::max(last, heard)) * outward_;
