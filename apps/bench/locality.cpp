@@ -21,6 +21,8 @@ constexpr double kQuerySlide_mm = 20, kQueryStep_mm = 0.5;
 constexpr int kDirections = 8;
 constexpr double kTau_mm = 0.5, kBeta = 0.1, kStrength = 0.5;  // as in touch
 constexpr double kDepthSlack_mm = 0.4, kMostRaised_mm = 0.3;
+// Support radii: the tool's axis and the surface over the hand are found here by other means than in the session.
+constexpr double kWaySlack = 0.12;
 constexpr std::size_t kIdleTicks = 100;
 constexpr double kIdleDeeper_mm = 1;  // than the stroke, so that the brush acts in what that has left
 constexpr std::size_t kMostSettling = 400, kQuiet = 24, kDrain = 8;  // ticks
@@ -35,6 +37,7 @@ struct LocalitySubject {
   std::string name;
   Model model;
   std::vector<SurfaceSpot> way;  // of a slide, from the place of the press on; relative to the cloud's origin
+  bool isDeep = true;            // as deep as the brush goes
 };
 
 std::vector<SurfaceSpot> wayFrom(const ThinnedCloud& surface, const SurfaceSpot& start, const DVec3& towards,
@@ -80,6 +83,7 @@ LocalitySubject unevenSubject(Context& context, const std::string& name, std::si
   subject.model.spacing = spacing.mean;
   subject.model.wideSpacing = spacing.wide;
   subject.model.noise = spacing.noise;
+  subject.isDeep = name != "plate";
   subject.way = wayFrom(ThinnedCloud(subject.model.cloud, kWalkedPoints),
                         {.position = uneven.place, .normal = uneven.normal}, uneven.towards, subject.model.scale);
   return subject;
@@ -281,19 +285,19 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   play.begin(idle);  // the lifted hand may stand in another part of the model
   std::tie(record.settling, record.settled) =
       play.settle(end.position + model.scale.toUnits(2 * kAbove_mm) * end.normal);
+  const bool presses = kind == BrushKind::push || kind == BrushKind::carve;
   record.verdict =
-      judge.judge(play.points(), {.centers = centers,
-                                  .radius = model.scale.toUnits(brush.radius_mm),
-                                  .support = support,
-                                  .carves = record.carves,
-                                  .pushes = kind == BrushKind::push,
-                                  .depth = kind == BrushKind::push || kind == BrushKind::carve
-                                               ? std::optional(model.scale.toUnits(options.depth_mm - kTau_mm))
-                                               : std::nullopt,
-                                  .depthSlack = model.scale.toUnits(kDepthSlack_mm),
-                                  .mostRaised = kind == BrushKind::push || kind == BrushKind::carve
-                                                    ? std::optional(model.scale.toUnits(kMostRaised_mm))
-                                                    : std::nullopt});
+      judge.judge(play.points(),
+                  {.centers = centers,
+                   .radius = model.scale.toUnits(brush.radius_mm),
+                   .support = support,
+                   .reachSlack = kWaySlack,
+                   .carves = record.carves,
+                   .pushes = kind == BrushKind::push,
+                   .depth = presses && subject.isDeep ? std::optional(model.scale.toUnits(options.depth_mm - kTau_mm))
+                                                      : std::nullopt,
+                   .depthSlack = model.scale.toUnits(kDepthSlack_mm),
+                   .mostRaised = presses ? std::optional(model.scale.toUnits(kMostRaised_mm)) : std::nullopt});
   record.deepest_mm = model.scale.toMm(record.verdict.deepest);
   record.highest_mm = model.scale.toMm(record.verdict.highest);
   record.after = pressIdly(play, subject, idle, options.depth_mm + kIdleDeeper_mm);

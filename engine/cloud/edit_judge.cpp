@@ -91,6 +91,7 @@ void judgeShape(const EditAftermath& aftermath, EditJudge& judge, const BrushPat
     verdict.doubled += std::ranges::any_of(
         near, [&](std::uint32_t k) { return glm::dot(aftermath.normal(changed[k]), aftermath.normal(i)) < -kSided; });
   }
+  verdict.reachSlack = way.reachSlack;
   if (way.depth)
     verdict.wrongDepth = std::abs(verdict.deepest - *way.depth) > EditTolerance::kDepth * *way.depth + way.depthSlack;
   if (way.mostRaised) verdict.raised = verdict.highest > *way.mostRaised;
@@ -251,7 +252,7 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const BrushPath&
 }
 
 std::vector<std::string_view> EditVerdict::broken(bool carves, bool strict) const {
-  const double reach = strict ? 0 : EditTolerance::kReach;
+  const double reach = strict ? 0 : EditTolerance::kReach + reachSlack;
   const auto tooMany = [&](std::size_t part, std::size_t all, double most) {
     return strict ? part > 0 : part > 1 && static_cast<double>(part) > most * static_cast<double>(all);
   };

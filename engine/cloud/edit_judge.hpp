@@ -19,6 +19,7 @@ struct BrushPath {
                                 ///< cloud's origin
   double radius = 0;            ///< model units
   double support = 0;           ///< support radius, model units
+  double reachSlack = 0;        ///< support radii by which the way may be off, besides EditTolerance::kReach
   bool carves = false;          ///< what it leaves faces the ball, and nothing new may stand outside
   bool pushes = false;          ///< what it touches ends on the ball's wall
   std::optional<double> depth;  ///< of the tip under the surface as it was, at most; model units
@@ -51,6 +52,7 @@ struct EditVerdict {
                                 ///< come from, whichever is smaller; 1 at most
   std::size_t outside = 0;      ///< new points off the old surface by more than EditTolerance::kOutside
   double farthestOutside = 0;   ///< of new points, support radii
+  double reachSlack = 0;        ///< of BrushPath
   std::size_t changed = 0;      ///< points that moved or are new
   double deepest = 0, highest = 0;  ///< of them, under and over the surface as it was, model units
   std::size_t doubled = 0;          ///< of them, those with another one that faces the other way within half a spacing
