@@ -166,6 +166,7 @@ void PointingDevices::move(double dt_s, const ViewSettings& view, const Pointed&
 void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const Pointed& at) {
   const Model& model = at.session->model();
   const std::optional<DVec3> last = std::exchange(pressedAt_, hand_.isPressing() ? std::optional(place) : std::nullopt);
+  const bool comesBack = std::exchange(wasBeside_, hand_.isBeside()) && !wasBeside_;
   const DVec3 along = glm::normalize(place - at.viewpoint.camera().eye);
   if (last && pressedAt_) {
     const double deeper = std::abs(glm::dot(place - *last, along));
@@ -173,7 +174,7 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
     const auto& rows = at.session->history().rows();
     if (!rows.empty() && rows.back().contact) felt_s_ = std::max(felt_s_, at.time_s);
     // Where it has lost what is seen under the cursor, as in a crease, it is within.
-    if (deeper > kSteepest * aside + model.scale.toUnits(kStep_mm) || at.time_s - felt_s_ > kLost_s) {
+    if (comesBack || deeper > kSteepest * aside + model.scale.toUnits(kStep_mm) || at.time_s - felt_s_ > kLost_s) {
       at.session->lift();
       hand_.putDownAgain();
       pressedAt_.reset();

@@ -70,6 +70,7 @@ class PointingDevices {
   CameraDrag drag_;
   StylusHand hand_;
   std::optional<DVec3> pressedAt_;  // of the surface, where it pressed last; model units
+  bool wasBeside_ = false;          // and whether that was beside the model
   double felt_s_ = 0;               // when it was put down, or has felt the surface since
   PushEvent push_;
   std::uint64_t presses_ = 0;

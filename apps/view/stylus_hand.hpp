@@ -34,6 +34,8 @@ class StylusHand {
   bool isPressing() const { return pressing_; }
   void press();
   void release() { pressing_ = false; }
+  /// Whether it presses where no surface is seen.
+  bool isBeside() const { return isBeside_; }
   /// Deeper while it presses, else nearer or farther.
   void turnWheel(double notches);
   void lower(double way_mm) { hover_mm_ -= way_mm; }
@@ -57,7 +59,7 @@ class StylusHand {
   double planeDepth_ = 0;   // of the surface that the stylus goes by, and
   DVec2 planePlace_px_{0};  // where it was seen
   bool putDown_ = false;    // since it is held
-  bool isBeside_ = false;   // it presses where no surface is seen
+  bool isBeside_ = false;
 };
 
 }  // namespace palpate
