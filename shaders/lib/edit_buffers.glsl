@@ -18,7 +18,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Places { vec
 #include "shaders/shared/edit.h"
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Brushes { Brush at[1]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer BrushTools { BrushTool at[1]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Founds { Found at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Founds { Found at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GivenChanges { GivenChange at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Tables { PointTables at[1]; };
 // The last workgroup of a pass reads what the others have written.
