@@ -104,6 +104,40 @@ inline void checkClay(const ClayResult& result, double depth) {
   CHECK(result.secondLayer <= 0.01);
 }
 
+/// A plate under the plane: its far side lies `thickness` below, as densely.
+inline Scene makeClayPlate(std::size_t count, float thickness) {
+  Scene scene = makeScene("plane", count);
+  for (std::size_t i = 0; i < count; ++i) {
+    scene.cloud.positions.push_back(scene.cloud.positions[i] - Vec3(0, 0, thickness));
+    scene.cloud.normals.push_back(-scene.cloud.normals[i]);
+  }
+  return scene;
+}
+
+/// Drags over such a plate without lifting the hand: its far side stays as it is, and the near one before it. How far
+/// the near one has come.
+inline double dragOverPlate(TouchBackend& touch, const Scene& plate, float thickness) {
+  const ClayGesture gesture = clayDrag(plate, thickness + 1.5, 200);
+  for (std::size_t k = 0; k + 150 < gesture.hips.size(); ++k)
+    touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, 0);
+  touch.finish();
+  PointCloud after = plate.cloud;
+  CHECK(touch.readBack(after) > 20);
+  std::size_t far = 0;
+  double lowest = 0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const bool isFar = after.normals[i].z < -0.5f;
+    far += isFar;
+    if (isFar)
+      CHECK(after.positions[i].z == -thickness);
+    else
+      lowest = std::min(lowest, static_cast<double>(after.positions[i].z));
+  }
+  CHECK(far == plate.cloud.size() / 2);
+  CHECK(lowest > -static_cast<double>(thickness));
+  return lowest;
+}
+
 /// A machine that gets done one tick of `every`.
 inline ClayResult mould(TouchBackend& touch, const Scene& scene, const ClayGesture& gesture, int every = 1) {
   for (std::size_t k = 0; k < gesture.hips.size(); k += static_cast<std::size_t>(every))

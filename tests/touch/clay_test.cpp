@@ -108,33 +108,11 @@ TEST_CASE("inflate raises the surface by as much as the hand presses, smoothly, 
 }
 
 TEST_CASE("the far side of a plate stays as it is, and the near one stops before it") {
-  Scene scene = makeScene("plane", 6'000);
-  const std::size_t near = scene.cloud.size();
-  for (std::size_t i = 0; i < near; ++i) {
-    scene.cloud.positions.push_back(scene.cloud.positions[i] - Vec3(0, 0, 3));
-    scene.cloud.normals.push_back(-scene.cloud.normals[i]);
-  }
+  const Scene plate = makeClayPlate(6'000, 3);
   for (const BrushKind kind : {BrushKind::push, BrushKind::flatten, BrushKind::inflate, BrushKind::grab}) {
     CAPTURE(static_cast<int>(kind));
-    CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = clayBrush(kind), .threads = 1});
-    const ClayGesture gesture = clayDrag(scene, 4.5, 200);
-    for (std::size_t k = 0; k + 150 < gesture.hips.size(); ++k)
-      touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, 0);
-    touch.finish();
-    PointCloud after = scene.cloud;
-    CHECK(touch.readBack(after) > 20);
-    std::size_t far = 0;
-    double lowest = 0;
-    for (std::size_t i = 0; i < after.size(); ++i) {
-      if (after.normals[i].z < -0.5f) {
-        ++far;
-        CHECK(after.positions[i].z == -3);
-      } else {
-        lowest = std::min(lowest, static_cast<double>(after.positions[i].z));
-      }
-    }
-    CHECK(far == near);
-    CHECK(lowest > -3);
+    CpuTouch touch(plate.cloud, {.radius = plate.radius, .brush = clayBrush(kind), .threads = 1});
+    const double lowest = dragOverPlate(touch, plate, 3);
     if (kind == BrushKind::push) CHECK(lowest < -1.5);
   }
 }
