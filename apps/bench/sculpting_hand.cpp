@@ -20,6 +20,7 @@ constexpr double kSink = 1.0 / 8;       // of its radius: how deep a brush that 
 constexpr double kTau = 0.5,
                  kShallow = 1;  // spacings: what the surface bears; how much deeper a brush goes that strokes
 constexpr double kStrokeStrength = 0.5;
+constexpr double kInflateDepth = 1.0 / 4;  // of its radius: so deep that a hand never reaches what it raises
 
 // Of the support radius: where a landing begins, and how fast it goes.
 constexpr double kLift = 1.5, kLandingStep = 0.25;
@@ -28,6 +29,12 @@ constexpr std::uint32_t kPatience = 20;  // ticks without a surface before the h
 constexpr double kGoldenAngle = 2.399963229728653;
 
 bool presses(BrushKind kind) { return kind == BrushKind::push || kind == BrushKind::carve; }
+
+// How deep a brush goes below what the surface bears, model units.
+double depthOf(BrushKind kind, double radius, double spacing) {
+  if (presses(kind)) return kSink * radius;
+  return kind == BrushKind::inflate ? std::max(kShallow * spacing, kInflateDepth * radius) : kShallow * spacing;
+}
 
 // The radius of the brush that reaches `count` points of the cloud where it stands in the surface at `place`, sunk by a
 // share of its radius: 1 for a brush whose middle is the place.
@@ -87,7 +94,7 @@ Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model
                     .beta = 1 / ticksOnPlace,
                     .radius_mm = model.scale.toMm(radius),
                     .strength = presses(kind) || kind == BrushKind::paint ? 1 / ticksOnPlace : kStrokeStrength},
-          .depth = tau + (presses(kind) ? kSink * radius : kShallow * model.spacing),
+          .depth = tau + depthOf(kind, radius, model.spacing),
           .speed = speed};
 }
 

@@ -32,6 +32,9 @@ constexpr double kMostLength = 2.9;
 // Points in a ball as large as the brush's, so many of its radii over the hand, are asked how the surface lies; those
 // that were found no further from the hand than so many times its depth say so.
 constexpr double kHeardOver = 1.0 / 3, kHearing = 1.3;
+// Of the brush's radius: inflate hears no further than it must, since a wide piece of a bent surface lies lower than
+// its middle, by which the height counts.
+constexpr double kInflateHears = 0.5;
 constexpr double kMostHeld = 1.9, kMostHeldAside = 0.5;  // radii of the brush: how far grab takes what it holds
 constexpr double kMostRaised = 0.9;   // of the brush's radius, or it would raise points out of its reach
 constexpr double kLeastLength = 0.3;  // of a mean normal that says anything
@@ -246,7 +249,8 @@ void BrushStroke::placeTool() {
   tool_.stroke = number_;
   tool_.sampling = sampling();
   tool_.hand = place_;
-  tool_.hearing = std::clamp(kHearing * height, radius, static_cast<double>(shared::kMostHeight) * radius);
+  const double hears = brush_.kind == BrushKind::inflate ? std::clamp(support_, kInflateHears * radius, radius) : radius;
+  tool_.hearing = std::clamp(kHearing * height, hears, static_cast<double>(shared::kMostHeight) * radius);
   if (brush_.kind == BrushKind::grab) {
     tool_.center = heldAt_;
     tool_.motion = held();

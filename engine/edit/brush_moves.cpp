@@ -34,7 +34,8 @@ BrushMoves::BrushMoves(Device& device, const HashUpdate& update, const HashGrid&
       collect_(device, shader_code::edit_collect, editPipeline(sizeof(shared::CollectArgs), update)),
       smooth_(device, shader_code::edit_smooth, editPipeline(sizeof(shared::SmoothArgs), update)),
       brush_(Buffer::of<shared::Brush>(device, 1, Memory::device, "brush")),
-      tool_(Buffer::of<shared::BrushTool>(device, 1, Memory::upload, "tool")) {
+      // One more than is read: the validation layer of Debian 12 takes a load of a whole struct for larger than it is.
+      tool_(Buffer::of<shared::BrushTool>(device, 2, Memory::upload, "tool")) {
   setTool({});
   setBrush(brush);
 }

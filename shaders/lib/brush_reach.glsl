@@ -18,7 +18,10 @@ FoundPoint foundPoint(uint id, vec3 position, vec3 normal) {
   return FoundPoint(args.tables.at[0].founds.at[id].position, args.tables.at[0].founds.at[id].normal);
 }
 void noteFound(uint id, FoundPoint found) {
-  args.tables.at[0].founds.at[id] = Found(found.position, tool.stroke, found.normal);
+  // Field by field: the validation layer of Debian 12 takes a whole entry for larger than it is.
+  args.tables.at[0].founds.at[id].position = found.position;
+  args.tables.at[0].founds.at[id].stroke = tool.stroke;
+  args.tables.at[0].founds.at[id].normal = found.normal;
 }
 
 PointMove stayingMove(uint slot, vec4 position, vec3 normal) {

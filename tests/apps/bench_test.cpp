@@ -258,7 +258,7 @@ TEST_CASE("bench edit sculpts with every brush" * kMoreInFull) {
     CAPTURE(brush);
     const std::string json = (folder / (brush + ".json")).string();
     works(fmt::format("bench edit --sizes {} --touched {} --repeat {} --index incremental --edit {} --json {}",
-                      byTier(5000, 10000), touched, 5, brush, json));
+                      byTier(5000, 10000), touched, byTier(5, 30), brush, json));
     const auto cost = jsonOf(json)["edit"]["costs"][0];
     CHECK(cost["brush"] == brush);
     CHECK(cost["touched"]["p50"].get<double>() == near(touched, 0.4));

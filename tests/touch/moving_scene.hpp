@@ -53,11 +53,17 @@ class HeldSource final : public CloudSource {
   HeldSource(const PointCloud& cloud, const RigidMotion& motion) : moving_(cloud, motion) {}
   std::size_t size() const override { return moving_.size(); }
   void makeFrame(double time_s, CloudFrame& frame) override {
-    if (begun_) held_.wait(true);
+    if (begun_) {
+      asked_ = true;
+      asked_.notify_all();
+      held_.wait(true);
+    }
     begun_ = true;
     moving_.makeFrame(time_s, frame);
     frame.velocities.clear();
   }
+  /// Waits until somebody waits for the second frame.
+  void waitUntilAsked() const { asked_.wait(false); }
   void letGo() {
     held_ = false;
     held_.notify_all();
@@ -66,7 +72,7 @@ class HeldSource final : public CloudSource {
  private:
   MovingCloud moving_;
   bool begun_ = false;
-  std::atomic<bool> held_ = true;
+  std::atomic<bool> asked_ = false, held_ = true;
 };
 
 /// Makes a frame at the beginning of each period alone, as a camera does, and the same one until the next.
@@ -160,6 +166,7 @@ inline void checkNoTickWaits(auto& touch, HeldSource& source) {
     CHECK_FALSE(contact.touching);
     touch.prepare();
     CHECK_FALSE(touch.takeFrame(frame));
+    if (i == 1) source.waitUntilAsked();
   }
   source.letGo();
   touch.finish();
