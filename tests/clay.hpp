@@ -138,6 +138,21 @@ inline double dragOverPlate(TouchBackend& touch, const Scene& plate, float thick
   return lowest;
 }
 
+/// Carves through such a plate, until the hand has come out under it: nothing comes to lie beside the plate.
+inline void checkCarvingThroughPlate(TouchBackend& touch, const Scene& plate, double thickness) {
+  const ClayGesture gesture = clayDrag(plate, thickness + 2, 100);
+  for (std::size_t k = 0; k < gesture.hips.size(); ++k)
+    CHECK(touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, 0).valid);
+  touch.finish();
+  PointCloud after = plate.cloud;
+  CHECK(touch.readBack(after) > 20);
+  CHECK(after.size() < plate.cloud.size() - 20);
+  for (const Vec3& place : after.positions) {
+    CHECK(static_cast<double>(place.z) < 0.3);
+    CHECK(static_cast<double>(place.z) > -thickness - 0.3);
+  }
+}
+
 /// A machine that gets done one tick of `every`.
 inline ClayResult mould(TouchBackend& touch, const Scene& scene, const ClayGesture& gesture, int every = 1) {
   for (std::size_t k = 0; k < gesture.hips.size(); k += static_cast<std::size_t>(every))

@@ -93,6 +93,7 @@ void PointingDevices::carryOut(StylusRequest request, const Pointed& at) {
 }
 
 void PointingDevices::letGo(const Pointed& at) {
+  hand_.lock(false);
   hold(false, at.session);
   drag_.end();
 }
@@ -187,7 +188,7 @@ void PointingDevices::aimAt(const DVec3& place, const ViewSettings& view, const 
   DVec3 way = model.scale.toUnits(inward_mm) * along;
   if (inward_mm > 0 && given_mm > 0)
     way = -model.scale.toUnits(inward_mm + given_mm) * normalAt(at.picked, at.viewpoint.camera(), at.size_px);
-  at.session->aim(model.cloud.origin + place + way);
+  at.session->aim(model.cloud.origin + place + way, hand_.sculpts());
 }
 
 }  // namespace palpate

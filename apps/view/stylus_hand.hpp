@@ -34,6 +34,9 @@ class StylusHand {
   bool isPressing() const { return pressing_; }
   void press();
   void release() { pressing_ = false; }
+  /// Whether it means to go into the surface, by whatever it is held with: from then on until it no longer does is one
+  /// stroke.
+  bool sculpts() const { return pressing_ || trigger_ > 0 || hover_mm_ < 0; }
   /// Whether it presses where no surface is seen.
   bool isBeside() const { return isBeside_; }
   /// Deeper while it presses, else nearer or farther.

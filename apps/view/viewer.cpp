@@ -48,6 +48,7 @@ void Viewer::step() {
   const Stopwatch watch;
   messages_.dropOld();
   followSession();
+  if (document_.asks()) pointing_.letGo(pointed());  // and the stroke is over
   pointing_.move(dt_s, settings_.view, pointed());
   playTicks();
   draw(dt_s);

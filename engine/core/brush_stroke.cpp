@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/core/check.hpp"
 #include "engine/core/point_state.hpp"
@@ -131,7 +132,10 @@ void BrushStroke::end() {
   wayCount_ = 0;
 }
 
-void BrushStroke::lift() { open_ = acts_ = knowsLast_ = false; }
+void BrushStroke::lift() {
+  acts_ = knowsLast_ = false;
+  isLifted_ = true;
+}
 
 void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& spring, bool sculpts, double time_s) {
   const DVec3 motion = knowsLast_ ? hip - lastHip_ : DVec3(0);
@@ -161,13 +165,14 @@ void BrushStroke::begin(const Place& place) {
   foundAt_ = heldAt_ = place.found;
   place_ = heldFrom_ = place.hip;
   wayCount_ = 0;
+  isLifted_ = false;
 }
 
 void BrushStroke::goOnTo(const Place& place) {
   const auto at = [&](std::size_t k) -> Place& { return way_[(wayFirst_ + k) % kMostWay]; };
   const auto hipAt = [&](std::size_t back) { return wayCount_ < back ? place_ : at(wayCount_ - back).hip; };
-  const bool jumps =
-      place.jumps && brush_.kind != BrushKind::grab && glm::distance(hipAt(1), place.hip) > kJump * brush_.radius;
+  const bool isFar = std::exchange(isLifted_, false) || glm::distance(hipAt(1), place.hip) > kJump * brush_.radius;
+  const bool jumps = place.jumps && brush_.kind != BrushKind::grab && isFar;
   // The last place is the hand's own, as long as it is near the one before.
   if (!jumps && wayCount_ > 0 && glm::distance(hipAt(2), place.hip) < kWayStep * brush_.radius) {
     at(wayCount_ - 1).hip = place.hip;
@@ -183,10 +188,10 @@ void BrushStroke::goOnTo(const Place& place) {
 
 // A tool that passes over a point must leave it the time to yield, which goes a share of its way in each edit.
 double BrushStroke::longestStep(double share) const {
-  const double radius = brush_.radius, depth = std::clamp(found() - brush_.tau, 0.1 * radius, radius);
-  const double halfWidth = std::sqrt(radius * radius - (radius - depth) * (radius - depth));
+  const double radius = brush_.radius, depth = std::max(found() - brush_.tau, 0.1 * radius);
+  const double low = std::min(depth, radius), halfWidth = std::sqrt(radius * radius - (radius - low) * (radius - low));
   const double yield = static_cast<double>(shared::kLongestMove) * support_;
-  const double most = std::min({kLongestStep * radius, yield * std::clamp(radius / depth, 0.5, 2.0),
+  const double most = std::min({kLongestStep * radius, yield * std::clamp(radius / depth, 0.25, 2.0),
                                 share > 0 ? share * halfWidth / kDecays : kLongestStep * radius});
   return std::max(most, kShortestStep * radius);
 }
@@ -249,7 +254,8 @@ void BrushStroke::placeTool() {
   tool_.stroke = number_;
   tool_.sampling = sampling();
   tool_.hand = place_;
-  const double hears = brush_.kind == BrushKind::inflate ? std::clamp(support_, kInflateHears * radius, radius) : radius;
+  const double hears =
+      brush_.kind == BrushKind::inflate ? std::clamp(support_, kInflateHears * radius, radius) : radius;
   tool_.hearing = std::clamp(kHearing * height, hears, static_cast<double>(shared::kMostHeight) * radius);
   if (brush_.kind == BrushKind::grab) {
     tool_.center = heldAt_;

@@ -43,7 +43,8 @@ class BrushStroke {
   bool hasWay() const { return wayCount_ > 0; }
   /// The stroke goes no further: what is left of its way is forgotten.
   void end();
-  /// The hand is put down elsewhere: what comes next is another stroke. What is left of the way is still gone.
+  /// The hand is put down elsewhere: the tool does not go through what lies between. What is left of its way is still
+  /// gone.
   void lift();
 
   /// Whether a stroke is going on, or something of its way is left.
@@ -80,7 +81,7 @@ class BrushStroke {
   double support_;
   BrushOptions brush_;
   std::uint32_t number_ = 0;
-  bool open_ = false, acts_ = false, knowsLast_ = false, touched_ = false;
+  bool open_ = false, acts_ = false, knowsLast_ = false, touched_ = false, isLifted_ = false;
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
   bool edited_ = false;            // in this stroke
   DVec3 lastHip_{0};               // of the last answer

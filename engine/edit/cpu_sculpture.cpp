@@ -100,6 +100,8 @@ void CpuSculpture::edit(const PlacedBrush& brush) {
   measure_ = {};
   carves_ = brush.kind() == BrushKind::carve;
   pushes_.reset();
+  cuts_.reset();
+  if (carves_ && brush.acts() && options_.keepsDensity) cuts_ = brush;
   if ((brush.kind() == BrushKind::push || brush.kind() == BrushKind::grab) && brush.acts()) pushes_ = brush;
   if (brush.acts()) applyBrush(brush);
   findUnsettled();
@@ -141,6 +143,10 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
     const Vec3 place(places_[i].position);
     const std::uint32_t color =
         brush.painted(DVec3(points_.positions[point]), found(brush, point), points_.colors[point]);
+    if (places_[i].taken && cuts_) {  // with the other requests, so that the near sheet still sees the far one
+      points_.unsettled[point] = 1;
+      continue;
+    }
     const bool moved = place != points_.positions[point];
     if (moved) points_.founds[point] = points_.found(point, brush.stroke());
     if (moved || places_[i].taken || color != points_.colors[point]) tellOf(point);
@@ -238,12 +244,20 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbo
     else
       complete = false;
   });
-  return resampleRequest(seen(point, DVec3(0)), {.neighbours = neighbours,
-                                                 .reach = reachOf(point),
-                                                 .complete = complete,
-                                                 .carves = carves_,
-                                                 .moved = isMoved(point),
-                                                 .pushedFrom = pushedFrom(point)});
+  const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
+  return resampleRequest(
+      seen(point, DVec3(0)),
+      {.neighbours = neighbours,
+       .reach = reachOf(point),
+       .complete = complete,
+       .carves = carves_,
+       .moved = isMoved(point),
+       .pushedFrom = pushedFrom(point),
+       .swallowed =
+           cuts_ && cuts_->brushed(place, DVec3(points_.normals[point]), {DVec3(as.position), DVec3(as.normal)}).taken,
+       .found = DVec3(as.position) - place,
+       .foundNormal = DVec3(as.normal),
+       .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity()});
 }
 
 void CpuSculpture::resample() {
@@ -263,6 +277,8 @@ void CpuSculpture::resample() {
     points_.unsettled[point] = requests_[i].unsettled;
     // From now on it counts as part of the sheet that it has come to.
     if (requests_[i].stops) points_.founds[point].normal = Vec3(-pushes_->outward());
+    if (requests_[i].thick && cuts_ && points_.founds[point].stroke == cuts_->stroke())
+      points_.founds[point].thick = static_cast<float>(*requests_[i].thick);
     settled_ = settled_ && !requests_[i].unsettled;
     if (!requests_[i].goes) continue;
     points_.there[point] = 0;

@@ -76,6 +76,7 @@ class CpuSculpture {
   std::uint64_t builds_ = 0;
   bool settled_ = true, carves_ = false;
   std::optional<PlacedBrush> pushes_;  // of this tick
+  std::optional<PlacedBrush> cuts_;
   SurfaceMeasure measure_;
   // Of one tick.
   struct Request : ResampleRequest {

@@ -106,6 +106,20 @@ bool standsOutside(const ResampleNeighbour& self, const DVec3& place, std::span<
   return standsThrough(self, place, neighbours, outside.margin) || hasRisen(self, place, neighbours, outside);
 }
 
+// How far under a point as the stroke found it the nearest point of a far sheet lies.
+std::optional<double> thicknessSeen(const ResampleNeighbour& self, const ResampleView& view) {
+  std::optional<double> least;
+  for (const ResampleNeighbour& other : view.neighbours) {
+    if (glm::dot(other.normal, view.foundNormal) > static_cast<double>(shared::kFarSheet)) continue;
+    const double along = glm::dot(other.offset, view.foundNormal);
+    const DVec3 aside = other.offset - along * view.foundNormal;
+    const double deep = glm::dot(view.found, view.foundNormal) - along;
+    if (deep > 0 && glm::length(aside) < static_cast<double>(shared::kBeside) * self.spacing)
+      least = std::min(least.value_or(deep), deep);
+  }
+  return least;
+}
+
 }  // namespace
 
 double sectorSpacing(SectorDistances distances) {
@@ -116,8 +130,14 @@ double sectorSpacing(SectorDistances distances) {
 
 ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleView& view) {
   const std::span<const ResampleNeighbour> neighbours = view.neighbours;
-  if (view.carves && view.moved && standsOutside(self, DVec3(0), neighbours, kGoes)) return {.goes = true};
   ResampleRequest request;
+  if (view.carves) {
+    request.thick = thicknessSeen(self, view);
+    const double deep = glm::dot(view.found, view.foundNormal);
+    const double least = request.thick.value_or(view.thick) - static_cast<double>(shared::kSkin) * self.spacing;
+    if (view.swallowed || (view.moved && (deep > least || standsOutside(self, DVec3(0), neighbours, kGoes))))
+      return {.goes = true};
+  }
   request.stops = view.pushedFrom && std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
                     return glm::dot(other.normal, *view.pushedFrom) <= static_cast<double>(shared::kTurnedAway) &&
                            shared::isThrough(Vec3(-other.offset), Vec3(other.normal), static_cast<float>(self.spacing),

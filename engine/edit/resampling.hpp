@@ -36,6 +36,7 @@ struct ResampleRequest {
   bool inserts = false;          ///< it requests a new point
   DVec3 offset{0};               ///< of the new point
   std::uint32_t other = 0;       ///< number of the neighbour on the other side of the gap
+  std::optional<double> thick;   ///< how far under the point as found the far sheet is, where that is seen; model units
   bool takesAfterOther = false;  ///< the other end's target is the wider one: the new point gets its parent
 };
 
@@ -47,6 +48,9 @@ struct ResampleView {
   bool carves = false;              ///< a ball cuts a solid: what it has moved outside of that goes
   bool moved = true;                ///< a brush has moved the point since it came
   std::optional<DVec3> pushedFrom;  ///< unit, the axis of a tool that pushes the point in this stroke
+  bool swallowed = false;           ///< the ball that carves has swallowed the point
+  DVec3 found{0}, foundNormal{0};   ///< while a ball carves: where and how the stroke found it, from where it is now
+  double thick = std::numeric_limits<double>::infinity();  ///< how far under it the far sheet was seen last
 };
 
 /// A point that a tool pushes stops where it comes to a sheet that is turned away from the tool: the far side of a

@@ -12,6 +12,8 @@
 #include "engine/core/parallel.hpp"
 #include "engine/edit/placed_brush.hpp"
 
+#include "shaders/shared/resample.h"
+
 namespace palpate {
 
 namespace {
@@ -106,7 +108,8 @@ std::uint32_t SculptedPoints::insertBetween(std::uint32_t point, std::uint32_t o
   rests[number] = 0.5f * (rests[point] + rests[other]);
   if (const std::uint32_t stroke = std::max(founds[point].stroke, founds[other].stroke); stroke != 0) {
     const Found one = found(point, stroke), two = found(other, stroke);
-    founds[number] = {0.5f * (one.position + two.position), middleNormal(one.normal, two.normal), stroke};
+    founds[number] = {0.5f * (one.position + two.position), middleNormal(one.normal, two.normal), stroke,
+                      shared::middleThickness(one.thick, two.thick)};
   }
   return number;
 }

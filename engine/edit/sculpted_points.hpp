@@ -1,6 +1,7 @@
 // The points of a cloud while it is sculpted on the CPU: they come and go, each keeps its number.
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -30,6 +31,7 @@ struct SculptedPoints {
   struct Found {
     Vec3 position{0}, normal{0};
     std::uint32_t stroke = 0;
+    float thick = 3.0e38f;  ///< how far under it the far sheet was seen last, model units
   };
   std::vector<Found> founds;
 

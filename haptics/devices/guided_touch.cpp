@@ -41,15 +41,23 @@ GuidedTouch::GuidedTouch(const WorkspaceMap& map, const DVec3& parked)
   aim_.place = last_.place = parked;
 }
 
-void GuidedTouch::aim(const DVec3& place) noexcept {
+DeviceLimits GuidedTouch::limits() const {
+  DeviceLimits limits = hand_.limits();
+  limits.buttons = 1;
+  return limits;
+}
+
+void GuidedTouch::aim(const DVec3& place, bool sculpts) noexcept {
   if (!isFinite(place)) return;
   aim_.putDowns += std::exchange(aim_.lifted, false);
   aim_.place = place;
+  aim_.sculpts = sculpts;
   latest_.store(aim_);
 }
 
 void GuidedTouch::lift() noexcept {
   aim_.lifted = true;
+  aim_.sculpts = false;
   latest_.store(aim_);
 }
 
@@ -64,6 +72,7 @@ DeviceState GuidedTouch::read(double time_s) noexcept {
   }
   DeviceState state = hand_.read(time_s);
   state.putDown = moved;
+  state.buttons = aim.sculpts ? kSculptButton : 0;
   return state;
 }
 

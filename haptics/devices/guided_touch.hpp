@@ -19,13 +19,14 @@ class GuidedTouch final : public HapticDevice {
   GuidedTouch(const WorkspaceMap& map, const DVec3& parked);
 
   // For the thread that aims.
-  /// Where the hand means to be, model units. A lifted stylus is put down there.
-  void aim(const DVec3& place) noexcept;
+  /// Where the hand means to be, model units, and whether it holds the button that sculpts. A lifted stylus is put down
+  /// there.
+  void aim(const DVec3& place, bool sculpts = true) noexcept;
   /// Takes the stylus away from the model.
   void lift() noexcept;
 
   std::string_view name() const override { return "guided stylus"; }
-  DeviceLimits limits() const override { return hand_.limits(); }
+  DeviceLimits limits() const override;
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3& force_N) noexcept override { return hand_.write(force_N); }
   void emergencyStop() noexcept override { hand_.emergencyStop(); }
@@ -34,7 +35,7 @@ class GuidedTouch final : public HapticDevice {
  private:
   struct Aim {
     DVec3 place{0};
-    bool lifted = true;
+    bool lifted = true, sculpts = false;
     std::uint32_t putDowns = 0;  // how often the stylus was put down so far
   };
 

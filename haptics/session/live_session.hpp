@@ -60,7 +60,7 @@ class LiveSession {
   bool isTouching() const { return !servo_.lost; }
 
   // The guided stylus; places in file coordinates. Without effect where a person holds a device.
-  void aim(const DVec3& place) { stylus_.aim(place); }
+  void aim(const DVec3& place, bool sculpts = true) { stylus_.aim(place, sculpts); }
   void lift() { stylus_.lift(); }
   void setForces(bool on) { servo_.forcesOn = on; }
   bool forcesOn() const { return servo_.forcesOn; }

@@ -60,6 +60,12 @@ bool crowded, leaves;
 bool pushes, stops;  // a tool pushes the point in this stroke; it has come to the far sheet of a plate
 vec3 outward;        // the tool's axis
 bool carves, moved;  // a brush has moved the point since it came
+// While a ball cuts.
+bool cuts, swallowed;       // it has swallowed the point
+vec3 foundAt, foundNormal;  // as the stroke found it, from where it is now
+float thick;                // how far under that the far sheet is
+Brush brush;
+BrushTool tool;
 
 // What a subgroup knows of a sector. Distances are compared as bits, which for these are in the same order.
 struct Sector {
@@ -115,6 +121,14 @@ void noteRisen(uint at, vec3 normal, vec3 d, float margin) {
   votes += weight * vec2(isAbove(-d, normal, self.spacing, margin) ? 1.0 : 0.0, 1.0);
 }
 
+// Of a ball that cuts: how far under the point as it was found a neighbour of the far sheet lies.
+void noteFarSheet(vec3 normal, vec3 d) {
+  if (dot(normal, foundNormal) > kFarSheet) return;
+  const float along = dot(d, foundNormal), deep = dot(foundAt, foundNormal) - along;
+  const vec3 aside = d - along * foundNormal;
+  if (deep > 0.0 && dot(aside, aside) < kBeside * kBeside * self.spacing * self.spacing) thick = min(thick, deep);
+}
+
 // Of a ball that carves: whether one neighbour says that the point stands outside the solid.
 void noteOutside(uint at, vec3 normal, vec3 d) {
   if (dot(self.normal, normal) <= kFarSheet)
@@ -162,6 +176,7 @@ void visitNeighbour(uint at) {
   if (!visitedBefore) {
     const vec3 normal = args.cloud.normals.at[slot].xyz;
     if (carves && walk == kWalkAround) noteOutside(at, normal, d);
+    if (cuts && walk == kWalkAround) noteFarSheet(normal, d);
     if (pushes && walk == kWalkAround)
       stops = stops || (dot(normal, outward) <= kTurnedAway && isThrough(-d, normal, self.spacing, kStopMargin));
     if (!sameSheet(self.normal, normal)) slot |= kOtherSheet;
@@ -199,6 +214,7 @@ void begin() {
   blocked = 0;
   requested = kGapSectors;
   through = stops = false;
+  thick = kUnseen;
   votes = vec2(0.0);
   crowded = false;
   leaves = false;
@@ -262,8 +278,24 @@ bool hasRisen(float share) {
   return all.x > share * all.y;
 }
 
-// While a ball carves, what it has brought outside the solid goes.
-bool isOutside() { return carves && moved && (subgroupAny(through) || hasRisen(kNearlyAll)); }
+// Takes up what the neighbours said of the far sheet, or what they said last.
+void noteThickness() {
+  const uint id = self.rank & ~kExamined;
+  const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
+  thick = subgroupMin(thick);
+  if (thick == kUnseen && isNoted) thick = args.tables.at[0].founds.at[id].thick;
+  else if (isNoted && subgroupElect()) args.tables.at[0].founds.at[id].thick = thick;
+}
+
+// While a ball carves, what it has swallowed or brought outside the solid goes.
+bool isOutside() {
+  if (!carves) return false;
+  if (cuts) noteThickness();
+  if (swallowed) return true;
+  if (!moved) return false;
+  const bool isBelow = cuts && dot(foundAt, foundNormal) > thick - kSkin * self.spacing;
+  return isBelow || subgroupAny(through) || hasRisen(kNearlyAll);
+}
 
 // The sector with the narrowest gap that no point fills yet; kGapSectors where there is none.
 uint openGap() {
@@ -353,6 +385,9 @@ void requestForAll() {
   carves = kind == kBrushCarve;
   const bool pushing = (kind == kBrushPush || kind == kBrushGrab) && args.tables.at[0].tool.at[0].acts != 0;
   outward = args.tables.at[0].tool.at[0].outward;
+  brush = args.tables.at[0].brush.at[0];
+  tool = args.tables.at[0].tool.at[0];
+  cuts = carves && tool.acts != 0;
   const uint changed = args.update.at[0].changed;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
@@ -367,6 +402,13 @@ void requestForAll() {
     reach = id < firstNew ? mostReach : args.tables.at[0].reaches.at[id - firstNew];
     pushes = pushing && args.tables.at[0].founds.at[id].stroke == args.tables.at[0].tool.at[0].stroke;
     moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
+    swallowed = cuts && carved(brush, tool, center, self.normal).taken != 0;
+    foundAt = foundNormal = vec3(0.0);
+    if (cuts) {
+      const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
+      foundNormal = isNoted ? args.tables.at[0].founds.at[id].normal : self.normal;
+      if (isNoted) foundAt = args.tables.at[0].founds.at[id].position - center;
+    }
     begin();
     for (walk = kWalkAround; walk != kWalkNoMore; walk = nextWalk()) {
       visitNeighbours(center, neighbourhoodRadius(self.spacing, args.radius), walkBudget(kMostExamined),

@@ -19,6 +19,7 @@ FoundPoint foundPoint(uint id, vec3 position, vec3 normal) {
 }
 void noteFound(uint id, FoundPoint found) {
   // Field by field: the validation layer of Debian 12 takes a whole entry for larger than it is.
+  if (args.tables.at[0].founds.at[id].stroke != tool.stroke) args.tables.at[0].founds.at[id].thick = kUnseen;
   args.tables.at[0].founds.at[id].position = found.position;
   args.tables.at[0].founds.at[id].stroke = tool.stroke;
   args.tables.at[0].founds.at[id].normal = found.normal;
@@ -59,7 +60,8 @@ bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out Po
   }
   const Brushed result = brushed(brush, tool, position.xyz, normal.xyz, found);
   if (result.taken != 0) {
-    move.toBucket = kNoBucket;
+    // With the next edit, as it requests to: while the far sheet of a plate still stands the near one sees it.
+    if (!resamples(args.tables.at[0].lists)) move.toBucket = kNoBucket;
     return true;
   }
   move.position = result.position;

@@ -39,8 +39,9 @@ struct Found {
   vec3 position;
   uint stroke;  // 0: none has
   vec3 normal;
+  float thick;  // how far under it the far sheet was seen last, model units; kUnseen
 };
-PALPATE_SIZE(Found, 28);
+PALPATE_SIZE(Found, 32);
 
 // What an edit knows of points by their ids; null where it is not kept. Places for `ids` points.
 struct PointTables {

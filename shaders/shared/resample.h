@@ -78,6 +78,12 @@ PALPATE_FUNCTION bool isAbove(vec3 offset, vec3 normal, float spacing, float mar
   return dot(offset, normal) > (kSkin - margin) * spacing;
 }
 
+// How thick the solid is under a new point, between two that know it or do not (kUnseen).
+const float kUnseen = 3.0e38f;
+PALPATE_FUNCTION float middleThickness(float a, float b) {
+  return a < kUnseen && b < kUnseen ? 0.5f * (a + b) : min(a, b);
+}
+
 // Slots of the table in which insertions claim their place: a power of two. A slot that two far places share makes one
 // of them wait for the next tick.
 const uint kClaimSlots = 65536u;

@@ -38,6 +38,39 @@ TEST_CASE("a script that is wrong is refused with its line before anything is op
   }
 }
 
+TEST_CASE("each press of the button is one stroke, however quick, and one that goes over an edge, too") {
+  if (!hasDisplay()) return;
+  const auto played = play(
+      "%/cube.ply --size 560x420 --edit push", R"(
+0.1 mouse 418 210
+0.3 key Space down
+0.6 button left down
+0.75 button left up
+0.85 button left down
+1.0 button left up
+1.6 state %/quick.json
+1.7 key Ctrl+Z
+1.8 state %/once.json
+1.9 mouse 380 210
+2.0 button left down
+2.2 mouse 400 210
+2.4 mouse 430 210
+2.6 mouse 460 210
+2.8 mouse 540 210
+3.0 mouse 440 210
+3.2 mouse 410 210
+3.4 button left up
+4.0 state %/over.json
+4.1 quit
+)",
+      "", [](const std::filesystem::path& folder) { works("make cube -n 6000 -o " + (folder / "cube.ply").string()); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  CHECK(played->state("quick.json")["undoable"] == 2);
+  CHECK(played->state("once.json")["undoable"] == 1);
+  CHECK(played->state("over.json")["undoable"] == 2);
+}
+
 TEST_CASE("a session in the window, from the first touch to the saved file") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 560x420 --edit push", R"(

@@ -117,6 +117,12 @@ TEST_CASE("the far side of a plate stays as it is, and the near one stops before
   }
 }
 
+TEST_CASE("a plate that is carved through has nothing under it") {
+  const Scene plate = makeClayPlate(6'000, 1);
+  CpuTouch touch(plate.cloud, {.radius = plate.radius, .brush = clayBrush(BrushKind::carve), .threads = 1});
+  checkCarvingThroughPlate(touch, plate, 1);
+}
+
 TEST_CASE("how deep, how high, how folded: all brushes at all depths, speeds and shares of the ticks" * kFull) {
   const Scene scene = makeScene("plane", 20'000);
   for (const auto& [name, kind] : kBrushKinds)

@@ -1,4 +1,5 @@
-// Strokes on the GPU leave what the hand meant, by analytic truth, and the far side of a plate as it was.
+// Strokes on the GPU leave what the hand meant, by analytic truth, and the far side of a plate as it was; carving
+// leaves nothing under it.
 #include "engine/touch/touch_side.hpp"
 #include "tests/clay.hpp"
 #include "tests/gpu_fixture.hpp"
@@ -25,6 +26,12 @@ TEST_CASE_FIXTURE(GpuFixture, "on a GPU the far side of a plate stays as it is, 
   const Scene plate = makeClayPlate(4'000, 4);
   TouchSide touch(device, plate.cloud, {.radius = plate.radius, .brush = clayBrush(BrushKind::push)});
   CHECK(dragOverPlate(touch, plate, 4) < -1.5);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a plate that is carved through on a GPU has nothing under it") {
+  const Scene plate = makeClayPlate(4'000, 1);
+  TouchSide touch(device, plate.cloud, {.radius = plate.radius, .brush = clayBrush(BrushKind::carve)});
+  checkCarvingThroughPlate(touch, plate, 1);
 }
 
 }  // namespace palpate::gpu_clay_test
