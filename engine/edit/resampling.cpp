@@ -139,7 +139,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
       return {.goes = true};
   }
   request.stops = view.pushedFrom && std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
-                    return glm::dot(other.normal, *view.pushedFrom) <= static_cast<double>(shared::kTurnedAway) &&
+                    return glm::dot(other.normal, *view.pushedFrom) <= static_cast<double>(shared::kOtherSide) &&
                            shared::isThrough(Vec3(-other.offset), Vec3(other.normal), static_cast<float>(self.spacing),
                                              shared::kStopMargin);
                   });

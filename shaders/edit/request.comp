@@ -178,7 +178,7 @@ void visitNeighbour(uint at) {
     if (carves && walk == kWalkAround) noteOutside(at, normal, d);
     if (cuts && walk == kWalkAround) noteFarSheet(normal, d);
     if (pushes && walk == kWalkAround)
-      stops = stops || (dot(normal, outward) <= kTurnedAway && isThrough(-d, normal, self.spacing, kStopMargin));
+      stops = stops || (dot(normal, outward) <= kOtherSide && isThrough(-d, normal, self.spacing, kStopMargin));
     if (!sameSheet(self.normal, normal)) slot |= kOtherSheet;
     if (carves && walk == kWalkBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
     keptNeighbours[at].w = uintBitsToFloat(slot);

@@ -24,9 +24,10 @@ const float kCarveDepth = 2.0f;
 const float kInflateStep = 1e-3f;
 // Of the brush's radius: nearer than this to its centre there is no way out but the tip's.
 const float kAtCenter = 1e-6f;
-// Cosine between the normal that the stroke found at a point and the tool's axis: a point that is turned further away
-// belongs to another side of the model, which the tool does not touch.
-const float kTurnedAway = -0.3f;
+// Cosines between the normal that the stroke found at a point and the tool's axis: from the first on a point is turned
+// away, and goes along the less the further it is; one behind the other belongs to another side of the model, which the
+// tool does not touch.
+const float kTurnedAway = -0.3f, kOtherSide = -0.8f;
 // Of what is measured: a weight, a normal and a height of one, as whole numbers, so that their sums do not depend on
 // the order in which they come.
 const float kWeightSteps = 63.0f, kNormalSteps = 511.0f, kHeightSteps = 255.0f;
@@ -122,15 +123,17 @@ PALPATE_FORMULA Real brushWeight(PALPATE_OF(Brush) brush, Real distance) {
   return weight;
 }
 
-PALPATE_FORMULA bool isTurnedAway(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 foundNormal) {
-  return !(dot(foundNormal, tool.outward) > Real(kTurnedAway));
+// How much a point goes along, 0 to 1, by how the stroke found it to face.
+PALPATE_FORMULA Real facingShare(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 foundNormal) {
+  const Real share = (dot(foundNormal, tool.outward) - Real(kOtherSide)) / Real(kTurnedAway - kOtherSide);
+  return max(Real(0.0), min(Real(1.0), share));
 }
 
 // Share of the whole effect that a point gets in this edit, by how far it is from the tool's centre.
 PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                 PALPATE_VEC3 foundNormal) {
-  if (tool.acts == 0u || isTurnedAway(tool, foundNormal)) return Real(0.0);
-  return tool.share * brushWeight(brush, length(position - tool.center));
+  if (tool.acts == 0u) return Real(0.0);
+  return tool.share * facingShare(tool, foundNormal) * brushWeight(brush, length(position - tool.center));
 }
 
 // Push (thesis section 5.2): the thesis takes the proxy itself as every point's target, which on flat ground only
@@ -138,19 +141,23 @@ PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) t
 // and what lies ahead of a hand that moves is pressed down and not carried along. With a brush shrunk to a point the
 // two are the same.
 PALPATE_FORMULA PALPATE_OF(Brushed)
-    pushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_VEC3 foundNormal) {
+    pushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found) {
   PALPATE_OF(Brushed) result;
   result.position = position;
   result.taken = 0u;
-  if (tool.acts == 0u || isTurnedAway(tool, foundNormal)) return result;
+  const Real share = facingShare(tool, found.normal);
+  if (tool.acts == 0u || !(share > Real(0.0))) return result;
   const PALPATE_VEC3 offset = position - tool.center;
   const Real height = dot(offset, tool.outward);
   const PALPATE_VEC3 aside = offset - height * tool.outward;
   const Real squared = brush.radius * brush.radius - dot(aside, aside);
   if (!(squared > Real(0.0))) return result;
   const Real chord = sqrt(squared);
-  const Real depth = height + chord;
-  if (!(depth > Real(0.0)) || height > max(tool.shaft, chord)) return result;
+  if (height > max(tool.shaft, chord)) return result;
+  // Of the whole way from where it was found, less what it has gone.
+  const Real gone = dot(found.position - position, tool.outward);
+  const Real depth = height + chord - (Real(1.0) - share) * (height + chord + max(gone, Real(0.0)));
+  if (!(depth > Real(0.0))) return result;
   result.position = position - min(tool.share * depth, brush.longestMove) * tool.outward;
   return result;
 }
@@ -182,19 +189,19 @@ PALPATE_FORMULA PALPATE_OF(Brushed)
 // nothing.
 PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                             PALPATE_VEC3 normal, PALPATE_OF(FoundPoint) found) {
-  if (brush.kind == kBrushPush) return pushed(brush, tool, position, found.normal);
+  if (brush.kind == kBrushPush) return pushed(brush, tool, position, found);
   if (brush.kind == kBrushCarve) return carved(brush, tool, position, normal);
   PALPATE_OF(Brushed) result;
   result.position = position;
   result.taken = 0u;
-  if (tool.acts == 0u || isTurnedAway(tool, found.normal)) return result;
+  if (tool.acts == 0u) return result;
   if (brush.kind == kBrushFlatten) {
     const Real move = brushShare(brush, tool, position, found.normal) * dot(position - tool.center, tool.outward);
     result.position = position - max(-brush.longestMove, min(brush.longestMove, move)) * tool.outward;
     return result;
   }
   // These two go by where the point was, so that it gets no more than its share however long the stroke is.
-  const Real weight = brushWeight(brush, length(found.position - tool.center));
+  const Real weight = facingShare(tool, found.normal) * brushWeight(brush, length(found.position - tool.center));
   if (!(weight > Real(0.0))) return result;
   if (brush.kind == kBrushInflate) {
     const Real left = weight * tool.height - dot(position - found.position, found.normal);

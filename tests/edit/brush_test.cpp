@@ -83,6 +83,24 @@ TEST_CASE("a side of the model that faces away from the tool is left alone by ev
   }
 }
 
+TEST_CASE("what is turned away from the tool goes along the less the further it is, and no further in many edits") {
+  const BrushOptions options{.kind = BrushKind::push, .tau = 0.1, .beta = 1, .radius = 4};
+  const PlacedBrush brush = brushAt(options, 1000, {0, 0, -1}, {0, 0, 1});  // as far as it means to in one edit
+  const DVec3 began(0, 0, 0);
+  const auto pressed = [&](double cosine, int edits) {
+    const DVec3 normal(std::sqrt(1 - cosine * cosine), 0, cosine);
+    DVec3 place = began;
+    for (int k = 0; k < edits; ++k) place = brush.brushed(place, normal, {began, normal}).position;
+    return -place.z;
+  };
+  for (const int edits : {1, 5}) {
+    CHECK(pressed(1, edits) == near(0.9, 1e-9));
+    CHECK(pressed(-0.3, edits) == near(0.9, 1e-6));
+    CHECK(pressed(-0.55, edits) == near(0.45, 1e-6));
+    CHECK(pressed(-0.8, edits) == within(0, 1e-6));
+  }
+}
+
 TEST_CASE("paint arrives at its colour and stays there, however weak it is") {
   const BrushOptions options{
       .kind = BrushKind::paint, .tau = 0, .radius = 4, .strength = 0.001, .color = {10, 200, 0, 255}};
