@@ -219,6 +219,31 @@ TEST_CASE_FIXTURE(SoftFixture,
   CHECK(std::abs(topOf(gpu) - dented) < 0.2f);
 }
 
+TEST_CASE_FIXTURE(SoftFixture, "a hand that goes deep into a body on a GPU is held by it, without a knock") {
+  MatterScene scene = softBlock();
+  scene.fill_mm = {21, 21, 21};
+  scene.spacing_mm = 3;
+  const SoftTouching options = onlyOnGpu();
+  SoftScene block(scene, options, onGpu());
+  double before_N = 0, most_N = 0;
+  for (int k = 0; k < 90; ++k) {
+    const double depth = -4 + std::min(16.0, 0.2 * k), step_N = k <= 80 ? 0.5 * 0.2 : 0;
+    const Pose pose{.time_s = 1e-3 * k, .hip = {50, 21 - depth, 50}};
+    const Contact contact = block.touch().query(pose, 0);
+    block.touch().prepare();
+    const double force_N = contact.touching ? 0.5 * glm::distance(contact.proxy, pose.hip) : 0;
+    CAPTURE(depth);
+    CHECK(contact.valid);
+    CHECK(force_N > before_N - 0.1);
+    CHECK(force_N < before_N + step_N + 0.1);
+    if (most_N > 0.1) CHECK(force_N > 0);
+    before_N = force_N;
+    most_N = std::max(most_N, force_N);
+  }
+  CHECK(most_N > 1);
+  CHECK(block.source().surfaceHolds().keptTicks > 0);
+}
+
 // The hand goes down with the time that is simulated and with the answers that come, and stays until the body has got
 // something of it: a slow machine leaves most of the time out, answers few ticks, and lets the force end between them.
 TEST_CASE_FIXTURE(SoftFixture,
