@@ -57,6 +57,7 @@ Contact ContactKeeper::follow(const Contact& felt, const PressedPlace& pressed, 
   } else {
     contact = goOn(felt, placeNow(pressed, tick, since_s), tick, {.since_s = since_s, .allowed = allowed});
   }
+  if (!isKept_ || pressed.contact != contact_) place_ = contact.proxy;
   lastHip_ = tick.hip;
   lastTime_s_ = tick.time_s;
   return contact;
@@ -89,34 +90,35 @@ Contact ContactKeeper::goOn(const Contact& felt, const PressedPlace& pressed, co
   return kept(felt, pressed, tick, step);
 }
 
-// How deep the hand is below the surface.
-double ContactKeeper::depthBelow(const Contact& felt, const PressedPlace& pressed, const Tick& tick, double allowed) {
+// How deep the hand is below the place that the body carries, and below the one that it feels.
+ContactKeeper::Depths ContactKeeper::depthsBelow(const Contact& felt, const PressedPlace& pressed, const Tick& tick,
+                                                 double allowed) {
   const DVec3 normal = last_.normal;
   const double way = glm::dot(tick.hip - lastHip_, normal);  // of the hand, outward
   const double before = glm::dot(last_.proxy - lastHip_, normal);
   const double least = before - std::max(0.0, way) - allowed, most = before + std::max(0.0, -way) + allowed;
   double there = glm::dot(pressed.place - tick.hip, normal);
   gaveWay_ = pressed.isAlone || there < least;
-  if (pressed.isAlone) return least;
+  if (pressed.isAlone) return {.pressed = least, .felt = least};
   // Back to the surface of points, where that is near.
   const double ofPoints = glm::dot(felt.proxy - tick.hip, normal);
   if (felt.touching && glm::dot(felt.normal, normal) > kLeastTurn && std::abs(ofPoints - there) < kNear * tick.radius)
-    there = ofPoints;
-  return std::clamp(there, least, most);
+    there = std::clamp(ofPoints, there - allowed, there + allowed);
+  return {.pressed = there, .felt = std::clamp(there, least, most)};
 }
 
 Contact ContactKeeper::kept(const Contact& felt, const PressedPlace& pressed, const Tick& tick, const Step& step) {
   if (!isKept_) slid_ = 0, sticks_ = true;
   const DVec3 normal = last_.normal;
-  const double depth = depthBelow(felt, pressed, tick, step.allowed);
-  if (!(depth > 0)) {
+  const Depths depths = depthsBelow(felt, pressed, tick, step.allowed);
+  if (!(depths.felt > 0)) {
     forget();
     Contact free = felt;
     free.touching = false;
     free.proxy = tick.hip;
     return free;
   }
-  const DVec3 spring = depth * normal + acrossOf(pressed.place - tick.hip, normal);
+  const DVec3 spring = depths.felt * normal + acrossOf(pressed.place - tick.hip, normal);
   const DVec3 slide = shared::slideAlong(normal, spring, tick.friction, sticks_);
   sticks_ = slide == DVec3(0);
   slid_ += glm::length(slide);
@@ -129,6 +131,7 @@ Contact ContactKeeper::kept(const Contact& felt, const PressedPlace& pressed, co
   last_.touching = true;
   last_.isWithin = false;
   last_.velocity = pressed.velocity;
+  place_ = last_.proxy + (depths.pressed - depths.felt) * normal;
   return last_;
 }
 

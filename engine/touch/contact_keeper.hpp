@@ -36,6 +36,9 @@ class ContactKeeper {
 
   /// Number of the contact, never that of the one before; 0 while nothing is touched.
   std::uint32_t contact() const { return touching_ ? contact_ : 0; }
+  /// Where the body is pressed: at the proxy, or, where that comes after the body more slowly than this moves, at the
+  /// place that the body carries.
+  const DVec3& place() const { return place_; }
   /// It is kept at the place that the body carries.
   bool isKept() const { return isKept_; }
   /// And the place is the same as before, so that the same nodes bear the hand.
@@ -52,7 +55,10 @@ class ContactKeeper {
   bool goesOn(const Contact& felt, const DVec3& expected, double allowed) const;
   PressedPlace placeNow(PressedPlace place, const Tick& tick, double since_s) const;
   Contact goOn(const Contact& felt, const PressedPlace& pressed, const Tick& tick, const Step& step);
-  double depthBelow(const Contact& felt, const PressedPlace& pressed, const Tick& tick, double allowed);
+  struct Depths {
+    double pressed, felt;
+  };
+  Depths depthsBelow(const Contact& felt, const PressedPlace& pressed, const Tick& tick, double allowed);
   Contact kept(const Contact& felt, const PressedPlace& pressed, const Tick& tick, const Step& step);
 
   bool touching_ = false, isKept_ = false, isElsewhere_ = false, gaveWay_ = false;
@@ -61,7 +67,7 @@ class ContactKeeper {
   double way_ = 0;   // of the hand, since the tick before
   double slid_ = 0;  // since the nodes that bear the hand were found, model units
   Contact last_;     // while touching
-  DVec3 lastHip_{0};
+  DVec3 lastHip_{0}, place_{0};
   double lastTime_s_ = 0;
 };
 

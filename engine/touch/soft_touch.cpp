@@ -141,7 +141,7 @@ void SoftTouch::remember(std::span<const Pose> poses, std::span<const Contact> a
       touch.contact = hands_[i].keepers[p].contact();
       touch.isSamePlace = hands_[i].keepers[p].isSamePlace();
       touch.touching = contact.touching && contact.valid && answers[i].valid && !isQuiet_;
-      touch.proxy = contact.proxy;
+      touch.proxy = touch.touching ? hands_[i].keepers[p].place() : contact.proxy;
       touch.normal = contact.normal;
       touch.velocity = contact.velocity;
     }

@@ -104,6 +104,7 @@ TEST_CASE("a hand that goes deep into a soft cube is held by it all the way, wit
 }
 
 TEST_CASE("soft cubes hold hands and tools at all speeds, or give way evenly and say so" * kFull) {
+  int letIn = 0;
   for (const double young_Pa : {2e4, 2e3})
     for (const double friction : {0.0, 0.5})
       for (const double speed_mm_s : {20.0, 100.0, 500.0})
@@ -121,8 +122,13 @@ TEST_CASE("soft cubes hold hands and tools at all speeds, or give way evenly and
                              << result.rose_N << ", ticks within " << result.ticksWithin << ", kept "
                              << result.holds.keptTicks << ", gave way " << result.holds.gaveWayTicks);
             CHECK(result.failure.empty());
-            CHECK(result.ticksWithin == 0);
+            CHECK(result.fell_N < 0.13);
+            CHECK(result.rose_N < 0.13);
+            // A hand is let in only where it is said that the body gave way.
+            if (result.holds.gaveWayTicks == 0) CHECK(result.ticksWithin == 0);
+            letIn += result.ticksWithin > 0;
           }
+  CHECK(letIn <= 8);
 }
 
 }  // namespace palpate::soft_hold_test
