@@ -134,10 +134,10 @@ TEST_CASE("a sheet of few, uneven points is refused as open, and a closed scan o
   std::uniform_real_distribution<float> side(0, 100), height(0, 12);
   PointCloud sheet;
   for (int i = 0; i < 1000; ++i) {
-    const float x = side(random);
     const float z = side(random);
     const float low = height(random);
     const float high = height(random);
+    const float x = side(random);
     sheet.positions.emplace_back(x, low + high, z);
     sheet.normals.emplace_back(0, 1, 0);
   }
