@@ -157,6 +157,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
         .leftOut_s = session.simulation()->leftOut_s(),
         .advances = session.simulation()->advances(),
         .duration_s = durationOf(result.trace()),
+        .holds = session.simulation()->surfaceHolds(),
         .ports = session.simulation()->portEnergies()};
   if (const ShapeStrokes* const shape = backend.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.

@@ -142,6 +142,8 @@ std::string inWords(const MatterReport& matter, std::size_t particles) {
   if (matter.duration_s > 0)
     words +=
         fmt::format("; it went on {:.0f} times a second", static_cast<double>(matter.advances) / matter.duration_s);
+  if (matter.holds.gaveWayTicks > 0)
+    words += fmt::format("; the body could not bear a hand and gave way in {} ticks", matter.holds.gaveWayTicks);
   for (const PortEnergy& port : matter.ports)
     words += fmt::format("; a hand put in {:.3g} mJ, {:.3g} at the least", 1e3 * port.now_J, 1e3 * port.least_J);
   return words;
@@ -238,6 +240,8 @@ Json toJson(const MatterReport& matter) {
           {"elasticity", matter.elasticity.empty() ? Json(nullptr) : Json(matter.elasticity)},
           {"left_out_s", matter.leftOut_s},
           {"advances", matter.advances},
+          {"kept_ticks", matter.holds.keptTicks},
+          {"gave_way_ticks", matter.holds.gaveWayTicks},
           {"ports", ports}};
 }
 

@@ -57,6 +57,7 @@ struct MatterReport {
   double leftOut_s = 0;    ///< by which it stayed behind the clock
   std::uint64_t advances = 0;          ///< times that it went on, each some milliseconds at once
   double duration_s = 0;               ///< in which it did
+  SurfaceHolds holds = {};             ///< of a soft body
   std::vector<PortEnergy> ports = {};  ///< of each hand
 };
 

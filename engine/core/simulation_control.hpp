@@ -24,6 +24,13 @@ struct PortEnergy {
   double now_J = 0, least_J = 0;
 };
 
+/// Ticks in which the points about a hand did not say where the surface of a soft body is under it, as in a dent that
+/// is deeper than wide.
+struct SurfaceHolds {
+  std::uint64_t keptTicks = 0;     ///< it was held by the place of the body that it pressed on
+  std::uint64_t gaveWayTicks = 0;  ///< of those the ones in which the body bore it no more, and gave way evenly
+};
+
 /// How a person governs what moves by itself. For any thread.
 class SimulationControl {
  public:
@@ -43,6 +50,8 @@ class SimulationControl {
   virtual double leftOut_s() const noexcept = 0;
   /// How often it has gone on: each time hands feel it anew.
   virtual std::uint64_t advances() const noexcept = 0;
+  /// Of all hands; of soft bodies alone.
+  virtual SurfaceHolds surfaceHolds() const noexcept { return {}; }
   /// Of each hand.
   virtual std::vector<PortEnergy> portEnergies() const = 0;
   /// Why it goes on no more, in words that follow "the simulation"; empty while it does.

@@ -17,7 +17,8 @@ namespace {
 std::uint64_t workgroups(std::uint32_t count) { return std::uint64_t{count} * shared::kMatterBlock; }
 
 // One that is no number presses on nothing.
-shared::SoftPressed askedOf(const SurfacePress& press, const DVec3& before, double duration_s) {
+shared::SoftPressed askedOf(const SurfacePress& press, const DVec3& before, const GpuSoftPress::Row& row,
+                            double duration_s) {
   const DVec3 move = press.handTo_m - press.handFrom_m;
   const shared::SoftPressed asked{.place = press.place_m,
                                   .radius = static_cast<float>(press.radius_m),
@@ -30,11 +31,13 @@ shared::SoftPressed askedOf(const SurfacePress& press, const DVec3& before, doub
                                   .velocity = move / duration_s,
                                   .most = static_cast<float>(press.most_N),
                                   .force = before,
-                                  .hand = press.hand};
+                                  .hand = press.hand,
+                                  .row = row.row,
+                                  .same = row.isSame ? 1u : 0u};
   const auto words = std::bit_cast<std::array<float, sizeof(asked) / sizeof(float)>>(asked);
   const bool isFinite =
-      std::all_of(words.begin(), words.end() - 1, [](float word) { return std::isfinite(word); });  // `hand` is last
-  return isFinite ? asked : shared::SoftPressed{.hand = press.hand};
+      std::all_of(words.begin(), words.end() - 3, [](float word) { return std::isfinite(word); });  // numbers are last
+  return isFinite ? asked : shared::SoftPressed{.hand = press.hand, .row = row.row};
 }
 
 }  // namespace
@@ -71,10 +74,12 @@ bool GpuSoftPress::begin(std::span<const SurfacePress> presses, double duration_
   const std::vector<PressReport> before = std::exchange(reports_, std::vector<PressReport>(presses.size()));
   const bool grows = !presses.empty() && (!memory_ || memory_->most < presses.size());
   if (grows) memory_.emplace(device_, sizes_, std::bit_ceil(static_cast<std::uint32_t>(presses.size())));
+  if (grows) rows_.clear();
+  findRows(presses);
   for (std::size_t i = 0; i < presses.size(); ++i) {
     const bool goesOn = i < before.size() && i < presses_.size() && presses_[i].hand == presses[i].hand;
     memory_->asked.mapped<shared::SoftPressed>()[i] =
-        askedOf(presses[i], goesOn ? before[i].force_N : DVec3(0), duration_s);
+        askedOf(presses[i], goesOn ? before[i].force_N : DVec3(0), rows_[i], duration_s);
   }
   if (memory_) memory_->count.mapped<std::uint32_t>()[0] = static_cast<std::uint32_t>(presses.size());
   presses_.assign(presses.begin(), presses.end());
@@ -82,8 +87,30 @@ bool GpuSoftPress::begin(std::span<const SurfacePress> presses, double duration_
   return grows;
 }
 
+// What stays at its place keeps its row, and the others take those that are free, the lowest ones first: no row is
+// higher than there were ever presses.
+void GpuSoftPress::findRows(std::span<const SurfacePress> presses) {
+  const std::vector<Row> before = std::exchange(rows_, std::vector<Row>(presses.size()));
+  std::array<bool, shared::kMostPresses> isTaken{};
+  for (std::size_t i = 0; i < presses.size(); ++i) {
+    const auto old = std::ranges::find(presses_, presses[i].touch, &SurfacePress::touch);
+    const auto number = static_cast<std::size_t>(old - presses_.begin());
+    if (!presses[i].isSamePlace || number >= before.size() || isTaken[before[number].row]) continue;
+    rows_[i] = before[number];
+    rows_[i].isSame = true;
+    isTaken[rows_[i].row] = true;
+  }
+  std::uint32_t free = 0;
+  for (Row& row : rows_) {
+    if (row.isSame) continue;
+    while (isTaken[free]) ++free;
+    row.row = free++;
+  }
+}
+
 void GpuSoftPress::forget() {
   presses_.clear();
+  rows_.clear();
   reports_.clear();
 }
 
@@ -141,7 +168,8 @@ void GpuSoftPress::recordBegin(CommandList& list) const {
                                       .heldStride = sizes_.skinNodes,
                                       .unused = 0});
   list.dispatch(couple_, workgroups(memory.most),
-                shared::SoftCoupleArgs{.counts = memory.counts.address(),
+                shared::SoftCoupleArgs{.presses = memory.asked.address(),
+                                       .counts = memory.counts.address(),
                                        .held = memory.held.address(),
                                        .nodes = body_.nodes.address(),
                                        .coupling = coupling_.address(),
@@ -174,10 +202,12 @@ void GpuSoftPress::recordEnd(CommandList& list) const {
 void GpuSoftPress::end() {
   for (std::size_t i = 0; i < reports_.size(); ++i) {
     const shared::SoftPressDone done = memory_->doneRead.mapped<shared::SoftPressDone>()[i];
+    if (!rows_[i].isSame) rows_[i].isAlone = done.alone != 0;
     reports_[i] = {.impulse = done.impulse,
                    .force_N = done.force,
                    .work_J = static_cast<double>(done.work),
-                   .place_m = presses_[i].place_m + DVec3(done.moved)};
+                   .place_m = presses_[i].place_m + DVec3(done.moved),
+                   .isAlone = rows_[i].isAlone};
     onPins_ -= static_cast<double>(done.pinned) * reports_[i].impulse;
   }
 }

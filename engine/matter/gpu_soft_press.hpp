@@ -39,6 +39,13 @@ class GpuSoftPress {
   const DVec3& onPins() const { return onPins_; }
   std::uint64_t bytes() const;
 
+  /// Where the nodes of a press stand.
+  struct Row {
+    std::uint32_t row = 0;
+    bool isSame = false;   ///< from the step before
+    bool isAlone = false;  ///< PressReport::isAlone
+  };
+
  private:
   // By press, for so many of them.
   struct Memory {
@@ -48,6 +55,8 @@ class GpuSoftPress {
     Buffer asked, count, counts, held, done, doneRead;
   };
 
+  void findRows(std::span<const SurfacePress> presses);
+
   Device& device_;
   const SoftMemory& body_;
   SoftSizes sizes_;
@@ -55,6 +64,7 @@ class GpuSoftPress {
   Buffer boxes_, blockBoxes_, coupling_;
   std::optional<Memory> memory_;  // where anybody has pressed
   std::vector<SurfacePress> presses_;
+  std::vector<Row> rows_;  // of each
   std::vector<PressReport> reports_;
   DVec3 onPins_{0};
 };

@@ -15,7 +15,7 @@ SoftPress::SoftPress(const SoftBody& body, const SoftSurface& surface)
 void SoftPress::begin(const SoftBody& body, std::span<const SurfacePress> presses, double duration_s,
                       WorkerTeam& team) {
   const std::vector<Hold> before = std::exchange(holds_, {});
-  held_.clear();
+  const std::vector<Held> heldBefore = std::exchange(held_, {});
   duration_s_ = duration_s;
   reports_.assign(presses.size(), {});
   if (presses.empty()) return;
@@ -23,9 +23,23 @@ void SoftPress::begin(const SoftBody& body, std::span<const SurfacePress> presse
   for (const SurfacePress& press : presses) {
     const std::size_t i = holds_.size();
     const bool goesOn = i < before.size() && before[i].press.hand == press.hand;
-    hold(body, holds_.emplace_back(
-                   Hold{.press = press, .hand = press.handFrom_m, .force = goesOn ? before[i].force : DVec3(0)}));
+    Hold& now = holds_.emplace_back(
+        Hold{.press = press, .hand = press.handFrom_m, .force = goesOn ? before[i].force : DVec3(0)});
+    const auto old = std::ranges::find_if(before, [&](const Hold& hold) { return hold.press.touch == press.touch; });
+    if (press.isSamePlace && old != before.end())
+      holdOn(body, now, *old, heldBefore);
+    else
+      hold(body, now);
   }
+}
+
+void SoftPress::holdOn(const SoftBody& body, Hold& hold, const Hold& before, std::span<const Held> heldBefore) {
+  hold.first = held_.size();
+  for (const Held& held : heldBefore.subspan(before.first, before.last - before.first))
+    held_.push_back({.node = held.node, .share = held.share, .began = body.displacements()[held.node]});
+  hold.last = held_.size();
+  hold.perMass = before.perMass;
+  hold.isAlone = before.isAlone;
 }
 
 void SoftPress::hold(const SoftBody& body, Hold& hold) {
@@ -51,7 +65,8 @@ void SoftPress::hold(const SoftBody& body, Hold& hold) {
     if (away2 < nearest2) nearest2 = away2, nearest = i;
     if (away2 < radius * radius) take(i, facing(i) * shared::wendland(std::sqrt(away2) / radius));
   }
-  if (held_.size() == hold.first) take(nearest, 1);
+  hold.isAlone = held_.size() == hold.first;
+  if (hold.isAlone) take(nearest, 1);
   hold.last = held_.size();
   float all = 0;  // of the nodes' shares, as places that no cell holds would take more
   for (std::size_t k = hold.first; k < hold.last; ++k) all += shares_[held_[k].node];
@@ -143,8 +158,10 @@ void SoftPress::load(SoftBody& body, double share, double substep_s, const DVec3
 }
 
 void SoftPress::end(const SoftBody& body) {
-  for (std::size_t i = 0; i < holds_.size(); ++i)
+  for (std::size_t i = 0; i < holds_.size(); ++i) {
     reports_[i].place_m = holds_[i].press.place_m + movedBy(body, holds_[i]);
+    reports_[i].isAlone = holds_[i].isAlone;
+  }
 }
 
 }  // namespace palpate

@@ -40,11 +40,14 @@ class SoftPress {
   struct Hold {
     SurfacePress press;
     std::size_t first = 0, last = 0;
-    double perMass = 0;  // acceleration of the place for a force on it, 1/kg
-    DVec3 hand{0};       // where it was at the end of the last substep, m
-    DVec3 force{0};      // of this substep, on the hand, N
+    double perMass = 0;    // acceleration of the place for a force on it, 1/kg
+    DVec3 hand{0};         // where it was at the end of the last substep, m
+    DVec3 force{0};        // of this substep, on the hand, N
+    bool isAlone = false;  // PressReport::isAlone
   };
   void hold(const SoftBody& body, Hold& hold);
+  // The same nodes as in the step before.
+  void holdOn(const SoftBody& body, Hold& hold, const Hold& before, std::span<const Held> heldBefore);
   DVec3 movedBy(const SoftBody& body, const Hold& hold) const;
   struct Substep {
     double share, length_s;

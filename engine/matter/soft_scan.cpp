@@ -21,7 +21,10 @@ constexpr double kInside = 0.5;         // winding number from which on a place 
 constexpr int kCellSamples = 4;         // along each axis of a cell that the surface may go through
 constexpr double kWidestHole_spacings = 3;
 constexpr double kWidestHole_points = 3;  // in spacings of the points
-constexpr std::size_t kScanBlock = 256;   // points or cells that one thread works on at a time
+// Share of a closed surface that is there, of points of the surface at most that are asked, one after another.
+constexpr double kLeastShare = 0.44;
+constexpr std::size_t kAskedPoints = 4096;
+constexpr std::size_t kScanBlock = 256;  // points or cells that one thread works on at a time
 
 template <class Each>
 void forEachOf(std::size_t count, WorkerTeam& team, Each&& each) {
@@ -49,6 +52,7 @@ struct Filling {
   const PointTree& tree;
   const WindingNumber& winding;
   double widestHole_m;
+  double share;  // shareOfClosed()
   WorkerTeam& team;
   LatticeBox box;
   std::vector<float> windings;    // in the middle of each cell
@@ -81,10 +85,38 @@ void wind(Filling& filling) {
   filling.kept.erase(std::unique(filling.kept.begin(), filling.kept.end()), filling.kept.end());
 }
 
+// How much of a closed surface the points are. Just before and behind each of them the winding number is 0 and 1 on a
+// closed surface, and a half less and more than 0 on a flat sheet: the mean of both is half of the share that is there,
+// and that of an open hemisphere is a quarter. Below 0 where normals point inwards.
+double shareOfClosed(std::span<const OrientedArea> areas, const WindingNumber& winding, WorkerTeam& team) {
+  const std::size_t stride = std::max<std::size_t>(1, areas.size() / kAskedPoints);
+  std::vector<double> sums((areas.size() + stride - 1) / stride);
+  forEachOf(sums.size(), team, [&](std::size_t i) {
+    const OrientedArea& point = areas[i * stride];
+    const DVec3 place(point.place), off = std::sqrt(static_cast<double>(point.area)) * DVec3(point.normal);
+    sums[i] = winding.at(place + off) + winding.at(place - off);
+  });
+  double sum = 0, area = 0;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const auto its = static_cast<double>(areas[i * stride].area);
+    sum += its * sums[i];
+    area += its;
+  }
+  return area > 0 ? sum / area : 0;
+}
+
+[[noreturn]] void refuseOpen(const Filling& filling) {
+  throw Error(
+      "model: is not closed: its points are {:.0f} % of a surface that encloses something; a body needs a surface all "
+      "around, with normals that point outwards",
+      100 * std::max(0.0, filling.share));
+}
+
 void requireInside(const Filling& filling) {
-  const auto [least, most] = std::ranges::minmax(filling.windings);
+  const float most = std::ranges::max(filling.windings);
   if (static_cast<double>(most) > kInside) return;
-  if (static_cast<double>(least) < -kInside) throw Error("model: its normals point inwards; turn them round");
+  if (filling.share < -kLeastShare) throw Error("model: its normals point inwards; turn them round");
+  if (filling.share < kLeastShare) refuseOpen(filling);
   throw Error("model: encloses nothing that is {:g} mm wide; a body needs a closed surface",
               filling.box.spacing_m * 1e3);
 }
@@ -196,16 +228,17 @@ FilledScan fillScan(std::span<const SurfacePlace> points, double spacing_m, doub
   std::vector<Vec3> places;
   for (const SurfacePlace& point : points) places.push_back(point.rest);
   const PointTree tree(places);
-  std::vector<OrientedArea> areas = areasOf(points, tree, team);
+  const std::vector<OrientedArea> areas = areasOf(points, tree, team);
   const double area = std::transform_reduce(areas.begin(), areas.end(), 0.0, std::plus<>(),
                                             [](const OrientedArea& point) { return static_cast<double>(point.area); });
   const double byItself =
       kWidestHole_spacings * spacing_m + kWidestHole_points * std::sqrt(area / static_cast<double>(points.size()));
-  const WindingNumber winding(std::move(areas));
+  const WindingNumber winding(areas);
   Filling filling{.points = points,
                   .tree = tree,
                   .winding = winding,
                   .widestHole_m = widestHole_m > 0 ? widestHole_m : byItself,
+                  .share = shareOfClosed(areas, winding, team),
                   .team = team,
                   .box = boxAbout(points, spacing_m),
                   .windings = {},
@@ -213,6 +246,8 @@ FilledScan fillScan(std::span<const SurfacePlace> points, double spacing_m, doub
   wind(filling);
   requireInside(filling);
   requireClosed(filling);
+  // A sheet of few, uneven points is inside of itself here and there, and no hole is far from all of them.
+  if (filling.share < kLeastShare) refuseOpen(filling);
   fill(filling);
   return {.box = std::move(filling.box), .kept = std::move(filling.kept)};
 }

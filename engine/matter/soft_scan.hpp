@@ -24,8 +24,8 @@ struct FilledScan {
 /// Fills what a closed surface encloses with cells, by the winding numbers of its points, each of which stands for an
 /// area by its neighbours' distance; the same for any number of threads. Holes of up to `widestHole_m` (0: three
 /// spacings of the lattice and three of the points) are closed as by a soap film. Throws Error that begins with
-/// "model:" for a wider one, with its place and width, for a surface that is turned inside out, and for one that
-/// encloses nothing.
+/// "model:" for a wider one, with its place and width, for points that are less than some 0.44 of a surface all around,
+/// as a sheet of terrain is, for a surface that is turned inside out, and for one that encloses nothing.
 FilledScan fillScan(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team);
 /// The same as a body at rest.
 SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team);

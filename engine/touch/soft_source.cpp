@@ -25,6 +25,9 @@ std::uint32_t stepsToNext(const MatterPlan& plan) {
   return kNextCompliance * std::max(1u, static_cast<std::uint32_t>(plan.particles / kNodesOfNext));
 }
 
+// A body whose time goes by so much slower than the clock's stands still for the hands between two frames.
+constexpr double kSlowPace = 0.5;
+
 // The step that a time is in: a frame is never of a time to come.
 std::int64_t stepAt(double time_s) {
   return static_cast<std::int64_t>(std::floor((time_s + kSameTime_s) / kMatterStep_s));
@@ -135,6 +138,16 @@ void SoftSource::countStrokes() {
   counts_.redoable.store(sculpture->redoable(), std::memory_order_relaxed);
 }
 
+SurfaceHolds SoftSource::surfaceHolds() const noexcept {
+  return {.keptTicks = keptTicks_.load(std::memory_order_relaxed),
+          .gaveWayTicks = gaveWayTicks_.load(std::memory_order_relaxed)};
+}
+
+void SoftSource::count(bool isKept, bool gaveWay) noexcept {
+  keptTicks_.fetch_add(isKept ? 1 : 0, std::memory_order_relaxed);
+  gaveWayTicks_.fetch_add(gaveWay ? 1 : 0, std::memory_order_relaxed);
+}
+
 StrokeCounts SoftSource::strokes() const noexcept {
   constexpr auto kRelaxed = std::memory_order_relaxed;
   return {.strokes = counts_.strokes.load(kRelaxed),
@@ -162,6 +175,8 @@ void SoftSource::advance(std::uint32_t steps) {
     if (!slot.known) slot.hand_m = kMatterUnit_m * touch.hip;
     slot.known = true;
     slot.place_m = touch.touching ? placeOf(touch, slot) : DVec3(0);
+    slot.velocity_m_s = kMatterUnit_m * touch.velocity;
+    slot.isAlone = slot.isAlone && touch.touching;
     slot.presses = touch.touching;
     slot.steps = touch.touching ? slot.steps + steps : 0;
   }
@@ -183,7 +198,9 @@ void SoftSource::advance(std::uint32_t steps) {
                             .damping_N_s_m = touch.spring.damping_N_s_per_unit / kMatterUnit_m / world_->scene().gain,
                             .friction = question_.friction,
                             .most_N = touch.spring.most_N / world_->scene().gain,
-                            .hand = touch.hand});
+                            .hand = touch.hand,
+                            .touch = static_cast<std::uint32_t>(i),
+                            .isSamePlace = touch.isSamePlace});
       }
       slot.hand_m = to;
     }
@@ -191,7 +208,11 @@ void SoftSource::advance(std::uint32_t steps) {
     world_->step();
     if (world_->state() != MatterState::running) break;  // what was pressed is of an earlier step
     for (std::size_t n = 0; n < pressing_.size(); ++n) {
-      slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
+      Slot& slot = slots_[pressing_[n]];
+      const PressReport& report = world_->pressed()[n];
+      slot.velocity_m_s = (report.place_m - slot.place_m) / kMatterStep_s;
+      slot.place_m = report.place_m;
+      slot.isAlone = report.isAlone;
       energies_J_[presses_[n].hand] += world_->scene().gain * world_->pressed()[n].work_J;
     }
     for (std::size_t hand = 0; hand < options_.hands; ++hand) seeEnergy(hand, energies_J_[hand]);
@@ -223,20 +244,36 @@ void SoftSource::follow(double time_s) {
   if (question_.count > 0) {  // somebody has asked
     const std::int64_t now = stepAt(time_s);
     if (goesBack(now)) restart();
+    const double leftOut_s = this->leftOut_s();
     steps = stepsTo(now, 0);
+    const double left = (this->leftOut_s() - leftOut_s) / kMatterStep_s;
+    if (steps > 0) pace_ = steps / (steps + left);
   }
   if (isHeld())
     std::ranges::fill(slots_, Slot{});
   else
     advance(steps);
   bodyTime_s_ = std::min(time_s, last() ? static_cast<double>(*last()) * kMatterStep_s : time_s);
+  tellPlaces();
   see(world_->state());
   isTurned_ = false;
 }
 
+void SoftSource::tellPlaces() {
+  for (std::size_t i = 0; i < question_.count; ++i) {
+    const Slot& slot = slots_[i];
+    told_[i] = {.contact = slot.presses ? question_.touches[i].contact : 0,
+                .place = slot.place_m / kMatterUnit_m,
+                .velocity = slot.velocity_m_s / kMatterUnit_m,
+                .isAlone = slot.isAlone,
+                .time_s = bodyTime_s_};
+  }
+  pressed_.store(told_);
+}
+
 std::optional<double> SoftSource::goTo(double time_s) {
   follow(time_s);
-  world_->carryVelocities(!isHeld());
+  world_->carryVelocities(!isHeld() && pace_ > kSlowPace);
   return world_->state() == MatterState::running ? std::optional(bodyTime_s_) : std::nullopt;
 }
 
@@ -245,7 +282,8 @@ void SoftSource::makeFrame(double time_s, CloudFrame& frame) {
   world_->makeFrame(frame);
   constexpr auto kUnits = static_cast<float>(1 / kMatterUnit_m);
   for (Vec3& position : frame.positions) position *= kUnits;
-  for (Vec3& velocity : frame.velocities) velocity = isHeld() ? Vec3(0) : kUnits * velocity;
+  const auto perSecond = static_cast<float>(isHeld() ? 0 : pace_ / kMatterUnit_m);
+  for (Vec3& velocity : frame.velocities) velocity *= perSecond;
   frame.time_s = bodyTime_s_;
 }
 

@@ -14,6 +14,7 @@
 #include "engine/core/touch_backend.hpp"
 #include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
+#include "engine/touch/contact_keeper.hpp"
 #include "engine/touch/stepped_control.hpp"
 
 namespace palpate {
@@ -24,6 +25,8 @@ inline constexpr std::size_t kMostTouches = kMostToolPoints + kMostHands;
 /// A hand, or a point of its tool, at the surface: what it felt at one tick, and where it is at the next. Model units.
 struct SurfaceTouch {
   bool touching = false;
+  std::uint32_t contact = 0;               ///< its number, where it touches (ContactKeeper)
+  bool isSamePlace = false;                ///< the same nodes bear it as before
   DVec3 proxy{0}, normal{0}, velocity{0};  ///< of the surface that was felt
   DVec3 hip{0};                            ///< at the next tick
   HandSpring spring;                       ///< its share of it
@@ -50,6 +53,9 @@ struct SurfaceQuestion {
   std::array<SurfaceTouch, kMostTouches> touches;
 };
 
+/// For each touch where it presses.
+using PressedPlaces = std::array<PressedPlace, kMostTouches>;
+
 struct SoftSourceOptions {
   std::size_t points = 0;  ///< of the surface
   std::size_t hands = 1;
@@ -69,6 +75,14 @@ class SoftSource final : public CloudSource, public SteppedControl {
 
   /// Where hands are from now on. Allocates nothing and waits for nobody.
   void ask(const SurfaceQuestion& question) noexcept { asked_.store(question); }
+
+  /// Where the body carries what touches press on; nothing while it is being written. Allocates nothing and waits for
+  /// nobody.
+  std::optional<PressedPlaces> pressed() const noexcept { return pressed_.load(); }
+  double radius() const noexcept { return options_.radius; }
+  /// What hands have felt of it, for whoever is told.
+  SurfaceHolds surfaceHolds() const noexcept override;
+  void count(bool isKept, bool gaveWay) noexcept;
 
   std::size_t size() const override { return options_.points; }
   void makeFrame(double time_s, CloudFrame& frame) override;
@@ -98,6 +112,8 @@ class SoftSource final : public CloudSource, public SteppedControl {
     bool known = false;    // where the hand was
     bool presses = false;  // the surface has a place for it
     DVec3 hand_m{0}, place_m{0};
+    DVec3 velocity_m_s{0};    // of the place
+    bool isAlone = false;     // PressReport::isAlone
     std::uint32_t steps = 0;  // that it has pressed on end
   };
   void restart();
@@ -107,12 +123,15 @@ class SoftSource final : public CloudSource, public SteppedControl {
   bool turn(bool (*to)(SoftSculpture&));
   void countStrokes();
   void advance(std::uint32_t steps);
+  void tellPlaces();
   DVec3 placeOf(const SurfaceTouch& touch, const Slot& slot) const;
   void findCompliance(const SurfaceTouch& touch, const Slot& slot, std::uint32_t steps);
 
   std::unique_ptr<MatterSimulation> world_;
   SoftSourceOptions options_;
   LatestValue<SurfaceQuestion> asked_;
+  LatestValue<PressedPlaces> pressed_;
+  PressedPlaces told_;  // what was stored last
   SurfaceQuestion question_;
   std::optional<BrushOptions> brush_;  // of the stroke
   BrushStroke stroke_;
@@ -123,6 +142,8 @@ class SoftSource final : public CloudSource, public SteppedControl {
   double bodyTime_s_ = 0;                        // the questions' time for which the body is as it is
   std::array<std::atomic<double>, kMostHands> compliances_;
   std::atomic<std::uint32_t> beginnings_ = 0;
+  std::atomic<std::uint64_t> keptTicks_ = 0, gaveWayTicks_ = 0;
+  double pace_ = 1;  // of the body's time against that of the hands, in the last steps: less where some were left out
   bool isTurned_ = false;  // a stroke was taken back since the last frame
   struct Counts {
     std::atomic<std::uint64_t> strokes = 0, dropped = 0, version = 0;

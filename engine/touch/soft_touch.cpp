@@ -11,8 +11,10 @@ namespace palpate {
 
 namespace {
 
-constexpr double kNoAge_s = 1e-6;        // up to which points are of the tick itself
-constexpr double kQuiet_s = 0.02;        // after the scene has begun anew, where its surface may yet have to come
+constexpr double kNoAge_s = 1e-6;     // up to which points are of the tick itself
+constexpr double kQuiet_s = 0.02;     // after the scene has begun anew, where its surface may yet have to come
+constexpr double kSlack_N_ms = 0.06;  // by which a force comes or goes where a contact is kept, whatever the body does
+constexpr double kLeastStiffness = 1e-6;
 constexpr double kForVelocity_s = 2e-3;  // over which the velocity of a hand is taken
 
 }  // namespace
@@ -26,8 +28,14 @@ SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBa
   question_.friction = options.friction;
   poses_.reserve(options.tools.size());
   setBrush(options.brush);
-  for (const ProbeGroup& probes : makeProbeGroups(options.tools))
-    hands_.push_back({.probes = probes, .spring = {}, .points = {probes.points().begin(), probes.points().end()}});
+  for (const ProbeGroup& probes : makeProbeGroups(options.tools)) {
+    const std::size_t touches = std::max<std::size_t>(1, probes.points().size());
+    hands_.push_back({.probes = probes,
+                      .spring = {},
+                      .points = {probes.points().begin(), probes.points().end()},
+                      .keepers = std::vector<ContactKeeper>(touches),
+                      .contacts = std::vector<Contact>(touches)});
+  }
   PALPATE_CHECK_EQ(hands_.size(), surface_->hands());
 }
 
@@ -43,6 +51,7 @@ std::span<const Contact> SoftTouch::ask(std::span<const Pose> poses, double budg
   const std::span<const Contact> answers = surface_->ask(poses, budget_us);
   const double pointsTime_s = surface_->pointsTime().value_or(PointsTime{}).true_s;
   lookAtScene(poses.front().time_s, std::abs(poses.front().time_s - pointsTime_s) < kNoAge_s);
+  keep(poses, answers);
   remember(poses, answers);
   answer(poses, answers);
   return answers_;
@@ -82,6 +91,38 @@ void SoftTouch::tell(std::span<const Pose> poses) {
   source_->ask(question_);
 }
 
+// Where contacts are, as the body carries them where the points about the hands do not say so.
+void SoftTouch::keep(std::span<const Pose> poses, std::span<const Contact> answers) {
+  if (const auto newest = source_->pressed()) pressed_ = *newest;
+  std::size_t touch = 0;
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    Hand& hand = hands_[i];
+    const std::span<const PointContact> points = surface_->points(i);
+    ContactKeeper::Tick tick{.hip = poses[i].hip,
+                             .time_s = poses[i].time_s,
+                             .friction = question_.friction,
+                             .slack = kSlack_N_ms / std::max(kLeastStiffness, hand.spring.stiffness_N_per_unit),
+                             .radius = source_->radius()};
+    for (std::size_t k = 0; k < hand.keepers.size(); ++k, ++touch) {
+      if (!points.empty()) tick.hip = points[k].hip;
+      const Contact& felt = points.empty() ? answers[i] : points[k].contact;
+      if (!answers[i].valid || !felt.valid || isQuiet_) {
+        hand.keepers[k].forget();
+        hand.contacts[k] = felt;
+      } else {
+        hand.contacts[k] = keptBy(hand.keepers[k], felt, pressed_[touch], tick);
+      }
+    }
+  }
+}
+
+Contact SoftTouch::keptBy(ContactKeeper& keeper, const Contact& felt, const PressedPlace& pressed,
+                          const ContactKeeper::Tick& tick) {
+  const Contact contact = keeper.follow(felt, pressed, tick);
+  source_->count(keeper.isKept(), keeper.gaveWay());
+  return contact;
+}
+
 // For the next tick.
 void SoftTouch::remember(std::span<const Pose> poses, std::span<const Contact> answers) {
   const double now_s = poses.front().time_s;
@@ -94,16 +135,16 @@ void SoftTouch::remember(std::span<const Pose> poses, std::span<const Contact> a
   std::uint32_t k = 0;
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     hands_[i].hips[place] = poses[i].hip;
-    const auto felt = [&](const Contact& contact) {
+    for (std::size_t p = 0; p < hands_[i].contacts.size(); ++p) {
+      const Contact& contact = hands_[i].contacts[p];
       SurfaceTouch& touch = question_.touches[k++];
+      touch.contact = hands_[i].keepers[p].contact();
+      touch.isSamePlace = hands_[i].keepers[p].isSamePlace();
       touch.touching = contact.touching && contact.valid && answers[i].valid && !isQuiet_;
-      touch.proxy = contact.proxy;
+      touch.proxy = touch.touching ? hands_[i].keepers[p].place() : contact.proxy;
       touch.normal = contact.normal;
       touch.velocity = contact.velocity;
-    };
-    const std::span<const PointContact> points = surface_->points(i);
-    if (points.empty()) felt(answers[i]);
-    for (const PointContact& point : points) felt(point.contact);
+    }
   }
 }
 
@@ -154,11 +195,11 @@ void SoftTouch::answer(std::span<const Pose> poses, std::span<const Contact> ans
     const double yields = hand.spring.stiffness_N_per_unit * source_->compliance(i);
     const DVec3 away = age_s > kNoAge_s ? strayed(hand, poses[i], age_s) : DVec3(0);
     const auto given = [&](const Contact& contact) { return givenWay(contact, away, yields / (1 + yields)); };
-    answers_[i] = given(answers[i]);
     const std::span<const PointContact> felt = surface_->points(i);
+    answers_[i] = given(felt.empty() ? hand.contacts.front() : answers[i]);
     for (std::size_t k = 0; k < felt.size(); ++k) {
       hand.points[k] = felt[k];
-      hand.points[k].contact = given(felt[k].contact);
+      hand.points[k].contact = given(hand.contacts[k]);
     }
     if (!failed && !isQuiet_) continue;
     answers_[i] = {.proxy = poses[i].hip, .fresh = answers[i].fresh, .valid = answers[i].valid && !failed};
@@ -168,6 +209,7 @@ void SoftTouch::answer(std::span<const Pose> poses, std::span<const Contact> ans
 
 void SoftTouch::resetHand(std::size_t hand) noexcept {
   surface_->resetHand(hand);
+  for (ContactKeeper& keeper : hands_[hand].keepers) keeper.forget();
   for (std::uint32_t k = 0; k < question_.count; ++k)
     if (question_.touches[k].hand == hand) question_.touches[k].touching = false;
   if (hand == 0) question_.brush.sculpts = false;

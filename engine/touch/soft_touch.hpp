@@ -8,6 +8,7 @@
 
 #include "engine/core/shape_strokes.hpp"
 #include "engine/core/touch_backend.hpp"
+#include "engine/touch/contact_keeper.hpp"
 #include "engine/touch/probe_group.hpp"
 #include "engine/touch/soft_source.hpp"
 
@@ -76,7 +77,12 @@ class SoftTouch final : public TouchBackend, private ShapeStrokes {
     HandSpring spring;
     std::vector<PointContact> points;  // as it gets them
     std::array<DVec3, kRemembered> hips{};
+    std::vector<ContactKeeper> keepers;  // of the hand, or of each point of its tool
+    std::vector<Contact> contacts;       // as they keep them
   };
+  void keep(std::span<const Pose> poses, std::span<const Contact> answers);
+  Contact keptBy(ContactKeeper& keeper, const Contact& felt, const PressedPlace& pressed,
+                 const ContactKeeper::Tick& tick);
   // `isThere`: the surface is known to be that of this time.
   void lookAtScene(double time_s, bool isThere);
   void tell(std::span<const Pose> poses);
@@ -99,6 +105,7 @@ class SoftTouch final : public TouchBackend, private ShapeStrokes {
   std::vector<Contact> answers_;
   std::vector<Pose> poses_;  // of the last question
   SurfaceQuestion question_;
+  PressedPlaces pressed_;                      // the latest
   std::array<double, kRemembered> times_s_{};  // of the ticks that are remembered, in a ring
   std::size_t ticks_ = 0;
   std::uint32_t beginnings_ = 0;  // of the scene, as far as hands know

@@ -10,7 +10,8 @@ layout(push_constant, scalar) uniform Push { SoftCoupleArgs args; };
 
 // What a press holds of a node; 0 where it does not.
 float shareIn(uint press, uint node) {
-  uint low = press * args.heldStride, high = low + args.counts.at[1 + press];
+  const uint row = args.presses.at[press].row;
+  uint low = row * args.heldStride, high = low + args.counts.at[1 + row];
   const uint end = high;
   while (low < high) {
     const uint middle = (low + high) / 2;
@@ -25,11 +26,11 @@ float shareIn(uint press, uint node) {
 void main() {
   const uint press = workgroupIndex(), presses = args.counts.at[0];
   if (press >= presses) return;
-  const uint held = args.counts.at[1 + press];
+  const uint row = args.presses.at[press].row, held = args.counts.at[1 + row];
   for (uint other = 0; other < presses; ++other) {
     vec4 sum = vec4(0), none = vec4(0);
     for (uint k = gl_LocalInvocationIndex; k < held; k += kMatterBlock) {
-      const uint at = press * args.heldStride + k, node = args.held.at[at].node;
+      const uint at = row * args.heldStride + k, node = args.held.at[at].node;
       if (args.nodes.at[kNodeVec4s * node + 1].w == 0) continue;
       const float share = args.held.at[at].share;
       const float others = other == press ? share : shareIn(other, node);

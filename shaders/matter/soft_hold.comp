@@ -38,7 +38,8 @@ bool nodeIsInReach(uint node, vec3 middle, float radius) {
 
 void main() {
   const uint press = workgroupIndex(), local = gl_LocalInvocationIndex;
-  if (press >= args.counts.at[0]) return;
+  if (press >= args.counts.at[0] || args.presses.at[press].same != 0) return;
+  const uint row = args.presses.at[press].row;
   const vec3 middle = args.presses.at[press].place;
   const float radius = args.presses.at[press].radius;
   uint found = 0;
@@ -53,9 +54,9 @@ void main() {
       const uint node = blocksInReach[k] * kMatterBlock + local;
       const bool near = nodeIsInReach(node, middle, radius);
       const uint place = found + countedUpTo(near);
-      if (near) args.held.at[press * args.heldStride + place - 1].node = node;
+      if (near) args.held.at[row * args.heldStride + place - 1].node = node;
       found += countedInAll();
     }
   }
-  if (local == 0) args.counts.at[1 + press] = found;
+  if (local == 0) args.counts.at[1 + row] = found;
 }

@@ -19,8 +19,9 @@ shared vec3 change;                // of one of them
 vec3 freeVelocity(uint press) {
   const float step = args.setting.now.step;
   vec3 velocity = vec3(0);
-  for (uint k = gl_LocalInvocationIndex; k < args.counts.at[1 + press]; k += kMatterBlock) {
-    const uint at = press * args.heldStride + k, node = args.held.at[at].node;
+  const uint row = args.presses.at[press].row;
+  for (uint k = gl_LocalInvocationIndex; k < args.counts.at[1 + row]; k += kMatterBlock) {
+    const uint at = row * args.heldStride + k, node = args.held.at[at].node;
     const vec4 before = args.nodes.at[kNodeVec4s * node + 1];
     if (before.w == 0) continue;
     const float mass = args.nodes.at[kNodeVec4s * node].w;
@@ -75,8 +76,9 @@ void report(uint press, vec3 force, vec3 velocity) {
 
 void pushNodes(uint press) {
   const vec3 impulse = args.setting.now.step * forces[press];
-  for (uint k = gl_LocalInvocationIndex; k < args.counts.at[1 + press]; k += kMatterBlock) {
-    const uint at = press * args.heldStride + k, node = args.held.at[at].node;
+  const uint row = args.presses.at[press].row;
+  for (uint k = gl_LocalInvocationIndex; k < args.counts.at[1 + row]; k += kMatterBlock) {
+    const uint at = row * args.heldStride + k, node = args.held.at[at].node;
     const vec4 before = args.nodes.at[kNodeVec4s * node + 1];
     if (before.w == 0) continue;
     const vec3 slowed = args.held.at[at].share / args.nodes.at[kNodeVec4s * node].w * impulse;

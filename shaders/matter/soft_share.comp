@@ -90,21 +90,21 @@ void findNearest(vec3 middle) {
 }
 
 // The corners of a cell stand in the order of their nodes.
-void holdNearest(uint press) {
+void holdNearest(uint press, uint row) {
   findNearest(args.presses.at[press].place);
   const uint local = gl_LocalInvocationIndex;
-  if (local == 0) args.counts.at[1 + press] = 8;
+  if (local == 0) args.counts.at[1 + row] = 8;
   if (local >= 8) return;
-  const uint at = press * args.heldStride + local;
+  const uint at = row * args.heldStride + local;
   args.held.at[at].node = nodeAt(args.corners.at[nearestSlot[0]], local);
   args.held.at[at].share = max(cornerShare(args.skin.at[kSkinVec4s * nearestAt[0]].xyz, int(local)), 0);
 }
 
 // Of all shares, and of those that are pinned.
-vec2 sumsOf(uint press, uint held) {
+vec2 sumsOf(uint row, uint held) {
   vec4 sums = vec4(0), none = vec4(0);
   for (uint k = gl_LocalInvocationIndex; k < held; k += kMatterBlock) {
-    const uint at = press * args.heldStride + k;
+    const uint at = row * args.heldStride + k;
     const float share = args.held.at[at].share;
     sums.x += share;
     if (args.nodes.at[kNodeVec4s * args.held.at[at].node + 1].w == 0) sums.y += share;
@@ -113,25 +113,38 @@ vec2 sumsOf(uint press, uint held) {
   return sums.xy;
 }
 
-void main() {
-  const uint press = workgroupIndex(), local = gl_LocalInvocationIndex;
-  if (press >= args.counts.at[0]) return;
-  uint held = args.counts.at[1 + press];
+// What a press holds of each node; false where it holds the nearest place alone.
+bool findShares(uint press, uint row) {
+  const uint local = gl_LocalInvocationIndex;
+  uint held = args.counts.at[1 + row];
   for (uint k = local; k < held; k += kMatterBlock) {
-    const uint at = press * args.heldStride + k;
+    const uint at = row * args.heldStride + k;
     args.held.at[at].share = givenTo(args.held.at[at].node, press);
   }
-  vec2 sums = sumsOf(press, held);
-  if (!(sums.x > 0)) {
-    holdNearest(press);
+  float sum = sumsOf(row, held).x;
+  const bool isNear = sum > 0;
+  if (!isNear) {
+    holdNearest(press, row);
     held = 8;
-    sums = sumsOf(press, held);
+    sum = sumsOf(row, held).x;
   }
-  for (uint k = local; k < held; k += kMatterBlock) args.held.at[press * args.heldStride + k].share /= sums.x;
-  if (local != 0) return;
+  for (uint k = local; k < held; k += kMatterBlock) args.held.at[row * args.heldStride + k].share /= sum;
+  return isNear;
+}
+
+void main() {
+  const uint press = workgroupIndex();
+  if (press >= args.counts.at[0]) return;
+  const uint row = args.presses.at[press].row;
+  bool isNear = true;
+  if (args.presses.at[press].same == 0) isNear = findShares(press, row);
+  barrier();
+  const vec2 sums = sumsOf(row, args.counts.at[1 + row]);
+  if (gl_LocalInvocationIndex != 0) return;
   args.done.at[press].force = args.presses.at[press].force;
   args.done.at[press].work = 0;
   args.done.at[press].impulse = vec3(0);
   args.done.at[press].pinned = sums.y / sums.x;
   args.done.at[press].moved = vec3(0);
+  args.done.at[press].alone = isNear ? 0 : 1;
 }

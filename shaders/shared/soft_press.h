@@ -25,8 +25,10 @@ struct SoftPressed {
   float most;     // N, of all presses of the hand
   vec3 force;     // on the hand, in the substep before, N
   uint hand;
+  uint row;   // where its nodes stand, and their number, from step to step
+  uint same;  // not 0: they are those of the step before
 };
-PALPATE_SIZE(SoftPressed, 96);
+PALPATE_SIZE(SoftPressed, 104);
 
 // What came of it. The nodes that are pinned have the share `pinned` of it.
 struct SoftPressDone {
@@ -35,7 +37,7 @@ struct SoftPressDone {
   vec3 impulse;  // on the hand, kg m/s
   float pinned;
   vec3 moved;  // of the place, m
-  uint unused;
+  uint alone;  // not 0: no place of the skin was in reach when its nodes were found
 };
 PALPATE_SIZE(SoftPressDone, 48);
 
@@ -83,11 +85,11 @@ PALPATE_SIZE(SoftReachArgs, 40);
 // Which nodes each press may hold; a workgroup for each.
 struct SoftHoldArgs {
   PALPATE_ADDRESS(SoftPresses) presses;
-  PALPATE_ADDRESS(Uints) counts;  // how many presses there are; then, out, how many nodes each holds
+  PALPATE_ADDRESS(Uints) counts;  // how many presses there are; then, out, how many nodes each row holds
   PALPATE_ADDRESS(UVec4s) incident;
   PALPATE_ADDRESS(Vec4s) boxes;
   PALPATE_ADDRESS(Vec4s) blockBoxes;
-  PALPATE_ADDRESS(SoftHelds) held;  // out
+  PALPATE_ADDRESS(SoftHelds) held;  // out, in rows
   uint nodeCount;
   uint stride;
   uint skinCount;
@@ -124,6 +126,7 @@ PALPATE_SIZE(SoftShareArgs, 120);
 // How much the place of one press is accelerated by a force on another one's, or on its own: 1/kg. A workgroup for
 // each.
 struct SoftCoupleArgs {
+  PALPATE_ADDRESS(SoftPresses) presses;
   PALPATE_ADDRESS(Uints) counts;
   PALPATE_ADDRESS(SoftHelds) held;
   PALPATE_ADDRESS(Vec4s) nodes;
@@ -131,7 +134,7 @@ struct SoftCoupleArgs {
   uint heldStride;
   uint unused;
 };
-PALPATE_SIZE(SoftCoupleArgs, 40);
+PALPATE_SIZE(SoftCoupleArgs, 48);
 
 // The presses of a substep, one workgroup, behind what cells do and before nodes move: the nodes get what presses do to
 // them in their velocities.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <glm/gtc/quaternion.hpp>
+#include <random>
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/matter/soft_embedding.hpp"
@@ -125,6 +126,30 @@ TEST_CASE("a scan that is not closed is refused with where it is open, and how w
   CHECK(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 40; }), patient) == "taken");
   patient.hole_mm = 5;
   CHECK(says(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 49.5; }), patient), "model: is not"));
+}
+
+TEST_CASE("a sheet of few, uneven points is refused as open, and a closed scan of as few is taken") {
+  // Terrain as an aeroplane measures it: its points stand up and down by more than they are apart.
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> side(0, 100), height(0, 12);
+  PointCloud sheet;
+  for (int i = 0; i < 1000; ++i) {
+    const float z = side(random);
+    const float low = height(random);
+    const float high = height(random);
+    const float x = side(random);
+    sheet.positions.emplace_back(x, low + high, z);
+    sheet.normals.emplace_back(0, 1, 0);
+  }
+  CHECK(says(fillRefusal(sheet), "model: is not closed: its points are"));
+  for (Vec3& normal : sheet.normals) normal = -normal;
+  CHECK(says(fillRefusal(sheet), "model: is not closed"));
+  CHECK(fillRefusal(shapeCloud("sphere", 1000)) == "taken");
+  CHECK(fillRefusal(shapeCloud("torus", 1000)) == "taken");
+  // Half of a sphere, for whoever wants it closed by a film.
+  MatterScene scene = scanScene();
+  scene.hole_mm = 200;
+  CHECK(fillRefusal(without(shapeCloud("sphere"), [](const Vec3& place) { return place.y > 0; }), scene) == "taken");
 }
 
 TEST_CASE("what encloses nothing, is turned inside out, or is hardly there is refused") {
