@@ -69,7 +69,8 @@ std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double bu
   MatterQuestion question{.time_s = poses.front().time_s, .hands = {}, .putDown = putDown_};
   bool finite = true;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    question.hands[i] = {.place_m = poses[i].hip * kMatterUnit_m, .orientation = poses[i].turn};
+    question.hands[i] = {
+        .place_m = poses[i].hip * kMatterUnit_m, .orientation = poses[i].turn, .felt = poses[i].felt.share()};
     finite &= isFinite(poses[i].hip);
   }
   std::optional<MatterAnswer> answer;

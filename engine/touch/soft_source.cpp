@@ -192,7 +192,8 @@ void SoftSource::advance(std::uint32_t steps) {
     if (world_->state() != MatterState::running) break;  // what was pressed is of an earlier step
     for (std::size_t n = 0; n < pressing_.size(); ++n) {
       slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
-      energies_J_[presses_[n].hand] += world_->scene().gain * world_->pressed()[n].work_J;
+      energies_J_[presses_[n].hand] +=
+          question_.touches[pressing_[n]].felt * world_->scene().gain * world_->pressed()[n].work_J;
     }
     for (std::size_t hand = 0; hand < options_.hands; ++hand) seeEnergy(hand, energies_J_[hand]);
   }
