@@ -187,7 +187,8 @@ PointCloud cloudOf(const MatterScene& scene, const MatterModel* model, unsigned 
   if (model != nullptr) leaveOut(places, *model);
   PointCloud cloud;
   cloud.positions = inUnits(places);
-  MatterSurface(boxOf(scene), scene.spacing_mm * kMatterUnit_m, threads).normalsOf(places, upOf(scene), cloud.normals);
+  MatterSurface(boxOf(scene), particleSpacing_mm(scene) * kMatterUnit_m, threads)
+      .normalsOf(places, upOf(scene), cloud.normals);
   cloud.colors.assign(places.size(), scene.matter == Matter::sand ? kSandColor : kWaterColor);
   if (model != nullptr) addModel(*model, cloud.positions, cloud.normals);
   cloud.colors.resize(cloud.size(), kModelColor);
