@@ -52,6 +52,7 @@ void Hand::begin() {
   passivity_ = Passivity(passivityMode_, limits_, springOfDevice_N_per_mm());
   gate_ = ForceGate(limits_, 1 / rate_Hz_);
   clutch_ = Clutch(options_.map);
+  felt_ = {.asked_N = 0, .got_N = 0};
   lastProxy_.reset();
   lastPosition_.reset();
 }
@@ -86,12 +87,14 @@ void Hand::feel(const Contact& answer, std::span<const PointContact> points, con
 bool Hand::write() noexcept {
   written_ = device_->write(force_N_);
   passivity_.acted(written_ ? force_N_ : DVec3(0));
+  felt_ = {.asked_N = law_.demand_N(), .got_N = written_ ? glm::length(force_N_) : 0};
   return written_;
 }
 
 void Hand::takeForceAway() noexcept {
   device_->write(DVec3(0));
   written_ = false;
+  felt_.got_N = 0;
 }
 
 void Hand::note(TraceRow& row) const noexcept {

@@ -62,6 +62,8 @@ class Hand {
             const TickConditions& conditions) noexcept;
   /// False when the force did not reach the device.
   bool write() noexcept;
+  /// At the last tick.
+  const FeltForce& felt() const noexcept { return felt_; }
   /// The device has, or gets, no force at this tick after all: another one failed.
   void takeForceAway() noexcept;
   /// What this tick was.
@@ -96,6 +98,7 @@ class Hand {
   Contact contact_;
   DVec3 force_N_{0}, torque_mNm_{0};
   bool written_ = false;
+  FeltForce felt_;
 };
 
 }  // namespace palpate

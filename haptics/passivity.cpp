@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -13,6 +14,10 @@ constexpr double kReturn_N_per_s = 60;
 constexpr double kSinks_mm = 0.1, kBeginning_N = 0.05;
 /// A law of another program's may come without a spring.
 constexpr double kSoftest_N_per_mm = 0.05;
+/// As the hand of somebody who draws back from what is hot, and faster than one that strokes or explores.
+constexpr double kFast_mm_per_s = 200;
+/// Until the force acts it may be pushed on by so much, or go on getting faster for so long.
+constexpr double kFaster = 1.25, kAhead_ticks = 2;
 
 }  // namespace
 
@@ -33,9 +38,32 @@ DVec3 Passivity::damped(const DVec3& wanted_N, const DVec3& position_mm, double 
   known_ = true;
   energy_mJ_ -= glm::dot(forces_N_[delay_], way_mm);  // the force on the hand, so a push outwards costs
   leastEnergy_mJ_ = std::min(leastEnergy_mJ_, energy_mJ_);
+  const DVec3 lastWay_mm = std::exchange(lastWay_mm_, way_mm);
   if (mode_ == PassivityMode::observe || !(dt_s > 0)) return wanted_N;
   if (!isWanted_) return wanted_N;  // free space is free, whatever is owed
-  return isLending_ ? lent(wanted_N, way_mm, dt_s) : braked(wanted_N, way_mm, dt_s);
+  if (isLending_) return lent(wanted_N, way_mm, dt_s);
+  return withinMeans(braked(wanted_N, way_mm, dt_s), way_mm, way_mm - lastWay_mm, dt_s);
+}
+
+// Of what was taken in, what forces on their way to the motors leave if the hand keeps its velocity.
+double Passivity::leftAlong_mJ(const DVec3& way_mm) const noexcept {
+  double left_mJ = energy_mJ_;
+  for (std::size_t i = 0; i < delay_; ++i) left_mJ -= std::max(0.0, glm::dot(forces_N_[i], way_mm));
+  return left_mJ;
+}
+
+// In its last tick in the surface a hand at 1 m/s gets the force of a millimetre more than it has: some mJ that it has
+// not put in, and no damper gets them back in free space. A slow one gets next to none, and is left to the damper.
+DVec3 Passivity::withinMeans(const DVec3& force_N, const DVec3& way_mm, const DVec3& change_mm,
+                             double dt_s) const noexcept {
+  DVec3 next_mm = way_mm + kAhead_ticks * change_mm;
+  if (const DVec3 faster_mm = kFaster * way_mm; glm::dot(force_N, faster_mm) > glm::dot(force_N, next_mm))
+    next_mm = faster_mm;
+  const double size_N = glm::length(force_N);
+  const double outwards_mm = size_N > 0 ? glm::dot(force_N, next_mm) / size_N : 0;
+  if (!(outwards_mm > kFast_mm_per_s * dt_s)) return force_N;
+  const double most_N = std::max(0.0, leftAlong_mJ(next_mm)) / outwards_mm;
+  return size_N > most_N ? most_N / size_N * force_N : force_N;
 }
 
 // alpha = -E / (dt v^2) gives the debt back within a tick if the hand keeps its velocity.
@@ -53,8 +81,7 @@ DVec3 Passivity::braked(const DVec3& wanted_N, const DVec3& way_mm, double dt_s)
 // energy tank of Franken et al. 2011, emptied by a spring). Within that, what is on its way to the motors has its share
 // already.
 DVec3 Passivity::lent(const DVec3& force_N, const DVec3& way_mm, double dt_s) noexcept {
-  double left_mJ = energy_mJ_ + kLent_mJ;
-  for (std::size_t i = 0; i < delay_; ++i) left_mJ -= std::max(0.0, glm::dot(forces_N_[i], way_mm));
+  const double left_mJ = leftAlong_mJ(way_mm) + kLent_mJ;
   const double size_N = glm::length(force_N), inwards_mm = -glm::dot(force_N, way_mm) / size_N;
   if (inwards_mm != 0) sunk_mm_ = inwards_mm > 0 ? sunk_mm_ + inwards_mm : 0;
   const bool mayBegin = sunk_mm_ >= kSinks_mm && left_mJ > -kBeginning_mJ;
@@ -80,6 +107,9 @@ void Passivity::end() noexcept {
   held_N_.reset();
 }
 
-void Passivity::lift() noexcept { known_ = false; }
+void Passivity::lift() noexcept {
+  known_ = false;
+  lastWay_mm_ = DVec3(0);
+}
 
 }  // namespace palpate

@@ -25,8 +25,9 @@ inline constexpr std::array<std::pair<std::string_view, PassivityMode>, 3> kPass
 /// Time-domain passivity (Hannaford, Ryu 2002): an observer and a controller at the port between the hand and the
 /// surface. Energies are what the surface has taken in, in mJ (N mm): pressing it adds, being pushed out by it takes
 /// away, so a surface with springs and dampers only, felt without delay, never falls below zero. What falls below was
-/// made by sampling or delay. Where the surface moves, the way that counts is the hand's relative to it: what its own
-/// motion does to the hand has a limit of its own (ForceOptions::maxSurfacePower_W).
+/// made by sampling or delay. What a damper could take back only once the hand is out and free, where a fast hand draws
+/// back, is not given to begin with. Where the surface moves, the way that counts is the hand's relative to it: what
+/// its own motion does to the hand has a limit of its own (ForceOptions::maxSurfacePower_W).
 ///
 /// Where others have changed the surface under a hand, its spring may be stretched farther than anybody on this side
 /// has pressed it, more than a damper takes back: until that contact ends the hand gets no more than kLent_mJ that it
@@ -66,6 +67,8 @@ class Passivity {
   static constexpr std::size_t kMostDelay = 3;
 
   DVec3 braked(const DVec3& wanted_N, const DVec3& way_mm, double dt_s) const noexcept;
+  DVec3 withinMeans(const DVec3& force_N, const DVec3& way_mm, const DVec3& change_mm, double dt_s) const noexcept;
+  double leftAlong_mJ(const DVec3& way_mm) const noexcept;
   void end() noexcept;
   DVec3 lent(const DVec3& force_N, const DVec3& way_mm, double dt_s) noexcept;
 
@@ -75,7 +78,8 @@ class Passivity {
   std::size_t delay_;
   std::array<DVec3, kMostDelay + 1> forces_N_{};  ///< written at the last tick, the one before it, ...
   DVec3 position_mm_{0};
-  bool known_ = false;  ///< position_mm_ is that of the last tick
+  DVec3 lastWay_mm_{0};  ///< in the tick before
+  bool known_ = false;   ///< position_mm_ is that of the last tick
   double energy_mJ_ = 0, leastEnergy_mJ_ = 0;
   bool isWanted_ = false;         ///< there was a force to be passed at this tick
   bool isLending_ = false;        ///< others have changed the surface of this contact

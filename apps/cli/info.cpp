@@ -124,7 +124,7 @@ Json sceneJson(const MatterScene& scene, const MatterPlan& plan) {
   return {{"matter", nameOf(kMatters, scene.matter)},
           {"particles", plan.particles},
           {"substeps", plan.substeps},
-          {"spacing_mm", scene.spacing_mm},
+          {"spacing_mm", particleSpacing_mm(scene)},
           {"box_mm", {box.x, box.y, box.z}},
           {"mass_kg", plan.mass_kg * static_cast<double>(plan.particles)},
           {"bytes", plan.bytes},
@@ -166,13 +166,15 @@ void infoOfMatter(Context& context, const std::string& name, const MatterScene& 
   const MatterPlan plan = planOf(scene);
   const auto& box = scene.box_mm;
   std::FILE* out = context.tables();
-  fmt::print(out, "{}: {} particles of {}, {:g} mm apart, in a box of {:g} x {:g} x {:g} mm\n", name, plan.particles,
-             nameOf(kMatters, scene.matter), scene.spacing_mm, box.x, box.y, box.z);
+  fmt::print(out, "{}: {} particles of {}, {:.4g} mm apart, in a box of {:g} x {:g} x {:g} mm\n", name, plan.particles,
+             nameOf(kMatters, scene.matter), 1e3 * plan.spacing_m, box.x, box.y, box.z);
+  fmt::print(out, "  {}\n", layersInWords(scene));
   fmt::print(out, "  {} substeps in a millisecond, {:.3g} kg, about {:.0f} MiB\n", plan.substeps,
              plan.mass_kg * static_cast<double>(plan.particles), mib(plan.bytes));
   fmt::print(out, "  a hand holds a ball of {:g} mm radius and {:.3g} kg; the force is {:g} times the real one\n",
              scene.tool.radius_mm, scene.tool.mass_kg, scene.gain);
   Json json = sceneJson(scene, plan);
+  json["layers"] = {plan.lattice.x, plan.lattice.y, plan.lattice.z};
   json["tool"] = {{"radius_mm", scene.tool.radius_mm}, {"mass_kg", scene.tool.mass_kg}};
   context.writeJson(json);
 }

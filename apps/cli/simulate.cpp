@@ -113,7 +113,9 @@ void simulate(Context& context, const SimulateOptions& options) {
   fmt::print(out, "{}: {} {} of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
              scene.matter == Matter::soft ? "nodes" : "particles", nameOf(kMatters, scene.matter), seen.time_s,
              world.plan().substeps);
-  if (scene.matter == Matter::soft) fmt::print(out, "  {}\n", elasticityInWords(scene));
+  const bool isSoft = scene.matter == Matter::soft;
+  fmt::print(out, "  {}\n", isSoft ? elasticityInWords(scene) : layersInWords(scene));
+  const UVec3 layers = world.plan().lattice;
   const Json hand = sayHand(out, scene);
   fmt::print(out, "  {}: a millisecond takes {:.0f} us (median), {:.0f} us at most\n", backend, times.p50, times.max);
   fmt::print(out, "  kinetic {:.3g} J, potential {:.6g} J, compressed by {:.2f} % at most, front at {:.1f} mm\n",
@@ -123,6 +125,7 @@ void simulate(Context& context, const SimulateOptions& options) {
   context.writeJson({{"time_s", seen.time_s},
                      {"backend", backend},
                      {"particles", seen.particles},
+                     {"layers", isSoft ? Json(nullptr) : Json{layers.x, layers.y, layers.z}},
                      {"substeps", world.plan().substeps},
                      {"step_us", summaryJson(times)},
                      {"kinetic_J", seen.kinetic_J},

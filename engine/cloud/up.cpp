@@ -6,9 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <vector>
 
+#include "engine/cloud/normals.hpp"
 #include "engine/cloud/voxel_sample.hpp"
 
 namespace palpate {
@@ -26,6 +28,7 @@ constexpr double kContact = 0.015;    // share of the places that is in such a b
 constexpr double kSteady = 0.15;      // tangent of the tilt at which it would fall: more is no better
 constexpr double kOpenBelow = 1.5;    // how much the mean of the normals counts: what is open is open below
 constexpr double kOneView = 0.55;     // mean of the normals towards the only side from which a thing was seen
+constexpr double kFacing = 0.85;      // cosine of 32 degrees: a place faces a direction
 constexpr double kLeast = 0.12;       // score of what stands at all
 constexpr double kClearly = 1.15;     // better than y, or it stays y
 constexpr double kAlike = 0.03;       // share of the places in which a shape differs from itself upside down
@@ -84,11 +87,26 @@ double depthIn(const std::vector<DVec2>& hull, const DVec2& p) {
   return hull.size() < 3 ? -1 : depth;
 }
 
+/// Heights of places in the cells of a plane, sorted.
+using Columns = std::map<std::pair<int, int>, std::vector<double>>;
+
+/// Of a mean column, with gaps of two widths of a column between them.
+double layersOf(const Columns& columns, double width) {
+  constexpr double kGap = 2;
+  std::size_t layers = 0;
+  for (const auto& [cell, heights] : columns) {
+    ++layers;
+    for (std::size_t i = 1; i < heights.size(); ++i) layers += heights[i] - heights[i - 1] > kGap * width;
+  }
+  return static_cast<double>(layers) / static_cast<double>(columns.size());
+}
+
 /// How well the shape stands this way up.
 struct Stand {
   double score = 0;
-  double base = 0;   // the area on which it stands, of all that is over it
-  double share = 0;  // of the places that are in it
+  double base = 0;    // the area on which it stands, of all that is over it
+  double share = 0;   // of the places that are in it
+  double filled = 0;  // the area of the base that has places, of all that is over it
 };
 
 class Shape {
@@ -105,24 +123,22 @@ class Shape {
   }
 
   DVec3 extent() const { return high_ - low_; }
+  const DVec3& middle() const { return middle_; }
   double meanNormal(UpAxis up) const { return glm::dot(mean_, directionOf(up)); }
 
   Stand standing(UpAxis up) const {
     const Sides sides = sidesOf(up);
-    const auto flat = [&](const auto& p) { return DVec2(p[sides.across], p[sides.along]); };
-    const double low = sides.sign > 0 ? low_[sides.axis] : -high_[sides.axis];
-    const double top = low + std::max(kBase * extent()[sides.axis], sample_.cell);
+    const double low = lowEnd(sides);
     std::vector<DVec2> base, all;
-    for (const Vec3& place : sample_.places) {
-      all.push_back(flat(place));
-      if (sides.sign * double{place[sides.axis]} < top) base.push_back(all.back());
-    }
+    for (const Vec3& place : sample_.places) all.push_back(flat(place, sides));
+    for (const std::uint32_t i : lowestPlaces(up)) base.push_back(all[i]);
     const double outline = areaOf(convexHull(all)), middle = sides.sign * middle_[sides.axis] - low;
     if (base.size() < 3 || !(outline > 0) || !(middle > 0)) return {};
     const std::vector<DVec2> hull = convexHull(base);
-    const double steady = std::clamp(depthIn(hull, flat(middle_)) / middle / kSteady, 0.0, 1.0);
+    const double steady = std::clamp(depthIn(hull, flat(middle_, sides)) / middle / kSteady, 0.0, 1.0);
     Stand stand{.base = areaOf(hull) / outline,
-                .share = static_cast<double>(base.size()) / static_cast<double>(all.size())};
+                .share = static_cast<double>(base.size()) / static_cast<double>(all.size()),
+                .filled = static_cast<double>(base.size()) * sample_.cell * sample_.cell / outline};
     const double contact = std::min(1.0, stand.share / kContact);
     const double towards = meanNormal(up);
     if (std::abs(towards) < kOneView) stand.score = stand.base * steady * contact * (1 + kOpenBelow * towards);
@@ -144,24 +160,99 @@ class Shape {
   }
 
   /// Places over one another, along an axis, with a gap between them.
-  double layers(int axis) const {
-    // Wide enough that some places are in each.
-    constexpr double kPlaces = 4;
-    const double area = extent()[(axis + 1) % 3] * extent()[(axis + 2) % 3];
-    const double width = std::max(sample_.cell, std::sqrt(kPlaces * area / static_cast<double>(sample_.places.size())));
-    std::map<std::pair<int, int>, std::vector<double>> columns;
-    for (const Vec3& place : sample_.places) {
-      const auto cell = [&](int k) { return static_cast<int>(std::floor(double{place[k]} / width)); };
-      columns[{cell((axis + 1) % 3), cell((axis + 2) % 3)}].push_back(place[axis]);
+  double layers(int axis) const { return layersOf(columns(axis), widthOfColumn(axis)); }
+
+  /// Median over columns along an axis of how far its places reach, of the whole height. 1 where no column has two.
+  double reach(int axis) const {
+    std::vector<double> reaches;
+    for (const auto& [cell, heights] : columns(axis))
+      if (heights.size() > 1) reaches.push_back((heights.back() - heights.front()) / extent()[axis]);
+    return reaches.empty() ? 1 : quantile(reaches, 0.5);
+  }
+
+  /// Median of the places' heights, 0 at the lowest and 1 at the highest.
+  double medianHeight(int axis) const {
+    return (quantile(heights_[static_cast<std::size_t>(axis)], 0.5) - low_[axis]) / extent()[axis];
+  }
+
+  /// Of all places, the share that faces a direction.
+  double facing(UpAxis up) const {
+    std::size_t count = 0;
+    for (const Vec3& normal : sample_.normals) count += glm::dot(DVec3(normal), directionOf(up)) > kFacing;
+    return static_cast<double>(count) / static_cast<double>(sample_.places.size());
+  }
+
+  /// Of all places, the share that faces a direction with its low end behind it, as the walls of a room do.
+  double facingIn(UpAxis up) const {
+    std::size_t count = 0;
+    for (const std::uint32_t i : lowestPlaces(up))
+      count += glm::dot(DVec3(sample_.normals[i]), directionOf(up)) > kFacing;
+    return static_cast<double>(count) / static_cast<double>(sample_.places.size());
+  }
+
+  /// Of all places, the share that faces up between the floor and a man's height in a room: what stands in it.
+  double furniture(UpAxis up) const {
+    constexpr double kFloor = 0.08, kHead = 0.65;
+    const Sides sides = sidesOf(up);
+    const double low = lowEnd(sides), height = extent()[sides.axis];
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < sample_.normals.size(); ++i) {
+      const double along = (sides.sign * double{sample_.places[i][sides.axis]} - low) / height;
+      count += along > kFloor && along < kHead && glm::dot(DVec3(sample_.normals[i]), directionOf(up)) > kFacing;
     }
-    std::size_t layers = 0;
-    constexpr double kGap = 2;  // widths of a column
-    for (auto& [cell, heights] : columns) {
-      std::ranges::sort(heights);
-      ++layers;
-      for (std::size_t i = 1; i < heights.size(); ++i) layers += heights[i] - heights[i - 1] > kGap * width;
+    return static_cast<double>(count) / static_cast<double>(sample_.places.size());
+  }
+
+  /// Median height of the places that face upwards, as in medianHeight(); 1 without any.
+  double heightOfFacing(UpAxis up) const {
+    const Sides sides = sidesOf(up);
+    std::vector<double> heights;
+    for (std::size_t i = 0; i < sample_.normals.size(); ++i) {
+      if (!(glm::dot(DVec3(sample_.normals[i]), directionOf(up)) > kFacing)) continue;
+      const double along = (sample_.places[i][sides.axis] - low_[sides.axis]) / extent()[sides.axis];
+      heights.push_back(sides.sign > 0 ? along : 1 - along);
     }
-    return static_cast<double>(layers) / static_cast<double>(columns.size());
+    return heights.empty() ? 1 : quantile(heights, 0.5);
+  }
+
+  /// The share of places in the rim where a plane across an axis cuts the shape, if one does: that runs all round at
+  /// the low end of a direction and faces aside, where a base faces down. 0 without one.
+  double cutBelow(UpAxis up) const {
+    constexpr double kAside = 0.5;       // mean size of the cosine between normals and axis, at most
+    constexpr double kLeastRim = 0.007;  // share of the places
+    constexpr double kWide = 0.1;        // area of the rim, of the outline
+    constexpr double kAllRound = 0.8;    // of the sectors around the middle
+    constexpr unsigned kNeighbours = 12;
+    constexpr std::size_t kSectors = 24, kFewestPlaces = 40;
+    const Sides sides = sidesOf(up);
+    const std::vector<std::uint32_t> lowest = lowestPlaces(up);
+    const double share = static_cast<double>(lowest.size()) / static_cast<double>(sample_.places.size());
+    if (lowest.size() < kFewestPlaces || share < kLeastRim) return 0;
+    std::vector<DVec2> rim, all;
+    for (const std::uint32_t i : lowest) rim.push_back(flat(sample_.places[i], sides));
+    for (const Vec3& place : sample_.places) all.push_back(flat(place, sides));
+    const std::vector<DVec2> hull = convexHull(rim);
+    if (!(areaOf(hull) > kWide * areaOf(convexHull(all)))) return 0;
+    DVec2 middle(0);
+    for (const DVec2& p : hull) middle += p / static_cast<double>(hull.size());
+    std::array<bool, kSectors> met{};
+    for (const DVec2& p : rim) {
+      const double turns = std::atan2(p.y - middle.y, p.x - middle.x) / (2 * std::numbers::pi) + 0.5;
+      met[std::min(kSectors - 1, static_cast<std::size_t>(turns * kSectors))] = true;
+    }
+    if (static_cast<double>(std::ranges::count(met, true)) < kAllRound * kSectors) return 0;
+    std::vector<FittedPlane> planes(sample_.places.size());
+    if (sample_.normals.empty()) {
+      NeighbourGraph graph{.degree = kNeighbours, .neighbours = {}};
+      graph.neighbours.resize(graph.degree * sample_.places.size());
+      fitNearestPlanes(sample_.places, lowest, kNeighbours, planes, graph, 1);
+    }
+    double aside = 0;
+    for (const std::uint32_t i : lowest) {
+      const Vec3& normal = sample_.normals.empty() ? planes[i].normal : sample_.normals[i];
+      aside += std::abs(double{normal[sides.axis]}) / static_cast<double>(lowest.size());
+    }
+    return aside < kAside ? share : 0;
   }
 
   /// Of what is not seen from the thin side, how much faces along one of the other two axes: reveals of windows do, the
@@ -182,6 +273,37 @@ class Shape {
   }
 
  private:
+  static DVec2 flat(const DVec3& p, const Sides& sides) { return {p[sides.across], p[sides.along]}; }
+  double lowEnd(const Sides& sides) const { return sides.sign > 0 ? low_[sides.axis] : -high_[sides.axis]; }
+
+  /// On which the shape would stand.
+  std::vector<std::uint32_t> lowestPlaces(UpAxis up) const {
+    const Sides sides = sidesOf(up);
+    const double top = lowEnd(sides) + std::max(kBase * extent()[sides.axis], sample_.cell);
+    std::vector<std::uint32_t> lowest;
+    for (std::uint32_t i = 0; i < sample_.places.size(); ++i)
+      if (sides.sign * double{sample_.places[i][sides.axis]} < top) lowest.push_back(i);
+    return lowest;
+  }
+
+  /// Wide enough that some places are in each.
+  double widthOfColumn(int axis) const {
+    constexpr double kPlaces = 4;
+    const double area = extent()[(axis + 1) % 3] * extent()[(axis + 2) % 3];
+    return std::max(sample_.cell, std::sqrt(kPlaces * area / static_cast<double>(sample_.places.size())));
+  }
+
+  Columns columns(int axis) const {
+    const double width = widthOfColumn(axis);
+    Columns columns;
+    for (const Vec3& place : sample_.places) {
+      const auto cell = [&](int k) { return static_cast<int>(std::floor(double{place[k]} / width)); };
+      columns[{cell((axis + 1) % 3), cell((axis + 2) % 3)}].push_back(place[axis]);
+    }
+    for (auto& [cell, heights] : columns) std::ranges::sort(heights);
+    return columns;
+  }
+
   const VoxelSample& sample_;
   std::array<std::vector<double>, 3> heights_;
   DVec3 low_{0}, high_{0}, middle_{0}, mean_{0};
@@ -204,6 +326,141 @@ std::optional<Upright> asSheet(const Shape& shape) {
   return Upright{fromBelow ? opposite(positive) : positive,
                  fmt::format("ground, {:.0f} % as high as wide{}", 100 * extent[thin] / next,
                              std::abs(shape.meanNormal(positive)) > kOneSided ? ", seen from above" : "")};
+}
+
+/// A room from within, from one place or from one side: nothing faces away from there, and the floor, seen from above,
+/// is wider than all that faces another way across the view, and lies lowest.
+std::optional<Upright> asRoom(const Shape& shape) {
+  constexpr double kView = 0.5;      // mean of the normals towards the side from which it was seen
+  constexpr double kHidden = 0.02;   // share of the places that faces away from there, at most
+  constexpr double kFloor = 0.08;    // that faces up, at least,
+  constexpr double kWider = 2;       // and by how much more than any other way across the view
+  constexpr double kLowest = 0.25;   // height of a floor
+  constexpr double kSideways = 0.5;  // how often x is up
+  UpAxis view = UpAxis::y;
+  for (const auto& [name, from] : kUpAxes)
+    if (shape.meanNormal(from) > shape.meanNormal(view)) view = from;
+  if (shape.meanNormal(view) < kView || shape.facing(opposite(view)) > kHidden) return std::nullopt;
+  std::optional<UpAxis> floor;
+  double most = 0, next = 0;
+  for (const auto& [name, up] : kUpAxes) {
+    if (sidesOf(up).axis == sidesOf(view).axis) continue;
+    const double share = shape.facing(up) * (sidesOf(up).axis == 0 ? kSideways : 1);
+    next = std::max(next, std::min(most, share));
+    if (share > most) {
+      floor = up;
+      most = share;
+    }
+  }
+  if (floor && most > kFloor && most > kWider * next && shape.heightOfFacing(*floor) < kLowest)
+    return Upright{*floor, fmt::format("a floor, {:.0f} % of what was seen from one side", 100 * shape.facing(*floor))};
+  return std::nullopt;
+}
+
+/// A room from within, all round: its walls face in, and more of what stands between them is seen from above than from
+/// any other side.
+std::optional<Upright> asInterior(const Shape& shape) {
+  constexpr double kWall = 0.02;       // share of the places, of a wall
+  constexpr std::size_t kWalls = 4;    // at least
+  constexpr double kFurniture = 0.02;  // share of the places, at least,
+  constexpr double kMore = 1.5;        // and how much more than faces any other way
+  std::size_t walls = 0;
+  UpAxis up = UpAxis::y;
+  double most = 0, next = 0;
+  for (const auto& [name, direction] : kUpAxes) {
+    walls += shape.facingIn(direction) > kWall;
+    const double share = shape.furniture(direction);
+    next = std::max(next, std::min(most, share));
+    if (share > most) {
+      most = share;
+      up = direction;
+    }
+  }
+  if (walls < kWalls || most < kFurniture || most < kMore * next) return std::nullopt;
+  return Upright{up, "a room from within, and what stands in it"};
+}
+
+/// A body that was cut off, as a head in a scanner is at its neck: it is open there, and ends there as a rim. Cut off
+/// at one side alone it stands on that, unless the other side is a base. Cut out of a volume at more sides z goes along
+/// it, from where the cut goes through more of it.
+std::optional<Upright> asCutBody(const Shape& shape) {
+  constexpr double kMore = 1.5;
+  constexpr double kBaseFilled = 0.3;  // of the outline: a base and no round end
+  std::array<double, 6> cuts;
+  std::size_t count = 0;
+  UpAxis only = UpAxis::y;
+  for (const auto& [name, up] : kUpAxes) {
+    cuts[static_cast<std::size_t>(up)] = shape.cutBelow(up);
+    if (cuts[static_cast<std::size_t>(up)] == 0) continue;
+    ++count;
+    only = up;
+  }
+  if (count == 1 && shape.standing(opposite(only)).filled < kBaseFilled) return Upright{only, "a body cut off below"};
+  const double low = cuts[static_cast<std::size_t>(UpAxis::z)], high = cuts[static_cast<std::size_t>(UpAxis::minusZ)];
+  if (count < 2 || (low == 0 && high == 0)) return std::nullopt;
+  return Upright{high > kMore * low ? UpAxis::minusZ : UpAxis::z, fmt::format("a body cut off at {} sides", count)};
+}
+
+/// What a camera saw from the origin of the file's coordinates, along z: one place in each direction, within its field
+/// of view. Cameras that look along z have y down, those that look against it have y up.
+std::optional<Upright> asCameraView(const PointCloud& cloud, const VoxelSample& sample, const Shape& shape) {
+  constexpr double kBehind = 0.005;                  // share of the places that may lie behind
+  constexpr double kNarrowest = 0.2, kWidest = 1.5;  // tangents of half a field of view
+  constexpr double kSkew = 0.35;                     // between its two sides
+  constexpr double kDeep = 1.3;                      // farthest over nearest
+  constexpr double kPlaces = 6;                      // in a cell of the picture
+  if (cloud.origin != DVec3(0)) return std::nullopt;
+  const double ahead = shape.middle().z > 0 ? 1 : -1;
+  std::array<std::vector<double>, 2> tangents;
+  std::vector<double> depths;
+  for (const Vec3& place : sample.places) {
+    const double depth = ahead * double{place.z};
+    if (!(depth > 0)) continue;
+    depths.push_back(depth);
+    for (int k = 0; k < 2; ++k) tangents[static_cast<std::size_t>(k)].push_back(place[k] / depth);
+  }
+  const auto count = static_cast<double>(sample.places.size());
+  if (static_cast<double>(depths.size()) < (1 - kBehind) * count) return std::nullopt;
+  if (quantile(depths, 1 - kTail) < kDeep * quantile(depths, kTail)) return std::nullopt;
+  double area = 1;
+  for (const std::vector<double>& side : tangents) {
+    const double low = -quantile(side, kTail), high = quantile(side, 1 - kTail);
+    if (std::min(low, high) < kNarrowest || std::max(low, high) > kWidest) return std::nullopt;
+    if (std::abs(high - low) > kSkew * (high + low)) return std::nullopt;
+    area *= high + low;
+  }
+  const double width = std::sqrt(kPlaces * area / count);
+  Columns columns;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const auto cell = [&](std::size_t k) { return static_cast<int>(std::floor(tangents[k][i] / width)); };
+    columns[{cell(0), cell(1)}].push_back(std::log(depths[i]));
+  }
+  for (auto& [cell, heights] : columns) std::ranges::sort(heights);
+  if (layersOf(columns, width) > kMostLayers) return std::nullopt;
+  return Upright{ahead > 0 ? UpAxis::minusY : UpAxis::y, "the view of a camera at the origin"};
+}
+
+/// What was seen from the air: one height over nearly all of the ground, however high what stands on it. Without
+/// normals a facade looks like that, too; but files of scans from the air have z up, and ground lies low.
+std::optional<Upright> asAirborne(const Shape& shape) {
+  constexpr double kReach = 0.08;       // of the height, of a usual column
+  constexpr double kClearlyLess = 0.5;  // than columns along other axes reach
+  constexpr double kLow = 0.5;          // median height
+  constexpr double kLayers = 1.5;
+  for (int axis = 2; axis >= 0; --axis) {
+    const double reach = shape.reach(axis);
+    if (reach > kReach || reach > kClearlyLess * std::min(shape.reach((axis + 1) % 3), shape.reach((axis + 2) % 3)))
+      continue;
+    if (shape.layers(axis) > kLayers) continue;
+    const auto positive = static_cast<UpAxis>(axis);
+    const double towards = shape.meanNormal(positive);
+    if (std::abs(towards) > kOneSided ? shape.isFacade(axis) || std::abs(towards) < kOneView : axis != 2) continue;
+    const UpAxis up = towards < -kOneSided ? opposite(positive) : positive;
+    const double median = shape.medianHeight(axis);
+    if ((up == positive ? median : 1 - median) < kLow)
+      return Upright{up, "ground seen from the air, one height over each place"};
+  }
+  return std::nullopt;
 }
 
 Upright byStand(const Shape& shape) {
@@ -277,6 +534,11 @@ Upright findUp(const PointCloud& cloud) {
   if (sample.places.size() < kFewest) return {UpAxis::y, "too few points to tell"};
   const Shape shape(sample);
   if (auto sheet = asSheet(shape)) return *sheet;
+  if (auto room = asRoom(shape)) return *room;
+  if (auto interior = sample.normals.empty() ? std::nullopt : asInterior(shape)) return *interior;
+  if (auto view = asCameraView(cloud, sample, shape)) return *view;
+  if (auto airborne = asAirborne(shape)) return *airborne;
+  if (auto body = asCutBody(shape)) return *body;
   return byStand(shape);
 }
 

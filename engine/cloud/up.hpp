@@ -42,8 +42,10 @@ std::optional<UpAxis> upSaidIn(std::span<const std::string> comments);
 /// between two axes.
 std::optional<UpAxis> upOfCameras(const DVec3& meanUp);
 
-/// What the file says; else looks at the shape: ground lies flat and is seen from above, and what stands does so on a
-/// wide base under its middle. A shape that says nothing, or the same in two directions, has y up. The same answer for
+/// What the file says; else looks at the shape: ground lies flat and is seen from above; a room stands on its floor,
+/// seen from one side or from within; a camera at the origin that looks along z has y down; a scan from the air has one
+/// height over each place; a body that was cut off is open below; and what stands does so on a wide base under its
+/// middle. A shape that says nothing, or the same in two directions, has y up. The same answer for
 /// the same cloud.
 Upright findUp(const PointCloud& cloud);
 

@@ -2,8 +2,10 @@
 // the surface?"
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -15,6 +17,18 @@ namespace palpate {
 /// Hands that touch one cloud at the same time, at most.
 inline constexpr std::size_t kMostHands = 8;
 
+/// Sizes of the force that an answer asked for and of that which the hand got, after all limits: all of it, where
+/// nobody says otherwise.
+struct FeltForce {
+  double asked_N = 1, got_N = 1;
+
+  /// Of a force that was already held to `most_N`; nothing where none was asked for.
+  double share(double most_N = std::numeric_limits<double>::infinity()) const {
+    const double asked = std::min(asked_N, most_N);
+    return asked > 0 ? std::min(1.0, got_N / asked) : 0;
+  }
+};
+
 /// Where a hand is, in model units, and when.
 struct Pose {
   double time_s = 0;
@@ -22,6 +36,8 @@ struct Pose {
   /// The hand means to change what it touches, where there is a tool. Otherwise it only feels.
   bool sculpts = true;
   DQuat turn{1, 0, 0, 0};  ///< of the tool's frame against the model's; only a tool of many points asks for it
+  /// At the last tick. What simulates counts the hand's work by it, and nothing else depends on it.
+  FeltForce felt;
 };
 
 /// What the surface answers to one pose. Positions in model units.

@@ -19,7 +19,7 @@ struct SimulationParameter {
 };
 
 /// Energy that a hand has put into a simulation since it began, less what it got back, J, against the forces that it
-/// got, with their gain: a port is passive where that is never below 0.
+/// got, with their gain and after all limits: a port is passive where that is never below 0.
 struct PortEnergy {
   double now_J = 0, least_J = 0;
 };

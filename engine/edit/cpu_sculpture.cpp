@@ -16,6 +16,8 @@ constexpr std::size_t kBatch = 64;  // points that a thread takes at a time
 // Neighbours that a point examines before it decides to come or go. More are within its neighbourhood radius only where
 // heaps of points lie in one place: they are merged with the ones that are seen, and no new point is asked for.
 constexpr std::size_t kMostNeighbours = 2048;
+// Points that get normals and come and go in an edit: so many, or this share of all, and the others with the next ones.
+constexpr std::size_t kMostAtOnce = 1024, kShareAtOnce = 16;
 
 // Calls body(i) for every i below `count`, on all threads.
 template <class Body>
@@ -106,6 +108,7 @@ void CpuSculpture::edit(const PlacedBrush& brush) {
   if (brush.acts()) applyBrush(brush);
   findUnsettled();
   refit();
+  settled_ = !someWait_;
   if (options_.keepsDensity)
     resample();
   else
@@ -116,6 +119,7 @@ void CpuSculpture::set(std::span<const PointChange> changes) {
   for (const PointChange& change : changes) points_.set(change.to);
   std::ranges::fill(points_.unsettled, 0);
   settled_ = true;
+  someWait_ = false;
   build();
 }
 
@@ -185,6 +189,15 @@ void CpuSculpture::findUnsettled() {
   unsettled_.clear();
   for (std::uint32_t i = 0; i < points_.size(); ++i)
     if (points_.unsettled[i] && points_.there[i]) unsettled_.push_back(i);
+  const std::size_t most = std::max(kMostAtOnce, std::size_t{points_.fromFile} / kShareAtOnce);
+  someWait_ = unsettled_.size() > most;
+  if (!someWait_) return;
+  // Those that have waited longest: around all of them in the order of their numbers.
+  const auto next = std::ranges::lower_bound(unsettled_, nextUnsettled_);
+  std::ranges::rotate(unsettled_, next);
+  nextUnsettled_ = unsettled_[most];
+  unsettled_.resize(most);
+  std::ranges::sort(unsettled_);
 }
 
 Vec3 CpuSculpture::refitted(std::uint32_t point) const {
@@ -271,7 +284,6 @@ void CpuSculpture::resample() {
   });
   const std::size_t before = points_.size();
   bool someGone = false;
-  settled_ = true;
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     const std::uint32_t point = unsettled_[i];
     points_.unsettled[point] = requests_[i].unsettled;

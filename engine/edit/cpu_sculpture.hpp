@@ -30,7 +30,7 @@ class CpuSculpture {
   std::uint64_t rebuilds() const { return builds_ - 1; }
 
   /// One tick: the brush, where it acts; then the points that are not settled get the normals of their surroundings,
-  /// and come and go.
+  /// and come and go. Of more than 1024 and a sixteenth of all a part does so, and the others in the next ticks.
   void edit(const PlacedBrush& brush);
   /// How the last edit found the surface under its brush.
   const SurfaceMeasure& measure() const { return measure_; }
@@ -38,6 +38,8 @@ class CpuSculpture {
   std::span<const std::uint32_t> changed() const { return changed_; }
   /// False: an edit would change something though no brush acts.
   bool settled() const { return settled_; }
+  /// More points are not settled than the last edit took.
+  bool someWait() const { return someWait_; }
   /// How a stroke that goes on found a point.
   void setFound(std::uint32_t point, const SculptedPoints::Found& found) { points_.founds[point] = found; }
   /// Sets points exactly; after that all are settled.
@@ -75,6 +77,8 @@ class CpuSculpture {
   double buildTime_us_ = 0;
   std::uint64_t builds_ = 0;
   bool settled_ = true, carves_ = false;
+  bool someWait_ = false;              // more are unsettled than an edit takes
+  std::uint32_t nextUnsettled_ = 0;    // the number from which the next edit takes them
   std::optional<PlacedBrush> pushes_;  // of this tick
   std::optional<PlacedBrush> cuts_;
   SurfaceMeasure measure_;

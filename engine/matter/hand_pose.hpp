@@ -8,6 +8,7 @@ namespace palpate {
 struct HandPose {
   DVec3 place_m{0};
   DQuat orientation{1, 0, 0, 0};
+  double felt = 1;  ///< share of the force that the hand gets, after all limits
 };
 
 /// On the way from one to the other, of which `share` has been gone.

@@ -22,7 +22,7 @@ constexpr double kPointsInSquare = 30, kMostPoints = 4e5;
 
 // Nodes beyond the outermost cell: as far as weights reach into it, and the middle of a ball that touches it.
 int nodesBeyond(const MatterScene& scene) {
-  const double ball = std::ceil(kNodesInSpacing * scene.tool.radius_mm / scene.spacing_mm);
+  const double ball = std::ceil(kNodesInSpacing * scene.tool.radius_mm / particleSpacing_mm(scene));
   return std::max(kNodesInSupport, static_cast<int>(ball)) + 2;
 }
 
@@ -99,7 +99,7 @@ double shareAt(const Filled& filled, const IVec3& node, std::span<const Beside> 
 
 MatterModel::MatterModel(PointCloud cloud, const MatterScene& scene, unsigned threads)
     : points_(placed(std::move(cloud), scene, threads)) {
-  const double spacing_m = scene.spacing_mm * 1e-3, support_m = kSupport_spacings * spacing_m;
+  const double spacing_m = particleSpacing_mm(scene) * 1e-3, support_m = kSupport_spacings * spacing_m;
   WorkerTeam team(threads);
   const Filled filled =
       filledOf(fillScan(points_, spacing_m / kNodesInSpacing, scene.hole_mm * 1e-3, team).box, nodesBeyond(scene));

@@ -180,9 +180,9 @@ MatterSimulation::StepReport MatterPond::run(std::span<const HandPose> from, std
 
 // A time-domain passivity controller (Hannaford, Ryu 2002) for each hand.
 void MatterPond::lend(StepReport& report, std::span<const HandPose> from, std::span<const HandPose> to) const {
-  const double gain = scene().gain;
-  if (!(gain > 0)) return;
   for (std::size_t k = 0; k < report.tools.size(); ++k) {
+    const double gain = to[k].felt * scene().gain;
+    if (!(gain > 0)) continue;
     ToolReport& tool = report.tools[k];
     const double owed_J = -kLent_J - portEnergy_J(k) - gain * tool.portWork_J;
     const DVec3 way = to[k].place_m - from[k].place_m;

@@ -48,7 +48,7 @@ double pressureOf(const shared::WaterRules& rules, double density_kg_m3, const s
 bool isAtWall(const MatterScene& scene, const Vec3& place) {
   for (int k = 0; k < 3; ++k) {
     const double away_mm = std::min(1e3 * static_cast<double>(place[k]), scene.box_mm[k] - 1e3 * place[k]);
-    if (!scene.periodic[static_cast<std::size_t>(k)] && away_mm < scene.spacing_mm) return true;
+    if (!scene.periodic[static_cast<std::size_t>(k)] && away_mm < particleSpacing_mm(scene)) return true;
   }
   return false;
 }

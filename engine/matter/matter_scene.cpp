@@ -68,7 +68,7 @@ void requireTool(const MatterScene& scene) {
 double nodesOfModel(const MatterScene& scene) {
   if (scene.model.empty()) return 0;
   const auto [low, high] = modelBox_mm(scene);
-  const DVec3 nodes = 2.0 * (high - low + 2.0 * scene.tool.radius_mm) / scene.spacing_mm + 14.0;
+  const DVec3 nodes = 2.0 * (high - low + 2.0 * scene.tool.radius_mm) / particleSpacing_mm(scene) + 14.0;
   return nodes.x * nodes.y * nodes.z;
 }
 
@@ -146,19 +146,38 @@ MatterTool usualTool(const MatterScene& scene) {
   return {.radius_mm = radius_mm, .mass_kg = displaced_kg(scene, radius_mm)};
 }
 
+namespace {
+
+// Of the fill along an axis: as many as are no farther apart than the scene says.
+double layersAlong(const MatterScene& scene, int axis) {
+  return std::ceil(scene.fill_mm[axis] / scene.spacing_mm - 1e-6);
+}
+
+}  // namespace
+
+double particleSpacing_mm(const MatterScene& scene) {
+  constexpr double kSame = 1e-6;
+  if (scene.matter == Matter::soft) return scene.spacing_mm;
+  double cubed = 1;
+  for (int k = 0; k < 3; ++k) cubed *= scene.fill_mm[k] / std::max(1.0, layersAlong(scene, k));
+  const double spacing_mm = std::cbrt(cubed);
+  return spacing_mm > 0 && spacing_mm < (1 - kSame) * scene.spacing_mm ? spacing_mm : scene.spacing_mm;
+}
+
 MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
   requireFields(scene);
   requireTool(scene);
   if (scene.matter == Matter::soft) return softPlanOf(scene, memory_bytes);
   requireModel(scene);
-  MatterPlan plan{.spacing_m = scene.spacing_mm * 1e-3};
+  const double spacing_mm = particleSpacing_mm(scene);
+  MatterPlan plan{.spacing_m = spacing_mm * 1e-3};
   double particles = 1, cells = 1;
   for (int k = 0; k < 3; ++k) {
-    const double along = std::floor(scene.fill_mm[k] / scene.spacing_mm + 0.5);
-    plan.lattice[k] =
-        static_cast<std::uint32_t>(std::min(along, std::floor(scene.box_mm[k] / scene.spacing_mm + 1e-6)));
+    plan.lattice[k] = static_cast<std::uint32_t>(std::min(layersAlong(scene, k), 4e9));
+    const double apart_mm = scene.fill_mm[k] / std::max(1U, plan.lattice[k]);
+    plan.apart_m[k] = (spacing_mm == scene.spacing_mm ? spacing_mm : apart_mm) * 1e-3;
     particles *= plan.lattice[k];
-    cells *= std::max(1.0, std::floor(scene.box_mm[k] / scene.spacing_mm / (kReach_spacings / 2)));
+    cells *= std::max(1.0, std::floor(scene.box_mm[k] / spacing_mm / (kReach_spacings / 2)));
     if (scene.periodic[k] && scene.box_mm[k] < 3 * kReach_spacings * scene.spacing_mm)
       throw Error("box_mm: is {} along {}, where it is periodic; it is at least {} spacings there", scene.box_mm[k],
                   "xyz"[k], 3 * kReach_spacings);
@@ -204,7 +223,7 @@ std::vector<Vec3> placesAtRest(const MatterScene& scene, std::uint64_t memory_by
   for (std::uint32_t z = 0; z < plan.lattice.z; ++z)
     for (std::uint32_t y = 0; y < plan.lattice.y; ++y)
       for (std::uint32_t x = 0; x < plan.lattice.x; ++x)
-        places.emplace_back(scene.fill_at_mm * 1e-3 + (DVec3(x, y, z) + 0.5) * plan.spacing_m);
+        places.emplace_back(scene.fill_at_mm * 1e-3 + (DVec3(x, y, z) + 0.5) * plan.apart_m);
   if (scene.matter == Matter::sand)
     for (std::size_t i = 0; i < places.size(); ++i)
       places[i] += static_cast<float>(plan.spacing_m) * unevenness(static_cast<std::uint32_t>(i));

@@ -50,8 +50,10 @@ struct MatterScene {
   /// A corner is filled so far at the beginning, at rest. A soft body stands in the middle of the floor, as
   /// large as fits into this. mm
   DVec3 fill_mm{100, 50, 100};
-  DVec3 fill_at_mm{0};           ///< corner of the fill, in place of that at 0; not of a soft body, mm
-  double spacing_mm = 5;         ///< of the particles or nodes at rest: one stands for its cube, mm
+  DVec3 fill_at_mm{0};  ///< corner of the fill, in place of that at 0; not of a soft body, mm
+  /// Of the particles or nodes at rest: one stands for its cube. Layers of particles fill what is asked for, so that
+  /// these may be a little nearer to each other (particleSpacing_mm()). mm
+  double spacing_mm = 5;
   double density_kg_m3 = 1000;   ///< at rest, of the matter in bulk, kg/m^3
   double viscosity_Pa_s = 1e-3;  ///< dynamic; not of sand, Pa s
   double cohesion_N_m = 0;       ///< what holds drops together and makes them round; of water alone, N/m
@@ -89,6 +91,10 @@ MatterTool usualTool(const MatterScene& scene);
 /// Viscosity that soft bodies have where a file says nothing: one as low as water's would let them ring for minutes.
 inline constexpr double kSoftViscosity_Pa_s = 3;
 
+/// Side of the cube that a particle stands for, so that all together are the volume of the fill: at most spacing_mm,
+/// and that where sides of the fill are whole multiples of it, or of soft bodies.
+double particleSpacing_mm(const MatterScene& scene);
+
 /// Length of a step.
 inline constexpr double kMatterStep_s = 1e-3;
 
@@ -99,12 +105,13 @@ inline constexpr std::uint64_t kAnyMemory = ~std::uint64_t{0};
 
 /// What a scene comes to.
 struct MatterPlan {
-  UVec3 lattice{0};  ///< particles along each side of the fill
+  UVec3 lattice{0};  ///< particles along each side of the fill: its layers
+  DVec3 apart_m{0};  ///< and how far apart those begin
   std::uint64_t particles = 0;
   std::uint64_t bytes = 0;     ///< about
   std::uint32_t substeps = 1;  ///< in a step
   double substep_s = kMatterStep_s;
-  double spacing_m = 0;
+  double spacing_m = 0;         ///< of particles at rest: side of the cube that one stands for
   double mass_kg = 0;           ///< of a particle
   double speedOfSound_m_s = 0;  ///< of the simulated matter, far below that of the real one
 

@@ -78,7 +78,7 @@ void MatterSimulation::step(std::span<const HandPose> hands) {
   PALPATE_CHECK_EQ(hands.size(), tools());
   placeWaiting(hands);
   growBalls();
-  if (state_ == MatterState::running) take(run(hands_, hands));
+  if (state_ == MatterState::running) take(run(hands_, hands), hands);
   if (state_ != MatterState::running) onModel_ = {};
   if (state_ != MatterState::running)
     for (std::size_t k = 0; k < tools(); ++k) answers_[k] = {.place_m = hands[k].place_m};
@@ -88,7 +88,7 @@ void MatterSimulation::step(std::span<const HandPose> hands) {
 
 void MatterSimulation::press(std::span<const SurfacePress> presses) { PALPATE_CHECK(presses.empty()); }
 
-void MatterSimulation::take(const StepReport& report) {
+void MatterSimulation::take(const StepReport& report, std::span<const HandPose> hands) {
   state_ = report.state;
   totals_ = report.totals;
   impulses_.gravity += report.gravity;
@@ -99,7 +99,7 @@ void MatterSimulation::take(const StepReport& report) {
   for (std::size_t k = 0; k < tools(); ++k) {
     const ToolReport& tool = report.tools[k];
     impulses_.onTools += tool.impulse;
-    portEnergies_J_[k] += scene_.gain * tool.portWork_J;
+    portEnergies_J_[k] += hands[k].felt * scene_.gain * tool.portWork_J;
     answers_[k] = {.force_N = -scene_.gain * tool.springImpulse / kMatterStep_s,
                    .torque_Nm = scene_.gain * tool.angular / kMatterStep_s,
                    .reaction_N = tool.impulse / kMatterStep_s,

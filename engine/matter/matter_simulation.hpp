@@ -142,9 +142,9 @@ class MatterSimulation {
   MatterState state() const { return state_; }
   double time_s() const { return static_cast<double>(steps_) * kMatterStep_s; }
   std::span<const ToolAnswer> answers() const { return answers_; }  ///< of the last step
-  /// Energy that the hand of a tool has put in against the force that it got, with the gain of each step, J. Passive
-  /// where it is never below 0. Who raises the gain while a spring is stretched makes energy, which is counted like any
-  /// other.
+  /// Energy that the hand of a tool has put in against the force that it got, with the gain of each step and as far as
+  /// limits let it out (HandPose::felt), J. Passive where it is never below 0. Who raises the gain while a spring is
+  /// stretched makes energy, which is counted like any other.
   double portEnergy_J(std::size_t tool) const { return portEnergies_J_[tool]; }
   const MatterImpulses& impulses() const { return impulses_; }
   /// That stands in the matter; nothing where there is none.
@@ -224,7 +224,7 @@ class MatterSimulation {
   /// Where particles were predicted in the last substep, m, in any order; the compression in w.
   virtual std::vector<Vec4> pressedPlaces() const = 0;
 
-  void take(const StepReport& report);
+  void take(const StepReport& report, std::span<const HandPose> hands);
   void place(std::size_t tool, const HandPose& hand, std::span<const Vec3> places);
   void placeWaiting(std::span<const HandPose> hands);
   void growBalls();

@@ -128,6 +128,8 @@ void CpuEdits::finish() {
   finishedWithin(0);
   while (stroke_.hasWay() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
   stroke_.end();
+  // A wide brush leaves points behind that have not got their turn.
+  while (sculpture_.someWait() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
   markStroke();
 }
 

@@ -39,7 +39,8 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
     const double share = (k + 1.0) / steps;
     for (std::size_t i = 0; i < tools_; ++i)
       between_[i] = {.place_m = glm::mix(hands_[i].place_m, hands[i].place_m, share),
-                     .orientation = glm::slerp(hands_[i].orientation, hands[i].orientation, share)};
+                     .orientation = glm::slerp(hands_[i].orientation, hands[i].orientation, share),
+                     .felt = hands[i].felt};
     world_->step(between_);
     for (std::size_t i = 0; i < tools_; ++i) seeEnergy(i, world_->portEnergy_J(i));
   }

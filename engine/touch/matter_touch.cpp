@@ -69,7 +69,8 @@ std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double bu
   MatterQuestion question{.time_s = poses.front().time_s, .hands = {}, .putDown = putDown_};
   bool finite = true;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    question.hands[i] = {.place_m = poses[i].hip * kMatterUnit_m, .orientation = poses[i].turn};
+    question.hands[i] = {
+        .place_m = poses[i].hip * kMatterUnit_m, .orientation = poses[i].turn, .felt = poses[i].felt.share()};
     finite &= isFinite(poses[i].hip);
   }
   std::optional<MatterAnswer> answer;
@@ -186,7 +187,8 @@ PointCloud cloudOf(const MatterScene& scene, const MatterModel* model, unsigned 
   if (model != nullptr) leaveOut(places, *model);
   PointCloud cloud;
   cloud.positions = inUnits(places);
-  MatterSurface(boxOf(scene), scene.spacing_mm * kMatterUnit_m, threads).normalsOf(places, upOf(scene), cloud.normals);
+  MatterSurface(boxOf(scene), particleSpacing_mm(scene) * kMatterUnit_m, threads)
+      .normalsOf(places, upOf(scene), cloud.normals);
   cloud.colors.assign(places.size(), scene.matter == Matter::sand ? kSandColor : kWaterColor);
   if (model != nullptr) addModel(*model, cloud.positions, cloud.normals);
   cloud.colors.resize(cloud.size(), kModelColor);

@@ -213,7 +213,7 @@ void SoftSource::advance(std::uint32_t steps) {
       slot.velocity_m_s = (report.place_m - slot.place_m) / kMatterStep_s;
       slot.place_m = report.place_m;
       slot.isAlone = report.isAlone;
-      energies_J_[presses_[n].hand] += world_->scene().gain * world_->pressed()[n].work_J;
+      energies_J_[presses_[n].hand] += question_.touches[pressing_[n]].felt * world_->scene().gain * report.work_J;
     }
     for (std::size_t hand = 0; hand < options_.hands; ++hand) seeEnergy(hand, energies_J_[hand]);
   }

@@ -31,6 +31,7 @@ struct SurfaceTouch {
   DVec3 hip{0};                            ///< at the next tick
   HandSpring spring;                       ///< its share of it
   std::uint32_t hand = 0;
+  double felt = 1;  ///< share of the spring's force, held to its most, that the hand gets
 };
 
 /// The first hand's brush where it felt the surface.

@@ -86,6 +86,7 @@ void SoftTouch::tell(std::span<const Pose> poses) {
                       .damping_N_s_per_unit = share * hand.spring.damping_N_s_per_unit,
                       .most_N = hand.spring.most_N};
       touch.hand = static_cast<std::uint32_t>(i);
+      touch.felt = poses[i].felt.share(hand.spring.most_N);
     }
   }
   source_->ask(question_);

@@ -101,6 +101,18 @@ std::string builtInScenes() {
       fmt::join(matterSceneNames(), ", "));
 }
 
+std::string layersInWords(const MatterScene& scene) {
+  constexpr double kMm3InLitre = 1e6;
+  const UVec3 layers = planOf(scene).lattice;
+  const DVec3& fill = scene.fill_mm;
+  const double spacing_mm = particleSpacing_mm(scene);
+  std::string words = fmt::format("{} x {} x {} layers fill {:g} x {:g} x {:g} mm, {:.4g} litres", layers.x, layers.y,
+                                  layers.z, fill.x, fill.y, fill.z, fill.x * fill.y * fill.z / kMm3InLitre);
+  if (spacing_mm < scene.spacing_mm)
+    words += fmt::format("; {:.4g} mm apart in place of {:g}, so that they do", spacing_mm, scene.spacing_mm);
+  return words;
+}
+
 std::string elasticityInWords(const MatterScene& scene) {
   if (scene.preset == SoftPreset::shapeMatching)
     return fmt::format("shape matching, not calibrated: {:g} of the way back in a substep, which is no stiffness in Pa",

@@ -18,6 +18,9 @@ std::optional<MatterScene> matterScene(const std::string& model);
 
 /// The names of those that need no JSON file, as in "water, dam, sand".
 std::string builtInScenes();
+/// How many layers of particles fill what, as in "8 x 9 x 8 layers fill 80 x 85 x 80 mm, 0.544 litres"; of water or
+/// sand.
+std::string layersInWords(const MatterScene& scene);
 /// What brings a soft body back to its shape: its material, or that it has none.
 std::string elasticityInWords(const MatterScene& scene);
 

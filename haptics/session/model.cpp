@@ -103,7 +103,7 @@ void placeInScene(Model& model, const MatterScene& scene) {
 // Of particles: how far apart they lie says nothing of a surface, which fills a body.
 void drawAsMatter(Model& model, const MatterScene& scene) {
   constexpr double kDisc_spacings = 0.85;  // two thirds of a spacing would close a lattice at rest
-  model.spacing = model.wideSpacing = scene.spacing_mm;
+  model.spacing = model.wideSpacing = particleSpacing_mm(scene);
   model.noise = 0;
   model.discRadius = kDisc_spacings * model.spacing;
   model.ballRadius = scene.tool.radius_mm;

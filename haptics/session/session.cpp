@@ -69,7 +69,7 @@ std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model&
                                                                         .machine = cpuBackend()->machine(threads),
                                                                         .varies = true});
   // As far as weights reach.
-  const double support = kSupport_spacings * scene.spacing_mm;
+  const double support = kSupport_spacings * particleSpacing_mm(scene);
   return std::make_unique<BrickTouch>(source, std::move(felt),
                                       BrickTouchOptions{.radius = support,
                                                         .tool = scene.tool.radius_mm,

@@ -11,7 +11,9 @@
 #include "engine/cloud/up.hpp"
 #include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/io/cloud_formats.hpp"
 #include "engine/io/ply_reader.hpp"
+#include "engine/io/rgbd_folder.hpp"
 #include "tests/source_folder.hpp"
 
 namespace palpate::test::up_test {
@@ -118,6 +120,89 @@ PointCloud building() {
   return cloud;
 }
 
+/// A head, flat at its back and its sides, hollow, with an open neck in which there are a windpipe and a spine.
+PointCloud headCutAtNeck() {
+  PointCloud cloud;
+  Dice dice;
+  const auto addTube = [&](const DVec3& foot, double radius, double height, int count) {
+    for (int i = 0; i < count; ++i) {
+      const double angle = dice(0, 2 * std::numbers::pi);
+      const DVec3 out(std::cos(angle), 0, std::sin(angle));
+      add(cloud, foot + radius * out + DVec3(0, dice(0, height), 0), out);
+    }
+  };
+  addTube({0, 0, 0}, 0.55, 0.8, 6000);
+  addTube({0, 0, 0.3}, 0.12, 0.8, 1300);
+  addTube({0, 0, -0.25}, 0.18, 1.0, 2200);
+  for (int i = 0; i < 30000; ++i) {
+    const double y = dice(-1, 1), angle = dice(0, 2 * std::numbers::pi), r = std::sqrt(1 - y * y);
+    DVec3 n(r * std::cos(angle), y, r * std::sin(angle));
+    DVec3 p(0.8 * n.x, 1.7 + 1.0 * n.y, n.z);
+    if (p.y < 0.8 && std::hypot(p.x, p.z) < 0.55) continue;
+    if (p.z < -0.7) {
+      p.z = -0.7;
+      n = {0, 0, -1};
+    }
+    if (std::abs(p.x) > 0.6) {
+      n = {std::copysign(1, p.x), 0, 0};
+      p.x = 0.6 * n.x;
+    }
+    add(cloud, p, n);
+  }
+  return cloud;
+}
+
+/// Roofs of houses as high as they are far apart, trees, and the ground between them, from straight above.
+PointCloud townFromTheAir(double width, double length) {
+  PointCloud cloud;
+  Dice dice;
+  for (int i = 0; i < 40000; ++i) {
+    const double x = dice(0, width), z = dice(0, length);
+    const int house = static_cast<int>(x / 20) * 7 + static_cast<int>(z / 20) * 13;
+    const double inX = std::fmod(x, 20.0), inZ = std::fmod(z, 20.0);
+    const bool isRoof = inX > 10 && inZ > 8;
+    const bool isTree = !isRoof && std::hypot(inX - 5, inZ - 4) < 3;
+    const double height = isRoof ? 14 + 4 * (house % 5) : isTree && dice(0, 1) < 0.6 ? dice(3, 9) : 0.02 * x;
+    add(cloud, {x, height, z}, {-0.02, 1, 0});
+  }
+  return cloud;
+}
+
+/// A corner of a room with a cupboard, a bed and a lamp, as a camera at its other end sees it: y up, the camera at +z.
+PointCloud roomFromOneSide() {
+  PointCloud cloud;
+  Dice dice;
+  addFace(cloud, dice, {0, 0, 0}, {0, 0, 1.7}, {4, 0, 0}, 1500);
+  addFace(cloud, dice, {0, 0, 0}, {4, 0, 0}, {0, 2.5, 0}, 1500);
+  addFace(cloud, dice, {0, 0.8, 0}, {0, 1.7, 0}, {0, 0, 1.4}, 800);
+  addFace(cloud, dice, {2.5, 0, 0.6}, {1, 0, 0}, {0, 1.9, 0}, 1500);
+  addFace(cloud, dice, {0.5, 0.5, 0.3}, {0, 0, 1.2}, {1.5, 0, 0}, 1500);
+  addFace(cloud, dice, {0.5, 0, 1.5}, {1.5, 0, 0}, {0, 0.5, 0}, 1500);
+  addBall(cloud, dice, {2.2, 1.2, 1}, 0.15, 300);
+  return cloud;
+}
+
+/// A room with its ceiling and four walls, a bed, a table and a shelf, all seen from within.
+PointCloud roomFromWithin() {
+  PointCloud cloud;
+  Dice dice;
+  addFace(cloud, dice, {0, 0, 0}, {0, 0, 4}, {5, 0, 0}, 500);
+  addFace(cloud, dice, {0, 2.5, 0}, {5, 0, 0}, {0, 0, 4}, 500);
+  addFace(cloud, dice, {0, 0, 0}, {5, 0, 0}, {0, 2.5, 0}, 500);
+  addFace(cloud, dice, {0, 0, 4}, {0, 2.5, 0}, {5, 0, 0}, 500);
+  addFace(cloud, dice, {0, 0, 0}, {0, 2.5, 0}, {0, 0, 4}, 500);
+  addFace(cloud, dice, {5, 0, 0}, {0, 0, 4}, {0, 2.5, 0}, 500);
+  const auto addBox = [&](const DVec3& low, const DVec3& size) {
+    addFace(cloud, dice, low + DVec3(0, size.y, 0), {0, 0, size.z}, {size.x, 0, 0}, 500);
+    addFace(cloud, dice, low + DVec3(0, 0, size.z), {size.x, 0, 0}, {0, size.y, 0}, 500);
+    addFace(cloud, dice, low + DVec3(size.x, 0, 0), {0, size.y, 0}, {0, 0, size.z}, 500);
+  };
+  addBox({0, 0, 0}, {2, 0.5, 1.4});
+  addBox({3, 0.7, 1.5}, {1.5, 0.1, 1});
+  addBox({4, 0, 0}, {0.5, 1.3, 0.4});
+  return cloud;
+}
+
 struct Named {
   std::string_view name;
   std::function<PointCloud()> make;
@@ -134,6 +219,37 @@ PointCloud turned(PointCloud cloud, UpAxis up) {
   const auto turn = [&](Vec3& v) { v = Vec3(double{v.x} * x + double{v.y} * y + double{v.z} * z); };
   for (Vec3& p : cloud.positions) turn(p);
   for (Vec3& n : cloud.normals) turn(n);
+  return cloud;
+}
+
+/// Those between two shares of the longest side.
+PointCloud sliceOf(const PointCloud& cloud, double from, double to) {
+  const Bounds box = boundsOf(cloud);
+  int axis = 0;
+  for (int k = 1; k < 3; ++k)
+    if (box.max[k] - box.min[k] > box.max[axis] - box.min[axis]) axis = k;
+  PointCloud slice;
+  for (const Vec3& p : cloud.positions) {
+    const double along = (double{p[axis]} - box.min[axis]) / (box.max[axis] - box.min[axis]);
+    if (along >= from && along <= to) slice.positions.push_back(p);
+  }
+  return slice;
+}
+
+/// What a picture of depth shows, with the camera at the origin, y down and z ahead. Normals from neighbours in it.
+PointCloud viewOf(const DepthFrame& frame, const DepthCamera& camera, bool withNormals) {
+  PointCloud cloud;
+  const auto place = [&](unsigned x, unsigned y) {
+    const double depth = frame.depth_m[std::size_t{y} * camera.width + x];
+    return depth * DVec3((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1);
+  };
+  for (unsigned y = 0; y + 3 < camera.height; y += 3)
+    for (unsigned x = 0; x + 3 < camera.width; x += 3) {
+      const DVec3 p = place(x, y), across = place(x + 3, y) - p, down = place(x, y + 3) - p;
+      if (!(p.z > 0) || std::max(std::abs(across.z), std::abs(down.z)) > 0.05 * p.z) continue;
+      cloud.positions.emplace_back(p);
+      if (withNormals) cloud.normals.emplace_back(glm::normalize(glm::cross(down, across)));
+    }
   return cloud;
 }
 
@@ -239,6 +355,123 @@ TEST_CASE("a wall with windows stands, and is no ground") {
     }
   CHECK(findUp(wall).up == UpAxis::y);
   CHECK(findUp(turned(wall, UpAxis::z)).up == UpAxis::z);
+}
+
+TEST_CASE("a head that is cut off at its neck stands on the cut, and not on a flat side") {
+  for (const auto& [name, up] : kUpAxes) {
+    CAPTURE(name);
+    PointCloud head = turned(headCutAtNeck(), up);
+    Upright found = findUp(head);
+    CAPTURE(found.why);
+    CHECK(nameOf(found.up) == name);
+    head.normals.clear();
+    found = findUp(head);
+    CAPTURE(found.why);
+    CHECK(nameOf(found.up) == name);
+  }
+}
+
+TEST_CASE("a head that is cut off at neck and crown, out of a volume, has z up") {
+  const PointCloud whole = turned(headCutAtNeck(), UpAxis::z);
+  PointCloud cut;
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    if (whole.positions[i].z < 2.2f) add(cut, DVec3(whole.positions[i]), DVec3(whole.normals[i]));
+  CHECK(nameOf(findUp(cut).up) == "z");
+  cut.normals.clear();
+  CHECK(nameOf(findUp(cut).up) == "z");
+}
+
+TEST_CASE("towns from the air have up across the ground, in narrow strips too") {
+  for (const auto& [width, length] : {std::pair{80.0, 60.0}, {80.0, 25.0}, {40.0, 40.0}}) {
+    CAPTURE(width);
+    CAPTURE(length);
+    for (const auto& [name, up] : kUpAxes) {
+      CAPTURE(name);
+      const Upright found = findUp(turned(townFromTheAir(width, length), up));
+      CAPTURE(found.why);
+      CHECK(nameOf(found.up) == name);
+    }
+    PointCloud bare = turned(townFromTheAir(width, length), UpAxis::z);
+    bare.normals.clear();
+    CHECK(nameOf(findUp(bare).up) == "z");
+  }
+}
+
+TEST_CASE("a room that was seen from one side stands on its floor") {
+  for (const auto& [name, up] : kUpAxes) {
+    CAPTURE(name);
+    if (name.ends_with('x')) continue;  // a wall beside the view is more likely than a file with x up
+    const Upright found = findUp(turned(roomFromOneSide(), up));
+    CAPTURE(found.why);
+    CHECK(nameOf(found.up) == name);
+  }
+}
+
+TEST_CASE("a room from within stands on the floor, from which its furniture rises") {
+  for (const auto& [name, up] : kUpAxes) {
+    CAPTURE(name);
+    const Upright found = findUp(turned(roomFromWithin(), up));
+    CAPTURE(found.why);
+    CHECK(nameOf(found.up) == name);
+  }
+}
+
+TEST_CASE("a view from the origin along z has y down") {
+  PointCloud view;
+  const PointCloud room = turned(roomFromOneSide(), UpAxis::minusY);  // seen along z, as cameras see it
+  for (const Vec3& p : room.positions) {
+    const Vec3 seen = p + Vec3(-2, 1.2f, 3.6f);  // the middle of the room onto the axis
+    if (std::abs(seen.x) < 0.8f * seen.z && std::abs(seen.y) < 0.6f * seen.z) view.positions.push_back(seen);
+  }
+  Upright found = findUp(view);
+  CAPTURE(found.why);
+  CHECK(nameOf(found.up) == "-y");
+  for (Vec3& p : view.positions) p = Vec3(p.x, -p.y, -p.z);
+  found = findUp(view);
+  CAPTURE(found.why);
+  CHECK(nameOf(found.up) == "y");
+}
+
+TEST_CASE("each picture of a real depth camera has y down") {
+  const std::filesystem::path folder = modelsFolder() / "rgbd_livingroom_a";
+  if (!isRgbdFolder(folder)) {
+    MESSAGE("skipped: no ", folder.string());
+    return;
+  }
+  RgbdFolder stream(folder);
+  DepthFrame frame;
+  for (std::uint64_t i = 0; i < stream.frames(); i += 6) {
+    CAPTURE(i);
+    stream.rewind();
+    for (std::uint64_t k = 0; k <= i; ++k) REQUIRE(stream.next(frame));
+    PointCloud cloud = viewOf(frame, stream.camera(), false);
+    Upright found = findUp(cloud);
+    CAPTURE(found.why);
+    CHECK(nameOf(found.up) == "-y");
+    // With normals a floor is enough, wherever the origin is.
+    cloud = viewOf(frame, stream.camera(), true);
+    for (Vec3& p : cloud.positions) p += Vec3(-5, 3, -2);
+    found = findUp(cloud);
+    CAPTURE(found.why);
+    CHECK(nameOf(found.up) == "-y");
+  }
+}
+
+TEST_CASE("strips of a real scan from the air have z up, whatever their file does not say") {
+  const std::filesystem::path file = modelsFolder() / "formats" / "autzen_trim.laz";
+  if (!std::filesystem::exists(file)) {
+    MESSAGE("skipped: no ", file.string());
+    return;
+  }
+  const PointCloud cloud = readCloud(file).cloud;
+  constexpr int kStrips = 12;
+  for (int i = 0; i < kStrips; ++i) {
+    CAPTURE(i);
+    const PointCloud strip = sliceOf(cloud, i / double{kStrips}, (i + 1) / double{kStrips});
+    const Upright found = findUp(strip);
+    CAPTURE(found.why);
+    CHECK((strip.size() < 1000 || nameOf(found.up) == "z"));
+  }
 }
 
 TEST_CASE("a few points far away do not widen what a picture shows") {

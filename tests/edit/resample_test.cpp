@@ -70,6 +70,7 @@ int shakeUntilSettled(CpuSculpture& sculpture, double radius) {
   sculpture.edit(brushAt(everything, radius, hip, kUp, {0, 0, 0.01}));
   const PlacedBrush nothing(everything, radius, {});
   int ticks = 1;
+  while (sculpture.someWait()) sculpture.edit(nothing);  // until all have had their turn
   for (; !sculpture.settled() && ticks < 1000; ++ticks) sculpture.edit(nothing);
   return ticks;
 }
@@ -421,6 +422,37 @@ TEST_CASE("the result does not depend on the cells of the index or the number of
       CHECK(sculpture.points().positions == first);
     }
   CHECK(first.size() > rough.size());
+}
+
+TEST_CASE("a brush as wide as the whole cloud leaves a part of its points to the next ticks, and all get their turn") {
+  const auto shape = makeShape("sphere", 100);
+  PointCloud cloud = sampleShape(*shape, {.count = 15'000});
+  const double radius = 4 * std::sqrt(4 * std::numbers::pi * 50 * 50 / 15'000);
+  CpuSculpture sculpture(cloud, makeHashGrid(Vec3(0), static_cast<float>(radius), cloud.size()), {.radius = radius});
+  const DVec3 hip(0, 0, 48), spring(0, 0, 2);
+  const BrushOptions narrow{.kind = BrushKind::inflate, .radius = 6};
+  sculpture.edit(brushAt(narrow, radius, hip, spring));
+  CHECK(!sculpture.changed().empty());
+  CHECK(!sculpture.someWait());
+  CHECK(sculpture.settled());
+  const BrushOptions wide{.kind = BrushKind::inflate, .radius = 150};
+  const Stopwatch watch;
+  sculpture.edit(brushAt(wide, radius, hip, spring));
+  MESSAGE("an edit of ", sculpture.changed().size(), " points: ", watch.elapsed_us() * 1e-3, " ms");
+  CHECK(sculpture.changed().size() > 9'000);
+  CHECK(sculpture.someWait());
+  CHECK(!sculpture.settled());
+  const PlacedBrush none = brushAt(wide, radius, DVec3(0, 0, 90), DVec3(0));
+  int ticks = 0;
+  for (; ticks < 40 && sculpture.someWait(); ++ticks) sculpture.edit(none);
+  CHECK(ticks >= 8);
+  CHECK(ticks < 40);
+  // Each has the normal of where it has come to.
+  double worst = 1;
+  for (std::size_t i = 0; i < sculpture.points().size(); ++i)
+    worst = std::min(
+        worst, glm::dot(DVec3(sculpture.points().normals[i]), glm::normalize(DVec3(sculpture.points().positions[i]))));
+  CHECK(worst > 0.98);
 }
 
 }  // namespace palpate::resample_test

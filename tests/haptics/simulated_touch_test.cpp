@@ -161,6 +161,29 @@ TEST_CASE("in a session the hand presses a sphere and feels it; the trace is the
   }
 }
 
+TEST_CASE("a hand that presses a sphere and draws back at 1 m/s gets no energy that it has not put in") {
+  for (const double speed_mm_per_s : {100.0, 300.0, 1000.0})
+    for (const double depth_mm : {3.0, 5.0, 8.0})
+      for (const double aside_mm : {0.0, 12.0}) {
+        CAPTURE(speed_mm_per_s);
+        CAPTURE(depth_mm);
+        CAPTURE(aside_mm);
+        const double way_s = std::hypot(15, aside_mm) / speed_mm_per_s;
+        const Path path({{0, {0, 0, 65 - depth_mm}},
+                         {way_s, {aside_mm, 0, 50 - depth_mm}},
+                         {2 * way_s, {2 * aside_mm, 0, 65 - depth_mm}},
+                         {2 * way_s + 0.1, {2 * aside_mm, 0, 65 - depth_mm}}});
+        SimulatedTouch device(path, workspaceAround(path, {}), {.lead_s = 0.6});
+        SphereContact sphere(50);
+        ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = device.duration_s()},
+                       {.map = workspaceAround(path, {}), .passivity = PassivityMode::on});
+        const ServoResult result = loop.run();
+        CHECK(summarize(result.trace()).peakForce_N > 0.03);
+        REQUIRE(result.counts().leastEnergy_mJ);
+        CHECK(*result.counts().leastEnergy_mJ > -0.15);
+      }
+}
+
 TEST_CASE("a model of a hand and a stylus needs sensible numbers") {
   const auto made = [](const SimulatedTouchOptions& options) { return resting(options).name(); };
   CHECK_NOTHROW(made({}));

@@ -65,6 +65,36 @@ TEST_CASE("particles begin on a lattice, half a spacing from the walls") {
   CHECK(glm::length(places.back() - Vec3(0.015f, 0.025f, 0.015f)) < 1e-7f);
 }
 
+TEST_CASE("water and sand are as much as was asked for, in layers that are no farther apart than was said") {
+  for (const Matter matter : {Matter::water, Matter::sand})
+    for (const DVec3& fill_mm : {DVec3(80, 85, 80), DVec3(80, 15, 80), DVec3(73, 44, 66), DVec3(11, 4, 12)}) {
+      const MatterScene scene{
+          .matter = matter, .box_mm = {80, 120, 80}, .fill_mm = fill_mm, .spacing_mm = 10, .density_kg_m3 = 1200};
+      CAPTURE(fill_mm.x);
+      CAPTURE(fill_mm.y);
+      const MatterPlan plan = planOf(scene);
+      const double asked_m3 = fill_mm.x * fill_mm.y * fill_mm.z * 1e-9;
+      CHECK(static_cast<double>(plan.particles) * plan.mass_kg == near(1200 * asked_m3, 1e-9));
+      CHECK(plan.spacing_m <= 0.01);
+      CHECK(1e3 * plan.spacing_m == particleSpacing_mm(scene));
+      for (int k = 0; k < 3; ++k) {
+        CHECK(plan.lattice[k] * plan.apart_m[k] == near(1e-3 * fill_mm[k], 1e-12));
+        CHECK(plan.apart_m[k] <= 0.01);
+      }
+      if (matter == Matter::sand) continue;  // whose grains begin a little beside
+      const auto places = placesAtRest(scene);
+      for (int k = 0; k < 3; ++k) {
+        CHECK(places.front()[k] == near(plan.apart_m[k] / 2, 1e-6));
+        CHECK(places.back()[k] == near(1e-3 * fill_mm[k] - plan.apart_m[k] / 2, 1e-6));
+      }
+    }
+  // What is a whole number of spacings is as it always was, to the bit.
+  const MatterPlan whole = planOf({.box_mm = DVec3(100), .fill_mm = {70, 30, 100}, .spacing_mm = 10});
+  CHECK(whole.lattice == UVec3(7, 3, 10));
+  CHECK(whole.spacing_m == 10 * 1e-3);
+  CHECK(whole.apart_m == DVec3(10 * 1e-3));
+}
+
 TEST_CASE("a scene is refused for the memory of the machine that it is to run on, and for no other") {
   const MatterScene large{.box_mm = DVec3(2000), .fill_mm = DVec3(1000), .spacing_mm = 5};
   CHECK(planOf(large).bytes > std::uint64_t{4} << 30);  // of a machine that is not known

@@ -34,6 +34,21 @@ TEST_CASE("water that stands in a tank comes to rest, and does not grow") {
   CHECK(isWithin(0.03, top + 0.01, 0.24));
 }
 
+TEST_CASE("a tank that is filled to no whole number of spacings stands as high as was asked for") {
+  // A column in a tank of 80 by 80 mm: the mean height of its particles is half of its own.
+  for (const double fill_mm : {45.0, 32.0}) {
+    CAPTURE(fill_mm);
+    const MatterScene scene{.box_mm = {80, 80, 80}, .fill_mm = {80, fill_mm, 80}, .spacing_mm = 10};
+    const auto world = onCpu()(scene, 0, placesAtRest(scene));
+    run(*world, 400);
+    double height_mm = 0;
+    for (const Vec3& place : world->positionsById())
+      height_mm += 2e3 * static_cast<double>(place.y) / static_cast<double>(world->particles());
+    CHECK(isWithin(0.03, height_mm, fill_mm));
+    CHECK(isWithin(1e-6, massOf(*world), 0.08 * 0.08 * 1e-3 * fill_mm * 1000));
+  }
+}
+
 TEST_CASE("no particle is ever beyond a wall") { checkWallsHold(onCpu(), 300); }
 
 TEST_CASE("cohesion makes a block in the air rounder, and gives it neither a push nor a turn") {

@@ -97,6 +97,24 @@ TEST_CASE("a ball that is under water is pushed up by what it displaces, whateve
   }
 }
 
+TEST_CASE("a hand that got a share of a force has put in as much less, and feels the same") {
+  const MatterScene scene = tank();
+  MatterTouch all = touched(scene), half = touched(scene);
+  for (int k = 0; k < 300; ++k) {
+    Pose pose = dive(1e-3 * k);
+    const Contact first = all.query(pose, 0);
+    pose.felt = {.asked_N = 4, .got_N = 2};
+    CHECK(half.query(pose, 0).force_N == first.force_N);
+  }
+  const double whole_J = all.simulation()->portEnergies().front().now_J;
+  CHECK(whole_J > 1e-3);
+  CHECK(half.simulation()->portEnergies().front().now_J == near(whole_J / 2, 1e-12));
+  CHECK(FeltForce{}.share() == 1);
+  CHECK(FeltForce{.asked_N = 4, .got_N = 2}.share(2) == 1);
+  CHECK(FeltForce{.asked_N = 4, .got_N = 0}.share(2) == 0);
+  CHECK(FeltForce{.asked_N = 0, .got_N = 0}.share() == 0);
+}
+
 TEST_CASE("the same poses give the same bytes for any number of threads, and at any rate the simulation keeps time") {
   const MatterScene scene = tank();
   MatterTouch one = touched(scene, {.threads = 1}), three = touched(scene, {.threads = 3});

@@ -48,7 +48,7 @@ typedef struct pp_motion {
   char failure[64];  /* why, in words that follow "the simulation"; empty while it has not */
   double left_out_s; /* time by which it has stayed behind the clock, and which it leaves out */
   /* What each hand has put into it since it began, less what it got back, J, against the forces that it got, with
-   * their gain: passive where the least is never below 0. */
+   * their gain and after all limits: passive where the least is never below 0. */
   double energy_J[PP_MOST_HANDS], least_energy_J[PP_MOST_HANDS];
 } pp_motion;
 PP_OPTIONS(motion)
