@@ -100,6 +100,7 @@ void CpuSculpture::edit(const PlacedBrush& brush) {
   for (const std::uint32_t point : changed_) isChanged_[point] = 0;
   changed_.clear();
   measure_ = {};
+  takeSwallowed();
   carves_ = brush.kind() == BrushKind::carve;
   pushes_.reset();
   cuts_.reset();
@@ -115,9 +116,20 @@ void CpuSculpture::edit(const PlacedBrush& brush) {
     for (const std::uint32_t point : unsettled_) points_.unsettled[point] = 0;
 }
 
+void CpuSculpture::takeSwallowed() {
+  for (const std::uint32_t point : swallowed_) {
+    if (!points_.there[point]) continue;
+    points_.there[point] = 0;
+    tellOf(point);
+  }
+  swallowed_.clear();
+  if (!changed_.empty()) build();
+}
+
 void CpuSculpture::set(std::span<const PointChange> changes) {
   for (const PointChange& change : changes) points_.set(change.to);
   std::ranges::fill(points_.unsettled, 0);
+  swallowed_.clear();
   settled_ = true;
   someWait_ = false;
   build();
@@ -147,8 +159,8 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
     const Vec3 place(places_[i].position);
     const std::uint32_t color =
         brush.painted(DVec3(points_.positions[point]), found(brush, point), points_.colors[point]);
-    if (places_[i].taken && cuts_) {  // with the other requests, so that the near sheet still sees the far one
-      points_.unsettled[point] = 1;
+    if (places_[i].taken && cuts_) {  // with the next edit, so that the near sheet still sees the far one
+      swallowed_.push_back(point);
       continue;
     }
     const bool moved = place != points_.positions[point];
@@ -258,19 +270,16 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbo
       complete = false;
   });
   const SculptedPoints::Found as = cuts_ ? points_.found(point, cuts_->stroke()) : SculptedPoints::Found{};
-  return resampleRequest(
-      seen(point, DVec3(0)),
-      {.neighbours = neighbours,
-       .reach = reachOf(point),
-       .complete = complete,
-       .carves = carves_,
-       .moved = isMoved(point),
-       .pushedFrom = pushedFrom(point),
-       .swallowed =
-           cuts_ && cuts_->brushed(place, DVec3(points_.normals[point]), {DVec3(as.position), DVec3(as.normal)}).taken,
-       .found = DVec3(as.position) - place,
-       .foundNormal = DVec3(as.normal),
-       .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity()});
+  return resampleRequest(seen(point, DVec3(0)),
+                         {.neighbours = neighbours,
+                          .reach = reachOf(point),
+                          .complete = complete,
+                          .carves = carves_,
+                          .moved = isMoved(point),
+                          .pushedFrom = pushedFrom(point),
+                          .found = DVec3(as.position) - place,
+                          .foundNormal = DVec3(as.normal),
+                          .thick = cuts_ ? double{as.thick} : std::numeric_limits<double>::infinity()});
 }
 
 void CpuSculpture::resample() {

@@ -37,9 +37,9 @@ class CpuSculpture {
   /// What the last edit did something to, each point once.
   std::span<const std::uint32_t> changed() const { return changed_; }
   /// False: an edit would change something though no brush acts.
-  bool settled() const { return settled_; }
+  bool settled() const { return settled_ && swallowed_.empty(); }
   /// More points are not settled than the last edit took.
-  bool someWait() const { return someWait_; }
+  bool someWait() const { return someWait_ || !swallowed_.empty(); }
   /// How a stroke that goes on found a point.
   void setFound(std::uint32_t point, const SculptedPoints::Found& found) { points_.founds[point] = found; }
   /// Sets points exactly; after that all are settled.
@@ -69,6 +69,7 @@ class CpuSculpture {
   void resample();
   void insertClaimed();
   void tellOf(std::uint32_t point);
+  void takeSwallowed();
 
   SculptOptions options_;
   SculptedPoints points_;
@@ -88,6 +89,7 @@ class CpuSculpture {
     float reach = 0;
   };
   std::vector<std::uint32_t> reached_, unsettled_, changed_;  // numbers of points
+  std::vector<std::uint32_t> swallowed_;                      // by the ball that carved: gone with the next edit
   std::vector<PlacedBrush::Point> places_;                    // of those reached
   std::vector<Vec3> normals_;                                 // new ones of those unsettled
   std::vector<Request> requests_;                             // of those unsettled

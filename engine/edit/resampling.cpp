@@ -135,8 +135,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
     request.thick = thicknessSeen(self, view);
     const double deep = glm::dot(view.found, view.foundNormal);
     const double least = request.thick.value_or(view.thick) - static_cast<double>(shared::kSkin) * self.spacing;
-    if (view.swallowed || (view.moved && (deep > least || standsOutside(self, DVec3(0), neighbours, kGoes))))
-      return {.goes = true};
+    if (view.moved && (deep > least || standsOutside(self, DVec3(0), neighbours, kGoes))) return {.goes = true};
   }
   request.stops = view.pushedFrom && std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
                     return glm::dot(other.normal, *view.pushedFrom) <= static_cast<double>(shared::kOtherSide) &&

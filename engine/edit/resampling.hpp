@@ -48,7 +48,6 @@ struct ResampleView {
   bool carves = false;              ///< a ball cuts a solid: what it has moved outside of that goes
   bool moved = true;                ///< a brush has moved the point since it came
   std::optional<DVec3> pushedFrom;  ///< unit, the axis of a tool that pushes the point in this stroke
-  bool swallowed = false;           ///< the ball that carves has swallowed the point
   DVec3 found{0}, foundNormal{0};   ///< while a ball carves: where and how the stroke found it, from where it is now
   double thick = std::numeric_limits<double>::infinity();  ///< how far under it the far sheet was seen last
 };

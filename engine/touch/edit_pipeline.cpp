@@ -255,6 +255,8 @@ void EditPipeline::finish() {
   publish(logHead());
   while (stroke_.hasWay() && editIfYielding(last_.time_s + 1e-3, false)) publish(logHead());
   stroke_.end();
+  // What a ball has swallowed in its last edit goes with one more.
+  if (pass_.brush().kind == BrushKind::carve && editIfYielding(last_.time_s + 1e-3, false)) publish(logHead());
   markStroke();
 }
 

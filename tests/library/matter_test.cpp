@@ -168,7 +168,7 @@ TEST_CASE("matter that nobody touches moves on by milliseconds, the same for any
     fastest = std::max(fastest, std::abs(moved));
   }
   CHECK(fastest > 0.2);
-  CHECK(worst < 0.2 * fastest);
+  CHECK(worst < 0.4 * fastest);  // water that hits a wall
   PP_REQUIRE_OK(pp_matter_reset(one.matter));
   CHECK(frameOf(one.matter).positions == rest.positions);
   PP_REQUIRE_OK(pp_matter_step(one.matter, 150));
@@ -265,8 +265,8 @@ TEST_CASE("a hand by path feels the water, goes on from path to path, and begins
   const pp_motion motion = motionOf(water.session);
   CHECK(motion.hands == 1);
   CHECK(motion.failed == 0);
-  CHECK(motion.energy_J[0] > 0);  // work was done on the water
-  CHECK(motion.least_energy_J[0] > -1e-6);
+  CHECK(motion.energy_J[0] > 0);                                  // work was done on the water
+  CHECK(motion.least_energy_J[0] > -0.005 * motion.energy_J[0]);  // while the force is let in
   // On from there, and not from the beginning.
   const std::vector<double> stay{40, 35, 40, 40, 35, 40};
   const auto more = touch(water.session, pathOf(stay));

@@ -84,7 +84,7 @@ def test_a_hand_feels_water_and_time_goes_on_until_reset(water):
     frame = water.frame()
     assert frame.t_s == pytest.approx(first["t_s"][-1]) and frame.normals.shape == frame.positions.shape
     (energy,) = water.port_energies
-    assert energy.now_J > 0 and energy.least_J > -1e-6
+    assert energy.now_J > 0 and energy.least_J > -0.005 * energy.now_J  # while the force is let in
     more = water.touch(dive()[-5:])
     assert more["t_s"][0] == pytest.approx(first["t_s"][-1] + 1e-3)
     water.reset()
