@@ -52,8 +52,8 @@ inline std::map<std::string, std::filesystem::path> filesOfAllFormats(const std:
   return files;
 }
 
-/// Whether a file of that format is drawn in this tier: triangles of any format become half a million points alike, so
-/// that one of them stands for all in the quick tier.
+/// Whether a file of that format is touched and drawn in this tier: triangles of any format become half a million
+/// points alike, so that one of them stands for all in the quick tier.
 inline bool isDrawn(const std::string& format) {
   return inFullTier() || (format != "OBJ" && format != "OFF" && format != "STL");
 }

@@ -172,7 +172,7 @@ TEST_CASE("a file of every format that is dropped on the window is opened" * kMo
   std::string script;
   const ScratchFolder folder;
   for (const auto& [format, file] : filesOfAllFormats(folder.path())) {
-    if (!isDrawn(format)) continue;
+    if (!isDrawn(format) || (format == "glTF" && !inFullTier())) continue;  // so many points: formats_test.cpp
     const std::string state = "dropped" + std::to_string(dropped.size()) + ".json";
     script += fmt::format("{0:.2f} drop {1}\n{0:.2f} state %/{2}\n", 0.1 + 0.1 * static_cast<double>(dropped.size()),
                           file.string(), state);
@@ -183,7 +183,7 @@ TEST_CASE("a file of every format that is dropped on the window is opened" * kMo
     works("make sphere -n 2000 --size 40 -o " + (in / "first.ply").string());
   });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
-  CHECK(dropped.size() >= byTier<std::size_t>(14, 17));
+  CHECK(dropped.size() >= byTier<std::size_t>(13, 17));
   for (const auto& [state, file] : dropped) {
     CAPTURE(file);
     CHECK(played->state(state)["model"] == file);

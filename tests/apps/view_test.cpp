@@ -40,7 +40,7 @@ TEST_CASE("a script that is wrong is refused with its line before anything is op
 
 TEST_CASE("a session in the window, from the first touch to the saved file") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 560x420 --edit push", R"(
+  const auto played = play("%/sphere.ply --size 560x420 --rate 250 --edit push", R"(
 0.1 mouse 418 210
 0.4 screenshot %/before.png
 0.4 state %/before.json
@@ -127,7 +127,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 
 TEST_CASE("a second press in one place meets the surface, however soon the cursor is there before it") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360", R"(
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 mouse 373 180
 0.5 key space down
 0.7 button left down
@@ -164,7 +164,7 @@ TEST_CASE("a script plays the same ticks on any machine, and in real time those 
   const auto sphere = [](const std::filesystem::path& folder) { makeSphere(folder, 3000); };
   Result states[2];
   for (Result& state : states) {
-    const auto played = play("%/sphere.ply --size 400x240 --edit push", script, "", sphere);
+    const auto played = play("%/sphere.ply --size 400x240 --rate 250 --edit push", script, "", sphere);
     REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
     state = played->state("pressed.json");
   }
@@ -173,18 +173,18 @@ TEST_CASE("a script plays the same ticks on any machine, and in real time those 
     CHECK(states[0][key] == states[1][key]);
   }
   CHECK(states[0]["missed_ticks"] == 0);
-  CHECK(states[0]["ticks"] > 1300);
-  CHECK(states[0]["ticks"] < 1600);
+  CHECK(states[0]["ticks"] > 325);
+  CHECK(states[0]["ticks"] < 400);
   CHECK(states[0]["edits"] > 0);
-  const auto played = play("%/sphere.ply --size 400x240 --realtime", script, "", sphere);
+  const auto played = play("%/sphere.ply --size 400x240 --rate 250 --realtime", script, "", sphere);
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto state = played->state("pressed.json");
-  CHECK(state["ticks"].get<int>() + state["missed_ticks"].get<int>() > 1300);
+  CHECK(state["ticks"].get<int>() + state["missed_ticks"].get<int>() > 325);
 }
 
 TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first button holds that") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360", R"(
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 mouse 373 180
 0.4 state %/begin.json
 0.5 push 0.4 0.2 0 0 0 0
@@ -237,7 +237,7 @@ TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first bu
 
 TEST_CASE("no validation message while a model is touched, sculpted and meshed") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x240 --edit carve --lattice 32", R"(
+  const auto played = play("%/sphere.ply --size 480x240 --rate 250 --edit carve --lattice 32", R"(
 0.1 mouse 373 120
 0.2 impatient
 0.3 key m
@@ -302,7 +302,7 @@ TEST_CASE("the window closes while a model is loaded, and models follow one anot
 
 TEST_CASE("a session that was recorded in the window runs again, in the window and without one") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x300 --edit push", R"(
+  const auto played = play("%/sphere.ply --size 480x300 --rate 250 --edit push", R"(
 0.1 mouse 373 145
 0.2 record %/session.log
 0.3 key space down
