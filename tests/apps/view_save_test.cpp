@@ -22,7 +22,7 @@ void makeMesh(const std::filesystem::path& folder) {
 // Presses the brush into the middle of what the panel leaves free in a window of 480 x 360.
 std::string strokeAt(double time_s) {
   return fmt::format("{} mouse 373 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
-                     time_s, time_s + 0.2, time_s + 0.3, time_s + 1.1, time_s + 1.2);
+                     time_s, time_s + 0.2, time_s + 0.3, time_s + 0.8, time_s + 0.9);
 }
 
 bool exists(const Played& played, const char* name) { return std::filesystem::exists(played.folder.path() / name); }

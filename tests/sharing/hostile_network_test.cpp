@@ -201,20 +201,20 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
 }  // namespace
 
 TEST_CASE("who asks for all that is around eight hands again and again keeps nobody waiting" * kClock) {
-  attackedNear("one-near", 0.5);
+  attackedNear("one-near", 1);
 }
 
 TEST_CASE("of ten thousand who are near their hands as many as there is room for take nobody's place" * kClock) {
-  const NearOutcome many = attackedNear("nears", 0.5);
+  const NearOutcome many = attackedNear("nears", 1);
   CHECK(many.served.near <= 64);
   CHECK(many.served.refused > 1000);
 }
 
 TEST_CASE("bricks that no server gives end nobody's part near his hand") {
-  CHECK(attackedNear("bricks", 0.5).hand.resumed > 10);
+  CHECK(attackedNear("bricks", 1).hand.resumed > 10);
 }
 
-TEST_CASE("facts of ever new sessions keep nobody waiting" * kClock) { attackedNear("facts", 0.5); }
+TEST_CASE("facts of ever new sessions keep nobody waiting" * kClock) { attackedNear("facts", 1); }
 
 TEST_CASE("facts of thousands of sessions do not hide those of the one that is joined, which come after them") {
   const JoinedSession session(ownNetwork(), sharing::freshId(), sharing::freshId());
