@@ -21,8 +21,8 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
   view.up = upNamed(options.look.up);
   view.unit = unitNamed(options.look.unit);
   view.lattice = options.lattice;
-  // Under a script the display's pace means nothing.
-  if (!script_.isEmpty()) view.waitsForDisplay = false;
+  // Under a script with a clock of its own the display's pace means nothing.
+  if (script_.hasOwnClock()) view.waitsForDisplay = false;
   view.plots = double(options.size_px.x) >= panels_.roomyWidth_px();
   document_.offer(options.models);
   if (!options.models.empty()) document_.open(options.models.front());

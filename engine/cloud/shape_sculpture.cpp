@@ -20,10 +20,12 @@ class Sculpture {
   DVec2 moved(const DVec2& site, const DVec2& change) const { return site + change; }
 
   JetVec3 at(const DVec2& site) const {
-    const Jet t = Jet::parameterU(site.x), a = Jet::parameterV(site.y);
-    const Knot knot = knotAt(t);
-    const Jet r = radius(t, a);
-    return knot.point + r * (cos(a) * knot.normal - sin(a) * knot.binormal);
+    // Tables and seeds ask for one place after the other around the same place of the knot.
+    thread_local Ring ring = ringAt(site.x);
+    if (ring.t.value != site.x) ring = ringAt(site.x);
+    const Jet a = Jet::parameterV(site.y);
+    const Jet r = radius(ring, a);
+    return ring.knot.point + r * (cos(a) * ring.knot.normal - sin(a) * ring.knot.binormal);
   }
 
   double areaDensity(const DVec2& square) const {
@@ -39,6 +41,22 @@ class Sculpture {
   struct Knot {
     JetVec3 point, normal, binormal;
   };
+
+  /// What is the same all around the tube.
+  struct Ring {
+    Jet t, along, body, scaled, fluted;
+    Knot knot;
+  };
+
+  static Ring ringAt(double place) {
+    const Jet t = Jet::parameterU(place);
+    return {.t = t,
+            .along = t + 0.08 * sin(3.0 * t),  // about the length of the knot, so that scales are equally long
+            .body = 0.60 + 0.13 * cos(t - 1.2) + 0.02 * cos(6.0 * t),
+            .scaled = plateau(t, 1.2, 0.35, 9.0),
+            .fluted = plateau(t, 3.7, 0.60, 14.0),
+            .knot = knotAt(t)};
+  }
 
   static Knot knotAt(const Jet& t) {
     const Jet c2 = cos(2.0 * t), s2 = sin(2.0 * t), c3 = cos(3.0 * t), s3 = sin(3.0 * t);
@@ -58,9 +76,8 @@ class Sculpture {
   }
 
   /// Rows of scales, each row shifted by half a scale; every one rises slowly and falls off steeply along t.
-  static Jet scales(const Jet& t, const Jet& a) {
+  static Jet scales(const Jet& along, const Jet& a) {
     constexpr double kAround = 15, kAlong = 64, kSkew = 0.5;
-    const Jet along = t + 0.08 * sin(3.0 * t);  // about the length of the knot, so that scales are equally long
     const Jet right = kAround * a + kAlong * along, left = kAround * a - kAlong * along;
     const Jet skewedRight = right + kSkew * cos(right), skewedLeft = left - kSkew * cos(left);
     const Jet onBack = 0.58 - 0.42 * cos(a);  // the inside of a bend is a smoother belly
@@ -73,11 +90,10 @@ class Sculpture {
     return exp(1.6 * (cos(kAround * a + kTwist * t) - 1.0));
   }
 
-  static Jet radius(const Jet& t, const Jet& a) {
+  static Jet radius(const Ring& ring, const Jet& a) {
     constexpr double kScaleHeight = 0.084, kFluteHeight = 0.085;
-    const Jet body = 0.60 + 0.13 * cos(t - 1.2) + 0.02 * cos(6.0 * t);
-    const Jet scaled = plateau(t, 1.2, 0.35, 9.0), fluted = plateau(t, 3.7, 0.60, 14.0);
-    return body + kScaleHeight * (scaled * scales(t, a)) + kFluteHeight * (fluted * flutes(t, a));
+    return ring.body + kScaleHeight * (ring.scaled * scales(ring.along, a)) +
+           kFluteHeight * (ring.fluted * flutes(ring.t, a));
   }
 };
 

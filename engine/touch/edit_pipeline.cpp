@@ -194,7 +194,7 @@ void EditPipeline::submitOffer(double time_s) {
 }
 
 void EditPipeline::collectOffer(const Stopwatch* sinceAsked) {
-  device_.latencyQueue().wait(offer_.ticket, Wait::spin);
+  device_.latencyQueue().wait(offer_.ticket, device_.defaultWait());
   const double time_us = sinceAsked ? offer_.since.elapsed_us() : offer_.list->sectionTime_us("offer");
   pace_.took(offer_.time_s, time_us * 1e-6);
   offer_.isUnderWay = false;
@@ -219,7 +219,7 @@ void EditPipeline::collect(const Stopwatch* sinceAsked) {
   // Called when a later submission to the same queue has answered, so the edit's fence is about to follow.
   if (offer_.isUnderWay) collectOffer(sinceAsked);
   if (!last_.isUnderWay) return index_.collectCompaction(sinceAsked);
-  device_.latencyQueue().wait(last_.ticket, Wait::spin);
+  device_.latencyQueue().wait(last_.ticket, device_.defaultWait());
   const double time_us = sinceAsked ? last_.since.elapsed_us() : last_.list->sectionTime_us("edit");
   const double requests_us = sinceAsked ? 0 : last_.list->sectionTime_us("requests");
   pace_.took(last_.time_s, (time_us + requests_us) * 1e-6);

@@ -42,7 +42,7 @@ void LiveIndex::compactFurther(bool realtime) {
 
 void LiveIndex::collectCompaction(const Stopwatch* sinceAsked) {
   if (!compaction_ || compaction_->stage() != HashCompaction::Stage::ending) return;
-  device_.latencyQueue().wait(compaction_->endTicket(), Wait::spin);
+  device_.latencyQueue().wait(compaction_->endTicket(), device_.defaultWait());
   noteCompaction(compaction_->collect(), sinceAsked);
 }
 

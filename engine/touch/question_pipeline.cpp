@@ -139,7 +139,7 @@ void QuestionPipeline::settle() {
   // The answer may have been seen some us before the driver lets its list run again.
   if (state() != QuestionState::ending) return;
   progress_.happened(QuestionEvent::ended);
-  device_.latencyQueue().wait(run_.ticket, Wait::spin);
+  device_.latencyQueue().wait(run_.ticket, wait_);
   if (wait_ == Wait::spin) lastTime_us_ += lastList(run_).sectionTime_us("contact");
 }
 

@@ -14,7 +14,7 @@ TEST_CASE(
   works("make sphere -n 5000 -o " + model);
   const auto traceOf = [&](const std::string& method) {
     const std::string trace = (folder / (method + ".csv")).string(), json = (folder / (method + ".json")).string();
-    works("touch " + model + " --path builtin:slide --rate 250 --method " + method + " --trace " + trace + " --json " +
+    works("touch " + model + " --path builtin:slide --rate 125 --method " + method + " --trace " + trace + " --json " +
           json);
     CHECK(jsonOf(json).at("method") == method);
     return trace;
@@ -37,7 +37,7 @@ TEST_CASE(
 TEST_CASE("the CPU answers as the GPU does: the same press gives the same forces, on a still and on a yielding cloud") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
-  works("make sphere -n 30000 -o " + model);
+  works("make sphere -n 15000 -o " + model);
   for (const std::string edit : {"", " --edit push --keep-points --penetration 3"}) {
     CAPTURE(edit);
     std::vector<Row> traces[2];
@@ -45,7 +45,7 @@ TEST_CASE("the CPU answers as the GPU does: the same press gives the same forces
     for (const int k : {0, 1}) {
       const std::string backend = k == 0 ? "vulkan" : "cpu";
       const auto trace = folder / (backend + ".csv"), json = folder / (backend + ".json");
-      works("touch " + model + edit + " --backend " + backend + " --trace " + trace.string() + " --json " +
+      works("touch " + model + edit + " --rate 500 --backend " + backend + " --trace " + trace.string() + " --json " +
             json.string());
       traces[k] = readTrace(trace);
       moved[k] = jsonOf(json)["moved_points"];
@@ -60,7 +60,7 @@ TEST_CASE("the CPU answers as the GPU does: the same press gives the same forces
       touched += traces[1][i].contact;
       CHECK(traces[0][i].contact == traces[1][i].contact);
     }
-    CHECK(touched > 200);
+    CHECK(touched > 100);
     CHECK(worst_N < 1e-3);
     CHECK((moved[1] > 0) == !edit.empty());
     CHECK(std::abs(static_cast<double>(moved[0]) - static_cast<double>(moved[1])) < 5);

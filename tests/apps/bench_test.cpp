@@ -45,9 +45,9 @@ TEST_CASE("bench measures every job by every way of the back ends that are asked
 TEST_CASE("bench measures several jobs at once, a tick by the method that is asked for, and plots them") {
   const ScratchFolder folder;
   const std::string json = (folder / "b.json").string(), plot = (folder / "b.png").string();
-  const Outcome outcome = palpate(
-      "bench build sort query step --sizes 1000 2000 --backend vulkan,cpu --method fused,direct --repeat 1 --json " +
-      json + " --plot " + plot);
+  const Outcome outcome =
+      palpate("bench build sort query step --sizes 1000 --backend vulkan,cpu --method fused,direct --repeat 1 --json " +
+              json + " --plot " + plot);
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   std::map<std::string, std::set<std::string>> ways;  // by bench and back end
   const auto result = jsonOf(json);
@@ -56,7 +56,7 @@ TEST_CASE("bench measures several jobs at once, a tick by the method that is ask
     const auto& time = record["wall_us"].is_null() ? record["gpu_us"] : record["wall_us"];
     CHECK(time["n"] == 1);
     CHECK(time["p50"] > 0);
-    CHECK((record["points"] == 1000 || record["points"] == 2000));
+    CHECK(record["points"] == 1000);
     ways[record["bench"].get<std::string>() + " " + record["backend"].get<std::string>()].insert(record["way"]);
   }
   CHECK(ways["build vulkan"].contains("radix"));
@@ -68,6 +68,12 @@ TEST_CASE("bench measures several jobs at once, a tick by the method that is ask
   for (const char* title : {"step, vulkan, static, in all", "step, vulkan, edited, in all", "build, cpu, last order"})
     CHECK(outcome.text.find(title) != std::string::npos);
   CHECK(std::filesystem::file_size(plot) > 20'000);
+  works("bench build sort --sizes 1000 2000 --backend vulkan --repeat 1 --json " + json);
+  std::multiset<std::string> sizes;  // by bench
+  for (const auto& record : jsonOf(json)["records"])
+    sizes.insert(record["bench"].get<std::string>() + " " + record["points"].dump());
+  for (const char* bench : {"build", "sort"})
+    for (const char* size : {" 1000", " 2000"}) CHECK(sizes.count(std::string(bench) + size) > 0);
 }
 
 TEST_CASE("bench share says how long it takes until a press is felt by another hand" * kClock) {
@@ -200,15 +206,16 @@ TEST_CASE("bench edit sculpts with tools that reach as many points as they are a
   const ScratchFolder folder;
   const std::string json = (folder / "e.json").string(), plot = (folder / "e.png").string();
   const std::string few = (folder / "few.ply").string(), many = (folder / "many.ply").string();
-  const int points = byTier(6000, 20000), repeat = byTier(5, 12);
+  const int points = byTier(3000, 20000), repeat = byTier(5, 12);
+  const std::size_t touches = byTier(1, 2);
   works(fmt::format("make sphere -n {} -o {}", points, few));
   works(fmt::format("make sphere -n {} -o {}", 3 * points, many));
   const Outcome outcome =
       palpate(fmt::format("bench edit --models {} {} --touched {} --repeat {} --limit 0 --json {} --plot {}", few, many,
-                          byTier("60 240", "100 800"), repeat, json, plot));
+                          byTier("60", "100 800"), repeat, json, plot));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto edit = jsonOf(json)["edit"];
-  REQUIRE(edit["costs"].size() == 2 * 2 * 2);  // sizes, touched, ways to follow
+  REQUIRE(edit["costs"].size() == 2 * touches * 2);  // sizes, touched, ways to follow
   for (const auto& cost : edit["costs"]) {
     CAPTURE(cost.dump());
     CHECK(cost["edits"] == repeat);
@@ -230,9 +237,9 @@ TEST_CASE("bench edit sculpts with tools that reach as many points as they are a
   }
   // A larger tool for more points; a smaller one where they stand closer.
   const auto radius = [&](std::size_t i) { return edit["costs"][i]["tool_radius_mm"].get<double>(); };
-  CHECK(radius(2) > 1.3 * radius(0));
-  CHECK(radius(4) < 0.7 * radius(0));
-  REQUIRE(edit["growths"].size() == 2 * 2);
+  if (inFullTier()) CHECK(radius(2) > 1.3 * radius(0));
+  CHECK(radius(2 * touches) < 0.7 * radius(0));
+  REQUIRE(edit["growths"].size() == 2 * touches);
   for (const auto& growth : edit["growths"]) {
     CHECK(growth["from_points"] == points);
     CHECK(growth["to_points"] == 3 * points);
@@ -253,12 +260,12 @@ TEST_CASE("bench edit sculpts with every brush" * kMoreInFull) {
   const ScratchFolder folder;
   const std::vector<std::string> brushes =
       byTier<std::vector<std::string>>({"smooth", "grab"}, {"carve", "inflate", "smooth", "grab", "paint"});
-  const int touched = byTier(150, 300);
+  const int touched = byTier(60, 300);
   for (const std::string& brush : brushes) {
     CAPTURE(brush);
     const std::string json = (folder / (brush + ".json")).string();
     works(fmt::format("bench edit --sizes {} --touched {} --repeat {} --index incremental --edit {} --json {}",
-                      byTier(5000, 10000), touched, byTier(5, 30), brush, json));
+                      byTier(3000, 10000), touched, byTier(5, 30), brush, json));
     const auto cost = jsonOf(json)["edit"]["costs"][0];
     CHECK(cost["brush"] == brush);
     CHECK(cost["touched"]["p50"].get<double>() == near(touched, 0.4));
@@ -282,20 +289,13 @@ TEST_CASE("bench edit tells what compactions cost where there are few spare slot
 
 TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured" * kClock) {
   const ScratchFolder folder;
-  const std::string json = (folder / "s.json").string();
-  // The fastest rate at which this machine sculpts at all; there are as many ticks for it at any.
-  constexpr int kTicks = 300;
-  int rate_Hz = 0;
-  Outcome outcome{.code = 1};
-  for (const int slower : {100, 20, 5}) {
-    if (outcome.code == 0) break;
-    rate_Hz = slower;
-    outcome =
-        palpate(fmt::format("bench edit --sizes 5000 --touched 100 --index incremental --spare 1000 --rate {} "
-                            "--duration {} --json {}",
-                            rate_Hz, kTicks / rate_Hz, json));
-    if (outcome.code != 0) CHECK(says(outcome.text, "this machine is too slow for --rate"));
-  }
+  const std::string json = (folder / "s.json").string(), model = (folder / "few.ply").string();
+  works("make sphere -n 3000 -o " + model);
+  // So few ticks each second that any machine keeps up with some.
+  constexpr int kTicks = 50, kRate_Hz = 10;
+  const std::string bench = "bench edit --models " + model + " --touched 40 --index incremental --spare 200 ";
+  const Outcome outcome =
+      palpate(fmt::format("{}--rate {} --duration {} --json {}", bench, kRate_Hz, kTicks / kRate_Hz, json));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   for (const char* title : {"compactions", "step meanwhile", "longest end", "held up"})
     CHECK(outcome.text.find(title) != std::string::npos);
@@ -312,7 +312,7 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
     CHECK(cost["edits"] < kTicks / 2);  // as many as bring one about
   }
   CHECK(cost["stroke"]["held_up_edits"] <= kTicks);
-  CHECK(cost["stroke"]["rate_Hz"] == rate_Hz);
+  CHECK(cost["stroke"]["rate_Hz"] == kRate_Hz);
   CHECK(cost["edits"] > 0);
   CHECK(cost["edits"] <= kTicks);
   CHECK(cost["step_us"]["n"] > 0);
@@ -321,8 +321,7 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
   CHECK(palpate("bench edit --sizes 2000 --backend cpu").code == 2);
   CHECK(palpate("bench edit build --sizes 2000").code == 2);
   CHECK(palpate("bench edit --sizes 2000 --edit hammer").code == 2);
-  const Outcome fast =
-      palpate("bench edit --sizes 5000 --touched 100 --index incremental --rate 10000 --duration 0.05");
+  const Outcome fast = palpate(bench + "--rate 10000 --duration 0.05");
   if (fast.code != 0) CHECK(says(fast.text, "this machine is too slow for --rate 10000"));
   const Outcome tooMany = palpate("bench edit --sizes 2000 --touched 1500");
   CHECK(tooMany.code == 2);
@@ -332,9 +331,11 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
 TEST_CASE("bench splat times every pass, and its pictures are true to the shapes" * kMoreInFull) {
   const ScratchFolder folder;
   const std::string json = (folder / "s.json").string();
+  const int points = byTier(15000, 30000);
   const Outcome outcome =
-      palpate("bench splat --sizes 30000 --size 320x180 --repeat 5 --raster compute,hardware --json " + json +
-              byTier(" --shapes sphere,cube --conditions uneven", ""));
+      palpate("bench splat --raster compute,hardware --json " + json +
+              byTier(" --sizes 15000 --size 256x144 --repeat 3 --shapes sphere,cube --conditions uneven",
+                     " --sizes 30000 --size 320x180 --repeat 5"));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto splat = jsonOf(json)["splat"];
   REQUIRE(splat["costs"].size() == 2);
@@ -343,12 +344,12 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
   for (const std::size_t raster : {0, 1}) {
     const auto cost = splat["costs"][raster];
     CHECK(cost["raster"] == (raster == 0 ? "compute" : "hardware"));
-    CHECK(cost["points"] == 30000);
-    CHECK(cost["gpu_ms"]["n"] == 5);
+    CHECK(cost["points"] == points);
+    CHECK(cost["gpu_ms"]["n"] == byTier(3, 5));
     CHECK(cost["gpu_ms"]["p50"] > 0);
     CHECK(cost["picture_ms"]["p999"] >= cost["picture_ms"]["p50"]);
     CHECK(cost["fps"] > 0);
-    CHECK(cost["bytes"] > 36 * 30000);
+    CHECK(cost["bytes"] > 36 * points);
     for (const std::string& pass : passes[raster]) CHECK(cost["passes_ms"].contains(pass));
   }
   for (const std::string& pass : passes[0]) {
@@ -410,11 +411,11 @@ TEST_CASE("bench splat holds discs and marching cubes against the same truth, in
 TEST_CASE("bench matter measures what is stirred on each back end, and its passes") {
   const ScratchFolder folder;
   const std::string json = (folder / "matter.json").string();
-  works("bench matter --sizes 600 --backend vulkan,cpu --repeat 5 --passes --json " + json);
+  works("bench matter --sizes 200 --backend vulkan,cpu --repeat 2 --passes --json " + json);
   const auto records = jsonOf(json)["matter"];
   REQUIRE(records.size() == 4);
   for (const auto& record : records) {
-    CHECK(record["particles"] > 500);
+    CHECK(record["particles"] > 150);
     CHECK(record["step"]["wall_us"]["p999"] >= record["step"]["wall_us"]["p50"]);
     const double steps = record["step"]["wall_us"]["p50"], substeps = record["substep"]["wall_us"]["p50"];
     CHECK(substeps * record["substeps"].get<double>() == near(steps, 1e-6));
@@ -435,21 +436,21 @@ TEST_CASE("bench matter measures what is stirred on each back end, and its passe
       CHECK(record["passes_bytes"][name]["moved"] > 0);
     }
   }
-  works("bench matter --matter soft --sizes 700 --points 500 --backend vulkan,cpu --repeat 5 --passes --json " + json);
+  works("bench matter --matter soft --sizes 300 --points 500 --backend vulkan,cpu --repeat 2 --passes --json " + json);
   const auto soft = jsonOf(json)["matter"];
   REQUIRE(soft.size() == 2);
   for (const auto& record : soft) {
     const bool onGpu = record["backend"] == "vulkan";
-    CHECK(record["particles"] > 600);
-    CHECK(record["particles"] < 900);
+    CHECK(record["particles"] > 200);
+    CHECK(record["particles"] < 450);
     CHECK(record["frame"]["points"] >= 500);
     CHECK(record["frame"]["points"] < 700);
     CHECK(record["frame"]["gpu_us"].is_null() == !onGpu);
-    CHECK(record["frame"]["fetched_us"]["n"] == 5);
+    CHECK(record["frame"]["fetched_us"]["n"] == 2);
     CHECK(record["passes_us"].contains("matter_soft_cells") == onGpu);
     CHECK(record["passes_us"].contains("matter_soft_carry") == onGpu);
   }
-  works("bench matter --matter soft --sizes 300 --presses 2 --backend vulkan,cpu --repeat 5 --passes --json " + json);
+  works("bench matter --matter soft --sizes 120 --presses 2 --backend vulkan,cpu --repeat 1 --passes --json " + json);
   for (const auto& record : jsonOf(json)["matter"]) {
     CHECK(record["presses"] == 2);
     CHECK(record["compliance"]["wall_us"]["p50"] > 0);

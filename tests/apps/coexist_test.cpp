@@ -2,6 +2,8 @@
 // palpate bench coexist: touch and pictures at once. What it counts, never how fast.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "tests/apps/program.hpp"
 #include "tests/labels.hpp"
 
@@ -10,16 +12,18 @@ namespace palpate::coexist_test {
 namespace {
 
 // Ticks slow enough for a software driver on busy cores.
-int seconds() { return byTier(1, 2); }
+double seconds() { return byTier(0.6, 2.0); }
+int points() { return byTier(3000, 5000); }
 std::string smallBench() {
-  return fmt::format("bench coexist --sizes 5000 --size 160x120 --touched 50 --rate 50 --duration {} ", seconds());
+  return fmt::format("bench coexist --sizes {} --size {} --touched 50 --rate 50 --duration {} ", points(),
+                     byTier("96x72", "160x120"), seconds());
 }
 
 void checkRow(const Result& row) {
   const std::string situation = row["situation"];
   CAPTURE(row.dump());
-  CHECK(row["points"] == 5000);
-  CHECK(row["ticks"].get<int>() + row["missed_ticks"].get<int>() == 50 * seconds());
+  CHECK(row["points"] == points());
+  CHECK(row["ticks"].get<int>() + row["missed_ticks"].get<int>() == std::lround(50 * seconds()));
   CHECK(row["step_us"]["n"] == row["ticks"]);
   CHECK(row["step_us"]["p50"] > 0);
   CHECK(row["step_us"]["max"] >= row["step_us"]["p999"].get<double>());
@@ -46,7 +50,7 @@ TEST_CASE("bench coexist counts ticks and pictures in every situation, and the p
       palpate(smallBench() + byTier("--queues separate --json ", "--queues separate,same --json ") + json);
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto result = jsonOf(json)["coexist"];
-  CHECK(result["size"] == std::vector<int>{160, 120});
+  CHECK(result["size"] == byTier<std::vector<int>>({96, 72}, {160, 120}));
   CHECK(result["samples"] == 1);
   REQUIRE(result["rows"].size() == byTier<std::size_t>(1, 2) * 4);
   for (std::size_t i = 0; i < result["rows"].size(); ++i) {
@@ -72,9 +76,9 @@ TEST_CASE("bench coexist draws what another machine touches: edits get there thr
 
 TEST_CASE("bench coexist draws and touches under validation, on one GPU and on two" * kMoreInFull) {
   const std::string arguments = std::string("bench coexist ") + byTier("--validate=core", "--validate") +
-                                " --sizes 2000 --size 64x48 --touched 50 --rate 10 --duration 1 --situations "
+                                " --sizes 2000 --size 64x48 --touched 50 --rate 20 --duration 1 --situations "
                                 "drawn-sculpting --queues no-priority";
-  works(arguments);
+  if (inFullTier()) works(arguments);  // else the window's own case stands for it
   works(arguments + " --sight-gpu 0");
 }
 

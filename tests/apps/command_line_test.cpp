@@ -140,7 +140,7 @@ TEST_CASE("what a session cannot be configured with is said by the flags that as
   refused(touch + "--method direct --backend vulkan", "--method: direct is none of --backend vulkan, which has fused");
   refused(touch + "--device dhd:x --realtime --duration 1 --backend cpu", "--device: dhd:x: the number of a device");
   refused("bench step --sizes 2000 --surface sphere --backend cuda", "--surface: --backend cuda has only average");
-  refused("bench edit --sizes 2000 --touched 100 --duration 1 --rate 20000",
+  refused("bench edit --models " + model + " --touched 20 --duration 1 --rate 20000",
           "--rate: 20000 is not between 1 and 10000");
 }
 
@@ -176,7 +176,7 @@ TEST_CASE("touch takes a GPU, and the CPU where only a software driver is, unles
   const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
   works("make sphere -n 5000 -o " + model);
   const auto backendOf = [&](const std::string& options) {
-    const Outcome outcome = palpate("touch " + model + " --rate 200 " + options + " --json " + json);
+    const Outcome outcome = palpate("touch " + model + " --rate 100 " + options + " --json " + json);
     REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
     const std::string backend = jsonOf(json)["backend"];
     CHECK(says(outcome.text, "(" + backend + ")\n"));
@@ -203,7 +203,7 @@ TEST_CASE("the report tells how the index really came after the edits") {
   const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
   works("make sphere -n 5000 -o " + model);
   const auto report = [&](const std::string& options) {
-    works("touch " + model + " --penetration 3 --tool-radius 6 --rate 250 " + options + " --json " + json);
+    works("touch " + model + " --penetration 3 --tool-radius 6 --rate 125 " + options + " --json " + json);
     return jsonOf(json);
   };
   for (const char* backend : {"--backend cpu", "--backend vulkan"}) {

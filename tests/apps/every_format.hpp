@@ -52,10 +52,10 @@ inline std::map<std::string, std::filesystem::path> filesOfAllFormats(const std:
   return files;
 }
 
-/// Whether a file of that format is drawn in this tier: triangles of any format become half a million points alike, so
-/// that one of them stands for all in the quick tier.
-inline bool isDrawn(const std::string& format) {
-  return inFullTier() || (format != "OBJ" && format != "OFF" && format != "STL");
+/// Triangles of any format become half a million points alike: what happens to those is as dear as it is the same, so
+/// that the quick tier touches one of them and draws none.
+inline bool becomesMany(const std::string& format) {
+  return format == "glTF" || format == "OBJ" || format == "OFF" || format == "STL";
 }
 
 }  // namespace palpate

@@ -16,10 +16,12 @@ TEST_CASE("info, touch and render open a file of every format" * kMoreInFull) {
     CHECK(&cloudFormats().toRead(file) == &format);
     works("info " + file.string() + " --quiet --json " + json);
     CHECK(jsonOf(json)["points"] > 0);
+    const bool isDear = becomesMany(std::string(format.name)) && !inFullTier();
+    if (isDear && format.name != "glTF") continue;
     works("touch " + file.string() + " --backend cpu --path builtin:press --rate 250 --quiet --json " + json);
     CHECK(jsonOf(json)["ticks"] > 0);
     if (format.write) CHECK(jsonOf(json)["contact_ticks"] > 0);  // the others are no ball
-    if (!isDrawn(std::string(format.name))) continue;
+    if (isDear) continue;
     std::filesystem::remove(picture);
     works("render " + file.string() + " --size 64x64 --quiet -o " + picture);
     CHECK(std::filesystem::file_size(picture) > 100);

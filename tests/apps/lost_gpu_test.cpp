@@ -32,8 +32,7 @@ TEST_CASE("a program that loses its GPU keeps the trace, says so in one line and
   // A GPU of its own is given the model's normals in more and shorter pieces.
   const long prepared =
       submissionsOf("touch " + model + " --backend vulkan --device sim --quiet --path builtin:press --duration 0.01");
-  for (const std::string& when :
-       {"submit:" + std::to_string(prepared + 200), "fence:" + std::to_string(prepared + 200)})
+  for (const std::string& when : {"submit:" + std::to_string(prepared + 80), "fence:" + std::to_string(prepared + 80)})
     for (const std::string& way :
          {std::string("--path builtin:press"), path, path + "--edit push --picture PICTURE --size 160x100"}) {
       CAPTURE(when);
@@ -62,7 +61,7 @@ TEST_CASE("what was sculpted is saved when the GPU is lost, in the session or wh
   const std::string model = (folder / "sphere.ply").string(), saved = (folder / "saved.ply").string();
   works("make sphere -n 2000 -o " + model);
   const std::string session =
-      "touch " + model + " --backend vulkan --edit push --penetration 4 --rate 200 --quiet --save " + saved;
+      "touch " + model + " --backend vulkan --edit push --penetration 4 --rate 100 --quiet --save " + saved;
   const long all = submissionsOf(session + " --undo 1");
   const std::string untouched = contentOf(saved);
   const long before = submissionsOf(session);

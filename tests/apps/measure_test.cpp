@@ -21,7 +21,7 @@ bool isRefused(const std::string& arguments, const std::string& saying) {
 TEST_CASE("two places that are picked give their distance, and a true length the scale, which saved files say") {
   if (!hasDisplay()) return;
   // A plane of 3 x 2 units that faces the eye fills much of the window.
-  const auto played = play("%/plane.ply --size 480x600 --backend cpu", R"(
+  const auto played = play("%/plane.ply --size 480x600 --rate 250 --backend cpu", R"(
 0.1 key tab
 0.2 key z
 0.3 key d
@@ -74,7 +74,7 @@ TEST_CASE("two places that are picked give their distance, and a true length the
 
 TEST_CASE("a scale is not set over changes before the person has said what becomes of them") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x600 --edit push --backend cpu", R"(
+  const auto played = play("%/sphere.ply --size 480x600 --rate 250 --edit push --backend cpu", R"(
 0.1 mouse 373 300
 0.4 key space down
 0.5 button left down

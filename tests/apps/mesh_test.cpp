@@ -78,14 +78,14 @@ TEST_CASE("render draws the mesh of a model, also of one that has none") {
 TEST_CASE("bench mesh measures each pass and an edit, and holds the mesh against shapes") {
   const ScratchFolder folder;
   const Outcome outcome =
-      palpate("bench mesh --sizes 5000 --lattice 16 32 --repeat 5 --truth-points 5000 --shapes sphere,cube --json " +
+      palpate("bench mesh --sizes 5000 --lattice 16 32 --repeat 2 --truth-points 5000 --shapes sphere,cube --json " +
               (folder / "b.json").string());
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto mesh = jsonOf(folder / "b.json")["mesh"];
   REQUIRE(mesh["records"].size() == 2);
   for (const auto& record : mesh["records"]) {
     for (const char* pass : {"index", "list", "field", "classify", "scan", "vertices", "triangles", "in all"})
-      CHECK(record["gpu_us"][pass]["n"] == 5);
+      CHECK(record["gpu_us"][pass]["n"] == 2);
     CHECK(record["gpu_bytes"] > 0);
     CHECK(record["edit"]["treated_blocks"] > 0);
     CHECK(record["edit"]["treated_blocks"] <= record["blocks"]);

@@ -54,7 +54,7 @@ TEST_CASE("noise is measured, and widens the support radius alike on every back 
   for (const char* backend : {"cpu", "vulkan"}) {
     CAPTURE(backend);
     const auto touched = [&](const std::string& arguments) {
-      works("touch " + arguments + " --path builtin:press --rate 250 --backend " + backend + " --json " + json);
+      works("touch " + arguments + " --path builtin:press --rate 125 --backend " + backend + " --json " + json);
       return jsonOf(json);
     };
     const auto usual = touched(clean), wide = touched(noisy), given = touched(noisy + " --radius 5");
@@ -63,7 +63,7 @@ TEST_CASE("noise is measured, and widens the support radius alike on every back 
     CHECK(std::abs(usualSpacings - 4) < 1e-6);
     CHECK(std::abs(wideSpacings - 30 * noise) < 1e-3);
     CHECK(std::abs(given["radius_mm"].get<double>() - 5) < 1e-9);
-    CHECK(wide["contact_ticks"] > 25);
+    CHECK(wide["contact_ticks"] > 12);
     CHECK(wide["contact_error_mm"] < 0.002);
     CHECK(touched(noisy + " --edit push --penetration 4")["moved_points"] > 10);
   }
@@ -75,8 +75,8 @@ TEST_CASE("virtual time gives the same trace, the same cloud and the same pictur
   works("make torus -n 5000 -o " + model);
   for (const char* run : {"a", "b"}) {
     const auto file = [&](const char* ending) { return (folder / (std::string(run) + ending)).string(); };
-    works("touch " + model + " --backend vulkan --path builtin:slide --rate 250 --edit push --tau 0.3 --trace " +
-          file(".csv") + " --save " + file(".ply") + " --picture " + file(".png") + " --size 320x200");
+    works("touch " + model + " --backend vulkan --path builtin:slide --rate 125 --edit push --tau 0.3 --trace " +
+          file(".csv") + " --save " + file(".ply") + " --picture " + file(".png") + " --size 160x100");
   }
   for (const char* ending : {".csv", ".ply", ".png"}) {
     CAPTURE(ending);
@@ -216,7 +216,7 @@ TEST_CASE("a session in real time begins when the driver has translated every sh
   }
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
-  works("make sphere -n 20000 -o " + model);
+  works("make sphere -n 5000 -o " + model);
   const auto played = [&] {
     const Outcome outcome =
         palpate("touch " + model + " --backend vulkan --edit push --penetration 4 --realtime --json " +

@@ -77,7 +77,7 @@ TEST_CASE("with every stroke undone the saved file is the model's, byte by byte;
   SUBCASE("cpu") { backend = "cpu"; }
   SUBCASE("vulkan") { backend = "vulkan"; }
   const auto save = [&](const std::string& name, const std::string& options, const std::string& path = "path.csv") {
-    works(scene.touch("--backend " + backend + " --rate 250 --save " + scene.file(name) + " --json " +
+    works(scene.touch("--backend " + backend + " --rate 125 --save " + scene.file(name) + " --json " +
                           scene.file("t.json") + " " + options,
                       path));
     return contentOf(scene.folder / name);
@@ -113,8 +113,8 @@ TEST_CASE("a recorded session comes out the same again: on the CPU, on the GPU, 
   const Scene scene(2, 5'000);
   for (const std::string options :
        {"--backend cpu", "--backend vulkan", "--backend cpu --device sim --friction 0.3 --surface sharp",
-        "--backend vulkan --method indirect --bucket-key morton --stiffness 0.5 --rate 500",
-        "--backend cpu --undo 2 --redo 1", "--backend vulkan --undo 2 --redo 1"}) {
+        "--backend vulkan --method indirect --bucket-key morton --stiffness 0.5 --rate 250",
+        "--backend cpu --undo 2 --redo 1", "--backend vulkan --undo 2 --redo 1 --rate 250"}) {
     if (options == "--backend vulkan" && !inFullTier()) continue;  // the last one is that and undo
     CAPTURE(options);
     works(scene.touch(options + " --log " + scene.file("log") + " --trace " + scene.file("a.csv") + " --save " +
@@ -269,7 +269,8 @@ TEST_CASE("against the clock only what can be the same is compared, and the edit
   const Scene scene(2, 5'000);
   for (const std::string options : {"--backend cpu", "--backend vulkan", "--backend vulkan --deterministic"}) {
     CAPTURE(options);
-    works(scene.touch("--realtime " + options + " --log " + scene.file("log") + " --save " + scene.file("s.ply")));
+    works(scene.touch("--realtime --rate 250 " + options + " --log " + scene.file("log") + " --save " +
+                      scene.file("s.ply")));
     const auto json = replay(scene, scene.file("log"));
     CHECK(json["ends_as_recorded"] == true);
     CHECK(json["force_ticks"] == 0);

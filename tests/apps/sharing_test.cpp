@@ -43,12 +43,12 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const std::string model = (folder / "far.ply").string(), at = (folder / "r.json").string();
-  works("make sculpture -n 10000 --center 450000,-300000,1000 -o " + model);
+  works("make bumpy-sphere -n 6000 --center 450000,-300000,1000 -o " + model);
   Serving serving(model + " --name 'the city' --read-only --mm-per-unit 2 --json " + at, folder / "said");
   for (const std::string backend : {"cpu", "vulkan"}) {
     CAPTURE(backend);
     const std::string own = (folder / "own.csv").string(), joined = (folder / "joined.csv").string();
-    const std::string options = " --backend " + backend + " --duration 0.3 --trace ";
+    const std::string options = " --backend " + backend + " --duration 0.2 --trace ";
     works("touch " + model + " --mm-per-unit 2" + options + own);
     works("touch --join 'the city'" + domain() + options + joined + " --log " + (folder / "log").string());
     CHECK(contentOf(joined) == contentOf(own));
@@ -64,7 +64,7 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   CHECK(brush.code == 1);
   CHECK(brush.text.find("served to be felt alone") != std::string::npos);
   const Outcome listed = palpate("doctor --network" + domain());
-  CHECK(listed.text.find("the city: 10000 points of far.ply") != std::string::npos);
+  CHECK(listed.text.find("the city: 6000 points of far.ply") != std::string::npos);
   const Outcome second = palpate("serve " + model + " --name 'the city'" + domain());
   CHECK(second.code == 1);
   CHECK(second.text.find("served already") != std::string::npos);
@@ -82,7 +82,7 @@ TEST_CASE(
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  works("make bumpy-sphere -n 30000 -o " + in("m.ply"));
+  works("make bumpy-sphere -n 8000 -o " + in("m.ply"));
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply") + " --json " + in("s.json"), folder / "said");
   const std::string joins = "--join clay" + domain();
   RunningProgram left("touch " + joins +
@@ -192,21 +192,23 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
   if (!isBuilt() || !hasDisplay()) return;
   const ScratchFolder folder;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
-  works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
+  works("make bumpy-sphere -n 8000 -o " + in("m.ply"));
   const std::vector<std::string> ways = byTier<std::vector<std::string>>({""}, {"", " --read-only"});
   for (const std::string& readOnly : ways) {
     CAPTURE(readOnly);
     for (const char* name : {"a.json", "b.json", "b.png", "t.json"}) std::filesystem::remove(in(name));
     Serving serving(in("m.ply") + " --name felt" + readOnly, folder / "said");
     // The window has its hand on the model until the other two have seen it.
-    std::ofstream(in("w.txt")) << "0.5 key T\n0.5 mouse 600 380\n0.8 button left down\n1 state " << in("a.json")
-                               << "\n1 await " << in("go") << "\n1.5 screenshot " << in("b.png") << "\n1.5 state "
-                               << in("b.json") << "\n1.5 await " << in("t.json") << "\n1.5 button left up\n1.8 quit\n";
+    std::ofstream(in("w.txt")) << "0.3 key tab\n0.5 key T\n0.5 mouse 240 180\n0.8 button left down\n1 state "
+                               << in("a.json") << "\n1 await " << in("go") << "\n1.5 screenshot " << in("b.png")
+                               << "\n1.5 state " << in("b.json") << "\n1.5 await " << in("t.json")
+                               << "\n1.5 button left up\n1.8 quit\n";
     std::filesystem::remove(in("go"));
     std::future<int> window = std::async(std::launch::async, [&] {
       return std::system(("XDG_STATE_HOME=" + in("home") + " timeout 200 xvfb-run -a " + program() +
-                          " view --join felt --near --as Ada" + domain() + " --backend cpu --realtime --script " +
-                          in("w.txt") + " > " + in("w.said") + " 2>&1")
+                          " view --join felt --near --as Ada" + domain() +
+                          " --backend cpu --realtime --size 480x360 --script " + in("w.txt") + " > " + in("w.said") +
+                          " 2>&1")
                              .c_str());
     });
     REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("a.json")); }),
@@ -224,7 +226,7 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
     };
     CHECK_MESSAGE(bert.waitFor(areNear), contentOf(folder / "said"));
     CHECK(carla.waitFor([&] { return contentOf(folder / "carla.said").find("points of") != std::string::npos; }));
-    std::this_thread::sleep_for(std::chrono::seconds(2));  // in which each hears of the others
+    std::this_thread::sleep_for(std::chrono::seconds(1));  // in which each hears of the others
     std::ofstream(in("go")) << "now";
     REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("b.json")); }),
                     contentOf(in("w.said")));
@@ -409,8 +411,8 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  works("make plane -n 40000 -o " + in("m.ply"));
-  std::ofstream(in("rest.csv")) << "t_s,x,y,z\n0,0,0,10\n1,0,0,0\n3,0,0,0\n";
+  works("make plane -n 10000 -o " + in("m.ply"));
+  std::ofstream(in("rest.csv")) << "t_s,x,y,z\n0,0,0,10\n0.5,0,0,0\n2.1,0,0,0\n";
   {
     Serving serving(in("m.ply") +
                         " --name moving --motion oscillate --motion-amplitude 3 --motion-frequency 1 --json " +
@@ -432,7 +434,7 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
       std::istringstream all(line);
       for (std::string field; std::getline(all, field, ',');) fields.push_back(std::stod(field));
       REQUIRE(fields.size() > 14);
-      if (fields[0] < 1) continue;
+      if (fields[0] < 0.6) continue;
       const double depth = fields[13];
       ++rows;
       touching += fields[14] != 0;
@@ -440,7 +442,7 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
       if (rows > 1 && depth > 0 && last > 0) largestStep = std::max(largestStep, std::abs(depth - last));
       last = depth;
     }
-    CHECK(rows > 1000);
+    CHECK(rows > 750);
     CHECK(touching > rows / 4);
     CHECK(touching < rows * 3 / 4);
     CHECK(deepest > 2.7);
@@ -448,14 +450,14 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
     CHECK(largestStep < 0.5);
     CHECK(serving.program.wait(SIGINT) == 0);
     const Result served = jsonOf(in("s.json"));
-    CHECK(served["frames"] > 60);
+    CHECK(served["frames"] > 40);
     CHECK(served["near"] == 1);
     CHECK(served["sculptors"] == 0);
   }
   {
     Serving serving("jelly --name soft --backend cpu", folder / "soft.said");
     works("touch --join soft" + domain() +
-          " --backend cpu --realtime --path builtin:press --penetration 6 --duration 2 --json " + in("soft.json"));
+          " --backend cpu --realtime --path builtin:press --penetration 6 --duration 1.4 --json " + in("soft.json"));
     const Result soft = jsonOf(in("soft.json"));
     CHECK(soft["contact_ticks"] > 100);
     CHECK(soft["near"]["steps"] > 20);
@@ -534,7 +536,7 @@ TEST_CASE("water is served: a far hand feels what it does to a ball, its ball is
   const Outcome still = palpate("touch" + join + " --backend cpu --duration 0.1");
   CHECK(still.code == 1);
   CHECK(still.text.find("join it against the clock") != std::string::npos);
-  works(touch + " --duration 4 --trace " + in("t.csv") + " --json " + in("j.json"));
+  works(touch + " --duration 2 --trace " + in("t.csv") + " --json " + in("j.json"));
   const Result felt = jsonOf(in("j.json"));
   MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most "
                 << felt["peak_force_N"] << " N; " << felt["near"]["steps"] << " steps came");

@@ -44,7 +44,7 @@ TEST_CASE("a tool of one point leaves the trace that a point leaves, byte by byt
     std::vector<std::string> traces;
     for (const std::string tool : {"", "--tool point", "--tool pad --tool-points 1", "--tool ball --tool-points 1"}) {
       const std::string trace = (folder / "t.csv").string();
-      works("touch " + model + " --path builtin:slide --rate 250 --friction 0.3 --backend " + backend + " " + tool +
+      works("touch " + model + " --path builtin:slide --rate 125 --friction 0.3 --backend " + backend + " " + tool +
             " --trace " + trace);
       traces.push_back(contentOf(trace));
     }
@@ -63,8 +63,8 @@ TEST_CASE("tools are felt by both back ends alike, the same every time, and say 
       if (states.size() == 2 && tool.starts_with("spatula")) break;
       const std::string trace = (folder / ("t" + std::to_string(states.size()) + ".csv")).string();
       const std::string json = (folder / "t.json").string();
-      works("touch " + model + " --path " + path + " --backend " + backend + " --tool " + tool + " --trace " + trace +
-            " --json " + json);
+      works("touch " + model + " --path " + path + " --rate 500 --backend " + backend + " --tool " + tool +
+            " --trace " + trace + " --json " + json);
       states.push_back(readToolTrace(trace));
       const auto report = jsonOf(json);
       CHECK(report["tool"] == tool.substr(0, tool.find(' ')));
@@ -100,7 +100,7 @@ TEST_CASE("a session with a tool that sculpts and rubs runs again from its log")
   const std::string model = (folder / "s.ply").string(), log = (folder / "log").string();
   works("make sphere -n 5000 -o " + model);
   for (const std::string backend : {"cpu", "vulkan"}) {
-    works("touch " + model + " --tool pad --tool-points 8 --friction 0.3 --edit push --penetration 3 --rate 250" +
+    works("touch " + model + " --tool pad --tool-points 8 --friction 0.3 --edit push --penetration 3 --rate 125" +
           " --backend " + backend + " --log " + log + " --trace " + (folder / "a.csv").string());
     works("replay " + log + " --trace " + (folder / "b.csv").string());
     CHECK(contentOf(folder / "a.csv") == contentOf(folder / "b.csv"));

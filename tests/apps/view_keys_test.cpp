@@ -19,7 +19,7 @@ struct Eye {
 
 TEST_CASE("the mouse and the keys move the view") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360", R"(
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 mouse 373 180
 0.2 state %/still.json
 0.4 state %/begin.json
@@ -109,7 +109,7 @@ TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
 8.3 key ctrl+q
 29.9 state %/after.json
 )";
-  const auto played = play("%/sphere.ply --size 480x360", script, "",
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250", script, "",
                            [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
@@ -135,7 +135,7 @@ TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
 
 TEST_CASE("help, curves, colours, background and pictures to files") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 800x600", R"(
+  const auto played = play("%/sphere.ply --size 800x600 --rate 250", R"(
 0.1 mouse 400 590
 0.4 screenshot %/begin.png
 0.5 key c

@@ -22,7 +22,7 @@ void makeMesh(const std::filesystem::path& folder) {
 // Presses the brush into the middle of what the panel leaves free in a window of 480 x 360.
 std::string strokeAt(double time_s) {
   return fmt::format("{} mouse 373 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
-                     time_s, time_s + 0.2, time_s + 0.3, time_s + 1.1, time_s + 1.2);
+                     time_s, time_s + 0.2, time_s + 0.3, time_s + 0.8, time_s + 0.9);
 }
 
 bool exists(const Played& played, const char* name) { return std::filesystem::exists(played.folder.path() / name); }
@@ -33,7 +33,7 @@ std::string fileOf(const Played& played, const char* name) { return contentOf(pl
 TEST_CASE(
     "Ctrl+S where a mesh would lose its faces asks, and by default saves beside it, from then on without asking") {
   if (!hasDisplay()) return;
-  const auto played = play("%/mesh.ply --size 480x360 --edit push", strokeAt(0.1) + R"(
+  const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1.4 ask
 1.5 key ctrl+s
 1.7 state %/asked.json
@@ -78,7 +78,7 @@ TEST_CASE(
 
 TEST_CASE("saved over, a mesh is kept as it was, and so is what was kept before") {
   if (!hasDisplay()) return;
-  const auto played = play("%/mesh.ply --size 480x360 --edit push", strokeAt(0.1) + R"(
+  const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1.4 ask
 1.5 key ctrl+s
 1.7 click Save over
@@ -107,7 +107,7 @@ TEST_CASE("saved over, a mesh is kept as it was, and so is what was kept before"
 
 TEST_CASE("saved first when the window closes, a mesh is asked about, too") {
   if (!hasDisplay()) return;
-  const auto played = play("%/mesh.ply --size 480x360 --edit push", strokeAt(0.1) + R"(
+  const auto played = play("%/mesh.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1.4 ask
 1.5 quit
 1.7 click Save
@@ -134,12 +134,12 @@ TEST_CASE("saved first when the window closes, a mesh is asked about, too") {
 TEST_CASE("a script that does not ask saves beside, and a file of our own is saved over as it was") {
   if (!hasDisplay()) return;
   const std::string script = strokeAt(0.1) + "1.5 key ctrl+s\n1.9 state %/saved.json\n2.0 quit\n";
-  const auto mesh = play("%/mesh.ply --size 480x360 --edit push", script, "", makeMesh);
+  const auto mesh = play("%/mesh.ply --size 480x360 --rate 250 --edit push", script, "", makeMesh);
   REQUIRE_MESSAGE(mesh->outcome.code == 0, mesh->outcome.text);
   CHECK(mesh->state("saved.json")["changed"] == false);
   CHECK(fileOf(*mesh, "mesh.ply") == fileOf(*mesh, "original.ply"));
   CHECK(exists(*mesh, "mesh-sculpted.ply"));
-  const auto ours = play("%/sphere.ply --size 480x360 --edit push", "0 ask\n" + script, "", makeMesh);
+  const auto ours = play("%/sphere.ply --size 480x360 --rate 250 --edit push", "0 ask\n" + script, "", makeMesh);
   REQUIRE_MESSAGE(ours->outcome.code == 0, ours->outcome.text);
   CHECK(ours->state("saved.json")["asks_how_to_save"] == false);
   CHECK(std::string(ours->state("saved.json")["save_file"]).ends_with("sphere.ply"));
@@ -150,7 +150,7 @@ TEST_CASE("a script that does not ask saves beside, and a file of our own is sav
 
 TEST_CASE("what is undone is not changed, comes back with redo, and is relative to what was saved") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360 --edit push", strokeAt(0.1) + R"(
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
 1.4 ask
 1.5 state %/dent.json
 1.6 key ctrl+z

@@ -73,7 +73,7 @@ TEST_CASE("each press of the button is one stroke, however quick, and one that g
 
 TEST_CASE("a session in the window, from the first touch to the saved file") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 560x420 --edit push", R"(
+  const auto played = play("%/sphere.ply --size 560x420 --rate 250 --edit push", R"(
 0.1 mouse 418 210
 0.4 screenshot %/before.png
 0.4 state %/before.json
@@ -160,7 +160,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 
 TEST_CASE("a second press in one place meets the surface, however soon the cursor is there before it") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360", R"(
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 mouse 373 180
 0.5 key space down
 0.7 button left down
@@ -197,7 +197,7 @@ TEST_CASE("a script plays the same ticks on any machine, and in real time those 
   const auto sphere = [](const std::filesystem::path& folder) { makeSphere(folder, 3000); };
   Result states[2];
   for (Result& state : states) {
-    const auto played = play("%/sphere.ply --size 400x240 --edit push", script, "", sphere);
+    const auto played = play("%/sphere.ply --size 400x240 --rate 250 --edit push", script, "", sphere);
     REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
     state = played->state("pressed.json");
   }
@@ -206,18 +206,18 @@ TEST_CASE("a script plays the same ticks on any machine, and in real time those 
     CHECK(states[0][key] == states[1][key]);
   }
   CHECK(states[0]["missed_ticks"] == 0);
-  CHECK(states[0]["ticks"] > 1300);
-  CHECK(states[0]["ticks"] < 1600);
+  CHECK(states[0]["ticks"] > 325);
+  CHECK(states[0]["ticks"] < 400);
   CHECK(states[0]["edits"] > 0);
-  const auto played = play("%/sphere.ply --size 400x240 --realtime", script, "", sphere);
+  const auto played = play("%/sphere.ply --size 400x240 --rate 250 --realtime", script, "", sphere);
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto state = played->state("pressed.json");
-  CHECK(state["ticks"].get<int>() + state["missed_ticks"].get<int>() > 1300);
+  CHECK(state["ticks"].get<int>() + state["missed_ticks"].get<int>() > 325);
 }
 
 TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first button holds that") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x360", R"(
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
 0.1 mouse 373 180
 0.4 state %/begin.json
 0.5 push 0.4 0.2 0 0 0 0
@@ -270,7 +270,7 @@ TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first bu
 
 TEST_CASE("no validation message while a model is touched, sculpted and meshed") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x240 --edit carve --lattice 32", R"(
+  const auto played = play("%/sphere.ply --size 480x240 --rate 250 --edit carve --lattice 32", R"(
 0.1 mouse 373 120
 0.2 impatient
 0.3 key m
@@ -303,8 +303,9 @@ TEST_CASE("no validation message while a model is touched, sculpted and meshed")
 
 TEST_CASE("the window closes while a model is loaded, and models follow one another") {
   if (!hasDisplay()) return;
-  const auto prepare = [](const std::filesystem::path& folder) {
-    makeSphere(folder, 200'000);
+  int points = 200'000;
+  const auto prepare = [&](const std::filesystem::path& folder) {
+    makeSphere(folder, points);
     works("--quiet make torus -n 3000 -o " + (folder / "torus.ply").string());
   };
   const auto closed = play("%/torus.ply --size 320x240", R"(
@@ -315,6 +316,7 @@ TEST_CASE("the window closes while a model is loaded, and models follow one anot
                            "", prepare);
   CAPTURE(closed->outcome.text);
   CHECK(closed->outcome.code == 0);
+  points = 30'000;
   const auto changed = play("%/torus.ply %/sphere.ply --size 320x240", R"(
 0.2 state %/torus.json
 0.3 drop %/sphere.ply
@@ -327,7 +329,7 @@ TEST_CASE("the window closes while a model is loaded, and models follow one anot
   CAPTURE(changed->outcome.text);
   REQUIRE(changed->outcome.code == 0);
   CHECK(changed->state("torus.json")["points"] == 3000);
-  CHECK(changed->state("sphere.json")["points"] == 200'000);
+  CHECK(changed->state("sphere.json")["points"] == points);
   CHECK(changed->state("again.json")["points"] == 3000);
   CHECK(contentOf(changed->folder.path() / "state" / "palpate" / "recent")
             .starts_with((changed->folder.path() / "torus.ply").string() + "\n"));
@@ -335,7 +337,7 @@ TEST_CASE("the window closes while a model is loaded, and models follow one anot
 
 TEST_CASE("a session that was recorded in the window runs again, in the window and without one") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 480x300 --edit push", R"(
+  const auto played = play("%/sphere.ply --size 480x300 --rate 250 --edit push", R"(
 0.1 mouse 373 145
 0.2 record %/session.log
 0.3 key space down

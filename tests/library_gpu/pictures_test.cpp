@@ -82,7 +82,7 @@ TEST_CASE("a picture shows the ball in its middle, from where it is asked for, d
   pp_session_options options = cpuOptions();
   SUBCASE("of a session on the CPU") {}
   SUBCASE("of a session on a GPU") { options = gpuOptions(); }
-  const OpenBall ball(options);
+  const OpenBall ball(options, 6'000);
   Picture picture;
   pp_picture_options view = picture.options();
   picture.take(ball.session, view);
@@ -104,7 +104,7 @@ TEST_CASE("a picture shows the ball in its middle, from where it is asked for, d
   CHECK(above != first);
   pp_brush brush = pp_default_brush();
   brush.radius_mm = 8;
-  const auto press = pressPath(6, 150, 50);
+  const auto press = pressPath(6, 60, 20);
   stroke(ball.session, pathOf(press), brush);
   picture.take(ball.session, view);
   const auto dented = picture.rgba;

@@ -84,11 +84,11 @@ TEST_CASE_FIXTURE(SplatRadiiFixture,
     const PointCloud sphere = shapeCloud("sphere", count);
     CHECK(wrong(sphere, std::max(meanSpacing(sphere), 1.0)) == 0);
   }
-  const PointCloud uneven = thinnedAlong(shapeCloud("torus", 20'000), 10);
+  const PointCloud uneven = thinnedAlong(shapeCloud("torus", 8'000), 10);
   CHECK(wrong(uneven, meanSpacing(uneven)) == 0);
-  const PointCloud noisy = shapeCloud("cube", 6000, DVec3(0), 0.3);
+  const PointCloud noisy = shapeCloud("cube", 3000, DVec3(0), 0.3);
   CHECK(wrong(noisy, meanSpacing(noisy)) == 0);
-  const PointCloud away = shapeCloud("bumpy-sphere", 5000, DVec3(1000, -2000, 512));
+  const PointCloud away = shapeCloud("bumpy-sphere", 3000, DVec3(1000, -2000, 512));
   CHECK(wrong(away, meanSpacing(away)) == 0);
 }
 

@@ -29,7 +29,7 @@ namespace {
 constexpr double kMB = 1e6;
 
 /// How long somebody attacks.
-double attack_s() { return byTier(0.8, 1.5); }
+double attack_s() { return byTier(0.4, 1.5); }
 
 /// What this process has of memory that it has asked for and not given back.
 double allocated_MB() {
@@ -241,7 +241,7 @@ TEST_CASE("facts of thousands of sessions do not hide those of the one that is j
 
 TEST_CASE("bytes that are no samples of ours are no more than noise" * kMoreInFull) {
   attacked("pings", attack_s());
-  attacked("bytes", attack_s() + 0.5);
+  attacked("bytes", attack_s() + 0.2);
 }
 
 TEST_CASE("readers that have fallen asleep with all that there is on the way to them hold up nobody" * kClock *

@@ -34,7 +34,7 @@ void checkEqual(const Contact& a, const Contact& b) {
 TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is what is sculpted") {
   // Without validation: that makes a submission wait until its work is done.
   Device& device = plainDevice();
-  const Scene scene = makeScene("sphere", 10'000);
+  const Scene scene = makeScene("sphere", 5'000);
   for (const bool sculpts : {false, true}) {
     CAPTURE(sculpts);
     TouchOptions plain = optionsFor(scene, false), ahead = optionsFor(scene, true);
