@@ -199,7 +199,8 @@ TEST_CASE("in real time an edit that outlasts the budget is bridged by the last 
   const std::size_t edits = touch.editTimes_us().size(), leftOut = touch.shortfalls().editsTooSlow;
   CHECK(touch.query({.time_s = 0.003, .hip = {0, 0, 48.5}}, kNoTime_us).fresh);
   touch.finish();
-  CHECK(touch.editTimes_us().size() == edits + (slow ? 0 : 1));
+  // And what of the wide brush's points had not got their turn.
+  CHECK(touch.editTimes_us().size() >= edits + (slow ? 0 : 1));
   CHECK(touch.shortfalls().editsTooSlow == leftOut + (slow ? 1 : 0));
 }
 
