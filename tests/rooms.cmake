@@ -22,8 +22,11 @@ palpate_tests(core LINKS palpate::core)
 palpate_test_program(labelled_cases programs/labelled_cases.cpp palpate::core)
 target_sources(labelled_cases PRIVATE $<TARGET_OBJECTS:tests_main>)
 add_dependencies(tests_core labelled_cases)
+list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)  # where this machine cannot run a program itself
 set_source_files_properties(core/labels_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
-                            PALPATE_LABELLED_CASES="$<TARGET_FILE:labelled_cases>")
+                            PALPATE_LABELLED_CASES="${emulator} '$<TARGET_FILE:labelled_cases>'")
+set_source_files_properties(core/last_words_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
+                            PALPATE_EMULATOR="${emulator}")
 palpate_tests(cloud LINKS palpate::io palpate::cloud)
 palpate_tests(matter LINKS palpate::matter WITH ${matter_truths})
 palpate_tests(io LINKS palpate::io)
@@ -40,7 +43,6 @@ palpate_tests(session LINKS palpate::session)
 # The program that the README shows.
 palpate_test_program(embedding programs/embedding.cpp palpate::session)
 add_dependencies(tests_session embedding)
-list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)  # where this machine cannot run it itself
 string(STRIP "${emulator} $<TARGET_FILE:embedding>" embedding)
 set_source_files_properties(session/embedding_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_EMBEDDING="${embedding}")

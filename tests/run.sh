@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_RESULTS=$PWD/build/tests/cases
 
-legs=(lint links thread swiftshader layer mutations truths address arm64 fuzz one_thread windows searched)
+legs=(windows searched one_thread fuzz lint links thread swiftshader layer mutations truths address arm64)
 build() { cmake --preset "$1" > /dev/null && cmake --build --preset "$1" --target "${@:2}"; }  # PRESET TARGETS...
 tests() {  # PRESET [CTEST OPTIONS...]: two places for each entry, one for what sleeps (tests/CMakeLists.txt)
   ctest --preset "$1" -j $((2 * $(nproc) + 2)) --no-tests=error "${@:2}"

@@ -1,4 +1,4 @@
-// The part of Panels that stands beside the panel: curves, hoverHelp, messages and the question about changes.
+// The part of Panels that stands beside the panel: curves, help, messages and the question about changes.
 #include <imgui.h>
 
 #include <algorithm>
@@ -139,7 +139,7 @@ void Panels::drawHelp(ViewSettings& view) {
        {"K,  N", "hold water or sand, or let it go on;  it begins anew"},
        {"P,  C", "picture to a file,  curves on and off"},
        {"Tab", "panels on and off"},
-       {"H,  Q", "this hoverHelp,  quit"}}};
+       {"H,  Q", "this help,  quit"}}};
   if (ImGui::BeginTable("keys", 2)) {
     ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
     ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
@@ -165,7 +165,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
   else if (status.stylus)
     lines.insert(lines.begin(), "stylus: press with the left button");
   if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
-  if (lines.empty() && status.session && !view.help) lines.push_back("hold Space to touch,  H for hoverHelp");
+  if (lines.empty() && status.session && !view.help) lines.push_back("hold Space to touch,  H for help");
   if (lines.empty()) return;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   // Beside the panel where that would cover them.

@@ -206,7 +206,7 @@ void CpuSculpture::findUnsettled() {
   if (!someWait_) return;
   // Those that have waited longest: around all of them in the order of their numbers.
   const auto next = std::ranges::lower_bound(unsettled_, nextUnsettled_);
-  std::ranges::rotate(unsettled_, next);
+  std::rotate(unsettled_.begin(), next, unsettled_.end());
   nextUnsettled_ = unsettled_[most];
   unsettled_.resize(most);
   std::ranges::sort(unsettled_);

@@ -78,7 +78,7 @@ void DepthSource::measure(const DepthPlayer::Played& played) {
 }
 
 void DepthSource::measure(const DepthFrame& frame, std::optional<Measured>& measured) {
-  if (!measured) measured.emplace();
+  if (!measured) measured = Measured{};
   measured->number = frame.number;
   measured->time_s = frame.time_s;
   points_.make(stream_->player->camera(), frame, origin_, measured->points);

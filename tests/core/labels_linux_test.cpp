@@ -22,7 +22,7 @@ Run runCases(const std::string& surroundings) {
   const ScratchFolder folder;
   const auto results = folder / "results";
   const std::string command = "env -u PALPATE_TESTS_TIER -u PALPATE_TESTS_ONLY PALPATE_TESTS_RESULTS='" +
-                              results.string() + "' " + surroundings + " '" PALPATE_LABELLED_CASES "' -s 2>&1";
+                              results.string() + "' " + surroundings + " " PALPATE_LABELLED_CASES " -s 2>&1";
   std::FILE* pipe = ::popen(command.c_str(), "r");
   REQUIRE(pipe);
   Run run;

@@ -36,8 +36,8 @@ struct End {
 
 End endOf(const std::string& name, const std::string& before = "") {
   // The shell is replaced, so that the status is the program's; what waits for ever is ended by another signal.
-  const std::string command = before + " exec timeout -s KILL 60 '" + (programFolder() / "tests_core").string() +
-                              "' --no-skip --test-case='" + name + "' 2>&1";
+  const std::string command = before + " exec timeout -s KILL 60 " PALPATE_EMULATOR " '" +
+                              (programFolder() / "tests_core").string() + "' --no-skip --test-case='" + name + "' 2>&1";
   std::FILE* pipe = ::popen(command.c_str(), "r");
   REQUIRE(pipe);
   End end;
