@@ -83,7 +83,11 @@ void Context::writeJson(const Json& result) const {
 }
 
 void Context::checkWritable(const std::string& file) {
-  if (!file.empty()) AtomicFile probe(file);
+  std::error_code ignored;
+  const auto status = std::filesystem::status(file, ignored);
+  const bool isPipe = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+                      !std::filesystem::is_directory(status);  // whose reader would take the trial for the end
+  if (!file.empty() && !isPipe) AtomicFile probe(file);
 }
 
 void Context::close(std::unique_ptr<Device>& device) {

@@ -44,6 +44,8 @@ class Context {
 
   /// By --gpu or --validate.
   bool asksForGpu() const { return !gpu_.empty() || !validate_.empty(); }
+  /// Throws FileError where --json names a file that could not be written.
+  void checkJson() const { checkWritable(json_ == "-" ? std::string() : json_); }
   /// Sends the result where --json says; nothing without it.
   void writeJson(const Json& result) const;
   /// With --json - stdout belongs to the result, and tables go to stderr.

@@ -84,6 +84,17 @@ Json describe(std::FILE* out, std::size_t number, VkPhysicalDevice device) {
           {"features", features}, {"memory_bytes", local},          {"usable", usable}};
 }
 
+Json gpus(std::FILE* out) {
+  Json json = Json::array();
+  try {
+    const Instance instance(Validation::off);
+    for (const VkPhysicalDevice device : instance.physicalDevices()) json.push_back(describe(out, json.size(), device));
+  } catch (const Error& error) {
+    fmt::print(out, "GPU: none. {}\n", error.what());
+  }
+  return json;
+}
+
 Json toJson(const DVec3& v) { return {v.x, v.y, v.z}; }
 
 Json describe(std::FILE* out, const DriverFinding& driver) {
@@ -269,16 +280,22 @@ void doctor(Context& context, const DoctorOptions& options) {
   }
   if (options.which.config() != NetworkConfig{})
     throw UsageError("--interface, --peer, --domain and --security are for --network, which lists sessions");
-  const Instance instance(Validation::off);
-  const auto devices = instance.physicalDevices();
-  Json gpus = Json::array();
-  for (std::size_t i = 0; i < devices.size(); ++i) gpus.push_back(describe(context.tables(), i, devices[i]));
-  const Json haptics = hapticDevices(context.tables());
-  const Json shown = display(context.tables());
-  Device& device = context.device();  // says what is wrong when none will do
-  fmt::print(context.tables(), "GPU in use: {}. palpate can run here.\n", device.name());
-  Json result{{"gpus", gpus}, {"in_use", device.name()}, {"display", shown}, {"haptics", haptics}};
-  if (options.servo_s > 0) result["servo"] = servoPace(context.tables(), options);
+  std::FILE* out = context.tables();
+  Json result{{"gpus", gpus(out)}};
+  result["haptics"] = hapticDevices(out);
+  result["display"] = display(out);
+  result["in_use"] = nullptr;
+  if (options.servo_s > 0) result["servo"] = servoPace(out, options);
+  try {
+    result["in_use"] = context.device().name();
+  } catch (const Error&) {
+    context.writeJson(result);
+    fmt::print(out,
+               "No GPU will do: touch, convert, info and simulate work on the processor; pictures and the window "
+               "need a Vulkan driver, which may be a software one (package mesa-vulkan-drivers)\n");
+    throw;  // says what is wrong
+  }
+  fmt::print(out, "GPU in use: {}. palpate can run here.\n", context.device().name());
   context.writeJson(result);
 }
 

@@ -2,9 +2,11 @@
 #include <filesystem>
 
 #include "apps/cli/command_line.hpp"
+#include "apps/cli/complaint.hpp"
+#include "apps/cli/completion.hpp"
 #include "apps/cli/config_flags.hpp"
 #include "apps/cli/context.hpp"
-#include "apps/cli/suggestion.hpp"
+#include "apps/cli/stop_by_signal.hpp"
 
 namespace palpate {
 namespace {
@@ -33,46 +35,6 @@ void addFooter(const std::vector<CLI::App*>& commands) {
   }
 }
 
-// What nobody expected, in front; empty where all was.
-std::string firstUnexpected(const CLI::App& app) {
-  const std::vector<std::string> unexpected = app.remaining(true);
-  return unexpected.empty() ? std::string() : unexpected.front();
-}
-
-// "--name" of each option that help shows.
-void addOptionNames(const CLI::App& app, std::vector<std::string>& names) {
-  for (const CLI::Option* option : app.get_options())
-    if (!option->get_group().empty())
-      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-}
-
-// What is wrong with a command line that could not be read, and what was probably meant. A word that nobody expected
-// comes first: what is missing may be what it was meant to be.
-std::string complaint(const CLI::App& app, const CLI::Error& error) {
-  const CLI::App* command = &app;
-  std::string help = "palpate";
-  while (!command->get_subcommands().empty()) {
-    command = command->get_subcommands().back();
-    help += " " + command->get_name();
-  }
-  help += " --help";
-  const std::string word = firstUnexpected(app);
-  if (word.empty()) return fmt::format("{}; see {}", error.what(), help);
-  const bool isOption = word.starts_with("-");
-  std::vector<std::string> names;
-  if (isOption) {
-    addOptionNames(*command, names);
-    addOptionNames(app, names);
-  } else {
-    for (const CLI::App* sub : command->get_subcommands({})) names.push_back(sub->get_name());
-  }
-  if (!isOption && names.empty()) return fmt::format("'{}' is one word too many; see {}", word, help);
-  const std::string name = isOption ? word.substr(0, word.find('=')) : word;
-  const std::string meant = nearestName(name, names);
-  return fmt::format("there is no {} '{}'{}; see {}", isOption ? "option" : "subcommand", name,
-                     meant.empty() ? std::string() : fmt::format("; did you mean {}?", meant), help);
-}
-
 // Whether a first word that is no subcommand is meant as a model.
 bool isModel(const std::string& word) {
   std::error_code ignored;
@@ -80,6 +42,8 @@ bool isModel(const std::string& word) {
 }
 
 void parse(CLI::App& app, std::vector<std::string> arguments) {
+  if (!arguments.empty() && arguments.front() == "help")
+    arguments = helpOf(app, {arguments.begin() + 1, arguments.end()});
   std::ranges::reverse(arguments);  // as CLI11 wants them
   try {
     app.parse(std::vector(arguments));
@@ -97,6 +61,18 @@ const Options& namedIn(const Options& options) {
   return named.empty() ? options : namedIn(*named.front());
 }
 
+void complete(const CLI::App& app, const std::vector<std::string>& words) {
+  const Completions completions = completionsOf(app, words);
+  for (const std::string& word : completions.words) fmt::print("{}\n", word);
+  if (completions.files) fmt::print("/\n");  // no word looks like that
+}
+
+// What went wrong, and the exit code of that: an interrupted run has the one that shells give it.
+int fail(std::string_view what, int code) {
+  fmt::print(stderr, "palpate: {}\n", what);
+  return StopBySignal::requested() ? StopBySignal::exitCode() : code;
+}
+
 int run(std::vector<std::string> arguments) {
   Options options{
       "palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
@@ -106,40 +82,40 @@ int run(std::vector<std::string> arguments) {
   app.name("palpate");
   app.set_version_flag("--version", "palpate " PALPATE_VERSION, "the version of this program");
   app.require_subcommand(1);
-  app.failure_message([](const CLI::App* main, const CLI::Error& error) {
-    return fmt::format("palpate: {}\n", complaint(*main, error));
-  });
   app.fallthrough();
   Context context;
   context.addOptions(options);
   Command command;
   addSubcommands(options, context, command);
   addFooter(app.get_subcommands({}));
-  app.footer("palpate COMMAND --help shows the options of that command.");
+  app.footer("palpate help COMMAND shows the options of that command, as palpate COMMAND --help does.");
 
-  try {
-    parse(app, std::move(arguments));
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+  if (!arguments.empty() && arguments.front() == "complete") {  // for the shell
+    complete(app, {arguments.begin() + 1, arguments.end()});
+    return 0;
   }
   try {
+    parse(app, std::move(arguments));
+    context.checkJson();
     command();
     checkStdout();
     if (const std::size_t messages = context.closeDevices())
       throw Error("{} validation message{}; see above", messages, messages == 1 ? "" : "s");
     return 0;
+  } catch (const CLI::Success& asked) {  // for help, or the version
+    if (!app.get_subcommands().empty() || firstUnexpected(app).empty()) return app.exit(asked);
+    return fail(complaint(app, asked), 2);
+  } catch (const CLI::ParseError& error) {
+    return fail(complaint(app, error), 2);
   } catch (const ConfigError& error) {
-    fmt::print(stderr, "palpate: {}\n", inFlags(error, namedIn(options)));
-    return 2;
+    return fail(inFlags(error, namedIn(options)), 2);
   } catch (const UsageError& error) {
-    fmt::print(stderr, "palpate: {}\n", error.what());
-    return 2;
+    return fail(error.what(), 2);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "palpate: out of memory; ask for fewer points\n");
+    return fail("out of memory; ask for fewer points", 1);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "palpate: {}\n", error.what());
+    return fail(error.what(), 1);
   }
-  return 1;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "apps/cli/options.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <optional>
 
+#include "apps/cli/suggestion.hpp"
 #include "haptics/session/bounds.hpp"
 
 namespace palpate {
@@ -41,7 +43,16 @@ Check checkOf(const CLI::Validator& validator) {
 
 }  // namespace
 
-Check oneOf(std::vector<std::string> words) { return checkOf(CLI::IsMember(std::move(words))); }
+Check oneOf(std::vector<std::string> words) {
+  std::string description = fmt::format("{{{}}}", fmt::join(words, ","));
+  return {[words = std::move(words)](const std::string& text) {
+            if (std::ranges::find(words, text) != words.end()) return std::string();
+            const std::string meant = nearestName(text, words);
+            return fmt::format("there is no '{}'{}; choose {}", text,
+                               meant.empty() ? "" : fmt::format(", but {}", meant), fmt::join(words, ", "));
+          },
+          std::move(description)};
+}
 
 Check oneOf(std::initializer_list<std::uint32_t> numbers) { return checkOf(CLI::IsMember(numbers)); }
 

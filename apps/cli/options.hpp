@@ -1,5 +1,5 @@
-// What the command line may say, as the subcommands declare it. CLI11 does the work: it is compiled with options.cpp
-// and main.cpp alone, because each file that reads it takes ten seconds longer.
+// What the command line may say, as the subcommands declare it. CLI11 does the work: it is compiled with options.cpp,
+// complaint.cpp, completion.cpp and main.cpp alone, because each file that reads it takes ten seconds longer.
 #pragma once
 
 #include <cstdint>

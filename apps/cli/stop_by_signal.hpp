@@ -15,6 +15,8 @@ class StopBySignal {
 
   /// Whether anybody has asked since the program began.
   static const std::atomic<bool>& requested();
+  /// That of a program that was ended by the signal that asked: 130 for Ctrl+C, 143 for SIGTERM.
+  static int exitCode();
 };
 
 }  // namespace palpate

@@ -7,6 +7,7 @@ namespace palpate {
 namespace {
 
 std::atomic<bool> stopRequested = false;  // what a signal handler may touch
+std::atomic<int> whichSignal = SIGINT;
 
 void handle(void (*handler)(int)) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, handler);
@@ -15,11 +16,19 @@ void handle(void (*handler)(int)) {
 }  // namespace
 
 StopBySignal::StopBySignal() {
-  handle([](int) { stopRequested = true; });
+  handle([](int signal) {
+    whichSignal = signal;
+    stopRequested = true;
+  });
 }
 
 StopBySignal::~StopBySignal() { handle(SIG_DFL); }
 
 const std::atomic<bool>& StopBySignal::requested() { return stopRequested; }
+
+int StopBySignal::exitCode() {
+  constexpr int kOfSignals = 128;  // POSIX shells, 2.8.2
+  return kOfSignals + whichSignal;
+}
 
 }  // namespace palpate

@@ -24,4 +24,9 @@ StopBySignal::~StopBySignal() { ::SetConsoleCtrlHandler(askToStop, FALSE); }
 
 const std::atomic<bool>& StopBySignal::requested() { return stopRequested; }
 
+int StopBySignal::exitCode() {
+  constexpr int kInterrupted = 130;  // as on other systems
+  return kInterrupted;
+}
+
 }  // namespace palpate

@@ -81,6 +81,10 @@ MatterScene readSceneNamed(const std::string& name) {
   if (isFile(name)) return readMatterScene(name);
   if (isBuiltIn(name)) return matterSceneNamed(name);
   if (const auto scene = sceneOfFile(name)) return *scene;
+  std::error_code ignored;
+  if (!std::filesystem::exists(name, ignored) && std::filesystem::path(name).extension() != ".json")
+    throw FileError(name,
+                    fmt::format("is no scene, and no file either; scenes are {}, or a JSON file", builtInScenes()));
   return readMatterScene(name);
 }
 

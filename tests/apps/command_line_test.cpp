@@ -7,6 +7,7 @@
 #include "tests/apps/program.hpp"
 #include "tests/labels.hpp"
 #include "tests/says.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate::command_line_test {
 
@@ -62,17 +63,79 @@ TEST_CASE("a word that nothing is called gets what was probably meant") {
     CHECK_MESSAGE(says(outcome.text, complaint), outcome.text);
     CHECK(std::ranges::count(outcome.text, '\n') == 1);
   };
-  meant("rendr x.ply", "there is no subcommand 'rendr'; did you mean render?; see palpate --help");
+  meant("rendr x.ply", "there is no subcommand 'rendr'; did you mean render? See palpate --help");
   meant("tuoch x.ply", "did you mean touch?");
-  meant("bench coexsit", "there is no subcommand 'coexsit'; did you mean coexist?; see palpate bench --help");
+  meant("bench coexsit", "there is no subcommand 'coexsit'; did you mean coexist? See palpate bench --help");
   meant("touch x.ply --stifness 1",
-        "there is no option '--stifness'; did you mean --stiffness?; see palpate touch --help");
+        "there is no option '--stifness'; did you mean --stiffness? See palpate touch --help");
   meant("touch x.ply --qiuet", "did you mean --quiet?");
   meant("make sphere --outptu=x.ply", "there is no option '--outptu'; did you mean --output?");
-  meant("bench edit --touchd 3", "did you mean --touched?; see palpate bench edit --help");
+  meant("bench edit --touchd 3", "did you mean --touched? See palpate bench edit --help");
   meant("make sphere more -o x.ply", "'more' is one word too many; see palpate make --help");
   const Outcome far = palpate("fly");
   CHECK(says(far.text, "there is no subcommand 'fly'; see palpate --help"));
+  meant("fly --help", "there is no subcommand 'fly'");
+  meant("touch x.ply --edit psuh", "--edit: there is no 'psuh', but push; choose none, push, carve");
+  meant("help bench coexsit", "did you mean coexist?");
+  meant("bench", "It knows build, sort,");
+}
+
+TEST_CASE("an option that is given twice, or without its value, is said in words") {
+  const auto refuses = [](const std::string& arguments, const std::string& complaint) {
+    const Outcome outcome = palpate(arguments);
+    CHECK(outcome.code == 2);
+    CHECK_MESSAGE(says(outcome.text, complaint), arguments);
+  };
+  refuses("touch x.ply --rate 10 --rate 20", "--rate is given 2 times; give it once");
+  refuses("touch x.ply --gpu a --gpu b --gpu c", "--gpu is given 3 times; give it once");
+  refuses("touch x.ply --rate", "--rate needs a value; see palpate touch --help");
+}
+
+TEST_CASE("palpate help COMMAND shows what palpate COMMAND --help does") {
+  for (const std::string command : {"", "touch", "bench", "bench edit"}) {
+    const Outcome help = palpate("help " + command);
+    CHECK(help.code == 0);
+    CHECK(help.text == palpate(command + " --help").text);
+  }
+}
+
+TEST_CASE("a result that could not be written is refused before anything is done, and a pipe is written to once") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string(), pipe = (folder / "pipe").string();
+  const Outcome refused = palpate("make sphere -n 1000 -o " + model + " --json " + (folder / "no/x.json").string());
+  CHECK(refused.code == 1);
+  CHECK(says(refused.text, "x.json: cannot be written"));
+  CHECK_FALSE(std::filesystem::exists(model));
+  works("make sphere -n 1000 -o " + model);
+  const Outcome piped = run("mkfifo " + pipe + " && { cat " + pipe + " & timeout 20 " + program() + " info " + model +
+                            " --quiet --json " + pipe + " > /dev/null; wait; }");
+  CHECK(piped.code == 0);
+  CHECK(says(piped.text, "1000"));
+}
+
+TEST_CASE("a shell completes commands, options and what they choose from, also behind options of all commands") {
+  const auto offers = [](const std::string& words, const std::string& expected) {
+    const Outcome offered = palpate("complete " + words);
+    CHECK(offered.code == 0);
+    CHECK_MESSAGE(offered.text == expected, words);
+  };
+  offers("tou", "touch\n/\n");
+  offers("--gpu x --quiet ben", "bench\n/\n");
+  offers("bench coe", "coexist\n");
+  offers("bench edit --qui", "--quiet\n");
+  offers("touch x.ply --edit p", "paint\npush\n");
+  offers("touch --edit=gr", "--edit=grab\n");
+  offers("touch --edit = gr", "grab\n");
+  offers("touch --path ''", "/\n");
+  offers("touch x.ply --stiffne", "--stiffness\n");
+  // What bash makes of it, and the files of a folder beside commands.
+  const ScratchFolder folder;
+  std::ofstream(folder / "tower.ply") << "ply\n";
+  const std::string script = (sourceFolder() / "third_party/debian/palpate.bash").string();
+  const Outcome bash = run("cd " + folder.path().string() + " && bash -c 'source " + script + "; COMP_WORDS=(" +
+                           program() + " to); COMP_CWORD=1; _palpate; echo \"${COMPREPLY[@]}\"; COMP_WORDS=(" +
+                           program() + " touch --edit = ca); COMP_CWORD=4; _palpate; echo \"${COMPREPLY[@]}\"'");
+  CHECK(bash.text == "tower.ply touch\ncarve\n");
 }
 
 TEST_CASE("every number has bounds, which its complaint names") {

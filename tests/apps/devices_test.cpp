@@ -215,6 +215,22 @@ TEST_CASE("doctor says what was looked for, what was found, and what is missing"
   }
 }
 
+TEST_CASE("doctor says all that it can where there is no Vulkan loader, and that no GPU will do") {
+  const ScratchFolder folder;
+  for (const char* name : {"libvulkan.so", "libvulkan.so.1"}) std::ofstream(folder / name) << "no library";
+  const std::string file = (folder / "doctor.json").string();
+  const Outcome outcome =
+      run("LD_LIBRARY_PATH=" + folder.path().string() + " " + program() + " doctor --servo 0.1 --json " + file);
+  CHECK(outcome.code == 1);
+  for (const char* part : {"GPU: none. no Vulkan loader", "--device openhaptics", "Display: none",
+                           "Servo loop with nothing", "work on the processor", "install the package libvulkan1"})
+    CHECK(says(outcome.text, part));
+  const auto found = jsonOf(file);
+  CHECK(found["gpus"].empty());
+  CHECK(found["in_use"].is_null());
+  CHECK(found["haptics"].contains("drivers"));
+}
+
 TEST_CASE("doctor says how many ticks a servo loop with nothing to do misses on this machine") {
   const ScratchFolder folder;
   const std::string file = (folder / "doctor.json").string();

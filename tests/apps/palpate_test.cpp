@@ -175,7 +175,7 @@ TEST_CASE("an interrupted session keeps its trace and says that it was interrupt
                              file("t.csv") + " --json " + file("t.json") + " --log " + file("log"),
                          folder / "said");
   REQUIRE_MESSAGE(session.waitForTicks(folder / "log"), contentOf(folder / "said"));
-  CHECK(session.wait(SIGINT) != 0);
+  CHECK(WEXITSTATUS(session.wait(SIGINT)) == 130);
   CHECK(jsonOf(folder / "t.json")["interrupted"] == true);
   CHECK(readTrace(folder / "t.csv").size() > 10);
 }

@@ -230,8 +230,8 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
     std::ofstream(in("go")) << "now";
     REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("b.json")); }),
                     contentOf(in("w.said")));
-    CHECK(WEXITSTATUS(bert.wait(SIGINT)) == 1);  // interrupted: what it has is written
-    CHECK(WEXITSTATUS(carla.wait(SIGINT)) == 1);
+    CHECK(WEXITSTATUS(bert.wait(SIGINT)) == 130);  // interrupted: what it has is written
+    CHECK(WEXITSTATUS(carla.wait(SIGINT)) == 130);
     CHECK_MESSAGE(window.get() == 0, contentOf(in("w.said")));
     const auto namesIn = [](const Result& hands) {
       std::multiset<std::string> names;
