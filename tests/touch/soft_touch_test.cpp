@@ -469,6 +469,7 @@ TEST_CASE("what a hand feels is what the body gets while the body yields to its 
 TEST_CASE(
     "each brush of a shape does on a soft body what it is named for, and paths give the same bytes with any threads" *
     kMoreInFull) {
+  const int rest = byTier(100, 300), held = byTier(550, 700);
   for (const BrushKind kind : {BrushKind::inflate, BrushKind::smooth, BrushKind::grab, BrushKind::flatten}) {
     CAPTURE(static_cast<int>(kind));
     if (!inFullTier() && kind == BrushKind::inflate) continue;  // it makes the hill that others take away
@@ -478,21 +479,21 @@ TEST_CASE(
     options.threads = 1;
     SoftScene same = touched(softBlock(), options);
     double time_s = 0;
-    wait(block, time_s, 300);
+    wait(block, time_s, rest);
     const double began = topOf(block);
     if (kind == BrushKind::smooth || kind == BrushKind::flatten) {
       block.touch().setBrush(withBrush(BrushKind::inflate, 8).touch.brush);  // a hill
-      goDown(block, time_s, began - 1.5, byTier(1000, 1500));
-      wait(block, time_s, 300);
+      goDown(block, time_s, began - 1.5, byTier(700, 1500));
+      wait(block, time_s, rest);
       block.touch().setBrush(options.touch.brush);
     }
     const double hill = topOf(block) - began, over = topOf(block) - topOf(block, 7, 10);
-    for (int k = 0; k < 700; ++k, time_s += 1e-3) {
-      const double along = kind == BrushKind::grab ? 6 * std::max(0.0, k / 700.0 - 0.3) : 0;
+    for (int k = 0; k < held; ++k, time_s += 1e-3) {
+      const double along = kind == BrushKind::grab ? 6 * std::max(0.0, k / static_cast<double>(held) - 0.3) : 0;
       block.touch().query(
           {.time_s = time_s, .hip = {50 + along, began + hill - 1.5 + 3 * std::max(0.0, 1 - k / 200.0), 50}}, 0);
     }
-    wait(block, time_s, byTier(400, 800));
+    wait(block, time_s, byTier(150, 800));
     const double after = topOf(block) - began;
     if (kind == BrushKind::inflate) CHECK(after > 0.3);
     if (kind == BrushKind::smooth || kind == BrushKind::flatten) {
@@ -506,15 +507,15 @@ TEST_CASE(
     }
     if (!inFullTier() && kind != BrushKind::grab) continue;
     double again_s = 0;
-    wait(same, again_s, 300);
+    wait(same, again_s, rest);
     const auto play = [&](SoftScene& scene, double begin_s) {
-      for (int k = 0; k < 200; ++k)
-        scene.touch().query({.time_s = begin_s + 1e-3 * k, .hip = {50, 42 - 0.02 * k, 50}}, 0);
+      for (int k = 0; k < byTier(60, 200); ++k)
+        scene.touch().query({.time_s = begin_s + 1e-3 * k, .hip = {50, 42 - 4.0 * k / byTier(60, 200), 50}}, 0);
     };
     options.threads = 3;
     SoftScene other = touched(softBlock(), options);
     double other_s = 0;
-    wait(other, other_s, 300);
+    wait(other, other_s, rest);
     play(same, again_s);
     play(other, other_s);
     CHECK(shapeOf(same) == shapeOf(other));
