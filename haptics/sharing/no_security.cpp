@@ -4,16 +4,15 @@ namespace palpate {
 
 namespace {
 
-[[noreturn]] void refuse() {
+[[noreturn]] void refuseKeys() {
   throw Error(
       "this palpate was built without what encrypts sessions; install cyclonedds-dev, libssl-dev and libpugixml-dev, "
-      "and "
-      "build it again");
+      "and build it again");
 }
 
 }  // namespace
 
-MadeKeys makeKeys(const KeyRequest&) { refuse(); }
-SecurityProfile readSecurityProfile(const std::filesystem::path&) { refuse(); }
+MadeKeys makeKeys(const KeyRequest&) { refuseKeys(); }
+SecurityProfile readSecurityProfile(const std::filesystem::path&) { refuseKeys(); }
 
 }  // namespace palpate
