@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "engine/core/clock.hpp"
 #include "engine/edit/cpu_sculpture.hpp"
 #include "tests/edit/surface_gaps.hpp"
 #include "tests/edit/tool_at.hpp"
