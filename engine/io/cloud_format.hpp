@@ -46,6 +46,8 @@ struct StoredCloud {
   /// Points of the file that are not in the cloud, and why, in words; empty where all are
   /// (CloudReadOptions::allPoints).
   std::string leftOut = {};
+  /// Numbers of the file's rows that are no points and have none of the cloud, from 0 on, in order.
+  std::vector<std::uint64_t> leftOutRows = {};
   /// Where pictures of it were taken, in the file's coordinates; empty where the file does not say.
   std::vector<CameraFrustum> cameras = {};
 };

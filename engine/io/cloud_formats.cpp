@@ -17,6 +17,7 @@
 #include "engine/io/npy_format.hpp"
 #include "engine/io/pcd_format.hpp"
 #include "engine/io/ply_format.hpp"
+#include "engine/io/ptx_format.hpp"
 #include "engine/io/xyz_format.hpp"
 
 namespace palpate {
@@ -111,7 +112,7 @@ std::string CloudFormats::endingsWritten() const {
 const CloudFormats& cloudFormats() {
   static const std::array formats{
       plyFormat(), lasFormat(), lazFormat(),  copcFormat(),   e57Format(),         pcdFormat(),
-      npyFormat(), npzFormat(), xyzFormat(),  csvFormat(),    ptsFormat(),         objFormat(),
+      npyFormat(), npzFormat(), xyzFormat(), csvFormat(), ptsFormat(), ptxFormat(), objFormat(),
       stlFormat(), offFormat(), gltfFormat(), colmapFormat(), colmapDenseFormat(), gaussianFormat(),
   };
   static const CloudFormats table{formats};

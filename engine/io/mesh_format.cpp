@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_arrays.hpp"
 #include "engine/io/mesh_import.hpp"
@@ -22,21 +24,34 @@ constexpr std::array<std::string_view, 2> kGltf{".gltf", ".glb"};
 
 std::string madeFrom(const TriangleSoup& soup) { return fmt::format("{} triangles", soup.triangles.size()); }
 
-void needTriangles(const std::filesystem::path& file, const ImportedMesh& mesh) {
-  if (mesh.soup.triangles.empty()) throw FileError(file, "has no triangles; points are read from other formats");
-}
-
 using Import = ImportedMesh (*)(const std::filesystem::path& file);
+
+/// What is not at a place is left out, and counted.
+ImportedMesh importedBy(Import import, const std::filesystem::path& file) {
+  ImportedMesh mesh = import(file);
+  const std::size_t before = mesh.soup.triangles.size();
+  const BadCorners bad = leaveOutBadCorners(mesh.soup);
+  if (mesh.soup.corners.empty() || (before > 0 && mesh.soup.triangles.empty()))
+    throw FileError(file, before + bad.corners > 0 ? "none of its corners is at finite numbers"
+                                                   : "has neither triangles nor points");
+  if (bad.triangles > 0)
+    mesh.lost.push_back(fmt::format("{} triangles with a corner that is not finite", bad.triangles));
+  else if (bad.corners > 0)
+    mesh.lost.push_back(fmt::format("{} points without a finite position", bad.corners));
+  return mesh;
+}
 
 template <Import import>
 FileContents contentsOfMesh(const std::filesystem::path& file) {
-  const ImportedMesh mesh = import(file);
-  needTriangles(file, mesh);
-  FileElement vertex{.name = "vertex", .count = kUsualSamples, .properties = {}};
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) vertex.properties.push_back({name});
+  const ImportedMesh mesh = importedBy(import, file);
+  const bool points = mesh.soup.triangles.empty();
+  FileElement vertex{
+      .name = "vertex", .count = points ? mesh.soup.corners.size() : kUsualSamples, .properties = {{"x"}, {"y"}, {"z"}}};
+  if (!points || !mesh.soup.normals.empty())
+    for (const char* name : {"nx", "ny", "nz"}) vertex.properties.push_back({name});
   if (!mesh.soup.colors.empty())
     for (const char* name : {"red", "green", "blue"}) vertex.properties.push_back({name});
-  return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = madeFrom(mesh.soup)};
+  return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = points ? "" : madeFrom(mesh.soup)};
 }
 
 /// Whether single precision holds a number: to the last bit, or to the last digit that somebody wrote of it.
@@ -48,15 +63,12 @@ bool isNarrow(double number) {
   return textNumber<double>({text.data(), static_cast<std::size_t>(end - text.data())}) == number;
 }
 
-PointCloud cornersOf(const std::filesystem::path& file, const TriangleSoup& soup, Log* log) {
-  std::vector<Vec3> narrow;
+PointCloud cornersOf(const TriangleSoup& soup, Log* log) {
+  std::vector<Vec3> narrow, normals = soup.normals;
+  for (Vec3& normal : normals)  // what is no direction is missing
+    if (!std::isfinite(glm::dot(normal, normal))) normal = Vec3(0);
   bool exact = true;
   for (const DVec3& corner : soup.corners) {
-    constexpr double kFarthest = 1e30;
-    if (!(std::abs(corner.x) < kFarthest && std::abs(corner.y) < kFarthest && std::abs(corner.z) < kFarthest))
-      throw FileError(file,
-                      fmt::format("a corner of its triangles is at ({}, {}, {}); expected finite numbers below 1e30",
-                                  corner.x, corner.y, corner.z));
     narrow.emplace_back(corner);
     exact = exact && isNarrow(corner.x) && isNarrow(corner.y) && isNarrow(corner.z);
   }
@@ -66,18 +78,22 @@ PointCloud cornersOf(const std::filesystem::path& file, const TriangleSoup& soup
   };
   return cloudOf({.count = soup.corners.size(),
                   .positions = exact ? rows(narrow, ScalarType::f32) : rows(soup.corners, ScalarType::f64),
-                  .normals = rows(soup.normals, ScalarType::f32),
+                  .normals = rows(normals, ScalarType::f32),
                   .colors = rows(soup.colors, ScalarType::u8)},
                  log);
 }
 
 template <Import import>
 StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
-  ImportedMesh mesh = import(file);
-  needTriangles(file, mesh);
+  ImportedMesh mesh = importedBy(import, file);
+  if (mesh.soup.triangles.empty()) {
+    if (log) log->say("{}: has no triangles; its {} corners are the points", file.filename().string(),
+                      mesh.soup.corners.size());
+    return {.cloud = cornersOf(mesh.soup, log), .triangles = {}, .lost = std::move(mesh.lost)};
+  }
   if (options.normalsFromFaces) mesh.soup.normals.clear();
   if (options.asTriangles) {
-    PointCloud corners = cornersOf(file, mesh.soup, log);
+    PointCloud corners = cornersOf(mesh.soup, log);
     if (options.normalsFromFaces) {
       PlyFaces faces(corners.size());
       for (const auto& [a, b, c] : mesh.soup.triangles) faces.add(std::array<std::int64_t, 3>{a, b, c}, false);

@@ -123,6 +123,7 @@ class HeaderParser {
 };
 
 void checkMagic(ChunkedFile& file) {
+  file.passTextMark();
   const auto start = file.peek(64);
   const std::string_view text(reinterpret_cast<const char*>(start.data()), std::min<std::size_t>(start.size(), 64));
   if (text.empty()) throw FileError::atLine(file.path(), 1, "the file is empty; expected a PLY file");
