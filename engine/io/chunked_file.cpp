@@ -21,7 +21,15 @@ constexpr std::size_t kLeastRoom = 64;  // of the buffer, for what is read next
 ChunkedFile::ChunkedFile(std::filesystem::path file) : path_(std::move(file)), buffer_(kChunk) {
   std::error_code unknown;
   if (std::filesystem::is_directory(path_, unknown)) throw FileError(path_, "is a folder; name a file in it");
-  file_ = openFile(path_, "rb");
+  constexpr double kPipeWait_s = 2;
+  const bool isPipe = std::filesystem::is_fifo(path_, unknown);
+  file_ = isPipe ? openPipe(path_, kPipeWait_s) : openFile(path_, "rb");
+  if (!file_ && isPipe && errno == ETIMEDOUT)
+    throw FileError(path_, fmt::format("is a pipe to which no program has written for {} s", kPipeWait_s));
+  if (file_ && isTerminal(file_)) {
+    std::fclose(file_);
+    throw FileError(path_, "is a keyboard; name a file, or let a program write to it");
+  }
   if (!file_) throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
   std::setvbuf(file_, nullptr, _IONBF, 0);  // buffer_ is the buffer
   if (std::filesystem::is_regular_file(path_, unknown)) {

@@ -107,7 +107,8 @@ class PointsOfModel {
   std::vector<PointSight> sights_;
 };
 
-FileContents contentsOfColmap(const std::filesystem::path& folder) {
+FileContents contentsOfColmap(const std::filesystem::path& path) {
+  const std::filesystem::path folder = colmapFolderOf(path);
   const ColmapCounts counts = countColmap(folder);
   FileElement vertex{.name = "vertex", .count = counts.points, .properties = {}};
   for (const PlyProperty& property : columns().properties) vertex.properties.push_back({.name = property.name});
@@ -129,7 +130,8 @@ PointCloud cloudOf(const std::filesystem::path& folder, const ColmapModel& model
   return points.finish(log);
 }
 
-StoredCloud readColmap(const std::filesystem::path& folder, Log* log, const CloudReadOptions& options) {
+StoredCloud readColmap(const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
+  const std::filesystem::path folder = colmapFolderOf(path);
   const ColmapModel model = readColmapImages(folder);
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", folder.string());
   ReliabilityCounts counts;
@@ -157,7 +159,7 @@ CloudFormat colmapFormat() {
   return {.name = "COLMAP",
           .endings = {},
           .folder = "a COLMAP folder",
-          .holds = isColmapFolder,
+          .holds = [](const std::filesystem::path& path) { return isColmapFolder(colmapFolderOf(path)); },
           .contents = contentsOfColmap,
           .read = readColmap};
 }

@@ -118,11 +118,51 @@ StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudRea
   return stored;
 }
 
+bool beginsAsObj(const FileStart& start) {
+  if (!start.isText()) return false;
+  constexpr std::array<std::string_view, 9> kStatements{"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl"};
+  const auto lines = start.lines(20);
+  const auto isStatement = [&](const std::vector<std::string>& line) {
+    return std::ranges::find(kStatements, line[0]) != kStatements.end();
+  };
+  const auto isVertex = [](const std::vector<std::string>& line) {
+    return line[0] == "v" && line.size() >= 4 && isNumberWord(line[1]);
+  };
+  return std::ranges::all_of(lines, isStatement) && std::ranges::any_of(lines, isVertex);
+}
+
+bool beginsAsStl(const FileStart& start) {
+  constexpr std::size_t kHead = 84, kTriangle = 50;
+  if (start.startsWith("solid") && start.isText()) return start.bytes.find("facet") != std::string::npos;
+  if (start.bytes.size() < kHead) return false;
+  std::uint32_t count = 0;
+  for (unsigned k = 0; k < 4; ++k) count |= std::uint32_t{static_cast<unsigned char>(start.bytes[80 + k])} << (8 * k);
+  return count > 0 && start.size == kHead + std::uint64_t{kTriangle} * count;
+}
+
+bool beginsAsOff(const FileStart& start) {
+  if (!start.isText()) return false;
+  const auto lines = start.lines(2);
+  if (lines.empty()) return false;
+  const std::string& word = lines[0][0];
+  const std::size_t name = word.find("OFF");
+  if (name == std::string::npos || word.find_first_not_of("CNST4n") < name) return false;
+  return word.size() == name + 3 || isNumberWord(std::string_view(word).substr(name + 3));
+}
+
+bool beginsAsGltf(const FileStart& start) {
+  if (start.startsWith("glTF")) return true;
+  const std::size_t first = start.bytes.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && start.bytes[first] == '{' && start.isText() &&
+         start.bytes.find("\"asset\"") != std::string::npos;
+}
+
 }  // namespace
 
 CloudFormat objFormat() {
   return {.name = "OBJ",
           .endings = kObj,
+          .begins = beginsAsObj,
           .contents = contentsOfMesh<importObj>,
           .read = readMesh<importObj>,
           .write = writeObj,
@@ -133,6 +173,7 @@ CloudFormat objFormat() {
 CloudFormat stlFormat() {
   return {.name = "STL",
           .endings = kStl,
+          .begins = beginsAsStl,
           .contents = contentsOfMesh<importStl>,
           .read = readMesh<importStl>,
           .write = writeStl,
@@ -143,6 +184,7 @@ CloudFormat stlFormat() {
 CloudFormat offFormat() {
   return {.name = "OFF",
           .endings = kOff,
+          .begins = beginsAsOff,
           .contents = contentsOfMesh<importOff>,
           .read = readMesh<importOff>,
           .write = writeOff,
@@ -152,7 +194,7 @@ CloudFormat offFormat() {
 
 CloudFormat gltfFormat() {
   return {
-      .name = "glTF", .endings = kGltf, .contents = contentsOfMesh<importGltf>, .read = readGltf, .ofTriangles = true};
+      .name = "glTF", .endings = kGltf, .begins = beginsAsGltf, .contents = contentsOfMesh<importGltf>, .read = readGltf, .ofTriangles = true};
 }
 
 }  // namespace palpate

@@ -232,6 +232,7 @@ CloudFormat npyFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".npy"};
   return {.name = "NPY",
           .endings = kEndings,
+          .begins = [](const FileStart& start) { return start.startsWith("\x93NUMPY"); },
           .contents = [](const std::filesystem::path& path) { return contentsIn(openNpy(path, nullptr)); },
           .read = [](const std::filesystem::path& path, Log* log,
                      const CloudReadOptions& options) { return cloudIn(openNpy(path, log), path, log, options); },
@@ -243,6 +244,10 @@ CloudFormat npzFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".npz"};
   return {.name = "NPZ",
           .endings = kEndings,
+          .begins =
+              [](const FileStart& start) {
+                return start.startsWith("PK\3\4") && start.bytes.find(".npy") != std::string::npos;
+              },
           .contents = [](const std::filesystem::path& path) { return contentsIn(openNpz(path, nullptr)); },
           .read = [](const std::filesystem::path& path, Log* log,
                      const CloudReadOptions& options) { return cloudIn(openNpz(path, log), path, log, options); },

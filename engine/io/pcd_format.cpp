@@ -253,6 +253,10 @@ CloudFormat pcdFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".pcd"};
   return {.name = "PCD",
           .endings = kEndings,
+          .begins =
+              [](const FileStart& start) {
+                return start.startsWith("# .PCD") || (start.startsWith("VERSION") && start.bytes.find("\nFIELDS") != std::string::npos);
+              },
           .contents = contentsOfPcd,
           .read = readPcd,
           .write = writePcd,

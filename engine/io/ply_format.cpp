@@ -78,6 +78,7 @@ CloudFormat plyFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".ply"};
   return {.name = "PLY",
           .endings = kEndings,
+          .begins = [](const FileStart& start) { return start.startsWith("ply\n") || start.startsWith("ply\r"); },
           .contents = contentsOfPly,
           .read = readPlyFile,
           .write = writePly,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -204,11 +205,21 @@ StoredCloud readPtx(const std::filesystem::path& path, Log* log, const CloudRead
   return stored;
 }
 
+/// The lines before the points of a scan, by how many numbers they have.
+bool beginsAsPtx(const FileStart& start) {
+  constexpr std::array<std::size_t, 10> kNumbers{1, 1, 3, 3, 3, 3, 4, 4, 4, 4};
+  if (!start.isText()) return false;
+  const auto lines = start.lines(kNumbers.size());
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    if (lines[k].size() != kNumbers[k] || !std::ranges::all_of(lines[k], isNumberWord)) return false;
+  return lines.size() == kNumbers.size();
+}
+
 }  // namespace
 
 CloudFormat ptxFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".ptx"};
-  return {.name = "PTX", .endings = kEndings, .contents = contentsOfPtx, .read = readPtx};
+  return {.name = "PTX", .endings = kEndings, .begins = beginsAsPtx, .contents = contentsOfPtx, .read = readPtx};
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include "engine/cloud/normals.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/color_scale.hpp"
+#include "engine/io/column_names.hpp"
 #include "engine/io/ply_vertices.hpp"
 #include "engine/io/ply_writer.hpp"
 #include "engine/io/point_batch.hpp"
@@ -207,12 +208,33 @@ std::vector<std::string> lacksOfPts(const StoredCloud& stored) {
   return lost;
 }
 
+/// Three numbers or more, or names of columns with x, y and z among them.
+bool beginsAsText(const FileStart& start) {
+  if (!start.isText()) return false;
+  const auto lines = start.lines(1);
+  if (lines.empty()) return false;
+  const auto names = [&](std::string_view name) {
+    return std::ranges::any_of(lines[0], [&](const std::string& word) { return sharedColumnName(word) == name; });
+  };
+  if (names("x") && names("y") && names("z")) return true;
+  return lines[0].size() >= 3 && std::ranges::all_of(lines[0], isNumberWord);
+}
+
+/// How many points follow, and then one of them.
+bool beginsAsPts(const FileStart& start) {
+  if (!start.isText()) return false;
+  const auto lines = start.lines(2);
+  return lines.size() == 2 && lines[0].size() == 1 && isNumberWord(lines[0][0]) && lines[1].size() >= 3 &&
+         std::ranges::all_of(lines[1], isNumberWord);
+}
+
 }  // namespace
 
 CloudFormat xyzFormat() {
   static constexpr std::array<std::string_view, 3> kEndings{".xyz", ".asc", ".txt"};
   return {.name = "XYZ",
           .endings = kEndings,
+          .begins = beginsAsText,
           .isText = true,
           .contents = contentsOfText<TextKind::xyz>,
           .read = readText<TextKind::xyz>,
@@ -224,6 +246,7 @@ CloudFormat csvFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".csv"};
   return {.name = "CSV",
           .endings = kEndings,
+          .begins = beginsAsText,
           .isText = true,
           .contents = contentsOfText<TextKind::csv>,
           .read = readText<TextKind::csv>,
@@ -235,6 +258,7 @@ CloudFormat ptsFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".pts"};
   return {.name = "PTS",
           .endings = kEndings,
+          .begins = beginsAsPts,
           .isText = true,
           .contents = contentsOfText<TextKind::pts>,
           .read = readText<TextKind::pts>,
