@@ -16,7 +16,7 @@ namespace {
 
 struct ConvertOptions {
   std::string input, output, normals = "keep", columns;
-  bool ascii = false, force = false, allPoints = false;
+  bool ascii = false, force = false, dropsUnreliable = false;
   ScaleOptions scale;
   std::string intrinsics;
   double depthScale = 0;
@@ -82,7 +82,7 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
     const CloudFormat& from = cloudFormats().toRead(options.input);
     return {.stored = readCloud(options.input, &context.log(),
                                 {.normalsFromFaces = options.normals == "face",
-                                 .allPoints = options.allPoints,
+                                 .allPoints = !options.dropsUnreliable,
                                  .samples = samplesOf(options, from),
                                  .asTriangles = from.ofTriangles && to.ofTriangles && options.samples == 0,
                                  .columns = columnsOf(options, from)}),
@@ -107,9 +107,12 @@ void convert(Context& context, const ConvertOptions& options) {
   context.checkWritable(options.output);
   ConvertInput input = readInput(context, options, to);
   StoredCloud& stored = input.stored;
+  if (stored.cloud.empty())
+    throw Error("{}: contains no points{}{}; nothing is written", options.input, stored.lost.empty() ? "" : ", but ",
+                fmt::join(stored.lost, ", "));
   if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
   std::vector<std::string> lost = lostOnTheWay(stored, to);
-  if (!stored.leftOut.empty()) lost.push_back(stored.leftOut + " (--all-points keeps them)");
+  if (!stored.leftOut.empty()) lost.push_back(stored.leftOut + " (--drop-unreliable)");
   const std::vector<std::string> kept = attributesOf(stored);
   // Before it is gone.
   if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
@@ -162,7 +165,8 @@ void addConvert(Options& app, Context& context, Command& command) {
   sub.add("--intrinsics", options->intrinsics, "the depth camera, JSON; else as its folder says").typeName("FILE");
   sub.add("--depth-scale", options->depthScale, "values of depth pictures per metre; else as their folder says")
       .check(between(1e-3, 1e6));
-  addAllPointsOption(sub, options->allPoints);
+  sub.addFlag("--drop-unreliable", options->dropsUnreliable,
+              "of a COLMAP folder leave out the points that touch leaves out unless --all-points keeps them");
   addScaleOptions(sub, options->scale);
   addNetworkOptions(sub, options->network);
   addRosFrameOption(sub, options->network);

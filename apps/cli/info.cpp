@@ -1,3 +1,5 @@
+#include <fmt/ranges.h>
+
 #include "apps/cli/look.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "engine/cloud/spacing.hpp"
@@ -17,9 +19,12 @@ namespace {
 double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
 void info(Context& context, const std::string& file, const LookOptions& look, bool allPoints) {
+  std::error_code ignored;
+  if (std::filesystem::is_fifo(file, ignored) || std::filesystem::is_character_file(file, ignored))
+    throw Error("{}: is a pipe, which can be read only once; write it to a file first, or convert it", file);
   const FileContents contents = contentsOf(file);
   const std::string_view format = cloudFormats().toRead(file).name;
-  StoredCloud stored = readCloud(file, nullptr, {.pointsOnly = true, .allPoints = allPoints});
+  StoredCloud stored = readCloud(file, nullptr, {.allPoints = allPoints});
   Model model{.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
   const PointCloud& cloud = model.cloud;
   model.upright = findUp(cloud);
@@ -44,6 +49,8 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
     for (const FileElement::Property& property : element.properties) fmt::print(out, " {}", property.name);
     fmt::print(out, "\n");
   }
+  if (cloud.empty()) fmt::print(out, "  contains no points\n");
+  if (!stored.lost.empty()) fmt::print(out, "  not kept: {}\n", fmt::join(stored.lost, ", "));
   if (!stored.leftOut.empty()) fmt::print(out, "  left out: {}; --all-points keeps them\n", stored.leftOut);
   fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
              cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
@@ -67,6 +74,7 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
                      {"format", format},
                      {"made_from", contents.madeFrom.empty() ? Json(nullptr) : Json(contents.madeFrom)},
                      {"elements", elements},
+                     {"lost", stored.lost},
                      {"left_out", stored.leftOut.empty() ? Json(nullptr) : Json(stored.leftOut)},
                      {"cameras", model.cameras.size()},
                      {"normals", cloud.hasNormals()},

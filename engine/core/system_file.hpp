@@ -13,6 +13,13 @@ namespace palpate {
 /// As std::fopen, whatever letters the name has.
 std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcept;
 
+/// Opens a named pipe to read, as soon as a program writes to it. Null where none does within `wait_s`, with ETIMEDOUT
+/// as errno, or where the system fails.
+std::FILE* openPipe(const std::filesystem::path& file, double wait_s) noexcept;
+
+/// Whether it is a keyboard, on which reading waits for somebody.
+bool isTerminal(std::FILE* file) noexcept;
+
 /// Reads from `offset` on, on any number of threads at a time, and says how many bytes came: fewer than asked for at
 /// the end of the file, or where the system fails. Where the file is read or written otherwise is not to be relied on
 /// then.

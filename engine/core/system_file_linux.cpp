@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -13,6 +14,41 @@ namespace palpate {
 std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcept {
   return std::fopen(file.c_str(), mode);
 }
+
+namespace {
+
+/// Whether a program has opened a pipe to write, or has left bytes in it: bytes of others can be looked for with tee(2),
+/// which takes none away.
+bool hasWriter(int pipe) noexcept {
+  int copies[2];
+  if (::pipe2(copies, O_CLOEXEC | O_NONBLOCK) != 0) return true;  // then reading tells
+  const bool any = ::tee(pipe, copies[1], 1, SPLICE_F_NONBLOCK) != 0;
+  ::close(copies[0]);
+  ::close(copies[1]);
+  return any;
+}
+
+}  // namespace
+
+std::FILE* openPipe(const std::filesystem::path& file, double wait_s) noexcept {
+  const int pipe = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (pipe < 0) return nullptr;
+  constexpr int kStep_ms = 20;
+  bool written = hasWriter(pipe);
+  for (int left = static_cast<int>(1e3 * wait_s) / kStep_ms; left > 0 && !written; --left) {
+    ::poll(nullptr, 0, kStep_ms);
+    written = hasWriter(pipe);
+  }
+  if (!written) {
+    ::close(pipe);
+    errno = ETIMEDOUT;
+    return nullptr;
+  }
+  ::fcntl(pipe, F_SETFL, ::fcntl(pipe, F_GETFL) & ~O_NONBLOCK);
+  return ::fdopen(pipe, "rb");
+}
+
+bool isTerminal(std::FILE* file) noexcept { return ::isatty(::fileno(file)) == 1; }
 
 std::size_t readAt(std::FILE* file, std::uint64_t offset, std::span<std::byte> bytes) noexcept {
   std::size_t got = 0;

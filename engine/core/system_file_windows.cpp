@@ -26,6 +26,10 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcep
   return ::_wfopen(file.c_str(), wide);
 }
 
+std::FILE* openPipe(const std::filesystem::path& file, double) noexcept { return openFile(file, "rb"); }
+
+bool isTerminal(std::FILE* file) noexcept { return ::_isatty(::_fileno(file)) != 0; }
+
 std::size_t readAt(std::FILE* file, std::uint64_t offset, std::span<std::byte> bytes) noexcept {
   const auto handle = reinterpret_cast<HANDLE>(::_get_osfhandle(::_fileno(file)));
   std::size_t got = 0;

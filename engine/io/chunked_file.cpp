@@ -1,6 +1,7 @@
 #include "engine/io/chunked_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -13,13 +14,22 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 20;
+constexpr std::size_t kLeastRoom = 64;  // of the buffer, for what is read next
 
 }  // namespace
 
 ChunkedFile::ChunkedFile(std::filesystem::path file) : path_(std::move(file)), buffer_(kChunk) {
   std::error_code unknown;
   if (std::filesystem::is_directory(path_, unknown)) throw FileError(path_, "is a folder; name a file in it");
-  file_ = openFile(path_, "rb");
+  constexpr double kPipeWait_s = 2;
+  const bool isPipe = std::filesystem::is_fifo(path_, unknown);
+  file_ = isPipe ? openPipe(path_, kPipeWait_s) : openFile(path_, "rb");
+  if (!file_ && isPipe && errno == ETIMEDOUT)
+    throw FileError(path_, fmt::format("is a pipe to which no program has written for {} s", kPipeWait_s));
+  if (file_ && isTerminal(file_)) {
+    std::fclose(file_);
+    throw FileError(path_, "is a keyboard; name a file, or let a program write to it");
+  }
   if (!file_) throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
   std::setvbuf(file_, nullptr, _IONBF, 0);  // buffer_ is the buffer
   if (std::filesystem::is_regular_file(path_, unknown)) {
@@ -42,8 +52,8 @@ void ChunkedFile::fill(std::size_t wanted) {
   fillTogether(wanted);
   while (end_ < wanted && !atEnd_) {
     // Doubling keeps a long line linear; it grows only after the buffer is full of bytes that were really there.
-    if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
-    const std::size_t got = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_);
+    if (buffer_.size() - end_ < kLeastRoom) buffer_.resize(2 * buffer_.size());
+    const std::size_t got = readRaw(buffer_.data() + end_, buffer_.size() - end_);
     if (got == 0) {
       if (std::ferror(file_))
         throw FileError::atByte(path_, offset_ + end_, fmt::format("cannot be read: {}", std::strerror(errno)));
@@ -52,6 +62,37 @@ void ChunkedFile::fill(std::size_t wanted) {
     end_ += got;
   }
   sayProgress();
+}
+
+/// UTF-16 as UTF-8; 0 at the end of the file.
+std::size_t ChunkedFile::readRaw(std::byte* to, std::size_t most) {
+  if (!utf16_) return std::fread(to, 1, most, file_);
+  constexpr std::size_t kGrowth = 3;  // bytes of UTF-8 for two of UTF-16, and half of a pair from before
+  BareVector<std::byte> raw(2 * ((most - kGrowth) / kGrowth)), text;
+  while (text.empty()) {
+    const std::size_t got = std::fread(raw.data(), 1, raw.size(), file_);
+    if (got == 0) break;
+    utf16_->decode({raw.data(), got}, text);
+  }
+  std::copy(text.begin(), text.end(), to);
+  return text.size();
+}
+
+/// What was looked into already is in the buffer, and becomes UTF-8 there.
+void ChunkedFile::passTextMark() {
+  if (offset_ > 0) return;
+  const auto begin = peek(4);
+  constexpr std::array kUtf8Mark{std::byte{0xef}, std::byte{0xbb}, std::byte{0xbf}};
+  if (begin.size() >= kUtf8Mark.size() && std::ranges::equal(begin.first(kUtf8Mark.size()), kUtf8Mark))
+    return consume(kUtf8Mark.size());
+  const auto start = utf16Start(begin);
+  if (!start) return;
+  consume(start->markBytes);
+  BareVector<std::byte> text;
+  utf16_.emplace(start->bigEndian).decode({buffer_.data() + begin_, end_ - begin_}, text);
+  begin_ = 0, end_ = text.size();
+  text.resize(std::max(text.size() + 1, kChunk));
+  buffer_ = std::move(text);
 }
 
 void ChunkedFile::sayProgress() const {
@@ -63,7 +104,7 @@ void ChunkedFile::sayProgress() const {
 void ChunkedFile::fillTogether(std::size_t wanted) {
   const std::uint64_t from = offset_ + end_, left = size_ && *size_ > from ? *size_ - from : 0;
   const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(wanted - end_, left));
-  if (wanted <= end_ || bytes < 2 * kChunk) return;
+  if (wanted <= end_ || bytes < 2 * kChunk || utf16_) return;
   buffer_.resize(std::max(buffer_.size(), end_ + bytes + 1));  // and room to find that nothing follows
   std::atomic<std::size_t> whole = bytes;                      // up to the first byte that did not come
   parallelBlocks(bytes, kChunk, 0, [&](std::size_t begin, std::size_t end) {
@@ -127,7 +168,10 @@ char ChunkedFile::lineEndOfFirstLine(std::size_t longest) {
 }
 
 std::optional<std::string_view> ChunkedFile::readLine(std::size_t longest) {
-  if (lineEnd_ == 0) lineEnd_ = lineEndOfFirstLine(longest);
+  if (lineEnd_ == 0) {
+    passTextMark();
+    lineEnd_ = lineEndOfFirstLine(longest);
+  }
   // A line of such a file that ends with CR LF after all leaves its LF to the next one.
   if (linesEndWithCr() && !peek(1).empty() && peek(1)[0] == std::byte{'\n'}) consume(1);
   std::size_t searched = 0;

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "engine/core/bare_vector.hpp"
+#include "engine/io/utf16.hpp"
 
 namespace palpate {
 
@@ -50,8 +51,11 @@ class ChunkedFile {
   bool skip(std::uint64_t bytes);
 
   /// The next line without its end; nothing at the end of the file. Valid until the next call. The first line says how
-  /// all of them end: with LF, CR LF or CR. A line longer than `longest` bytes is an error.
+  /// all of them end: with LF, CR LF or CR. A line longer than `longest` bytes is an error. A mark of UTF-8 is passed
+  /// over; UTF-16, of either order, becomes UTF-8, and offset() counts its bytes then.
   std::optional<std::string_view> readLine(std::size_t longest);
+  /// Passes over the mark of UTF-8 at the beginning of a file of text, and makes UTF-16 UTF-8, as readLine() does.
+  void passTextMark();
   /// Whether the first line ended with a CR alone.
   bool linesEndWithCr() const { return lineEnd_ == '\r'; }
 
@@ -60,6 +64,7 @@ class ChunkedFile {
   void fillTogether(std::size_t wanted);
   void sayProgress() const;
   char lineEndOfFirstLine(std::size_t longest);
+  std::size_t readRaw(std::byte* to, std::size_t most);
 
   std::filesystem::path path_;
   std::FILE* file_ = nullptr;
@@ -71,6 +76,7 @@ class ChunkedFile {
   std::uint64_t offset_ = 0;
   std::uint64_t line_ = 0;
   char lineEnd_ = 0;  // last byte of a line's end; 0: not known yet
+  std::optional<Utf16Decoder> utf16_;
 };
 
 }  // namespace palpate

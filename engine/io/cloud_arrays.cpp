@@ -41,7 +41,7 @@ PointCloud cloudOf(const CloudArrays& arrays, Log* log) {
   PlyElement element{.name = "vertex", .count = arrays.count, .properties = {}, .line = 1};
   for (const Group& group : groups)
     for (const char* name : group.names) element.properties.push_back({.name = name, .type = group.rows->type});
-  PlyVertices vertices(kName, element, log);
+  PlyVertices vertices(kName, element, log, BadRows::refuse);
   vertices.reserve(arrays.count);
   std::vector<std::byte> packed(kPointBatch * vertices.rowBytes());
   for (std::uint64_t begin = 0; begin < arrays.count; begin += kPointBatch) {

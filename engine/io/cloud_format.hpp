@@ -14,6 +14,7 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/camera_frustum.hpp"
 #include "engine/core/log.hpp"
+#include "engine/io/file_start.hpp"
 
 namespace palpate {
 
@@ -46,6 +47,8 @@ struct StoredCloud {
   /// Points of the file that are not in the cloud, and why, in words; empty where all are
   /// (CloudReadOptions::allPoints).
   std::string leftOut = {};
+  /// Numbers of the file's rows that are no points and have none of the cloud, from 0 on, in order.
+  std::vector<std::uint64_t> leftOutRows = {};
   /// Where pictures of it were taken, in the file's coordinates; empty where the file does not say.
   std::vector<CameraFrustum> cameras = {};
 };
@@ -96,6 +99,8 @@ struct CloudFormat {
   /// Of a format that no name tells, of folders or of files that share their endings with another one: whether the
   /// path is of it. Throws nothing, and reads nothing that can be read only once.
   bool (*holds)(const std::filesystem::path& path) = nullptr;
+  /// Whether a file that begins so is of the format, whatever it is called; null: only its name tells.
+  bool (*begins)(const FileStart& start) = nullptr;
   bool isText = false;  ///< lines of columns
   /// Reads no further than it must. Throws FileError.
   FileContents (*contents)(const std::filesystem::path& file) = nullptr;

@@ -7,16 +7,19 @@
 
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
-#include "engine/io/bag_file.hpp"
 #include "engine/io/colmap_dense_format.hpp"
 #include "engine/io/colmap_format.hpp"
 #include "engine/io/e57_format.hpp"
+#include "engine/io/foreign_file.hpp"
 #include "engine/io/gaussian_format.hpp"
+#include "engine/io/gaussian_packed.hpp"
+#include "engine/io/is_file.hpp"
 #include "engine/io/las_format.hpp"
 #include "engine/io/mesh_format.hpp"
 #include "engine/io/npy_format.hpp"
 #include "engine/io/pcd_format.hpp"
 #include "engine/io/ply_format.hpp"
+#include "engine/io/ptx_format.hpp"
 #include "engine/io/xyz_format.hpp"
 
 namespace palpate {
@@ -63,13 +66,22 @@ CloudFormats::CloudFormats(std::span<const CloudFormat> formats) : formats_(form
   PALPATE_CHECK(!formats.empty() && formats.front().read && formats.front().write);
 }
 
-const CloudFormat& CloudFormats::toRead(const std::filesystem::path& file) const {
-  const CloudFormat* format = holding(formats_, file);
+const CloudFormat* CloudFormats::recognised(const std::filesystem::path& file) const {
+  if (const CloudFormat* format = holding(formats_, file)) return format;
   // What has two dots in its ending is told by its content, and what does not hold it is of the shorter one.
   const auto mayBe = [](const CloudFormat& one) {
     return one.read && !(one.holds && one.endings.front().find('.', 1) != std::string_view::npos);
   };
-  if (!format) format = named(formats_, file, mayBe);
+  const CloudFormat* byName = named(formats_, file, mayBe);
+  const auto start = startOf(file);
+  if (!start || (byName && byName->begins && byName->begins(*start))) return byName;
+  const auto begins = [&](const CloudFormat& format) { return format.begins && format.begins(*start); };
+  const auto found = std::ranges::find_if(formats_, begins);
+  return found == formats_.end() ? byName : &*found;
+}
+
+const CloudFormat& CloudFormats::toRead(const std::filesystem::path& file) const {
+  const CloudFormat* format = recognised(file);
   return format ? *format : formats_.front();
 }
 
@@ -111,8 +123,8 @@ std::string CloudFormats::endingsWritten() const {
 const CloudFormats& cloudFormats() {
   static const std::array formats{
       plyFormat(), lasFormat(), lazFormat(),  copcFormat(),   e57Format(),         pcdFormat(),
-      npyFormat(), npzFormat(), xyzFormat(),  csvFormat(),    ptsFormat(),         objFormat(),
-      stlFormat(), offFormat(), gltfFormat(), colmapFormat(), colmapDenseFormat(), gaussianFormat(),
+      npyFormat(), npzFormat(), xyzFormat(), csvFormat(), ptsFormat(), ptxFormat(), objFormat(),
+      stlFormat(), offFormat(), gltfFormat(), colmapFormat(), colmapDenseFormat(), gaussianFormat(), compressedPlyFormat(), splatFormat(), spzFormat(),
   };
   static const CloudFormats table{formats};
   return table;
@@ -127,15 +139,27 @@ std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudForm
   return lost;
 }
 
+namespace {
+
+/// Throws FileError, with what it is, for a file that no format reads.
+const CloudFormat& readable(const std::filesystem::path& file, const CloudFormats& formats) {
+  if (file == "-")
+    throw FileError(file, "standard input is not read under this name; write it to a file, or name /dev/stdin for PLY");
+  refuseForeign(file);
+  const CloudFormat* format = formats.recognised(file);
+  if (!format && isFile(file)) refuseUnknown(file, formats.namesRead());
+  return formats.toRead(file);
+}
+
+}  // namespace
+
 FileContents contentsOf(const std::filesystem::path& file, const CloudFormats& formats) {
-  refuseBag(file);
-  return formats.toRead(file).contents(file);
+  return readable(file, formats).contents(file);
 }
 
 StoredCloud readCloud(const std::filesystem::path& file, Log* log, const CloudReadOptions& options,
                       const CloudFormats& formats) {
-  refuseBag(file);
-  return formats.toRead(file).read(file, log, options);
+  return readable(file, formats).read(file, log, options);
 }
 
 void writeCloud(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options,

@@ -11,8 +11,8 @@ class CloudFormats {
   /// The first one is that of files whose ending nobody knows, and both reads and writes.
   explicit CloudFormats(std::span<const CloudFormat> formats);
 
-  /// By what a folder or a file holds, or else by the file's ending, in any case; where nobody knows it the first one,
-  /// whose reader says what it found.
+  /// By what a folder or a file holds, whatever it is called, or else by the file's ending, in any case; where nobody
+  /// knows it the first one.
   const CloudFormat& toRead(const std::filesystem::path& file) const;
   /// By the file's ending. Throws UsageError, naming the endings that there are, for another one.
   const CloudFormat& toWrite(const std::filesystem::path& file) const;
@@ -23,6 +23,8 @@ class CloudFormats {
   /// one's.
   std::string endingToSave(const std::filesystem::path& file) const;
 
+  /// The same, or null where nobody knows the file.
+  const CloudFormat* recognised(const std::filesystem::path& file) const;
   std::span<const CloudFormat> all() const { return formats_; }
   std::string namesRead() const;       ///< "PLY, XYZ, COLMAP, COLMAP dense, 3DGS"
   std::string endingsRead() const;     ///< ".ply, .xyz, a COLMAP folder"

@@ -38,19 +38,24 @@ std::optional<std::filesystem::path> modelBeside(const std::filesystem::path& cl
   return std::nullopt;
 }
 
-std::vector<PointSight> readSights(const std::filesystem::path& file, const PointCloud& cloud, const ColmapModel& model,
-                                   Log* log) {
+std::vector<PointSight> readSights(const std::filesystem::path& file, const StoredCloud& stored,
+                                   const ColmapModel& model, Log* log) {
+  const PointCloud& cloud = stored.cloud;
+  const std::vector<std::uint64_t>& gone = stored.leftOutRows;
   std::vector<PointSight> sights(cloud.size());
   const std::filesystem::path views = viewsBeside(file);
   std::function<void(double)> progress;
   if (log) progress = [&](double share) { log->progress(views.filename().string(), share); };
-  const auto take = [&](std::uint64_t point, std::span<const std::uint32_t> images) {
+  const auto take = [&](std::uint64_t row, std::span<const std::uint32_t> images) {
+    const auto before = std::ranges::lower_bound(gone, row);
+    if (before != gone.end() && *before == row) return;
+    const std::uint64_t point = row - static_cast<std::uint64_t>(before - gone.begin());
     PointSight& sight = sights[point];
     const DVec3 place = cloud.fileCoordinates(point);
     for (const std::uint32_t image : images) sight.addView(place, model.images[image].center);
     sight.weight = static_cast<double>(std::max<std::size_t>(1, images.size()));
   };
-  readColmapViews(views, {.cloud = file, .points = cloud.size(), .images = model.images.size()}, take, progress);
+  readColmapViews(views, {.cloud = file, .points = cloud.size() + gone.size(), .images = model.images.size()}, take, progress);
   return sights;
 }
 
@@ -67,7 +72,7 @@ StoredCloud readDense(const std::filesystem::path& file, Log* log, const CloudRe
     return stored;
   }
   const ColmapModel model = readColmapImages(*folder);
-  const std::vector<PointSight> sights = readSights(file, stored.cloud, model, log);
+  const std::vector<PointSight> sights = readSights(file, stored, model, log);
   stored.cameras = frustaOf(model);
   std::vector<std::string>& comments = stored.cloud.storedAs.comments;
   if (const auto up = upOf(model); up && !upSaidIn(comments))

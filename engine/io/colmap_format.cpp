@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <ranges>
 
 #include "engine/cloud/view_normals.hpp"
 #include "engine/core/error.hpp"
@@ -72,6 +73,8 @@ class PointsOfModel {
     PointCloud cloud = vertices_.finish(log);
     const std::vector<double> weights = weightsOf(errors_, tracks_);
     for (std::size_t i = 0; i < sights_.size(); ++i) sights_[i].weight = weights[i];
+    for (const std::uint64_t row : vertices_.leftOut() | std::views::reverse)
+      sights_.erase(sights_.begin() + static_cast<std::ptrdiff_t>(row));
     normalsFromViews(cloud, sights_);
     return cloud;
   }
@@ -104,7 +107,8 @@ class PointsOfModel {
   std::vector<PointSight> sights_;
 };
 
-FileContents contentsOfColmap(const std::filesystem::path& folder) {
+FileContents contentsOfColmap(const std::filesystem::path& path) {
+  const std::filesystem::path folder = colmapFolderOf(path);
   const ColmapCounts counts = countColmap(folder);
   FileElement vertex{.name = "vertex", .count = counts.points, .properties = {}};
   for (const PlyProperty& property : columns().properties) vertex.properties.push_back({.name = property.name});
@@ -126,7 +130,8 @@ PointCloud cloudOf(const std::filesystem::path& folder, const ColmapModel& model
   return points.finish(log);
 }
 
-StoredCloud readColmap(const std::filesystem::path& folder, Log* log, const CloudReadOptions& options) {
+StoredCloud readColmap(const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
+  const std::filesystem::path folder = colmapFolderOf(path);
   const ColmapModel model = readColmapImages(folder);
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", folder.string());
   ReliabilityCounts counts;
@@ -154,7 +159,7 @@ CloudFormat colmapFormat() {
   return {.name = "COLMAP",
           .endings = {},
           .folder = "a COLMAP folder",
-          .holds = isColmapFolder,
+          .holds = [](const std::filesystem::path& path) { return isColmapFolder(colmapFolderOf(path)); },
           .contents = contentsOfColmap,
           .read = readColmap};
 }

@@ -14,6 +14,7 @@ struct Intrinsics {
 
 /// Models of one focal length have it first and the middle behind it, those of two have both first.
 std::optional<Intrinsics> intrinsicsOf(const ColmapCamera& camera) {
+  if (camera.model == "unknown" || camera.model == "EQUIRECTANGULAR") return std::nullopt;  // no focal length first
   const std::vector<double>& p = camera.parameters;
   const bool hasOneFocalLength = camera.model.starts_with("SIMPLE_") || camera.model.starts_with("RADIAL");
   if (p.size() < (hasOneFocalLength ? 3u : 4u) || camera.width == 0 || camera.height == 0) return std::nullopt;
@@ -38,6 +39,7 @@ DVec2 onPlane(const ColmapCamera& camera, const Intrinsics& k, double column, do
 std::vector<CameraFrustum> frustaOf(const ColmapModel& model) {
   std::vector<CameraFrustum> frusta;
   for (const ColmapImage& image : model.images) {
+    if (image.camera == kNoCamera) continue;
     const ColmapCamera& camera = model.cameras[image.camera];
     const auto intrinsics = intrinsicsOf(camera);
     if (!intrinsics) continue;

@@ -1,5 +1,6 @@
 #include "engine/io/colmap_model.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -23,12 +24,14 @@ constexpr std::size_t kMaxModelLine = std::size_t{1} << 28;  // an image's obser
 constexpr std::size_t kLongestName = 4096;
 constexpr std::string_view kBlanks = " \t";
 
+constexpr std::size_t kUnknownCount = ~std::size_t{0};
+
 struct CameraModel {
   std::string_view name;
   std::size_t parameters;
 };
-/// By the numbers that the binary files have for them.
-constexpr std::array<CameraModel, 11> kCameraModels{{{"SIMPLE_PINHOLE", 3},
+/// By the numbers that the binary files have for them (COLMAP 4.1).
+constexpr std::array<CameraModel, 18> kCameraModels{{{"SIMPLE_PINHOLE", 3},
                                                      {"PINHOLE", 4},
                                                      {"SIMPLE_RADIAL", 4},
                                                      {"RADIAL", 5},
@@ -38,7 +41,21 @@ constexpr std::array<CameraModel, 11> kCameraModels{{{"SIMPLE_PINHOLE", 3},
                                                      {"FOV", 5},
                                                      {"SIMPLE_RADIAL_FISHEYE", 4},
                                                      {"RADIAL_FISHEYE", 5},
-                                                     {"THIN_PRISM_FISHEYE", 12}}};
+                                                     {"THIN_PRISM_FISHEYE", 12},
+                                                     {"RAD_TAN_THIN_PRISM_FISHEYE", 16},
+                                                     {"SIMPLE_DIVISION", kUnknownCount},
+                                                     {"DIVISION", kUnknownCount},
+                                                     {"SIMPLE_FISHEYE", kUnknownCount},
+                                                     {"FISHEYE", kUnknownCount},
+                                                     {"EUCM", kUnknownCount},
+                                                     {"EQUIRECTANGULAR", kUnknownCount}}};
+constexpr CameraModel kUnknownModel{"unknown", kUnknownCount};
+
+/// A camera whose model, of a binary file, has nobody knows how many parameters.
+struct UnknownModel {
+  explicit UnknownModel(std::int32_t which) : number(which) {}
+  std::int32_t number;
+};
 
 /// The rows of one file, number by number; both forms have the same ones in the same order.
 class Rows {
@@ -51,6 +68,8 @@ class Rows {
   virtual std::uint32_t id(std::string_view what) = 0;
   virtual std::uint8_t channel() = 0;
   virtual const CameraModel& cameraModel() = 0;
+  /// Whether a row of a camera whose model is not known has another parameter, after `taken` ones.
+  virtual bool hasParameter(std::size_t taken) = 0;
   virtual std::string name() = 0;
   /// Passes over what an image saw.
   virtual void skipObservations() = 0;
@@ -70,7 +89,10 @@ class Rows {
 
 class BinaryModelRows final : public Rows {
  public:
-  BinaryModelRows(const std::filesystem::path& path, std::function<void(double)> progress) : file_(path) {
+  /// `unknownParameters`: how many a camera has whose model is not known.
+  BinaryModelRows(const std::filesystem::path& path, std::function<void(double)> progress,
+                  std::size_t unknownParameters)
+      : file_(path), unknownParameters_(unknownParameters) {
     file_.onProgress(std::move(progress));
     count_ = take<std::uint64_t>("the number of rows");
   }
@@ -89,10 +111,13 @@ class BinaryModelRows final : public Rows {
   std::uint8_t channel() override { return take<std::uint8_t>("a colour"); }
   const CameraModel& cameraModel() override {
     const auto number = take<std::int32_t>("the model of a camera");
-    if (number < 0 || static_cast<std::size_t>(number) >= kCameraModels.size())
-      fail(fmt::format("camera model {} is not known; those from 0 to {} are", number, kCameraModels.size() - 1));
-    return kCameraModels[static_cast<std::size_t>(number)];
+    if (number < 0) fail(fmt::format("camera model {}; expected a number from 0 on", number));
+    const auto model = static_cast<std::size_t>(number);
+    const CameraModel& known = model < kCameraModels.size() ? kCameraModels[model] : kUnknownModel;
+    if (known.parameters == kUnknownCount && unknownParameters_ == kUnknownCount) throw UnknownModel(number);
+    return known;
   }
+  bool hasParameter(std::size_t taken) override { return taken < unknownParameters_; }
   std::string name() override {
     std::string name;
     while (const char c = take<char>("the name of an image")) {
@@ -128,6 +153,7 @@ class BinaryModelRows final : public Rows {
   }
 
   ChunkedFile file_;
+  std::size_t unknownParameters_;
   std::uint64_t count_ = 0, done_ = 0;
 };
 
@@ -155,7 +181,11 @@ class TextModelRows final : public Rows {
     const std::string_view name = word();
     for (const CameraModel& model : kCameraModels)
       if (model.name == name) return model;
-    fail(fmt::format("camera model {} is not known", inQuotes(name)));
+    return kUnknownModel;
+  }
+  bool hasParameter(std::size_t) override {
+    skipBlanks();
+    return !rest_.empty();
   }
   std::string name() override {
     skipBlanks();
@@ -226,10 +256,10 @@ bool hasFile(const std::filesystem::path& folder, std::string_view stem) {
 
 /// Binary where there are both, as COLMAP itself reads them.
 std::unique_ptr<Rows> open(const std::filesystem::path& folder, std::string_view stem,
-                           std::function<void(double)> progress = {}) {
+                           std::function<void(double)> progress = {}, std::size_t unknownParameters = kUnknownCount) {
   const std::filesystem::path binary = folder / fmt::format("{}.bin", stem);
   const std::filesystem::path text = folder / fmt::format("{}.txt", stem);
-  if (isFile(binary)) return std::make_unique<BinaryModelRows>(binary, std::move(progress));
+  if (isFile(binary)) return std::make_unique<BinaryModelRows>(binary, std::move(progress), unknownParameters);
   if (isFile(text)) return std::make_unique<TextModelRows>(text, std::move(progress), stem == kImages ? 2 : 1);
   throw FileError(folder, fmt::format("has no {0}.bin and no {0}.txt, as the folder of a COLMAP model has", stem));
 }
@@ -241,6 +271,7 @@ class Ids {
     if (!places_.emplace(id, static_cast<std::uint32_t>(places_.size())).second)
       rows.fail(fmt::format("{} {} is there twice", what, id));
   }
+  void add(std::uint32_t id) { places_.emplace(id, static_cast<std::uint32_t>(places_.size())); }
   std::optional<std::uint32_t> find(std::uint32_t id) const {
     const auto found = places_.find(id);
     if (found == places_.end()) return std::nullopt;
@@ -277,6 +308,15 @@ void placeImage(Rows& rows, ColmapImage& image) {
 
 bool isColmapFolder(const std::filesystem::path& path) { return hasFile(path, kPoints) || hasFile(path, kImages); }
 
+std::filesystem::path colmapFolderOf(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 5> kStems{kCameras, kImages, kPoints, "rigs", "frames"};
+  const std::string stem = path.stem().string(), form = path.extension().string();
+  const bool isPart = (form == ".txt" || form == ".bin") && std::ranges::find(kStems, stem) != kStems.end();
+  if (!isPart || !isFile(path)) return path;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  return hasFile(folder, kCameras) && hasFile(folder, kImages) && hasFile(folder, kPoints) ? folder : path;
+}
+
 bool hasColmapImages(const std::filesystem::path& folder) { return hasFile(folder, kImages); }
 
 ColmapCounts countColmap(const std::filesystem::path& folder) {
@@ -285,22 +325,52 @@ ColmapCounts countColmap(const std::filesystem::path& folder) {
           .points = open(folder, kPoints)->count()};
 }
 
+namespace {
+
+std::vector<ColmapCamera> readCameras(const std::filesystem::path& folder, std::size_t unknownParameters) {
+  std::vector<ColmapCamera> list;
+  Ids cameras;
+  const auto rows = open(folder, kCameras, {}, unknownParameters);
+  while (rows->next()) {
+    ColmapCamera& camera = list.emplace_back();
+    camera.id = rows->id("the id of a camera");
+    cameras.add(*rows, camera.id, "camera");
+    const CameraModel& known = rows->cameraModel();
+    camera.model = known.name;
+    camera.width = rows->whole("the width of a camera's images");
+    camera.height = rows->whole("the height of a camera's images");
+    const auto hasParameter = [&](std::size_t taken) {
+      return known.parameters == kUnknownCount ? rows->hasParameter(taken) : taken < known.parameters;
+    };
+    while (hasParameter(camera.parameters.size()))
+      camera.parameters.push_back(rows->finite("a parameter of a camera"));
+    rows->endRow();
+  }
+  return list;
+}
+
+/// Nothing where there are models of which nobody knows how many parameters they have.
+std::optional<std::vector<ColmapCamera>> readCameras(const std::filesystem::path& folder) {
+  constexpr std::size_t kMostParameters = 32;
+  try {
+    return readCameras(folder, kUnknownCount);
+  } catch (const UnknownModel&) {  // then the number with which the file comes out even
+  }
+  for (std::size_t parameters = 0; parameters <= kMostParameters; ++parameters) try {
+      return readCameras(folder, parameters);
+    } catch (const FileError&) {  // it is another one
+    }
+  return std::nullopt;
+}
+
+}  // namespace
+
 ColmapModel readColmapImages(const std::filesystem::path& folder) {
   ColmapModel model;
   Ids cameras, images;
-  const auto cameraRows = open(folder, kCameras);
-  while (cameraRows->next()) {
-    ColmapCamera& camera = model.cameras.emplace_back();
-    camera.id = cameraRows->id("the id of a camera");
-    cameras.add(*cameraRows, camera.id, "camera");
-    const CameraModel& known = cameraRows->cameraModel();
-    camera.model = known.name;
-    camera.width = cameraRows->whole("the width of a camera's images");
-    camera.height = cameraRows->whole("the height of a camera's images");
-    for (std::size_t k = 0; k < known.parameters; ++k)
-      camera.parameters.push_back(cameraRows->finite("a parameter of a camera"));
-    cameraRows->endRow();
-  }
+  const auto known = readCameras(folder);
+  if (known) model.cameras = *known;
+  for (std::size_t k = 0; k < model.cameras.size(); ++k) cameras.add(model.cameras[k].id);
   const auto imageRows = open(folder, kImages);
   while (imageRows->next()) {
     ColmapImage& image = model.images.emplace_back();
@@ -309,8 +379,9 @@ ColmapModel readColmapImages(const std::filesystem::path& folder) {
     placeImage(*imageRows, image);
     const std::uint32_t camera = imageRows->id("the camera of an image");
     const auto place = cameras.find(camera);
-    if (!place) imageRows->fail(fmt::format("image {} is of camera {}, which is not there", image.id, camera));
-    image.camera = *place;
+    if (!place && known)
+      imageRows->fail(fmt::format("image {} is of camera {}, which is not there", image.id, camera));
+    if (place) image.camera = *place;
     image.name = imageRows->name();
     imageRows->skipObservations();
   }

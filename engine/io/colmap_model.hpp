@@ -18,14 +18,16 @@ struct ColmapCamera {
   std::uint32_t id = 0;
   std::string model;                    ///< "PINHOLE" and so on
   std::uint64_t width = 0, height = 0;  ///< pixels
-  std::vector<double> parameters;       ///< as the model has them
+  std::vector<double> parameters;       ///< as the model has them; of a model that is not known as many as there are
 };
+
+inline constexpr std::size_t kNoCamera = ~std::size_t{0};  ///< of an image whose camera's model cannot be read
 
 struct ColmapImage {
   std::uint32_t id = 0;
   DVec3 center{0};                      ///< where it was taken, model units
   DVec3 right{0}, down{0}, forward{0};  ///< axes of the camera, unit
-  std::size_t camera = 0;               ///< place in the list of cameras
+  std::size_t camera = kNoCamera;       ///< place in the list of cameras
   std::string name;
 };
 
@@ -47,6 +49,8 @@ struct ColmapModel {
 };
 
 bool isColmapFolder(const std::filesystem::path& path);
+/// The folder of a model that `path` is, or one of its files (cameras.txt, images.bin and so on); else `path`.
+std::filesystem::path colmapFolderOf(const std::filesystem::path& path);
 /// Whether a folder says where images were taken, as that of any part of a reconstruction does.
 bool hasColmapImages(const std::filesystem::path& folder);
 
@@ -54,7 +58,8 @@ bool hasColmapImages(const std::filesystem::path& folder);
 ColmapCounts countColmap(const std::filesystem::path& folder);
 
 /// Cameras and images. Throws FileError with the place of what is wrong: what ends too early or goes on too long,
-/// unknown camera models, numbers that are none, what is there twice, what is referred to and is not there.
+/// numbers that are none, what is there twice, what is referred to and is not there. Points need no camera: of a model
+/// that is not known text has as many parameters as the line has, and binary as many as make the file come out even.
 ColmapModel readColmapImages(const std::filesystem::path& folder);
 
 /// Calls `visit` with each point in the order of the file, and `progress` with the share that is read. Throws FileError

@@ -14,6 +14,7 @@
 #include "engine/cloud/up.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel_collect.hpp"
+#include "engine/io/color_scale.hpp"
 #include "engine/io/e57_records.hpp"
 #include "engine/io/in_quotes.hpp"
 
@@ -201,6 +202,15 @@ class E57Cloud {
           whole ? std::array{static_cast<double>(field.least), static_cast<double>(field.most)} : std::array{0.0, 1.0};
       if (scan.colorLimits && (*scan.colorLimits)[k][1] > (*scan.colorLimits)[k][0]) limits[k] = (*scan.colorLimits)[k];
     }
+    if (!scan.colorLimits) {  // then the numbers tell
+      ColorScale scale;
+      bool whole = true;
+      for (std::size_t k = 0; k < 3; ++k) whole = whole && scan.fields[fields[k]].kind == E57Field::Kind::integer;
+      for (const std::uint64_t i : there)
+        for (const std::size_t field : fields) scale.take(records.value(field, i));
+      for (auto& limit : limits)
+        if (limit[1] > 255 || !whole) limit = {0, scale.full(whole)};
+    }
     parallelFor(there.size(), 0, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         auto& color = cloud_.colors[base + i];
@@ -284,8 +294,14 @@ StoredCloud readE57(const std::filesystem::path& file, Log* log, const CloudRead
   stored.cloud.storedAs.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
   if (invalid > 0) stored.lost.push_back(fmt::format("{} points that have no place", invalid));
   if (invalid > 0 && log) log->say("{}: {} points have no place (no echo came back), and are left out", name, invalid);
-  if (contents.scans.size() > 1)
-    stored.lost.push_back(fmt::format("the poses of {} scans, which are applied", contents.scans.size()));
+  const auto isPlaced = [](const E57Scan& scan) {
+    return scan.rotation != std::array<double, 4>{1, 0, 0, 0} || scan.translation != DVec3(0);
+  };
+  const auto placed = std::ranges::count_if(contents.scans, isPlaced);
+  if (placed == 1)
+    stored.lost.emplace_back("the pose of a scan, which is applied");
+  else if (placed > 1)
+    stored.lost.push_back(fmt::format("the poses of {} scans, which are applied", placed));
   if (contents.images > 0) stored.lost.push_back(fmt::format("{} pictures", contents.images));
   return stored;
 }
@@ -294,7 +310,11 @@ StoredCloud readE57(const std::filesystem::path& file, Log* log, const CloudRead
 
 CloudFormat e57Format() {
   static constexpr std::array<std::string_view, 1> kEndings{".e57"};
-  return {.name = "E57", .endings = kEndings, .contents = contentsOfE57, .read = readE57};
+  return {.name = "E57",
+          .endings = kEndings,
+          .begins = [](const FileStart& start) { return start.startsWith("ASTM-E57"); },
+          .contents = contentsOfE57,
+          .read = readE57};
 }
 
 }  // namespace palpate

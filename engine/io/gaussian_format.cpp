@@ -4,9 +4,8 @@
 
 #include <algorithm>
 
-#include "engine/cloud/gaussian_surface.hpp"
-#include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/gaussian_cloud.hpp"
 #include "engine/io/gaussian_rows.hpp"
 #include "engine/io/gaussian_writer.hpp"
 #include "engine/io/ply_body.hpp"
@@ -24,7 +23,7 @@ std::size_t restsOf(const PlyElement& vertex) {
 
 /// "9080 Gaussians of degree 3"; without the degree where none has as many coefficients.
 std::string nameOf(const PlyElement& vertex) {
-  std::string name = fmt::format("{} Gaussian{}", vertex.count, vertex.count == 1 ? "" : "s");
+  std::string name = gaussiansInWords(vertex.count);
   for (std::size_t degree = 0; degree <= 4; ++degree)  // three channels, less what f_dc has
     if (restsOf(vertex) == 3 * ((degree + 1) * (degree + 1) - 1)) name += fmt::format(" of degree {}", degree);
   return name;
@@ -72,16 +71,6 @@ std::vector<std::string> lostOf(const PlyInfo& info, const GaussianRows& rows) {
   return lost;
 }
 
-void sayWhatBecame(Log& log, const std::string& name, const GaussianSurface& surface, std::size_t gaussians,
-                   double time_ms) {
-  log.say(
-      "{}: {} points, {:.3g} apart, are the surface of {} Gaussians; made in {:.0f} ms. Left out: {} faint, {} "
-      "oversized, {} far from all others",
-      name, surface.cloud.size(), surface.spacing, gaussians, time_ms, surface.faint, surface.oversized,
-      surface.outlying);
-  if (surface.cloud.empty() && gaussians > 0) log.say("{}: none of the Gaussians shows; there is no surface", name);
-}
-
 StoredCloud readGaussians(const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
   const std::string name = path.filename().string();
   ChunkedFile file(path);
@@ -93,11 +82,8 @@ StoredCloud readGaussians(const std::filesystem::path& path, Log* log, const Clo
   readPlyBody(file, info, rows, nullptr, log);
   if (log && options.normalsFromFaces) log->say("{}: has no faces to take normals from", name);
 
-  const GaussianScene scene = rows.takeScene();
-  const Stopwatch watch;
-  GaussianSurface surface = surfaceOf(scene);
-  if (log) sayWhatBecame(*log, name, surface, scene.size(), watch.elapsed_us() * 1e-3);
-  StoredCloud stored{.cloud = std::move(surface.cloud), .triangles = {}, .lost = lostOf(info, rows)};
+  StoredCloud stored = surfaceOfGaussians(name, rows.takeScene(), log);
+  for (std::string& what : lostOf(info, rows)) stored.lost.push_back(std::move(what));
   stored.cloud.storedAs.comments = info.comments;
   return stored;
 }

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
@@ -14,8 +12,6 @@ namespace palpate {
 namespace {
 
 constexpr float kFlat = -100;      // logarithm of a deviation that is none
-constexpr double kLargest = 1e30;  // of coordinates, as of other clouds
-constexpr double kLargestSingle = std::numeric_limits<float>::max();
 
 bool hasScalar(const PlyElement& vertex, std::string_view name) {
   return std::ranges::any_of(vertex.properties,
@@ -62,13 +58,6 @@ GaussianRows::GaussianRows(const std::filesystem::path& file, const PlyElement& 
   takeAll(Group::rotation, 4, "rot_");
   for (const Column& column : columns_) {
     const bool normal = column.name == "nx" || column.name == "ny" || column.name == "nz";  // all zero, by custom
-    if (column.group == Group::none && isFloating(column.type)) {
-      Run* last = onlyLookedAt_.empty() ? nullptr : &onlyLookedAt_.back();
-      if (last && last->type == column.type && last->offset + last->count * sizeOf(last->type) == column.offset)
-        ++last->count;
-      else
-        onlyLookedAt_.push_back({column.offset, 1, column.type});
-    }
     if (column.group == Group::none && !normal && !column.name.starts_with("f_rest_")) unused_.push_back(column.name);
   }
 }
@@ -107,46 +96,18 @@ void GaussianRows::store(const Column& column, std::size_t i, double value) {
 }
 
 template <class T, bool kSwap>
-std::optional<PlyRowSink::BadRow> GaussianRows::storeColumn(const Column& column, const std::byte* rows, Range range) {
-  if constexpr (std::is_floating_point_v<T>) {
-    const double largest = column.group == Group::center ? kLargest : kLargestSingle;
-    for (std::size_t r = range.begin; r < range.end; ++r) {
-      const double value = loadScalar<T, kSwap>(rows + r * rowBytes_ + column.offset);
-      if (!(std::abs(value) <= largest))
-        return BadRow{r, fmt::format("'{}' of vertex {} is {}; expected a finite number{}", column.name, count_ + r + 1,
-                                     value, column.group == Group::center ? " below 1e30" : "")};
-      if (column.group != Group::none) store(column, count_ + r, value);
-    }
-  }
-  return std::nullopt;
-}
-
-template <class T, bool kSwap>
-bool GaussianRows::isFinite(const Run& run, const std::byte* rows, Range range) const {
-  unsigned wrong = 0;  // without a branch, so that compilers let numbers go together
-  if constexpr (std::is_floating_point_v<T>)
-    for (std::size_t r = range.begin; r < range.end; ++r)
-      for (std::size_t k = 0; k < run.count; ++k) {
-        const T value = loadScalar<T, kSwap>(rows + r * rowBytes_ + run.offset + k * sizeof(T));
-        wrong |= std::abs(value) <= static_cast<T>(kLargestSingle) ? 0 : 1;
-      }
-  return wrong == 0;
+void GaussianRows::storeColumn(const Column& column, const std::byte* rows, Range range) {
+  for (std::size_t r = range.begin; r < range.end; ++r)
+    store(column, count_ + r, static_cast<double>(loadScalar<T, kSwap>(rows + r * rowBytes_ + column.offset)));
 }
 
 template <bool kSwap>
-std::optional<PlyRowSink::BadRow> GaussianRows::storeRows(const std::byte* rows, Range range) {
+void GaussianRows::storeRows(const std::byte* rows, Range range) {
   std::fill(&scene_.logScales[count_ + range.begin], scene_.logScales.data() + count_ + range.end, Vec3(kFlat));
-  const bool restIsFinite = std::ranges::all_of(onlyLookedAt_, [&](const Run& run) {
-    return visitScalar(run.type, [&]<class T>(std::type_identity<T>) { return isFinite<T, kSwap>(run, rows, range); });
-  });
-  std::optional<BadRow> first;
-  for (const Column& column : columns_) {
-    if (column.group == Group::none && restIsFinite) continue;
-    const auto bad = visitScalar(
-        column.type, [&]<class T>(std::type_identity<T>) { return storeColumn<T, kSwap>(column, rows, range); });
-    if (bad && (!first || bad->row < first->row)) first = bad;
-  }
-  return first;
+  for (const Column& column : columns_)
+    if (column.group != Group::none)
+      visitScalar(column.type,
+                  [&]<class T>(std::type_identity<T>) { storeColumn<T, kSwap>(column, rows, range); });
 }
 
 std::optional<PlyRowSink::BadRow> GaussianRows::append(const std::byte* rows, std::size_t count, bool swapBytes) {
@@ -158,16 +119,14 @@ std::optional<PlyRowSink::BadRow> GaussianRows::append(const std::byte* rows, st
   scene_.opacityLogits.resize(total);
   scene_.colorHarmonics.resize(total);
   const ParallelRanges ranges(count, 0);
-  std::vector<std::optional<BadRow>> bad(ranges.count());
   parallelParts(ranges.count(), [&](std::size_t k) {
-    for (std::size_t row = ranges.begin(k); row < ranges.end(k) && !bad[k]; row += kAtOnce) {
+    for (std::size_t row = ranges.begin(k); row < ranges.end(k); row += kAtOnce) {
       const Range some{row, std::min(row + kAtOnce, ranges.end(k))};
-      bad[k] = swapBytes ? storeRows<true>(rows, some) : storeRows<false>(rows, some);
+      swapBytes ? storeRows<true>(rows, some) : storeRows<false>(rows, some);
     }
   });
   count_ = total;
-  const auto first = std::ranges::find_if(bad, [](const auto& row) { return row.has_value(); });
-  return first == bad.end() ? std::nullopt : *first;
+  return std::nullopt;
 }
 
 }  // namespace palpate

@@ -10,8 +10,7 @@
 
 namespace palpate {
 
-/// x y z; f_dc_0 to 2; opacity; scale_0 to 2 (2D Gaussians have no scale_2, and are flat); rot_0 to 3. Everything else
-/// is only looked at: every number must be finite.
+/// x y z; f_dc_0 to 2; opacity; scale_0 to 2 (2D Gaussians have no scale_2, and are flat); rot_0 to 3.
 class GaussianRows final : public PlyRowSink {
  public:
   /// Whether the rows are meant as Gaussians, complete or not.
@@ -26,6 +25,7 @@ class GaussianRows final : public PlyRowSink {
   /// On one thread per core.
   std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes) override;
 
+  /// Some numbers may not be finite.
   GaussianScene takeScene() { return std::move(scene_); }
   /// Properties of points that a scene has no use for, and that are not the colours by direction.
   const std::vector<std::string>& unused() const { return unused_; }
@@ -39,24 +39,16 @@ class GaussianRows final : public PlyRowSink {
     Group group;
     int component;
   };
-  /// Columns side by side that a scene has no use for.
-  struct Run {
-    std::size_t offset, count;
-    ScalarType type;
-  };
   struct Range {
     std::size_t begin, end;  // of the rows given
   };
   template <class T, bool kSwap>
-  std::optional<BadRow> storeColumn(const Column& column, const std::byte* rows, Range range);
-  template <class T, bool kSwap>
-  bool isFinite(const Run& run, const std::byte* rows, Range range) const;
+  void storeColumn(const Column& column, const std::byte* rows, Range range);
   template <bool kSwap>
-  std::optional<BadRow> storeRows(const std::byte* rows, Range range);
+  void storeRows(const std::byte* rows, Range range);
   void store(const Column& column, std::size_t i, double value);
 
   std::vector<Column> columns_;
-  std::vector<Run> onlyLookedAt_;
   std::size_t rowBytes_ = 0;
   std::size_t count_ = 0;  // rows before those that are being appended
   GaussianScene scene_;

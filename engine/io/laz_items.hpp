@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "engine/io/integer_model.hpp"
 
@@ -337,6 +338,63 @@ class LazInfrared {
  private:
   SymbolModel changes_{4};
   ByteModels<2> bytes_;
+};
+
+/// Where the waves of a point are, and how it lies in them: 29 bytes. Packets mostly follow one another.
+class LazWaves {
+ public:
+  static constexpr std::size_t kMostCalls = 26;  // to a coder
+
+  explicit LazWaves(const std::byte* first) { last_ = load(first); }
+
+  /// The bytes of the next point. They are only unpacked: files with waves are written as LAS.
+  template <class Coder>
+  [[gnu::always_inline]] void code(Coder& coder, std::byte* at) {
+    Packet next = last_;
+    next.descriptor = static_cast<std::uint8_t>(coder.symbol(descriptors_, 0));
+    kind_ = coder.symbol(kinds_[kind_], 0);
+    if (kind_ == 1) next.offset = last_.offset + static_cast<std::uint32_t>(last_.numbers[0]);
+    if (kind_ == 2) {
+      step_ = steps_.code(coder, step_, 0, 0);
+      next.offset = last_.offset + static_cast<std::uint64_t>(std::int64_t{step_});
+    }
+    if (kind_ == 3) {
+      next.offset = coder.bits(32, 0);
+      next.offset |= std::uint64_t{coder.bits(32, 0)} << 32;
+    }
+    next.numbers[0] = sizes_.code(coder, last_.numbers[0], 0, 0);
+    next.numbers[1] = places_.code(coder, last_.numbers[1], 0, 0);
+    for (unsigned k = 0; k < 3; ++k) next.numbers[2 + k] = directions_.code(coder, last_.numbers[2 + k], 0, k);
+    last_ = next;
+    store(next, at);
+  }
+
+ private:
+  struct Packet {
+    std::uint8_t descriptor = 0;
+    std::uint64_t offset = 0;
+    std::array<std::int32_t, 5> numbers{};  // its size; the place of the return in it; the direction, as bits of floats
+  };
+
+  static Packet load(const std::byte* at) {
+    Packet packet;
+    std::memcpy(&packet.descriptor, at, 1);
+    std::memcpy(&packet.offset, at + 1, sizeof packet.offset);
+    std::memcpy(packet.numbers.data(), at + 9, sizeof packet.numbers);
+    return packet;
+  }
+  static void store(const Packet& packet, std::byte* at) {
+    std::memcpy(at, &packet.descriptor, 1);
+    std::memcpy(at + 1, &packet.offset, sizeof packet.offset);
+    std::memcpy(at + 9, packet.numbers.data(), sizeof packet.numbers);
+  }
+
+  SymbolModel descriptors_{256};
+  std::array<SymbolModel, 4> kinds_{SymbolModel(4), SymbolModel(4), SymbolModel(4), SymbolModel(4)};
+  IntegerModel steps_{32, 1}, sizes_{32, 1}, places_{32, 1}, directions_{32, 3};
+  Packet last_;
+  std::int32_t step_ = 0;
+  unsigned kind_ = 0;
 };
 
 /// A byte that nothing is known of.

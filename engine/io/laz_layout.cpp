@@ -50,7 +50,7 @@ std::vector<ItemSpan> itemsOf(unsigned format, std::size_t rowBytes) {
     else if (points.colorAt)
       items.push_back({Item::color14, 6});
   }
-  if (points.hasWaves) items.push_back({format < 6 ? Item::waves13 : Item::waves14, 29});
+  if (points.hasWaves) items.push_back({format < 6 ? Item::waves13 : Item::waves14, kLazWaveBytes});
   if (rowBytes > points.bytes) items.push_back({format < 6 ? Item::bytes : Item::bytes14, rowBytes - points.bytes});
   return items;
 }
@@ -62,6 +62,7 @@ LazLayout placesOf(unsigned format, std::size_t rowBytes) {
   if (points.hasTime) layout.timeAt = format < 6 ? 20 : 22;
   layout.colorAt = points.colorAt;
   if (points.hasInfrared) layout.infraredAt = points.colorAt + 6;
+  if (points.hasWaves) layout.wavesAt = points.bytes - kLazWaveBytes;
   layout.bytesAt = points.bytes;
   layout.extraBytes = rowBytes - points.bytes;
   return layout;
@@ -86,7 +87,9 @@ void readItems(const std::filesystem::path& file, const LasHeader& header, const
       throw refuse(
           fmt::format("item {} is of kind {} and {} bytes; points of format {} have one of kind {} and {} bytes", k + 1,
                       item, bytes, header.format, static_cast<unsigned>(items[k].item), items[k].bytes));
-    if (version < (layout.layered ? 3 : 2))
+    // Wave packets of one stream never had another version.
+    const unsigned lowest = layout.layered ? 3 : items[k].item == Item::waves13 ? 1 : 2;
+    if (version < lowest)
       throw refuse(fmt::format(
           "item {} is of version {}, as programs wrote it before 2010; unpack the file to LAS first", k + 1, version));
     if (version > (layout.layered ? 4 : 2)) throw refuse(fmt::format("item {} is of version {}", k + 1, version));
@@ -122,11 +125,6 @@ LazLayout readLazLayout(const std::filesystem::path& file, const LasHeader& head
     throw FileError::atByte(
         file, record.at,
         fmt::format("the record of LASzip has {} bytes; expected {} at least", record.data.size(), kFixedBytes));
-  if (lasPointFormat(header.format).hasWaves)
-    throw FileError::atByte(file, 104,
-                            fmt::format("points of format {} with wave packets, which are not read where they are "
-                                        "packed; unpack the file to LAS first",
-                                        header.format));
   LazLayout layout = placesOf(header.format, header.pointBytes);
   const auto packing = loadScalar<std::uint16_t>(record.data, 0), coder = loadScalar<std::uint16_t>(record.data, 2);
   const auto wanted = layout.layered ? packing == static_cast<unsigned>(Packing::layered)

@@ -17,6 +17,8 @@ inline constexpr unsigned kLazRecord = 22204;
 /// Is set in the byte of a header that says the format of the points where they are packed.
 inline constexpr unsigned kLazBit = 0x80;
 
+inline constexpr std::size_t kLazWaveBytes = 29;  // of a point's wave packet
+
 /// What the record says. Points of formats 0 to 5 are coded in one stream, pointwise; those of 6 to 10 in layers, a
 /// stream for what changes together.
 struct LazLayout {
@@ -27,12 +29,12 @@ struct LazLayout {
   /// (version 3, which most programs write; version 4 has mended that).
   bool channelsLag = true;
   /// Where in a row what is; 0: nowhere.
-  std::size_t timeAt = 0, colorAt = 0, infraredAt = 0, bytesAt = 0;
+  std::size_t timeAt = 0, colorAt = 0, infraredAt = 0, wavesAt = 0, bytesAt = 0;
   std::size_t extraBytes = 0, rowBytes = 0;
 };
 
 /// `header`: with the format that the points have once they are unpacked. Throws FileError with the byte of what is
-/// wrong, or is not read: wave packets, and what programs wrote before 2010.
+/// wrong, or is not read: what programs wrote before 2010.
 LazLayout readLazLayout(const std::filesystem::path& file, const LasHeader& header, const LasRecord& record);
 /// As files are written: chunks of 50,000 points. `format`: without wave packets.
 LazLayout lazLayoutFor(unsigned format, std::size_t rowBytes);

@@ -165,6 +165,7 @@ class LazRow10 {
         lastBytes_(first + layout.bytesAt, first + layout.bytesAt + layout.extraBytes) {
     if (layout.timeAt) times_.emplace(load<std::int64_t>(first + layout.timeAt), true);
     if (layout.colorAt) lastColor_ = load<LazColors::Color>(first + layout.colorAt);
+    if (layout.wavesAt) waves_.emplace(first + layout.wavesAt);
   }
 
   /// A row of one of the chunks that are coded side by side.
@@ -179,7 +180,7 @@ class LazRow10 {
   };
 
   /// Calls to a coder for a row, at most.
-  std::size_t mostCalls() const { return 40 + layout_.extraBytes; }
+  std::size_t mostCalls() const { return 40 + (layout_.wavesAt ? LazWaves::kMostCalls : 0) + layout_.extraBytes; }
 
   /// The next row of each lane, all of one layout. What a lane's coder does next waits for what it does now; so each
   /// step is taken in all lanes in turn, and the processor has work of the others meanwhile.
@@ -216,6 +217,7 @@ class LazRow10 {
       (lanes.row.colors_.codeBlue(lanes.coder, lanes.color, lanes.row.lastColor_, 1), ...);
       (lanes.row.finishColor(lanes), ...);
     }
+    if (layout.wavesAt) (lanes.row.waves_->code(lanes.coder, lanes.at + layout.wavesAt), ...);
     for (std::size_t k = 0; k < layout.extraBytes; ++k) (lanes.row.codeByte(lanes, k), ...);
   }
 
@@ -269,6 +271,7 @@ class LazRow10 {
   std::optional<LazTimes> times_;
   LazColors colors_;
   LazColors::Color lastColor_{};
+  std::optional<LazWaves> waves_;
   std::vector<SymbolModel> bytes_;
   std::vector<std::byte> lastBytes_;
 };

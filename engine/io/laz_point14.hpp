@@ -297,6 +297,10 @@ class LazRow14 {
     std::size_t layer = kLazLayers14;
     if (colors_) codeColor(channel, row + layout_.colorAt, layers_[layer++]);
     if (infrared_) codeInfrared(channel, row + layout_.infraredAt, layers_[layer++]);
+    if (layout_.wavesAt) {  // their layer is passed over, as their waves mostly are in another file
+      std::memset(row + layout_.wavesAt, 0, kLazWaveBytes);
+      ++layer;
+    }
     if (bytes_) codeBytes(channel, row + layout_.bytesAt, layers_.subspan(layer));
   }
 

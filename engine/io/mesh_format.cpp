@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_arrays.hpp"
 #include "engine/io/mesh_import.hpp"
@@ -22,21 +24,34 @@ constexpr std::array<std::string_view, 2> kGltf{".gltf", ".glb"};
 
 std::string madeFrom(const TriangleSoup& soup) { return fmt::format("{} triangles", soup.triangles.size()); }
 
-void needTriangles(const std::filesystem::path& file, const ImportedMesh& mesh) {
-  if (mesh.soup.triangles.empty()) throw FileError(file, "has no triangles; points are read from other formats");
-}
-
 using Import = ImportedMesh (*)(const std::filesystem::path& file);
+
+/// What is not at a place is left out, and counted.
+ImportedMesh importedBy(Import import, const std::filesystem::path& file) {
+  ImportedMesh mesh = import(file);
+  const std::size_t before = mesh.soup.triangles.size();
+  const BadCorners bad = leaveOutBadCorners(mesh.soup);
+  if (mesh.soup.corners.empty() || (before > 0 && mesh.soup.triangles.empty()))
+    throw FileError(file, before + bad.corners > 0 ? "none of its corners is at finite numbers"
+                                                   : "has neither triangles nor points");
+  if (bad.triangles > 0)
+    mesh.lost.push_back(fmt::format("{} triangles with a corner that is not finite", bad.triangles));
+  else if (bad.corners > 0)
+    mesh.lost.push_back(fmt::format("{} points without a finite position", bad.corners));
+  return mesh;
+}
 
 template <Import import>
 FileContents contentsOfMesh(const std::filesystem::path& file) {
-  const ImportedMesh mesh = import(file);
-  needTriangles(file, mesh);
-  FileElement vertex{.name = "vertex", .count = kUsualSamples, .properties = {}};
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) vertex.properties.push_back({name});
+  const ImportedMesh mesh = importedBy(import, file);
+  const bool points = mesh.soup.triangles.empty();
+  FileElement vertex{
+      .name = "vertex", .count = points ? mesh.soup.corners.size() : kUsualSamples, .properties = {{"x"}, {"y"}, {"z"}}};
+  if (!points || !mesh.soup.normals.empty())
+    for (const char* name : {"nx", "ny", "nz"}) vertex.properties.push_back({name});
   if (!mesh.soup.colors.empty())
     for (const char* name : {"red", "green", "blue"}) vertex.properties.push_back({name});
-  return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = madeFrom(mesh.soup)};
+  return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = points ? "" : madeFrom(mesh.soup)};
 }
 
 /// Whether single precision holds a number: to the last bit, or to the last digit that somebody wrote of it.
@@ -48,15 +63,12 @@ bool isNarrow(double number) {
   return textNumber<double>({text.data(), static_cast<std::size_t>(end - text.data())}) == number;
 }
 
-PointCloud cornersOf(const std::filesystem::path& file, const TriangleSoup& soup, Log* log) {
-  std::vector<Vec3> narrow;
+PointCloud cornersOf(const TriangleSoup& soup, Log* log) {
+  std::vector<Vec3> narrow, normals = soup.normals;
+  for (Vec3& normal : normals)  // what is no direction is missing
+    if (!std::isfinite(glm::dot(normal, normal))) normal = Vec3(0);
   bool exact = true;
   for (const DVec3& corner : soup.corners) {
-    constexpr double kFarthest = 1e30;
-    if (!(std::abs(corner.x) < kFarthest && std::abs(corner.y) < kFarthest && std::abs(corner.z) < kFarthest))
-      throw FileError(file,
-                      fmt::format("a corner of its triangles is at ({}, {}, {}); expected finite numbers below 1e30",
-                                  corner.x, corner.y, corner.z));
     narrow.emplace_back(corner);
     exact = exact && isNarrow(corner.x) && isNarrow(corner.y) && isNarrow(corner.z);
   }
@@ -66,18 +78,22 @@ PointCloud cornersOf(const std::filesystem::path& file, const TriangleSoup& soup
   };
   return cloudOf({.count = soup.corners.size(),
                   .positions = exact ? rows(narrow, ScalarType::f32) : rows(soup.corners, ScalarType::f64),
-                  .normals = rows(soup.normals, ScalarType::f32),
+                  .normals = rows(normals, ScalarType::f32),
                   .colors = rows(soup.colors, ScalarType::u8)},
                  log);
 }
 
 template <Import import>
 StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
-  ImportedMesh mesh = import(file);
-  needTriangles(file, mesh);
+  ImportedMesh mesh = importedBy(import, file);
+  if (mesh.soup.triangles.empty()) {
+    if (log) log->say("{}: has no triangles; its {} corners are the points", file.filename().string(),
+                      mesh.soup.corners.size());
+    return {.cloud = cornersOf(mesh.soup, log), .triangles = {}, .lost = std::move(mesh.lost)};
+  }
   if (options.normalsFromFaces) mesh.soup.normals.clear();
   if (options.asTriangles) {
-    PointCloud corners = cornersOf(file, mesh.soup, log);
+    PointCloud corners = cornersOf(mesh.soup, log);
     if (options.normalsFromFaces) {
       PlyFaces faces(corners.size());
       for (const auto& [a, b, c] : mesh.soup.triangles) faces.add(std::array<std::int64_t, 3>{a, b, c}, false);
@@ -102,11 +118,51 @@ StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudRea
   return stored;
 }
 
+bool beginsAsObj(const FileStart& start) {
+  if (!start.isText()) return false;
+  constexpr std::array<std::string_view, 9> kStatements{"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl"};
+  const auto lines = start.lines(20);
+  const auto isStatement = [&](const std::vector<std::string>& line) {
+    return std::ranges::find(kStatements, line[0]) != kStatements.end();
+  };
+  const auto isVertex = [](const std::vector<std::string>& line) {
+    return line[0] == "v" && line.size() >= 4 && isNumberWord(line[1]);
+  };
+  return std::ranges::all_of(lines, isStatement) && std::ranges::any_of(lines, isVertex);
+}
+
+bool beginsAsStl(const FileStart& start) {
+  constexpr std::size_t kHead = 84, kTriangle = 50;
+  if (start.startsWith("solid") && start.isText()) return start.bytes.find("facet") != std::string::npos;
+  if (start.bytes.size() < kHead) return false;
+  std::uint32_t count = 0;
+  for (unsigned k = 0; k < 4; ++k) count |= std::uint32_t{static_cast<unsigned char>(start.bytes[80 + k])} << (8 * k);
+  return count > 0 && start.size == kHead + std::uint64_t{kTriangle} * count;
+}
+
+bool beginsAsOff(const FileStart& start) {
+  if (!start.isText()) return false;
+  const auto lines = start.lines(2);
+  if (lines.empty()) return false;
+  const std::string& word = lines[0][0];
+  const std::size_t name = word.find("OFF");
+  if (name == std::string::npos || word.find_first_not_of("CNST4n") < name) return false;
+  return word.size() == name + 3 || isNumberWord(std::string_view(word).substr(name + 3));
+}
+
+bool beginsAsGltf(const FileStart& start) {
+  if (start.startsWith("glTF")) return true;
+  const std::size_t first = start.bytes.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && start.bytes[first] == '{' && start.isText() &&
+         start.bytes.find("\"asset\"") != std::string::npos;
+}
+
 }  // namespace
 
 CloudFormat objFormat() {
   return {.name = "OBJ",
           .endings = kObj,
+          .begins = beginsAsObj,
           .contents = contentsOfMesh<importObj>,
           .read = readMesh<importObj>,
           .write = writeObj,
@@ -117,6 +173,7 @@ CloudFormat objFormat() {
 CloudFormat stlFormat() {
   return {.name = "STL",
           .endings = kStl,
+          .begins = beginsAsStl,
           .contents = contentsOfMesh<importStl>,
           .read = readMesh<importStl>,
           .write = writeStl,
@@ -127,6 +184,7 @@ CloudFormat stlFormat() {
 CloudFormat offFormat() {
   return {.name = "OFF",
           .endings = kOff,
+          .begins = beginsAsOff,
           .contents = contentsOfMesh<importOff>,
           .read = readMesh<importOff>,
           .write = writeOff,
@@ -136,7 +194,7 @@ CloudFormat offFormat() {
 
 CloudFormat gltfFormat() {
   return {
-      .name = "glTF", .endings = kGltf, .contents = contentsOfMesh<importGltf>, .read = readGltf, .ofTriangles = true};
+      .name = "glTF", .endings = kGltf, .begins = beginsAsGltf, .contents = contentsOfMesh<importGltf>, .read = readGltf, .ofTriangles = true};
 }
 
 }  // namespace palpate

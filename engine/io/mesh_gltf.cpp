@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <optional>
 
+#include "engine/io/color_scale.hpp"
 #include "engine/io/gltf_file.hpp"
 #include "engine/io/mesh_import.hpp"
 
@@ -37,6 +38,7 @@ class GltfReader {
     refuseUnreadable();
     settleAttributes();
     for (const Json& node : roots()) show(node, {}, 0);
+    settleColors();
     if (others_ > 0) mesh_.lost.push_back(fmt::format("{} points and lines", others_));
     if (const std::size_t count = list("animations").size(); count > 0)
       mesh_.lost.push_back(fmt::format("{} animations", count));
@@ -59,9 +61,13 @@ class GltfReader {
 
   void refuseUnreadable() const {
     for (const Json& extension : list("extensionsRequired"))
-      for (const char* packed : {"KHR_draco_mesh_compression", "EXT_meshopt_compression"})
-        if (extension == packed)
-          file_.fail(fmt::format("is compressed ({}), which is not read; write it without", packed));
+      for (const char* packed : kPacked)
+        if (extension == packed) refusePacked(packed);
+  }
+  [[noreturn]] void refusePacked(std::string_view extension) const {
+    const bool draco = extension.find("draco") != extension.npos;
+    file_.fail(fmt::format("is compressed {}({}), which is not read; export it without compression, or as PLY or OBJ",
+                           draco ? "with Draco " : "", extension));
   }
 
   /// The nodes that a scene begins with; without a scene those that are nobody's children.
@@ -83,17 +89,26 @@ class GltfReader {
     return roots;
   }
 
-  /// Normals and colours are taken where all triangles have them.
+  /// Normals are taken where all triangles have them, colours where any have. Without a triangle points are what counts.
   void settleAttributes() {
-    for (const Json& mesh : list("meshes")) {
-      if (!mesh.is_object()) file_.fail("\"meshes\" has something that is no object");
-      for (const Json& primitive : listOf(mesh, "primitives")) {
-        const Json attributes = attributesOf(primitive);
-        if (!hasTriangles(primitive)) continue;
-        normals_ = normals_ && attributes.contains("NORMAL");
-        colors_ = colors_ && attributes.contains("COLOR_0");
+    const auto eachPrimitive = [&](auto&& visit) {
+      for (const Json& mesh : list("meshes")) {
+        if (!mesh.is_object()) file_.fail("\"meshes\" has something that is no object");
+        for (const Json& primitive : listOf(mesh, "primitives")) visit(primitive, attributesOf(primitive));
       }
-    }
+    };
+    eachPrimitive([&](const Json& primitive, const Json&) { points_ = points_ && !hasTriangles(primitive); });
+    eachPrimitive([&](const Json& primitive, const Json& attributes) {
+      if (!isTaken(primitive)) return;
+      if (const auto extensions = primitive.find("extensions"); extensions != primitive.end())
+        for (const char* packed : kPacked)
+          if (extensions->is_object() && extensions->contains(packed)) refusePacked(packed);
+      normals_ = normals_ && attributes.contains("NORMAL");
+      colors_ = colors_ || attributes.contains("COLOR_0");
+    });
+  }
+  bool isTaken(const Json& primitive) const {
+    return points_ ? file_.whole(primitive, "mode", kTriangles) == kPoints : hasTriangles(primitive);
   }
   Json attributesOf(const Json& primitive) const {
     if (!primitive.is_object()) file_.fail("\"primitives\" has something that is no object");
@@ -154,7 +169,7 @@ class GltfReader {
     const std::size_t mode = file_.whole(primitive, "mode", kTriangles);
     if (!attributes.contains("POSITION")) file_.fail("a part of a mesh has no \"POSITION\"");
     const GltfNumbers places = file_.numbers(attributes["POSITION"], {3});
-    if (!hasTriangles(primitive)) {
+    if (!isTaken(primitive)) {
       others_ += primitive.contains("indices") ? file_.numbers(primitive["indices"], {1}).count : places.count;
       return;
     }
@@ -163,7 +178,11 @@ class GltfReader {
     if (first + places.count > 0xffffffffu) file_.fail("more than 4,294,967,295 corners");
     for (std::size_t i = 0; i < places.count; ++i) soup.corners.push_back(here.turn * threeOf(places, i) + here.shift);
     if (normals_) addNormals(numbersLike(places, attributes["NORMAL"], {3}), here.ofNormals());
-    if (colors_) addColors(numbersLike(places, attributes["COLOR_0"], {3, 4}));
+    if (colors_ && attributes.contains("COLOR_0"))
+      addColors(numbersLike(places, attributes["COLOR_0"], {3, 4}));
+    else if (colors_)
+      raw_.resize(soup.corners.size());
+    if (points_) return;
     if (primitive.contains("indices")) {
       const GltfNumbers indices = file_.numbers(primitive["indices"], {1});
       if (indices.kind != 5121 && indices.kind != 5123 && indices.kind != 5125)
@@ -189,13 +208,14 @@ class GltfReader {
     for (std::size_t i = 0; i < normals.count; ++i) mesh_.soup.normals.emplace_back(turn * threeOf(normals, i));
   }
   void addColors(const GltfNumbers& colors) {
-    for (std::size_t i = 0; i < colors.count; ++i) {
-      const DVec3 color = threeOf(colors, i);
-      const auto byte = [](double share) {
-        return static_cast<std::uint8_t>(share >= 0 ? std::lround(255 * std::fmin(share, 1.0)) : 0);
-      };
-      mesh_.soup.colors.push_back({byte(color.x), byte(color.y), byte(color.z), 255});
-    }
+    const double full = colors.normalized || colors.kind == kFloat ? 1 : colors.kind == kByte ? 255 : 65535;
+    for (std::size_t i = 0; i < colors.count; ++i) raw_.emplace_back(threeOf(colors, i) / full);
+  }
+  /// What has none where others have is white.
+  void settleColors() {
+    if (!colors_) return;
+    const std::size_t missing = cornerColors(raw_, false, mesh_.soup.colors);
+    if (missing > 0) mesh_.lost.push_back(fmt::format("{} corners have no colour, and are white", missing));
   }
 
   /// `corner`: of the `count` that follow one another, by their numbers from `first` on, of which there are `there`.
@@ -214,12 +234,15 @@ class GltfReader {
     }
   }
 
-  static constexpr std::size_t kTriangles = 4, kStrip = 5, kFan = 6;  // as glTF numbers them
+  static constexpr std::size_t kPoints = 0, kTriangles = 4, kStrip = 5, kFan = 6;  // as glTF numbers them
+  static constexpr unsigned kByte = 5121, kFloat = 5126;
+  static constexpr std::array<const char*, 2> kPacked{"KHR_draco_mesh_compression", "EXT_meshopt_compression"};
 
   GltfFile file_;
   ImportedMesh mesh_;
   std::vector<bool> shown_;
-  bool normals_ = true, colors_ = true;
+  bool points_ = true, normals_ = true, colors_ = false;
+  std::vector<std::optional<DVec3>> raw_;  // colours of corners
   std::size_t others_ = 0;
 };
 

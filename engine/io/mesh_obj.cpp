@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <optional>
 #include <span>
 #include <unordered_map>
 
+#include "engine/io/color_scale.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_lines.hpp"
 #include "engine/io/polygon.hpp"
@@ -11,10 +12,6 @@
 namespace palpate {
 
 namespace {
-
-std::uint8_t byteOf(double share) {
-  return static_cast<std::uint8_t>(share >= 0 ? std::lround(255 * std::fmin(share, 1.0)) : 0);
-}
 
 class ObjReader {
  public:
@@ -57,11 +54,9 @@ class ObjReader {
     const std::size_t count = lines_.words().size();
     places_.push_back(lines_.three(1, "a coordinate"));
     if (places_.size() > 0xffffffffu) lines_.fail("more than 4,294,967,295 corners");
-    if (count < 7) return;  // a weight at most, or else colours from 0 to 1, in some programs with an opacity
-    const DVec3 color = lines_.three(4, "a colour");
-    colors_.resize(places_.size(), {255, 255, 255, 255});
-    colors_.back() = {byteOf(color.x), byteOf(color.y), byteOf(color.z), 255};
-    ++colored_;
+    if (count < 7) return;  // a weight at most, or else colours, in some programs with an opacity
+    colors_.resize(places_.size() - 1);
+    colors_.emplace_back(lines_.three(4, "a colour"));
   }
 
   /// Which of `count` a reference means: from 1 on, or back from the last one.
@@ -103,11 +98,14 @@ class ObjReader {
 
   ImportedMesh finish() {
     TriangleSoup& soup = mesh_.soup;
-    if (colored_ < places_.size()) colors_.clear();
-    if (facing_ && !cornerNormals_.empty())
+    const std::size_t uncolored = settleColors();
+    if (uncolored > 0) mesh_.lost.push_back(fmt::format("{} corners have no colour, and are white", uncolored));
+    if (facing_ && !cornerNormals_.empty()) {
       pairUp();
-    else
-      soup.corners = std::move(places_), soup.colors = std::move(colors_);
+    } else {
+      if (soup.triangles.empty() && normals_.size() == places_.size()) soup.normals = std::move(normals_);
+      soup.corners = std::move(places_), soup.colors = std::move(bytes_);
+    }
     if (others_ > 0) mesh_.lost.push_back(fmt::format("{} points and lines", others_));
     if (freeForms_ > 0) mesh_.lost.push_back(fmt::format("{} free-form curves and surfaces", freeForms_));
     if (unknown_ > 0) mesh_.lost.push_back(fmt::format("{} statements that OBJ does not have", unknown_));
@@ -115,6 +113,13 @@ class ObjReader {
       mesh_.lost.push_back(
           fmt::format("what {} polygons of more than {} corners have of dents", large_, kLargestConcavePolygon));
     return std::move(mesh_);
+  }
+
+  /// How many corners have none where others have.
+  std::size_t settleColors() {
+    if (colors_.empty()) return 0;
+    colors_.resize(places_.size());
+    return cornerColors(colors_, false, bytes_);
   }
 
   /// A corner for each place and normal that stand together.
@@ -132,7 +137,7 @@ class ObjReader {
         if (soup.corners.size() == 0xffffffffu) lines_.fail("more than 4,294,967,295 corners");
         soup.corners.push_back(places_[place]);
         soup.normals.emplace_back(normals_[normal]);
-        if (!colors_.empty()) soup.colors.push_back(colors_[place]);
+        if (!bytes_.empty()) soup.colors.push_back(bytes_[place]);
       }
   }
 
@@ -140,13 +145,14 @@ class ObjReader {
   ImportedMesh mesh_;
   std::vector<DVec3> places_;
   std::vector<Vec3> normals_;
-  std::vector<std::array<std::uint8_t, 4>> colors_;  // of places
+  std::vector<std::optional<DVec3>> colors_;        // of places, up to the last one that has one
+  std::vector<std::array<std::uint8_t, 4>> bytes_;  // the same once all are known
   std::vector<std::uint32_t> polygon_, normalsOf_;   // of the face at hand
   std::vector<DVec3> around_;
   std::vector<std::array<std::uint32_t, 3>> local_;
   std::vector<std::uint32_t> cornerNormals_;  // three of each triangle, while all have one
   bool facing_ = true;
-  std::size_t colored_ = 0, others_ = 0, freeForms_ = 0, unknown_ = 0, large_ = 0;
+  std::size_t others_ = 0, freeForms_ = 0, unknown_ = 0, large_ = 0;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <array>
-#include <cmath>
+#include <optional>
 
+#include "engine/io/color_scale.hpp"
 #include "engine/io/mesh_import.hpp"
 #include "engine/io/mesh_lines.hpp"
 #include "engine/io/polygon.hpp"
@@ -24,7 +25,7 @@ class OffReader {
       face();
     }
     if (lines_.next()) lines_.fail(fmt::format("something follows the last of {} faces", faces_));
-    if (colored_ < vertices_) mesh_.soup.colors.clear();
+    settleColors();
     if (others_ > 0) mesh_.lost.push_back(fmt::format("{} points and lines", others_));
     if (colors_ > 0) mesh_.lost.push_back(fmt::format("the colours of {} faces", colors_));
     if (large_ > 0)
@@ -39,27 +40,35 @@ class OffReader {
   }
   std::uint64_t count(std::size_t k, std::string_view what) const {
     if (k >= lines_.words().size()) lines_.fail(fmt::format("the line ends where {} should be", what));
-    const auto value = textNumber<std::uint64_t>(lines_.words()[k]);
-    if (!value || *value > 0xffffffffu)
-      lines_.fail(fmt::format("found {}, expected {}", inQuotes(lines_.words()[k]), what));
+    return countIn(lines_.words()[k], what);
+  }
+  std::uint64_t countIn(std::string_view word, std::string_view what) const {
+    const auto value = textNumber<std::uint64_t>(word);
+    if (!value || *value > 0xffffffffu) lines_.fail(fmt::format("found {}, expected {}", inQuotes(word), what));
     return *value;
   }
 
-  // The word is followed by the counts, on its line or on the next one; some files have no word.
+  /// The word is followed by the counts: behind it, on its line or on the next one; some files have no word.
   void header() {
     needLine("nothing");
     std::string_view word = lines_.words().front();
     std::size_t at = 0;
     if (!textNumber<double>(word)) {
-      if (!word.ends_with("OFF")) lines_.fail(fmt::format("found {}, expected OFF", inQuotes(word)));
-      word.remove_suffix(3);
-      for (const char letter : word) {
+      const std::size_t name = std::min(upperCase(word).find("OFF"), word.size());
+      if (name == word.size()) lines_.fail(fmt::format("found {}, expected OFF", inQuotes(word)));
+      for (const char letter : upperCase(word.substr(0, name))) {
         if (letter != 'C' && letter != 'N')
-          lines_.fail(fmt::format("OFF with {} before it is not read, but with C and N", inQuotes(word)));
+          lines_.fail(fmt::format("OFF with {} before it is not read, but with C and N",
+                                  inQuotes(word.substr(0, name))));
         (letter == 'C' ? hasColors_ : hasNormals_) = true;
       }
       if (lines_.words().size() > 1 && lines_.words()[1] == "BINARY")
         lines_.fail("binary OFF is not read; it is as text that programs exchange it");
+      if (const std::string_view glued = word.substr(name + 3); !glued.empty()) {
+        vertices_ = countIn(glued, "how many corners there are");
+        faces_ = count(1, "how many faces there are");
+        return;
+      }
       at = 1;
       if (lines_.words().size() == 1) {
         needLine("its first word");
@@ -70,27 +79,31 @@ class OffReader {
     faces_ = count(at + 1, "how many faces there are");
   }
 
+  static std::string upperCase(std::string_view word) {
+    std::string upper(word);
+    for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    return upper;
+  }
+
   void vertex() {
     TriangleSoup& soup = mesh_.soup;
     soup.corners.push_back(lines_.three(0, "a coordinate"));
     if (hasNormals_) soup.normals.emplace_back(lines_.three(3, "a normal"));
     const std::size_t at = hasNormals_ ? 6 : 3, more = lines_.words().size() - at;
-    if (more == 0 && !hasColors_) return;
     if (more < 3 && hasColors_) lines_.fail("the line ends where a colour should be");
     if (more < 3 || more > 4) return;
-    const DVec3 color = lines_.three(at, "a colour");
-    // Whole numbers go up to 255, others up to 1.
-    bool whole = true;
+    cornerColors_.resize(soup.corners.size() - 1);
+    cornerColors_.emplace_back(lines_.three(at, "a colour"));
     for (std::size_t k = at; k < at + 3; ++k)
-      whole = whole && lines_.words()[k].find_first_of(".eE") == std::string_view::npos;
-    std::array<std::uint8_t, 4> bytes{0, 0, 0, 255};
-    for (int k = 0; k < 3; ++k) {
-      const double value = whole ? color[k] : 255 * color[k];
-      bytes[static_cast<std::size_t>(k)] =
-          static_cast<std::uint8_t>(value >= 0 ? std::lround(std::fmin(value, 255.0)) : 0);
-    }
-    soup.colors.push_back(bytes);
-    ++colored_;
+      whole_ = whole_ && lines_.words()[k].find_first_of(".eE") == std::string_view::npos;
+  }
+
+  /// Whole numbers go up to 255, others up to 1 or more, as all of them together tell.
+  void settleColors() {
+    if (cornerColors_.empty()) return;
+    cornerColors_.resize(mesh_.soup.corners.size());
+    const std::size_t missing = cornerColors(cornerColors_, whole_, mesh_.soup.colors);
+    if (missing > 0) mesh_.lost.push_back(fmt::format("{} corners have no colour, and are white", missing));
   }
 
   void face() {
@@ -113,11 +126,13 @@ class OffReader {
 
   MeshLines lines_;
   ImportedMesh mesh_;
+  std::vector<std::optional<DVec3>> cornerColors_;  // up to the last corner that has one
+  bool whole_ = true;                               // all numbers of colours are
   std::vector<std::uint32_t> polygon_;
   std::vector<DVec3> around_;
   std::vector<std::array<std::uint32_t, 3>> local_;
   bool hasNormals_ = false, hasColors_ = false;
-  std::uint64_t vertices_ = 0, faces_ = 0, colored_ = 0;
+  std::uint64_t vertices_ = 0, faces_ = 0;
   std::size_t others_ = 0, colors_ = 0, large_ = 0;
 };
 

@@ -50,9 +50,12 @@ ImportedMesh importBinary(ChunkedFile& file) {
     addCorners(file.path(), mesh.soup, corners);
     file.consume(kTriangle);
   }
-  if (!file.peek(1).empty())
-    throw FileError::atByte(file.path(), file.offset(),
-                            fmt::format("something follows the last of {} triangles", count));
+  std::uint64_t rest = 0;
+  for (auto piece = file.peek(1); !piece.empty(); piece = file.peek(1)) {
+    rest += piece.size();
+    file.consume(piece.size());
+  }
+  if (rest > 0) mesh.lost.push_back(fmt::format("{} bytes behind the last of {} triangles", rest, count));
   if (marked > 0) mesh.lost.push_back(fmt::format("colours or marks of {} triangles", marked));
   return mesh;
 }
@@ -98,16 +101,24 @@ class StlText {
   bool open_ = false;
 };
 
-/// Text begins with a word with which some binary files begin as well: those have as many bytes as they say.
+/// Text begins with a word with which some binary files begin as well: those have as many bytes as they say, or bytes
+/// that no text has.
 bool isText(ChunkedFile& file) {
-  const auto head = file.peek(kHead);
+  constexpr std::size_t kLookedAt = 1024;
+  file.passTextMark();
+  const auto all = file.peek(kLookedAt);
+  const auto head = all.first(std::min(all.size(), kLookedAt));
   std::string begin(reinterpret_cast<const char*>(head.data()), std::min<std::size_t>(head.size(), kHead));
   begin.erase(0, std::min(begin.find_first_not_of(" \t\r\n"), begin.size()));
   for (char& c : begin) c = static_cast<char>(c | 0x20);
   if (!begin.starts_with("solid")) return false;
   if (head.size() < kHead) return true;
   const std::uint64_t said = kHead + std::uint64_t{kTriangle} * littleEndian<std::uint32_t>(head.data() + kHead - 4);
-  return file.remaining() != said;
+  if (file.remaining() == said) return false;
+  return std::ranges::none_of(head, [](std::byte byte) {
+    const auto c = std::to_integer<unsigned>(byte);
+    return c < ' ' && !(c >= '\t' && c <= '\r');
+  });
 }
 
 }  // namespace

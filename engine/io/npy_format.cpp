@@ -35,9 +35,6 @@ std::vector<std::byte> readWhole(const std::filesystem::path& path, Log* log) {
 struct Source {
   NpyColumn column;
   std::span<const std::byte> data;
-  bool asByte = false;  ///< real numbers that are whole ones from 0 to 255
-
-  ScalarType type() const { return asByte ? ScalarType::u8 : column.type; }
 };
 
 /// Columns of as many rows each, under the names that a cloud's attributes have.
@@ -79,7 +76,7 @@ class NpyTable {
     return isOneOf(name, {"points", "xyz", "positions", "position", "pos", "vertices", "coords"});
   }
 
-  /// Columns of a name that one before has are lost; real colours are found to be of 0 to 1 or of 0 to 255.
+  /// Columns of a name that one before has are lost.
   void settle() {
     for (std::size_t k = 0; k < sources_.size();) {
       std::string& name = sources_[k].column.name;
@@ -95,26 +92,17 @@ class NpyTable {
         ++k;
       }
     }
-    for (Source& source : sources_) {
-      const bool color = isOneOf(source.column.name, {"red", "green", "blue", "alpha", "r", "g", "b", "a"});
-      if (color && isFloating(source.column.type)) source.asByte = !allOf(source, isShare) && allOf(source, isByte);
-    }
-    const auto bytes = std::ranges::count_if(sources_, [](const Source& s) { return s.asByte; });
-    if (bytes > 0)  // all of them, as 0 and 1 are both
-      for (Source& source : sources_)
-        if (isOneOf(source.column.name, {"red", "green", "blue", "alpha", "r", "g", "b", "a"}) &&
-            isFloating(source.column.type))
-          source.asByte = true;
   }
 
   PlyElement element() const {
     PlyElement element{.name = "vertex", .count = rows_, .properties = {}, .line = 1};
     for (const Source& source : sources_)
-      element.properties.push_back({.name = source.column.name, .type = source.type()});
+      element.properties.push_back({.name = source.column.name, .type = source.column.type});
     return element;
   }
 
-  PointCloud cloud(Log* log) const {
+  /// Names what of the rows is lost, too.
+  PointCloud cloud(Log* log) {
     PlyVertices vertices(path_, element(), log);
     vertices.reserve(rows_);
     std::vector<std::byte> packed(kPointBatch * vertices.rowBytes());
@@ -123,46 +111,37 @@ class NpyTable {
       std::byte* to = packed.data();
       for (std::size_t r = 0; r < count; ++r)
         for (const Source& source : sources_) {
-          if (source.asByte)
-            *to = static_cast<std::byte>(npyValue(source.column, source.data, begin + r));
-          else
-            loadNpy(source.column, source.data, begin + r, to);
-          to += sizeOf(source.type());
+          loadNpy(source.column, source.data, begin + r, to);
+          to += sizeOf(source.column.type);
         }
       if (const auto bad = vertices.append(packed.data(), count, false))
         throw FileError(path_, fmt::format("row {}: {}", begin + bad->row, bad->what));
     }
-    return vertices.finish(log);
+    PointCloud cloud = vertices.finish(log);
+    for (std::string& what : vertices.lost()) lost_.push_back(std::move(what));
+    return cloud;
   }
 
  private:
   static bool isOneOf(std::string_view name, std::initializer_list<const char*> names) {
     return std::ranges::find(names, name) != names.end();
   }
-  static bool isShare(double value) { return value >= 0 && value <= 1; }
-  static bool isByte(double value) { return value >= 0 && value <= 255 && value == std::trunc(value); }
-
-  bool allOf(const Source& source, bool (*is)(double)) const {
-    for (std::uint64_t r = 0; r < rows_; ++r)
-      if (!is(npyValue(source.column, source.data, r))) return false;
-    return true;
-  }
-
-  /// To a hundredth, as programs round; those that are zero are none.
+  /// To a hundredth, as programs round; those that are zero, or no numbers, are none.
   bool areNormals(std::span<const Source> three) const {
     for (std::uint64_t r = 0; r < rows_; ++r) {
       double squared = 0;
       for (const Source& source : three) squared += std::pow(npyValue(source.column, source.data, r), 2);
-      if (squared != 0 && !(std::abs(std::sqrt(squared) - 1) < 0.01)) return false;
+      if (squared != 0 && std::isfinite(squared) && !(std::abs(std::sqrt(squared) - 1) < 0.01)) return false;
     }
     return true;
   }
 
   bool areColors(std::span<const Source> three) const {
-    const auto all = [&](bool (*is)(double)) {
-      return std::ranges::all_of(three, [&](const Source& source) { return allOf(source, is); });
-    };
-    return all(isShare) || all(isByte);
+    constexpr double kMostColor = 65535;
+    for (const Source& source : three)
+      for (std::uint64_t r = 0; r < rows_; ++r)
+        if (const double value = npyValue(source.column, source.data, r); value < 0 || value > kMostColor) return false;
+    return true;
   }
 
   void nameColumns(std::span<Source> columns, const NpyArray& array) const {
@@ -239,7 +218,8 @@ FileContents contentsIn(const NpyFile& file) {
 
 StoredCloud cloudIn(NpyFile file, const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", path.filename().string());
-  StoredCloud stored{.cloud = file.table.cloud(log), .triangles = {}, .lost = std::move(file.table.lost())};
+  StoredCloud stored{.cloud = file.table.cloud(log)};
+  stored.lost = std::move(file.table.lost());
   for (const Source& source : file.table.sources())
     if (source.column.wide)
       stored.lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53, if there are any", source.column.name));
@@ -252,6 +232,7 @@ CloudFormat npyFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".npy"};
   return {.name = "NPY",
           .endings = kEndings,
+          .begins = [](const FileStart& start) { return start.startsWith("\x93NUMPY"); },
           .contents = [](const std::filesystem::path& path) { return contentsIn(openNpy(path, nullptr)); },
           .read = [](const std::filesystem::path& path, Log* log,
                      const CloudReadOptions& options) { return cloudIn(openNpy(path, log), path, log, options); },
@@ -263,6 +244,10 @@ CloudFormat npzFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".npz"};
   return {.name = "NPZ",
           .endings = kEndings,
+          .begins =
+              [](const FileStart& start) {
+                return start.startsWith("PK\3\4") && start.bytes.find(".npy") != std::string::npos;
+              },
           .contents = [](const std::filesystem::path& path) { return contentsIn(openNpz(path, nullptr)); },
           .read = [](const std::filesystem::path& path, Log* log,
                      const CloudReadOptions& options) { return cloudIn(openNpz(path, log), path, log, options); },

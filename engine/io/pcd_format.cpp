@@ -170,7 +170,7 @@ StoredCloud readPcd(const std::filesystem::path& path, Log* log, const CloudRead
   stored.cloud.storedAs.comments = header.comments;
   if (!header.viewpoint.empty() && header.viewpoint != kNoViewpoint)
     stored.cloud.storedAs.comments.push_back(std::string(kViewpoint) + header.viewpoint);
-  if (rows.pointless() > 0) stored.lost.push_back(fmt::format("{} places without a point", rows.pointless()));
+  stored.lost = rows.lost();
   if (header.height > 1) stored.lost.push_back(fmt::format("the grid of {} x {}", header.width, header.height));
   for (const PcdField& field : header.fields)
     if (field.bytes == 8 && field.type != 'F')
@@ -253,6 +253,10 @@ CloudFormat pcdFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".pcd"};
   return {.name = "PCD",
           .endings = kEndings,
+          .begins =
+              [](const FileStart& start) {
+                return start.startsWith("# .PCD") || (start.startsWith("VERSION") && start.bytes.find("\nFIELDS") != std::string::npos);
+              },
           .contents = contentsOfPcd,
           .read = readPcd,
           .write = writePcd,

@@ -2,17 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 namespace palpate {
 
 namespace {
-
-std::string sharedFieldName(const std::string& name) {
-  for (const char axis : {'x', 'y', 'z'})
-    if (name == fmt::format("normal_{}", axis)) return fmt::format("n{}", axis);
-  return name;
-}
 
 bool isPacked(const PcdField& field) {
   return (field.name == "rgb" || field.name == "rgba") && field.bytes == 4 && field.count == 1;
@@ -29,8 +21,7 @@ std::vector<PcdRows::Column> PcdRows::columnsOf(const PcdHeader& header, PlyElem
   std::vector<Column> columns;
   std::size_t at = 0;
   const auto add = [&](const std::string& name, ScalarType type, From from, std::size_t where) {
-    const bool place = name == "x" || name == "y" || name == "z", normal = name == "nx" || name == "ny" || name == "nz";
-    columns.push_back({where, type, from, place, normal && isFloating(type)});
+    columns.push_back({where, type, from});
     if (element) element->properties.push_back({.name = name, .type = type});
   };
   for (const PcdField& field : header.fields) {
@@ -44,7 +35,6 @@ std::vector<PcdRows::Column> PcdRows::columnsOf(const PcdHeader& header, PlyElem
       continue;
     }
     for (std::size_t k = 0; k < field.count; ++k) {
-      const std::string name = sharedFieldName(field.name);
       const bool wide = field.bytes == 8 && field.type != 'F';
       ScalarType type = ScalarType::f64;
       if (!wide) {
@@ -55,7 +45,7 @@ std::vector<PcdRows::Column> PcdRows::columnsOf(const PcdHeader& header, PlyElem
                                              8 * field.bytes);
         type = *scalarTypeFromPly(bits);
       }
-      add(field.count == 1 ? name : fmt::format("{}_{}", name, k), type,
+      add(field.count == 1 ? field.name : fmt::format("{}_{}", field.name, k), type,
           !wide               ? From::number
           : field.type == 'I' ? From::wideSigned
                               : From::wide,
@@ -74,18 +64,6 @@ PlyElement PcdRows::elementOf(const PcdHeader& header) {
 PcdRows::PcdRows(const std::filesystem::path& file, const PcdHeader& header, Log* log)
     : columns_(columnsOf(header, nullptr)), rowBytes_(header.rowBytes()), vertices_(file, elementOf(header), log) {}
 
-bool PcdRows::isPoint(const std::byte* row) const {
-  for (const Column& column : columns_) {
-    if (!column.place) continue;
-    const double value = column.type == ScalarType::f32 ? numberAt<float>(row + column.at)
-                         : column.type == ScalarType::f64 && column.from == From::number
-                             ? numberAt<double>(row + column.at)
-                             : 0;
-    if (!std::isnan(value)) return true;
-  }
-  return false;
-}
-
 void PcdRows::appendRow(const std::byte* row) {
   const auto put = [&](auto value) {
     const auto* bytes = reinterpret_cast<const std::byte*>(&value);
@@ -98,28 +76,15 @@ void PcdRows::appendRow(const std::byte* row) {
     } else if (column.from == From::wideSigned) {
       put(numberAt<std::int64_t>(at));
     } else {
-      visitScalar(column.type, [&]<class T>(std::type_identity<T>) {
-        const T value = loadScalar<T>(at);
-        // A normal that could not be estimated is none.
-        put(column.normal && value != value ? T{0} : value);
-      });
+      visitScalar(column.type, [&]<class T>(std::type_identity<T>) { put(loadScalar<T>(at)); });
     }
   }
 }
 
 std::optional<PcdRows::Bad> PcdRows::append(const std::byte* rows, std::size_t count) {
   packed_.clear();
-  taken_.clear();
-  for (std::size_t r = 0; r < count; ++r) {
-    const std::byte* row = rows + r * rowBytes_;
-    if (!isPoint(row)) {
-      ++pointless_;
-      continue;
-    }
-    appendRow(row);
-    taken_.push_back(r);
-  }
-  if (const auto bad = vertices_.append(packed_.data(), taken_.size(), false)) return Bad{taken_[bad->row], bad->what};
+  for (std::size_t r = 0; r < count; ++r) appendRow(rows + r * rowBytes_);
+  if (const auto bad = vertices_.append(packed_.data(), count, false)) return Bad{bad->row, bad->what};
   return std::nullopt;
 }
 

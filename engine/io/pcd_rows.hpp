@@ -20,10 +20,10 @@ class PcdRows {
     std::size_t row;
     std::string what;
   };
-  /// Takes rows as the file has them. Those that are no point, as x, y and z are not numbers, are left out and counted.
+  /// Takes rows as the file has them.
   std::optional<Bad> append(const std::byte* rows, std::size_t count);
   PointCloud finish(Log* log) { return vertices_.finish(log); }
-  std::uint64_t pointless() const { return pointless_; }
+  std::vector<std::string> lost() const { return vertices_.lost(); }
 
   /// What the rows become.
   static PlyElement elementOf(const PcdHeader& header);
@@ -34,18 +34,14 @@ class PcdRows {
     std::size_t at;
     ScalarType type;
     From from;
-    bool place, normal;
   };
   static std::vector<Column> columnsOf(const PcdHeader& header, PlyElement* element);
   void appendRow(const std::byte* row);
-  bool isPoint(const std::byte* row) const;
 
   std::vector<Column> columns_;
   std::size_t rowBytes_;
   PlyVertices vertices_;
   std::vector<std::byte> packed_;
-  std::vector<std::size_t> taken_;  // the row that each packed one was
-  std::uint64_t pointless_ = 0;
 };
 
 }  // namespace palpate

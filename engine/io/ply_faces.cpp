@@ -1,7 +1,10 @@
 #include "engine/io/ply_faces.hpp"
 
+#include <algorithm>
+
 #include "engine/cloud/normals.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/polygon.hpp"
 
 namespace palpate {
 
@@ -20,6 +23,7 @@ std::optional<std::string> PlyFaces::add(std::span<const std::int64_t> indices, 
     if (index < 0 || static_cast<std::uint64_t>(index) >= vertexCount_)
       return fmt::format("a face names vertex {}, but there are only {}", index, vertexCount_);
   }
+  if (!isStrip && indices.size() > 3) polygons_.push_back({triangles_.size(), indices.size() - 2});
   std::size_t start = 0;  // of the polygon or of the current strip
   for (std::size_t k = 0; k < indices.size(); ++k) {
     if (isStrip && indices[k] == -1) {
@@ -33,6 +37,38 @@ std::optional<std::string> PlyFaces::add(std::span<const std::int64_t> indices, 
     }
   }
   return std::nullopt;
+}
+
+void PlyFaces::cutPolygons(const PointCloud& cloud, std::span<const std::uint64_t> leftOut) {
+  std::vector<std::uint64_t> corners;
+  std::vector<DVec3> around;
+  std::vector<std::array<std::uint32_t, 3>> cut;
+  for (const Polygon& polygon : polygons_) {
+    corners = {triangles_[polygon.first][0], triangles_[polygon.first][1]};
+    for (std::size_t k = 0; k < polygon.triangles; ++k) corners.push_back(triangles_[polygon.first + k][2]);
+    around.clear();
+    for (const std::uint64_t row : corners) {
+      const auto before = std::ranges::lower_bound(leftOut, row);
+      if (before != leftOut.end() && *before == row) break;
+      around.push_back(cloud.fileCoordinates(row - static_cast<std::uint64_t>(before - leftOut.begin())));
+    }
+    if (around.size() < corners.size()) continue;
+    cut.clear();
+    addPolygon(around, cut);
+    for (std::size_t k = 0; k < cut.size(); ++k)
+      triangles_[polygon.first + k] = {corners[cut[k][0]], corners[cut[k][1]], corners[cut[k][2]]};
+  }
+}
+
+std::size_t PlyFaces::leaveOut(std::span<const std::uint64_t> rows) {
+  if (rows.empty()) return 0;
+  const auto gone = std::erase_if(triangles_, [&](const std::array<std::uint64_t, 3>& triangle) {
+    return std::ranges::any_of(triangle, [&](std::uint64_t row) { return std::ranges::binary_search(rows, row); });
+  });
+  for (auto& triangle : triangles_)
+    for (std::uint64_t& row : triangle)
+      row -= static_cast<std::uint64_t>(std::ranges::lower_bound(rows, row) - rows.begin());
+  return gone;
 }
 
 void PlyFaces::applyTo(PointCloud& cloud, const std::filesystem::path& file, Log* log) const {

@@ -24,11 +24,12 @@ void nameLostOf(const PlyElement& element, std::vector<std::string>& lost) {
 std::vector<std::string> lostByReading(const PlyInfo& info, const StoredCloud& stored) {
   std::vector<std::string> lost;
   std::uint64_t faces = 0;
+  const std::size_t known = stored.lost.size();
   for (const PlyElement& element : info.elements) {
     nameLostOf(element, lost);
     if (PlyFaces::indexList(element)) faces += element.count;
   }
-  if (faces != stored.triangles.size())
+  if (faces != stored.triangles.size() && known == 0)
     lost.push_back(fmt::format("the outlines of {} faces, which become {} triangles", faces, stored.triangles.size()));
   const StoredAs& as = stored.cloud.storedAs;
   if (stored.cloud.hasColors() && as.color != ScalarType::u8) lost.emplace_back("colours finer than 8 bits a channel");
@@ -49,12 +50,18 @@ FileContents contentsOfPly(const std::filesystem::path& file) {
 }
 
 StoredCloud readPlyFile(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
-  if (options.pointsOnly) return {.cloud = readPly(file, log, {.normalsFromFaces = options.normalsFromFaces})};
   StoredCloud stored;
   PlyInfo info;
-  stored.cloud =
-      readPly(file, log, {.normalsFromFaces = options.normalsFromFaces, .triangles = &stored.triangles, .info = &info});
-  stored.lost = lostByReading(info, stored);
+  PlyReadOptions how{.normalsFromFaces = options.normalsFromFaces,
+                     .lost = &stored.lost,
+                     .leftOutRows = &stored.leftOutRows};
+  if (!options.pointsOnly) {
+    how.triangles = &stored.triangles;
+    how.info = &info;
+  }
+  stored.cloud = readPly(file, log, how);
+  if (options.pointsOnly) return stored;
+  for (std::string& what : lostByReading(info, stored)) stored.lost.push_back(std::move(what));
   return stored;
 }
 
@@ -71,6 +78,7 @@ CloudFormat plyFormat() {
   static constexpr std::array<std::string_view, 1> kEndings{".ply"};
   return {.name = "PLY",
           .endings = kEndings,
+          .begins = [](const FileStart& start) { return start.startsWith("ply\n") || start.startsWith("ply\r"); },
           .contents = contentsOfPly,
           .read = readPlyFile,
           .write = writePly,

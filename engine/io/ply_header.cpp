@@ -123,6 +123,7 @@ class HeaderParser {
 };
 
 void checkMagic(ChunkedFile& file) {
+  file.passTextMark();
   const auto start = file.peek(64);
   const std::string_view text(reinterpret_cast<const char*>(start.data()), std::min<std::size_t>(start.size(), 64));
   if (text.empty()) throw FileError::atLine(file.path(), 1, "the file is empty; expected a PLY file");
@@ -132,7 +133,7 @@ void checkMagic(ChunkedFile& file) {
   const std::string_view firstLine = text.substr(0, text.find_first_of("\r\n"));
   if (firstLine.substr(0, firstLine.find_last_not_of(kBlank) + 1) != "ply") {
     throw FileError::atLine(file.path(), 1,
-                            fmt::format("not a PLY file: it begins with {}, expected 'ply'", inQuotes(firstLine)));
+                            fmt::format("its first line is {}; that of a PLY file is 'ply'", inQuotes(firstLine)));
   }
 }
 

@@ -44,6 +44,13 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
 
   PointCloud cloud = vertices.finish(log);
   cloud.storedAs.comments = info.comments;
+  if (faces) faces->cutPolygons(cloud, vertices.leftOut());
+  const std::size_t gone = faces ? faces->leaveOut(vertices.leftOut()) : 0;
+  if (options.leftOutRows) *options.leftOutRows = vertices.leftOut();
+  if (options.lost) {
+    *options.lost = vertices.lost();
+    if (gone > 0) options.lost->push_back(fmt::format("{} triangles of points that are left out", gone));
+  }
   if (options.normalsFromFaces) faces->applyTo(cloud, path, log);
   if (options.triangles)
     for (const auto& [a, b, c] : faces->triangles())

@@ -12,6 +12,8 @@ namespace palpate {
 struct PlyReadOptions {
   bool normalsFromFaces = false;  ///< area-weighted from the face element, in place of any that the file gives
   std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;  ///< where to put those of the faces, if anywhere
+  std::vector<std::string>* lost = nullptr;           ///< where to put in words what rows are lost, if anywhere
+  std::vector<std::uint64_t>* leftOutRows = nullptr;  ///< where to put the numbers of those that are no points
   PlyInfo* info = nullptr;  ///< where to put the header, if anywhere; who takes it says itself which elements are lost
 };
 

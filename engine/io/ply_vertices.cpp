@@ -7,9 +7,13 @@
 
 #include "engine/cloud/normals.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/color_scale.hpp"
+#include "engine/io/column_names.hpp"
 
 namespace palpate {
 namespace {
+
+constexpr double kFarthest = 1e30;  // squares of distances must stay finite in double, offsets in float
 
 static_assert(sizeof(Vec3) == 3 * sizeof(float) && sizeof(DVec3) == 3 * sizeof(double));
 
@@ -18,15 +22,7 @@ bool fitsFloat(ScalarType type) {
   return type != ScalarType::f64 && type != ScalarType::i32 && type != ScalarType::u32;
 }
 
-template <class T>
-std::uint8_t toColor(T value) {
-  if constexpr (std::is_same_v<T, std::uint8_t>) return value;
-  double scaled = static_cast<double>(value);
-  if constexpr (std::is_floating_point_v<T>) scaled *= 255.0;
-  if constexpr (std::is_same_v<T, std::uint16_t>) scaled /= 257.0;
-  // NOLINTNEXTLINE(bugprone-incorrect-roundings): it is not negative
-  return scaled > 0 ? static_cast<std::uint8_t>(std::min(scaled, 255.0) + 0.5) : std::uint8_t{0};  // NaN becomes 0
-}
+bool isFiniteBelow(double value, double most) { return std::abs(value) < most; }
 
 /// Writes one column of `rows` to `to`, `step` values apart.
 template <class T, bool kSwap, class Out, class Convert>
@@ -37,7 +33,8 @@ void scatter(const std::byte* from, std::size_t rowBytes, std::size_t count, Out
 
 }  // namespace
 
-PlyVertices::PlyVertices(const std::filesystem::path& file, const PlyElement& vertex, Log* log) : file_(file) {
+PlyVertices::PlyVertices(const std::filesystem::path& file, const PlyElement& vertex, Log* log, BadRows badRows)
+    : file_(file), badRows_(badRows) {
   for (const PlyProperty& property : vertex.properties) {
     if (property.isList) {
       if (log) log->say("{}: the vertex list property '{}' is not kept", file.filename().string(), property.name);
@@ -65,8 +62,18 @@ PlyVertices::PlyVertices(const std::filesystem::path& file, const PlyElement& ve
   }
 }
 
+/// The column of that name; or else the first one whose name is that in another case, or means it.
 std::vector<PlyVertices::Column>::iterator PlyVertices::named(std::string_view name) {
-  return std::find_if(columns_.begin(), columns_.end(), [&](const Column& c) { return c.name == name; });
+  auto found = std::ranges::find(columns_, name, &Column::name);
+  const auto lower = [](std::string text) {
+    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return text;
+  };
+  if (found == columns_.end())
+    found = std::ranges::find_if(columns_, [&](const Column& c) { return lower(c.name) == name; });
+  if (found == columns_.end())
+    found = std::ranges::find_if(columns_, [&](const Column& c) { return sharedColumnName(c.name) == name; });
+  return found;
 }
 
 /// Gives `role` to the columns of these names if the first three are there; a fourth may be missing.
@@ -82,7 +89,8 @@ bool PlyVertices::assignGroup(Role role, std::initializer_list<std::string_view>
     const ScalarType type = column->type;
     if (role == Role::position && !fitsFloat(type)) wide_ = true;
     if (role == Role::normal && type == ScalarType::f64) stored.normal = type;
-    if (role == Role::color && (isFloating(type) || type == ScalarType::u16)) stored.color = type;
+    if (role == Role::color && type != ScalarType::u8) rawColors_ = true;
+    if (role == Role::color && isFloating(type)) wholeColors_ = false, stored.color = type;
     if (k == 3) stored.alpha = true;
   }
   if (wide_) stored.position = ScalarType::f64;
@@ -95,19 +103,15 @@ void PlyVertices::reserve(std::uint64_t promised) {
   if (wide_) cloud_.exactPositions.reserve(rows);
   if (!wide_) cloud_.positions.reserve(rows);
   if (hasNormals_) cloud_.normals.reserve(rows);
-  if (hasColors_) cloud_.colors.reserve(rows);
+  if (hasColors_ && rawColors_) raw_.reserve(rows);
+  if (hasColors_ && !rawColors_) cloud_.colors.reserve(rows);
   for (Attribute& attribute : cloud_.extra) attribute.data.reserve(rows * sizeOf(attribute.type));
 }
 
 std::optional<PlyVertices::BadRow> PlyVertices::append(const std::byte* rows, std::size_t count, bool swapBytes) {
   if (count == 0) return std::nullopt;  // there is no first row to point at
   const std::size_t base = count_;
-  count_ += count;
-  if (wide_) cloud_.exactPositions.resize(count_);
-  if (!wide_) cloud_.positions.resize(count_);
-  if (hasNormals_) cloud_.normals.resize(count_);
-  if (hasColors_) cloud_.colors.resize(count_, {0, 0, 0, 255});
-  for (Attribute& attribute : cloud_.extra) attribute.data.resize(count_ * sizeOf(attribute.type));
+  resize(count_ + count);
   for (const Column& column : columns_) {
     visitScalar(column.type, [&]<class T>(std::type_identity<T>) {
       if (swapBytes)
@@ -116,8 +120,60 @@ std::optional<PlyVertices::BadRow> PlyVertices::append(const std::byte* rows, st
         appendColumn<T, false>(column, rows, base, count);
     });
   }
-  if (auto bad = checkPositions(base)) return bad;
+  rows_ += count;
+  if (badRows_ == BadRows::leaveOut)
+    leaveOutBadRows(base);
+  else if (auto bad = checkPositions(base))
+    return bad;
   return normalise(base);
+}
+
+void PlyVertices::resize(std::size_t count) {
+  count_ = count;
+  if (wide_) cloud_.exactPositions.resize(count);
+  if (!wide_) cloud_.positions.resize(count);
+  if (hasNormals_) cloud_.normals.resize(count);
+  if (hasColors_ && rawColors_) raw_.resize(count);
+  if (hasColors_ && !rawColors_) cloud_.colors.resize(count, {0, 0, 0, 255});
+  for (Attribute& attribute : cloud_.extra) attribute.data.resize(count * sizeOf(attribute.type));
+}
+
+/// Of the rows from `base` on, which are the last ones of the file so far.
+void PlyVertices::leaveOutBadRows(std::size_t base) {
+  std::size_t kept = base;
+  for (std::size_t i = base; i < count_; ++i) {
+    const DVec3 p = wide_ ? cloud_.exactPositions[i] : DVec3(cloud_.positions[i]);
+    if (!isFiniteBelow(std::abs(p.x) + std::abs(p.y) + std::abs(p.z), kFarthest)) {
+      leftOut_.push_back(rows_ - (count_ - i));
+      continue;
+    }
+    if (kept < i) moveRow(i, kept);
+    ++kept;
+  }
+  if (kept < count_) resize(kept);
+}
+
+void PlyVertices::moveRow(std::size_t from, std::size_t to) {
+  if (wide_) cloud_.exactPositions[to] = cloud_.exactPositions[from];
+  if (!wide_) cloud_.positions[to] = cloud_.positions[from];
+  if (hasNormals_) cloud_.normals[to] = cloud_.normals[from];
+  if (hasColors_ && rawColors_) raw_[to] = raw_[from];
+  if (hasColors_ && !rawColors_) cloud_.colors[to] = cloud_.colors[from];
+  for (Attribute& attribute : cloud_.extra) {
+    const std::size_t bytes = sizeOf(attribute.type);
+    std::memcpy(attribute.data.data() + to * bytes, attribute.data.data() + from * bytes, bytes);
+  }
+}
+
+std::vector<std::string> PlyVertices::lost() const {
+  std::vector<std::string> lost;
+  if (!leftOut_.empty())
+    lost.push_back(
+        fmt::format("{} point{} without a finite position", leftOut_.size(), leftOut_.size() == 1 ? "" : "s"));
+  if (darkColors_ > 0)
+    lost.push_back(fmt::format("the colour{} of {} point{} that are not numbers, which are black",
+                               darkColors_ == 1 ? "" : "s", darkColors_, darkColors_ == 1 ? "" : "s"));
+  return lost;
 }
 
 template <class T, bool kSwap>
@@ -125,7 +181,8 @@ void PlyVertices::appendColumn(const Column& column, const std::byte* rows, std:
   const std::byte* from = rows + column.offset;
   const auto toFloat = [](T value) { return static_cast<float>(value); };
   const auto toDouble = [](T value) { return static_cast<double>(value); };
-  auto* colorBytes = reinterpret_cast<std::uint8_t*>(cloud_.colors.data() + (hasColors_ ? base : 0));
+  auto* colorBytes = reinterpret_cast<std::uint8_t*>(cloud_.colors.data() + (hasColors_ && !rawColors_ ? base : 0));
+  auto* rawColors = reinterpret_cast<float*>(raw_.data() + (hasColors_ && rawColors_ ? base : 0));
   switch (column.role) {
     case Role::position:
       if (wide_)
@@ -137,7 +194,14 @@ void PlyVertices::appendColumn(const Column& column, const std::byte* rows, std:
       scatter<T, kSwap>(from, rowBytes_, count, &cloud_.normals[base].x + column.index, 3, toFloat);
       break;
     case Role::color:
-      scatter<T, kSwap>(from, rowBytes_, count, colorBytes + column.index, 4, toColor<T>);
+      // Some programs call bytes that have no sign a type that has one.
+      if (rawColors_)
+        scatter<T, kSwap>(from, rowBytes_, count, rawColors + column.index, 4, [](T value) {
+          return static_cast<float>(std::is_same_v<T, std::int8_t> && value < 0 ? value + 256 : value);
+        });
+      else
+        scatter<T, kSwap>(from, rowBytes_, count, colorBytes + column.index, 4,
+                          [](T value) { return static_cast<std::uint8_t>(value); });
       break;
     case Role::extra: {
       std::byte* to = cloud_.extra[column.index].data.data() + base * sizeof(T);
@@ -150,11 +214,9 @@ void PlyVertices::appendColumn(const Column& column, const std::byte* rows, std:
 }
 
 std::optional<PlyVertices::BadRow> PlyVertices::checkPositions(std::size_t base) const {
-  constexpr double kLargest = 1e30;  // squares of distances must stay finite in double, offsets in float
   for (std::size_t i = base; i < count_; ++i) {
     const DVec3 p = wide_ ? cloud_.exactPositions[i] : DVec3(cloud_.positions[i]);
-    const double worst = std::abs(p.x) + std::abs(p.y) + std::abs(p.z);
-    if (worst < kLargest) continue;
+    if (isFiniteBelow(std::abs(p.x) + std::abs(p.y) + std::abs(p.z), kFarthest)) continue;
     return BadRow{i - base, fmt::format("vertex {} is at ({}, {}, {}); expected finite numbers below 1e30", i + 1, p.x,
                                         p.y, p.z)};
   }
@@ -169,22 +231,49 @@ std::optional<PlyVertices::BadRow> PlyVertices::normalise(std::size_t base) {
     const DVec3 n(cloud_.normals[i]);
     const double lengthSquared = glm::dot(n, n);
     if (std::abs(lengthSquared - 1.0) < kUnitTolerance) continue;
-    if (!std::isfinite(lengthSquared)) {
+    if (!std::isfinite(lengthSquared) && badRows_ == BadRows::refuse) {
       return BadRow{i - base, fmt::format("the normal of vertex {} is ({}, {}, {}); expected finite numbers", i + 1,
                                           n.x, n.y, n.z)};
     }
-    if (lengthSquared > 0)
+    if (lengthSquared > 0 && std::isfinite(lengthSquared)) {
       cloud_.normals[i] = Vec3(n / std::sqrt(lengthSquared));
-    else
+    } else {
+      cloud_.normals[i] = Vec3(0);
       zeroNormals_.push_back(i);
+    }
   }
   return std::nullopt;
 }
 
 PointCloud PlyVertices::finish(Log* log) {
   if (wide_) placeOrigin();
+  if (rawColors_) settleColors();
+  if (log)
+    for (const std::string& what : lost()) log->say("{}: not kept: {}", file_.filename().string(), what);
   if (!zeroNormals_.empty()) fillMissingNormals(cloud_, zeroNormals_, file_.filename().string(), log);
   return std::move(cloud_);
+}
+
+void PlyVertices::settleColors() {
+  const bool hasAlpha = cloud_.storedAs.alpha, whole = wholeColors_ || colorSteps_;
+  ColorScale alphas;
+  for (const auto& row : raw_)
+    if (hasAlpha) alphas.take(row[3]);
+  const ColorScale scale = scaleOfColors(raw_);
+  const double full = scale.full(whole), fullAlpha = alphas.full(whole);
+  const ScalarType stored = scale.storedAs(whole);
+  if (stored != ScalarType::f32 || wholeColors_) cloud_.storedAs.color = stored;
+  cloud_.colors.resize(raw_.size());
+  for (std::size_t i = 0; i < raw_.size(); ++i) {
+    bool dark = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      dark = dark || std::isnan(raw_[i][k]);
+      cloud_.colors[i][k] = colorByte(raw_[i][k], full);
+    }
+    cloud_.colors[i][3] = hasAlpha ? colorByte(raw_[i][3], fullAlpha) : std::uint8_t{255};
+    darkColors_ += dark;
+  }
+  raw_ = {};
 }
 
 /// Splits double coordinates into an origin and float32 positions; drops the doubles where that lost nothing.

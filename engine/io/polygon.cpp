@@ -34,32 +34,55 @@ class Ears {
   }
 
   std::size_t left() const { return left_.size(); }
-  /// Takes one off and gives its corners; where rounding or crossing edges leave none, the first three.
+  /// Takes one off and gives its corners; where there is none a corner that lies straight between its neighbours, and
+  /// where rounding or crossing edges leave none of those, the first three.
   std::array<std::uint32_t, 3> cut() {
     std::size_t tip = 1;
-    for (std::size_t k = 0; k < left_.size(); ++k)
-      if (isEar(k)) {
-        tip = k;
-        break;
-      }
+    if (!findTip(tip, [&](std::size_t k) { return isEar(k); }))
+      findTip(tip, [&](std::size_t k) { return turnAt(k) == 0; });
     const std::array<std::uint32_t, 3> ear = cornersAt(tip);
     left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(tip));
     return ear;
   }
 
  private:
+  bool findTip(std::size_t& tip, auto&& suits) const {
+    for (std::size_t k = 0; k < left_.size(); ++k)
+      if (suits(k)) return tip = k, true;
+    return false;
+  }
   std::array<std::uint32_t, 3> cornersAt(std::size_t k) const {
     const std::size_t count = left_.size();
     return {left_[(k + count - 1) % count], left_[k], left_[(k + 1) % count]};
   }
+  double turnAt(std::size_t k) const {
+    const std::array<std::uint32_t, 3> corners = cornersAt(k);
+    return turn(around_[corners[0]], around_[corners[1]], around_[corners[2]], normal_);
+  }
   bool isEar(std::size_t k) const {
+    if (!(turnAt(k) > 0)) return false;
     const std::array<std::uint32_t, 3> ear = cornersAt(k);
-    const DVec3 &a = around_[ear[0]], &b = around_[ear[1]], &c = around_[ear[2]];
-    if (!(turn(a, b, c, normal_) > 0)) return false;
-    return std::ranges::none_of(left_, [&](std::uint32_t other) {
-      if (std::ranges::find(ear, other) != ear.end()) return false;
-      const DVec3& p = around_[other];
-      return turn(a, b, p, normal_) >= 0 && turn(b, c, p, normal_) >= 0 && turn(c, a, p, normal_) >= 0;
+    const std::array<DVec3, 3> corners{around_[ear[0]], around_[ear[1]], around_[ear[2]]};
+    for (std::size_t other = 0; other < left_.size(); ++other)
+      if (std::ranges::find(ear, left_[other]) == ear.end() && reachesInto(other, corners)) return false;
+    return true;
+  }
+  /// Whether a corner lies within the triangle, or on its outline with an edge that leads inside. Those that merely
+  /// touch it do not count: both ends of a bridge to a hole are at one place.
+  bool reachesInto(std::size_t other, const std::array<DVec3, 3>& ear) const {
+    const std::array<std::uint32_t, 3> corners = cornersAt(other);
+    const auto sideOf = [&](std::size_t edge, const DVec3& p) { return turn(ear[edge], ear[(edge + 1) % 3], p, normal_); };
+    std::array<bool, 3> on{};
+    for (std::size_t edge = 0; edge < 3; ++edge) {
+      const double side = sideOf(edge, around_[corners[1]]);
+      if (!(side >= 0)) return false;
+      on[edge] = side == 0;
+    }
+    if (std::ranges::none_of(on, [](bool touches) { return touches; })) return true;
+    return std::ranges::any_of(std::array{corners[0], corners[2]}, [&](std::uint32_t neighbour) {
+      for (std::size_t edge = 0; edge < 3; ++edge)
+        if (on[edge] && !(sideOf(edge, around_[neighbour]) > 0)) return false;
+      return true;
     });
   }
 

@@ -88,9 +88,9 @@ Poses readLog(const std::filesystem::path& path) {
       std::ranges::copy(*numbers, rows.begin() + static_cast<std::ptrdiff_t>(4 * row));
     }
     const auto number = static_cast<std::uint64_t>((*ids)[0]);
-    if (!poses.empty() && number <= poses.rbegin()->first)
-      throw FileError::atLine(path, line,
-                              fmt::format("frame {} does not come after frame {}", number, poses.rbegin()->first));
+    if (const auto before = poses.find(number); before != poses.end())
+      throw FileError::atLine(
+          path, line, fmt::format("frame {} is there twice, before in line {}", number, before->second.line));
     try {
       poses.emplace(number, LoggedPose{.pose = cameraPose(rows), .line = line});
     } catch (const Error& error) {
@@ -122,8 +122,8 @@ RgbdList listRedwood(const std::filesystem::path& folder, double rate_Hz) {
     if (colors.empty() && isFolder(folder / name)) colors = picturesIn(folder / name);
   const std::filesystem::path log = folder / "trajectory.log";
   std::error_code ignored;
-  const bool hasPoses = std::filesystem::exists(log, ignored);
-  const Poses poses = hasPoses ? renumbered(readLog(log), depths) : Poses{};
+  const Poses poses = std::filesystem::exists(log, ignored) ? renumbered(readLog(log), depths) : Poses{};
+  const bool hasPoses = !poses.empty();  // an empty list is none
 
   // What has a picture or a pose was a frame.
   std::map<std::uint64_t, RgbdFiles> frames;

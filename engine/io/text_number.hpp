@@ -22,6 +22,16 @@ T beyondRange(std::string_view text) {
   return tiny ? T{0} : std::copysign(std::numeric_limits<T>::infinity(), text[0] == '-' ? T{-1} : T{1});
 }
 
+/// Of text that is no number as C++ writes it: what Windows' programs wrote before 2015 for what is none.
+template <class T>
+std::optional<T> oldWindowsNumber(std::string_view text) {
+  if (text.find("#IND") != text.npos || text.find("#QNAN") != text.npos || text.find("#SNAN") != text.npos)
+    return std::numeric_limits<T>::quiet_NaN();
+  if (text.find("#INF") != text.npos)
+    return std::copysign(std::numeric_limits<T>::infinity(), text[0] == '-' ? T{-1} : T{1});
+  return std::nullopt;
+}
+
 /// All of `text` as one number; nothing where it is none, or a whole number does not fit. A plus may stand before it.
 template <class T>
 std::optional<T> textNumber(std::string_view text) {
@@ -40,6 +50,7 @@ std::optional<T> textNumber(std::string_view text) {
     if (realStop == end && realError == std::errc{} && real == std::trunc(real) && real >= kLow && real <= kHigh)
       return static_cast<T>(real);
   }
+  if constexpr (std::is_floating_point_v<T>) return oldWindowsNumber<T>(text);
   return std::nullopt;
 }
 

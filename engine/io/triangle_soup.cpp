@@ -106,6 +106,32 @@ std::array<std::uint8_t, 4> colorAt(const TriangleSoup& soup, const Spot& spot) 
 
 }  // namespace
 
+BadCorners leaveOutBadCorners(TriangleSoup& soup) {
+  constexpr std::uint32_t kGone = 0xffffffff;
+  std::vector<std::uint32_t> numbers(soup.corners.size());
+  std::uint32_t kept = 0;
+  for (std::size_t i = 0; i < soup.corners.size(); ++i) {
+    const DVec3 p = soup.corners[i];
+    const bool isThere = std::abs(p.x) < kMaxCorner && std::abs(p.y) < kMaxCorner && std::abs(p.z) < kMaxCorner;
+    numbers[i] = isThere ? kept : kGone;
+    if (!isThere) continue;
+    soup.corners[kept] = p;
+    if (!soup.normals.empty()) soup.normals[kept] = soup.normals[i];
+    if (!soup.colors.empty()) soup.colors[kept] = soup.colors[i];
+    ++kept;
+  }
+  BadCorners bad{.corners = soup.corners.size() - kept};
+  if (bad.corners == 0) return bad;
+  soup.corners.resize(kept);
+  if (!soup.normals.empty()) soup.normals.resize(kept);
+  if (!soup.colors.empty()) soup.colors.resize(kept);
+  bad.triangles = std::erase_if(soup.triangles, [&](std::array<std::uint32_t, 3>& triangle) {
+    for (std::uint32_t& corner : triangle) corner = numbers[corner];
+    return std::ranges::count(triangle, kGone) > 0;
+  });
+  return bad;
+}
+
 SampledSoup sampleSoup(const TriangleSoup& soup, std::size_t count, std::uint64_t seed, unsigned threads) {
   const AreaOfTriangles areas(soup);
   SampledSoup result{.flat = areas.flat()};

@@ -18,9 +18,16 @@ struct TriangleSoup {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
+/// How many of each are gone.
+struct BadCorners {
+  std::size_t corners = 0, triangles = 0;
+};
+/// Takes corners away that are not at finite numbers below 1e30, with their triangles.
+BadCorners leaveOutBadCorners(TriangleSoup& soup);
+
 struct SampledSoup {
   PointCloud cloud;      ///< with normals, and colours where the corners have some
-  std::size_t flat = 0;  ///< triangles that are left out: without an area, or with a corner that is no place
+  std::size_t flat = 0;  ///< triangles that are left out, as they have no area
 };
 
 /// `count` points, spread evenly by area: the same number to equal areas but for one, in order of the triangles, and

@@ -54,6 +54,7 @@ class Lines {
   std::string_view rest_;
 };
 
+/// In order of time, whatever order they have in the list.
 std::vector<Stamped> readFiles(const std::filesystem::path& folder, const char* name) {
   Lines lines(folder / name);
   std::vector<Stamped> files;
@@ -65,13 +66,17 @@ std::vector<Stamped> readFiles(const std::filesystem::path& folder, const char* 
     const std::string_view file = takeWord(lines.rest());
     if (file.empty() || !takeWord(lines.rest()).empty())
       lines.fail("expected a time in seconds and the name of a picture");
-    if (!files.empty() && !(*stamp_s > files.back().stamp_s))
-      lines.fail(fmt::format("time {} s does not come after {} s; sort the list", *stamp_s, files.back().stamp_s));
     files.push_back({.stamp_s = *stamp_s, .file = folder / std::string(file), .line = lines.line()});
   }
+  std::ranges::stable_sort(files, {}, &Stamped::stamp_s);
+  const auto twice = std::ranges::adjacent_find(files, {}, &Stamped::stamp_s);
+  if (twice != files.end())
+    throw FileError::atLine(folder / name, std::next(twice)->line,
+                            fmt::format("time {} s is there twice, before in line {}", twice->stamp_s, twice->line));
   return files;
 }
 
+/// In order of time, whatever order they have in the file.
 std::vector<StampedPose> readPoses(const std::filesystem::path& path) {
   Lines lines(path);
   std::vector<StampedPose> poses;
@@ -80,8 +85,6 @@ std::vector<StampedPose> readPoses(const std::filesystem::path& path) {
     if (!numbers) lines.fail("expected eight numbers: time, tx ty tz, qx qy qz qw");
     const auto& [stamp_s, x, y, z, qx, qy, qz, qw] = *numbers;
     if (!std::isfinite(stamp_s)) lines.fail("the time is no finite number");
-    if (!poses.empty() && stamp_s < poses.back().stamp_s)
-      lines.fail(fmt::format("time {} s comes before {} s; sort the list", stamp_s, poses.back().stamp_s));
     try {
       poses.push_back({.stamp_s = stamp_s, .pose = cameraPose({x, y, z}, DQuat(qw, qx, qy, qz))});
     } catch (const FileError&) {
@@ -90,6 +93,7 @@ std::vector<StampedPose> readPoses(const std::filesystem::path& path) {
       lines.fail(error.what());
     }
   }
+  std::ranges::stable_sort(poses, {}, &StampedPose::stamp_s);
   return poses;
 }
 
@@ -134,9 +138,9 @@ RgbdList listTum(const std::filesystem::path& folder) {
   const std::filesystem::path list = folder / "depth.txt", poseList = folder / "groundtruth.txt";
   const std::vector<Stamped> depths = readFiles(folder, "depth.txt");
   if (depths.empty()) throw FileError(list, "names no pictures");
-  const bool hasColors = isFile(folder / "rgb.txt"), hasPoses = isFile(poseList);
-  const std::vector<Stamped> colors = hasColors ? readFiles(folder, "rgb.txt") : std::vector<Stamped>{};
-  const std::vector<StampedPose> poses = hasPoses ? readPoses(poseList) : std::vector<StampedPose>{};
+  const auto colors = isFile(folder / "rgb.txt") ? readFiles(folder, "rgb.txt") : std::vector<Stamped>{};
+  const auto poses = isFile(poseList) ? readPoses(poseList) : std::vector<StampedPose>{};
+  const bool hasColors = !colors.empty(), hasPoses = !poses.empty();  // an empty list is none
   const auto chosen = associate(depths, colors);
 
   RgbdList made{.frames = {}, .depthScale = kDepthScale};

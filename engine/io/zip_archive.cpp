@@ -158,4 +158,35 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
   return bytes;
 }
 
+std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<const std::byte> packed) {
+  constexpr std::size_t kHead = 10, kTail = 8;
+  constexpr std::uint64_t kMostPerByte = 1032, kMost = std::numeric_limits<int>::max() - 2;
+  constexpr unsigned kChecked = 2, kExtra = 4, kNamed = 8, kRemarked = 16;
+  const auto fail = [&](std::size_t at, std::string_view what) { throw FileError::atByte(file, at, what); };
+  const auto byte = [&](std::size_t k) { return std::to_integer<unsigned>(packed[k]); };
+  if (packed.size() < kHead + kTail || byte(0) != 0x1f || byte(1) != 0x8b || byte(2) != 8)
+    fail(0, "is not packed by gzip, as it should be");
+  const std::size_t end = packed.size() - kTail;
+  std::size_t at = kHead;
+  const unsigned flags = byte(3);
+  if (flags & kExtra) at += 2 + (at + 2 <= end ? loadScalar<std::uint16_t>(packed.data() + at) : end);
+  for (const unsigned text : {kNamed, kRemarked}) {
+    if (!(flags & text)) continue;
+    while (at < end && byte(at) != 0) ++at;
+    ++at;
+  }
+  if (flags & kChecked) at += 2;
+  if (at >= end) fail(packed.size(), "ends within its header");
+  const auto checksum = loadScalar<std::uint32_t>(packed.data() + end), size = loadScalar<std::uint32_t>(packed.data() + end + 4);
+  if (size > kMost || packed.size() > kMost) fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
+  if (size / kMostPerByte > packed.size()) fail(end + 4, "cannot be as long as it is said to be");
+  std::vector<std::byte> bytes(size);
+  const int got = stbi_zlib_decode_noheader_buffer(
+      reinterpret_cast<char*>(bytes.data()), static_cast<int>(size),
+      reinterpret_cast<const char*>(packed.data() + at), static_cast<int>(packed.size() - at));
+  if (got < 0 || static_cast<std::uint32_t>(got) != size) fail(at, "is damaged: it cannot be unpacked");
+  if (zipChecksum(bytes) != checksum) fail(end, "is damaged: its checksum is another one");
+  return bytes;
+}
+
 }  // namespace palpate

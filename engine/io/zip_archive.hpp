@@ -27,4 +27,7 @@ std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<c
 std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive,
                                  const ZipMember& member);
 
+/// What gzip packed (RFC 1952), of one member. Throws FileError where it is damaged, or does not begin as gzip does.
+std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<const std::byte> packed);
+
 }  // namespace palpate

@@ -1,0 +1,69 @@
+// Walks over the lines of a file of text that hold points, and finds out what their columns are.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/io/chunked_file.hpp"
+#include "engine/io/text_words.hpp"
+
+namespace palpate {
+
+enum class TextKind { xyz, csv, pts };
+
+/// What three columns without names may be, as far as the rows so far tell.
+struct UnnamedColumns {
+  bool normals = true, colors = true, whole = true;
+  bool anyNormal = false;
+
+  void take(std::string_view a, std::string_view b, std::string_view c);
+  bool areNormals() const { return normals && anyNormal; }
+};
+
+class TextRows {
+ public:
+  /// To the first point. `columns`: names, in place of what the file says. Throws FileError.
+  TextRows(const std::filesystem::path& path, TextKind kind, const std::vector<std::string>& columns);
+
+  [[noreturn]] void fail(std::string_view what) const { throw FileError::atLine(file_.path(), file_.line(), what); }
+
+  ChunkedFile& file() { return file_; }
+  /// Columns 4 to 6 that may be normals or colours are called kUnnamed until all rows have been seen.
+  const std::vector<std::string>& names() const { return names_; }
+  static constexpr std::array<const char*, 3> kUnnamed{"column_4", "column_5", "column_6"};
+  /// Whether the columns have no names, and these may be normals or colours.
+  bool hasUnnamed() const { return unnamed_; }
+  const UnnamedColumns& unnamed() const { return looked_; }
+  /// After the last row: throws FileError where the unnamed columns can be neither.
+  void checkUnnamed() const;
+  /// Of the present point; empty after the last.
+  const std::vector<std::string_view>& words() const { return words_.words(); }
+  void next();
+
+  /// The number that a word says; NaN where it says that there is none. Throws FileError with the line.
+  double number(std::size_t column) const;
+
+ private:
+  void begin();
+  bool isCount();
+  void countPoint();
+  void checkEnd() const;
+  void checkColumns();
+  void keepApart();
+  std::vector<std::string> usualNames();
+  void look();
+
+  ChunkedFile file_;
+  std::vector<std::string> names_;
+  TextWords words_;
+  bool counted_;  // lines say how many points follow
+  bool named_;    // by the caller
+  bool unnamed_ = false;
+  std::size_t colorsAt_ = 0;  // of columns that have no names; 0: nowhere
+  std::uint64_t firstLine_ = 0;
+  UnnamedColumns looked_;
+  std::optional<std::uint64_t> promised_;
+  std::uint64_t seen_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,71 @@
+#include "engine/io/text_words.hpp"
+
+#include <algorithm>
+
+namespace palpate {
+
+namespace {
+
+constexpr std::string_view kBlank = " \t\r\v\f";
+
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+}  // namespace
+
+void TextWords::split(std::string_view line) {
+  text_.assign(line);
+  const bool hasComma = text_.find(',') != text_.npos;
+  if (hasComma && commas_ == Commas::unknown) {
+    cut(false);
+    if (isNumberLine()) commas_ = areCommasDecimal() ? Commas::decimal : Commas::separate;
+  }
+  cut(commas_ != Commas::decimal);
+  if (hasComma && commas_ == Commas::decimal && isNumberLine()) std::ranges::replace(text_, ',', '.');
+  if (std::ranges::all_of(words_, &std::string_view::empty)) words_.clear();
+}
+
+void TextWords::cut(bool commasSeparate) {
+  words_.clear();
+  const std::string_view text = text_;
+  const auto isMark = [&](char c) { return c == ';' || (commasSeparate && c == ','); };
+  bool open = true, anyMark = false;
+  for (std::size_t at = 0; (at = text.find_first_not_of(kBlank, at)) != text.npos;) {
+    if (isMark(text[at])) {
+      if (open) words_.emplace_back();
+      open = anyMark = true;
+      ++at;
+      continue;
+    }
+    open = false;
+    const std::size_t quoted = text[at] == '"' ? text.find('"', at + 1) : text.npos;
+    if (quoted != text.npos) {
+      words_.push_back(text.substr(at + 1, quoted - at - 1));
+      at = quoted + 1;
+      continue;
+    }
+    std::size_t end = at + 1;
+    while (end < text.size() && kBlank.find(text[end]) == kBlank.npos && !isMark(text[end])) ++end;
+    words_.push_back(text.substr(at, end - at));
+    at = end;
+  }
+  endsOpen_ = open && anyMark;
+}
+
+bool TextWords::isNumberLine() const {
+  if (words_.empty() || words_.front().empty()) return false;
+  const char c = words_.front().front();
+  return isDigit(c) || c == '-' || c == '+' || c == '.' || c == ',';
+}
+
+/// Words that were cut at all but commas.
+bool TextWords::areCommasDecimal() const {
+  if (words_.size() < 3) return false;
+  return std::ranges::all_of(words_, [](std::string_view word) {
+    const std::size_t comma = word.find(',');
+    if (comma == word.npos) return true;
+    return word.find(',', comma + 1) == word.npos && word.find('.') == word.npos && comma + 1 < word.size() &&
+           isDigit(word[comma + 1]) && (comma == 0 || isDigit(word[comma - 1]) || comma == 1);
+  });
+}
+
+}  // namespace palpate
