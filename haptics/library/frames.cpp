@@ -8,6 +8,7 @@ using namespace palpate::library;
 
 pp_status pp_session_open_frames(pp_cloud cloud, const pp_frames_options* frames, const pp_session_options* options,
                                  pp_session* session) {
+  clear(session);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     required(session, "session");
@@ -21,6 +22,7 @@ pp_status pp_session_open_frames(pp_cloud cloud, const pp_frames_options* frames
 
 pp_status pp_session_open_stream(const char* folder, const pp_stream_options* stream, const pp_session_options* options,
                                  pp_session* session) {
+  clear(session);
   return guarded([&] {
     const std::string name = &required(folder, "folder");
     required(session, "session");

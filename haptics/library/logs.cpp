@@ -132,6 +132,7 @@ pp_status pp_session_record(pp_session session, const char* file) {
 }
 
 pp_status pp_log_read(const char* file, pp_log* log) {
+  clear(log);
   return guarded([&] {
     const std::string name = &required(file, "file");
     required(log, "log") = opened<pp_log>(logOf(name));
@@ -139,6 +140,7 @@ pp_status pp_log_read(const char* file, pp_log* log) {
 }
 
 pp_status pp_log_view(pp_log log, pp_log_content* content) {
+  clear(content);
   return guarded([&] { required(content, "content") = objectOf<LogObject>(log.id)->view; });
 }
 
@@ -147,6 +149,7 @@ pp_status pp_log_close(pp_log log) {
 }
 
 pp_status pp_log_replay(const char* file, const pp_replay_options* options, pp_replay_result* result) {
+  clear(result);
   return guarded([&] {
     const std::string name = &required(file, "file");
     checkSize(required(result, "result").size, sizeof(pp_replay_result), "result");

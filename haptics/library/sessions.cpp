@@ -35,7 +35,7 @@ void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>
   if (ticks * hands > room.capacity)
     throw UsageError("capacity: the path takes {} ticks, and there is room for {}", ticks, room.capacity / hands);
   required(room.ticks, "ticks");
-  required(room.count, "count") = 0;
+  required(room.count, "count");
   const ServoResult result = session.run(paths, brush);
   const std::size_t done = result.trace().rows.size();
   std::size_t faults = 0;
@@ -73,6 +73,7 @@ Pose poseFrom(const pp_pose& pose, const double* turn) {
 }  // namespace
 
 pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_session* session) {
+  clear(session);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     required(session, "session");
@@ -92,10 +93,12 @@ pp_status pp_session_close(pp_session session) {
 }
 
 pp_status pp_session_get_info(pp_session session, pp_session_info* info) {
+  clear(info);
   return looking(session, [&](OpenSession& open) { giveInfo(info, open.info(), "info"); });
 }
 
 pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count) {
+  clear(count);
   return with(session, Claim::all, [&](OpenSession& open) {
     const double rate_Hz = open.config().rate_Hz;
     required(count, "count") = ticksOf(pathFrom(path, rate_Hz), rate_Hz);
@@ -104,6 +107,7 @@ pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count
 
 pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity,
                            uint64_t* count) {
+  clear(count);
   return with(session, Claim::all, [&](OpenSession& open) {
     runInto({ticks, capacity, count}, open, onePath(open, path), std::nullopt);
   });
@@ -111,6 +115,7 @@ pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* tic
 
 pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
                             uint64_t capacity, uint64_t* count) {
+  clear(count);
   return with(session, Claim::all, [&](OpenSession& open) {
     runInto({ticks, capacity, count}, open, onePath(open, path), brushFrom(optionsFrom(brush, "brush")));
   });
@@ -118,6 +123,7 @@ pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_br
 
 pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths, uint32_t hands, const pp_brush* brush,
                                  pp_tick* ticks, double* torques_mNm, uint64_t capacity, uint64_t* count) {
+  clear(count);
   return with(session, Claim::all, [&](OpenSession& open) {
     if (hands > PP_MOST_HANDS) throw UsageError("hands: {} are more than {}", hands, PP_MOST_HANDS);
     if (hands > 0) required(paths, "paths");
@@ -133,6 +139,10 @@ pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact)
 
 pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* turns, uint32_t hands,
                          pp_contact* contacts, double* torques_mNm) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(hands, PP_MOST_HANDS); ++i) {
+    if (contacts) clear(contacts + i);
+    for (std::size_t k = 0; torques_mNm && k < 3; ++k) torques_mNm[3 * i + k] = 0;
+  }
   return with(session, Claim::touch, [&](OpenSession& open) {
     if (hands != open.hands())
       throw UsageError("hands: {} poses were given to a session of {} hands", hands, open.hands());
@@ -168,6 +178,7 @@ pp_status pp_session_set_feel(pp_session session, const pp_feel* feel) {
 }
 
 pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done) {
+  clear(done);
   return with(session, Claim::all, [&](OpenSession& open) {
     const std::uint64_t undone = open.undo(strokes);
     if (done) *done = undone;
@@ -175,6 +186,7 @@ pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done) 
 }
 
 pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) {
+  clear(done);
   return with(session, Claim::all, [&](OpenSession& open) {
     const std::uint64_t redone = open.redo(strokes);
     if (done) *done = redone;
@@ -189,6 +201,7 @@ pp_status pp_session_follow(pp_session session) {
 }
 
 pp_status pp_session_cloud(pp_session session, pp_cloud* cloud) {
+  clear(cloud);
   return with(session, Claim::all, [&](OpenSession& open) {
     required(cloud, "cloud") = opened<pp_cloud>(std::make_shared<CloudObject>(open.points()));
   });
@@ -220,6 +233,7 @@ pp_status pp_image_write(const char* file, const uint8_t* rgba, uint32_t width, 
 }
 
 pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp_mesh* mesh) {
+  clear(mesh);
   return looking(session, [&](OpenSession& open) {
     required(mesh, "mesh");
     const pp_mesh_options given = optionsFrom(options, "options");
@@ -237,6 +251,7 @@ pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp
 }
 
 pp_status pp_mesh_view(pp_mesh mesh, pp_triangles* triangles) {
+  clear(triangles);
   return guarded([&] { required(triangles, "triangles") = objectOf<MeshObject>(mesh.id)->view; });
 }
 
@@ -260,8 +275,9 @@ pp_status pp_live_start(pp_session session, const pp_live_options* options) {
 }
 
 pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
+  clear(count);
   return looking(session, [&](OpenSession& open) {
-    required(count, "count") = 0;
+    required(count, "count");
     if (capacity > 0) required(ticks, "ticks");
     if (!open.live()) throw StateError("the session was never live; pp_live_start() comes first");
     open.takeIn();
@@ -271,6 +287,7 @@ pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, ui
 }
 
 pp_status pp_live_get_state(pp_session session, pp_live_state* state) {
+  clear(state);
   return looking(session, [&](OpenSession& open) {
     pp_live_state now = usual<pp_live_state>();
     if (LiveHands* const live = open.live()) {

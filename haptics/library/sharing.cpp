@@ -56,9 +56,10 @@ uint32_t pp_can_share(void) { return canShare() ? 1 : 0; }
 
 pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_session* sessions, uint64_t capacity,
                             uint64_t* count) {
+  clear(count);
   return guarded([&] {
     constexpr double kLongest_s = 600;
-    required(count, "count") = 0;
+    required(count, "count");
     if (capacity > 0) required(sessions, "sessions");
     if (!(seconds >= 0 && seconds <= kLongest_s))
       throw UsageError("seconds: {} is not between 0 and {}", seconds, kLongest_s);
@@ -71,6 +72,7 @@ pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_s
 
 pp_status pp_session_join(const char* name, const pp_join_options* join, const pp_session_options* options,
                           pp_session* session) {
+  clear(session);
   return guarded([&] {
     Subject subject;
     subject.model.file = &required(name, "name");
@@ -81,14 +83,17 @@ pp_status pp_session_join(const char* name, const pp_join_options* join, const p
 }
 
 pp_status pp_session_get_sharing(pp_session session, pp_sharing* sharing) {
+  clear(sharing);
   return beside(session, [&](OpenSession& open) { giveInfo(sharing, open.sharing(), "sharing"); });
 }
 
 pp_status pp_session_others(pp_session session, pp_other_hand* hands, uint64_t capacity, uint64_t* count) {
+  clear(count);
   return beside(session, [&](OpenSession& open) { give(open.others(), hands, capacity, count, "hands"); });
 }
 
 pp_status pp_session_cameras(pp_session session, pp_other_camera* cameras, uint64_t capacity, uint64_t* count) {
+  clear(count);
   return beside(session, [&](OpenSession& open) { give(open.cameras(), cameras, capacity, count, "cameras"); });
 }
 
@@ -97,6 +102,7 @@ pp_status pp_session_show_camera(pp_session session, const pp_camera_place* came
 }
 
 pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same) {
+  clear(same);
   return library::with(session, Claim::all, [&](OpenSession& open) {
     if (!(seconds >= 0 && seconds <= bounds::kLongest_s))
       throw UsageError("seconds: {} is not between 0 and {}", seconds, bounds::kLongest_s);
@@ -106,6 +112,7 @@ pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same) 
 }
 
 pp_status pp_serve(pp_cloud cloud, const char* name, const pp_serve_options* options, pp_server* server) {
+  clear(server);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     const std::string called = &required(name, "name");
@@ -115,6 +122,7 @@ pp_status pp_serve(pp_cloud cloud, const char* name, const pp_serve_options* opt
 }
 
 pp_status pp_server_get_info(pp_server server, pp_server_info* info) {
+  clear(info);
   return serving(server, [&](OpenServer& open) {
     checkSize(required(info, "info").size, sizeof(pp_server_info), "info");
     giveInfo(info, open.info(), "info");
@@ -122,6 +130,7 @@ pp_status pp_server_get_info(pp_server server, pp_server_info* info) {
 }
 
 pp_status pp_server_cloud(pp_server server, pp_cloud* cloud) {
+  clear(cloud);
   return serving(server, [&](OpenServer& open) {
     required(cloud, "cloud");
     *cloud = library::opened<pp_cloud>(std::make_shared<CloudObject>(open.points()));

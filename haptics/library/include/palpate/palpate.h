@@ -4,7 +4,8 @@
  * stiffness in N/mm, times in s. Axes are right-handed.
  *
  * Errors: every function that can fail returns a pp_status. What went wrong stands in words in pp_last_error(), for
- * each thread its own, until another call of that thread fails. Nothing is thrown, and nothing ends the program.
+ * each thread its own, until another call of that thread fails. Nothing is thrown, and nothing ends the program. What a
+ * call fills is zero where it fails: contacts have no force and are not valid, counts and handles are 0.
  *
  * Handles are small values that may be copied. One that is null, closed, or of another kind gives PP_ERROR_HANDLE.
  * Whoever opens closes, in any order: a session keeps what it needs of its cloud.
