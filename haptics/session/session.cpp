@@ -116,15 +116,20 @@ std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Mod
   // The tool is the first hand's.
   std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
   tools.resize(std::max<std::size_t>(1, config.hands.size()));
-  return parts.backend.make({.model = model,
-                             .config = config,
-                             .surface = surface,
-                             .brush = brush,
-                             .paintable = parts.paintable || model.share,
-                             .tools = std::move(tools),
-                             .threads = parts.threads,
-                             .source = source,
-                             .fusion = source ? std::nullopt : fusion});
+  // So that it can keep the density with any brush that comes later.
+  std::optional<BrushOptions> widest = brush;
+  if (widest && !model.share) widest->keepsDensity = true;
+  auto backend = parts.backend.make({.model = model,
+                                     .config = config,
+                                     .surface = surface,
+                                     .brush = widest,
+                                     .paintable = parts.paintable || model.share,
+                                     .tools = std::move(tools),
+                                     .threads = parts.threads,
+                                     .source = source,
+                                     .fusion = source ? std::nullopt : fusion});
+  if (brush && widest->keepsDensity != brush->keepsDensity) backend->setBrush(brush);
+  return backend;
 }
 
 /// All of them, in this order; any may be null.
