@@ -46,12 +46,16 @@ class PyMatter {
 
   template <class Do>
   auto with(Do&& act) {
+    home_.require();
     py::gil_scoped_release released;
     const std::scoped_lock lock(inUse_);
     return act(matter_);
   }
 
+  bool isHere() const { return home_.isHere(); }
+
  private:
+  Home home_;
   std::mutex inUse_;
   pp::Matter matter_;
 };
@@ -102,7 +106,10 @@ void bindMatter(py::module_& module) {
       .def(py::init<const std::string&, const std::optional<std::string>&, std::uint32_t>(), py::arg("scene"),
            py::arg("gpu") = py::none(), py::arg("threads") = 0)
       .def(
-          "close", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.close(); }); },
+          "close",
+          [](PyMatter& self) {
+            if (self.isHere()) self.with([](pp::Matter& matter) { matter.close(); });
+          },
           "close()\n\nEnds it; what is called then raises Error. A with statement does it.")
       .def(
           "step",

@@ -85,16 +85,19 @@ class PyServer {
   PyServer& operator=(const PyServer&) = delete;
 
   void close() {
+    if (!home_.isHere()) return;
     py::gil_scoped_release released;
     if (const std::uint64_t id = id_.exchange(0)) pp::check(pp_server_close({id}));
   }
   pp_server_info info() const {
+    home_.require();
     py::gil_scoped_release released;
     pp_server_info info = pp_default_server_info();
     pp::check(pp_server_get_info({id_}, &info));
     return info;
   }
   std::shared_ptr<PyCloud> cloud() const {
+    home_.require();
     py::gil_scoped_release released;
     pp_cloud cloud{};
     pp::check(pp_server_cloud({id_}, &cloud));
@@ -103,6 +106,7 @@ class PyServer {
   py::list remarks() const { return told(heard_); }
 
  private:
+  Home home_;
   Heard heard_;
   std::atomic<std::uint64_t> id_ = 0;
 };

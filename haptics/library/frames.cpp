@@ -43,6 +43,7 @@ pp_status pp_session_open_stream(const char* folder, const pp_stream_options* st
 pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays* frame) {
   return guarded([&] {
     const auto found = objectOf<OpenSession>(session.id);
+    found->claims().home().require();
     const pp_frame_arrays given = optionsFrom(&required(frame, "frame"), "frame");
     if (given.count == 0) throw UsageError("count: a frame without points has no surface");
     if (!given.normals.data) throw UsageError("normals: a frame brings its own");

@@ -112,6 +112,7 @@ pp_status pp_matter_open(const char* scene, const pp_matter_options* options, pp
 pp_status pp_matter_close(pp_matter matter) {
   return guarded([&] {
     const auto found = objectOf<OpenMatter>(matter.id);
+    if (!found->claims().home().isThis()) return handles().abandon(HandleKind::matter, matter.id);
     const Claims::Held held(found->claims(), Claim::all);
     handles().remove(HandleKind::matter, matter.id);
   });

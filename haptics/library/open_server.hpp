@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "haptics/library/claims.hpp"
 #include "haptics/library/objects.hpp"
 #include "haptics/library/remarks.hpp"
 #include "haptics/session/model.hpp"
@@ -21,12 +22,15 @@ class OpenServer {
   OpenServer(const OpenServer&) = delete;
   OpenServer& operator=(const OpenServer&) = delete;
 
+  const HomeProcess& home() const { return home_; }
+
   /// Nobody is answered, and no function of the program called, from then on. For one thread.
   void end();
   pp_server_info info();
   PointCloud points();
 
  private:
+  HomeProcess home_;
   Remarks remarks_;
   NetworkConfig network_;
   Model model_;

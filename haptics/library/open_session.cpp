@@ -77,6 +77,12 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
   if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
   model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
                                                        : loadModel(config_, loading));
+  if (subject.cloud && !knownScaleOf(*subject.cloud, config_.model.mm_per_unit))
+    remarks_.sink().say(
+        "the longest side, {:.6g} model units, is felt as {:.6g} mm: 1 unit is {:.6g} mm in the hand, where all "
+        "lengths "
+        "in mm are measured, as a brush's radius_mm is; mm_per_unit sets the true scale",
+        boundsOf(model_->cloud).longestSide(), kDefaultLongestSide_mm, model_->scale.mm_per_unit);
   if (joined_ && model_->cloud.empty())
     throw Error("'{}' has no points; there is nothing to touch", subject.model.file);
   if (subject.frames) {

@@ -86,6 +86,7 @@ pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_
 pp_status pp_session_close(pp_session session) {
   return guarded([&] {
     const auto found = objectOf<OpenSession>(session.id);
+    if (!found->claims().home().isThis()) return handles().abandon(HandleKind::session, session.id);
     const Claims::Held held(found->claims(), Claim::all);
     found->end();  // another thread may hold it for a while
     handles().remove(HandleKind::session, session.id);

@@ -40,6 +40,7 @@ pp_status serving(pp_server server, Do&& act) {
   return guarded([&] {
     const auto found = objectOf<OpenServer>(server.id);
     refuseInLogFunction();
+    found->home().require();
     act(*found);
   });
 }
@@ -140,6 +141,7 @@ pp_status pp_server_cloud(pp_server server, pp_cloud* cloud) {
 pp_status pp_server_close(pp_server server) {
   return guarded([&] {
     refuseInLogFunction();
+    if (!objectOf<OpenServer>(server.id)->home().isThis()) return handles().abandon(HandleKind::server, server.id);
     const auto closed = std::static_pointer_cast<OpenServer>(handles().remove(HandleKind::server, server.id));
     closed->end();
   });

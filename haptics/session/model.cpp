@@ -42,11 +42,15 @@ void measure(Model& model, const ModelConfig& config, unsigned threads) {
 
 }  // namespace
 
-ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
-  if (mm_per_unit > 0) return {mm_per_unit};
+std::optional<ModelScale> knownScaleOf(const PointCloud& cloud, double mm_per_unit) {
+  if (mm_per_unit > 0) return ModelScale{mm_per_unit};
   const auto said = scaleSaidIn(cloud.storedAs.comments);
-  if (said && *said >= bounds::kLeastScale && *said <= bounds::kMostScale) return {*said};
-  return ModelScale::fitting(boundsOf(cloud).longestSide());
+  if (said && *said >= bounds::kLeastScale && *said <= bounds::kMostScale) return ModelScale{*said};
+  return std::nullopt;
+}
+
+ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
+  return knownScaleOf(cloud, mm_per_unit).value_or(ModelScale::fitting(boundsOf(cloud).longestSide()));
 }
 
 namespace {

@@ -16,7 +16,8 @@
  * matter (pp_session_hold() and those after it), pp_session_get_sharing(), pp_session_others(), pp_session_cameras(),
  * pp_session_show_camera(), pp_live_take(), pp_live_get_state(). All other calls want it for themselves, as all calls
  * on a pp_matter do. A pp_server is for any number of threads. Two calls that do not go together: the later one gives
- * PP_ERROR_THREAD and does nothing.
+ * PP_ERROR_THREAD and does nothing. In a process that was forked, a session, matter and a server of the parent's give
+ * PP_ERROR_STATE, and closing them there ends nothing of the parent's.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. That is
  * compiled into the program and hands the size that it knows to pp_init_…(), which a program in another language calls
@@ -108,7 +109,8 @@ typedef struct pp_cloud_arrays {
   uint64_t count;    /* points */
   pp_rows positions; /* x y z, PP_FLOAT32 or PP_FLOAT64; doubles keep their precision */
   pp_rows normals;   /* PP_FLOAT32 or PP_FLOAT64; made unit length */
-  pp_rows colors;    /* red green blue: PP_UINT8 0 to 255, PP_UINT16 0 to 65535, PP_FLOAT32 and PP_FLOAT64 0 to 1 */
+  pp_rows colors;    /* red green blue: PP_UINT8 0 to 255, PP_UINT16 0 to 65535, PP_FLOAT32 and PP_FLOAT64 0 to 1,
+                        or 0 to 255 where any is above 1; nothing else is a colour */
 } pp_cloud_arrays;
 PP_OPTIONS(cloud_arrays)
 /* Copies the arrays. */
@@ -250,7 +252,9 @@ typedef struct pp_session_options {
   uint32_t size;
   uint32_t threads;   /* of the CPU; 0: one per core */
   const char* gpu;    /* number or part of a name; "cpu": none, in double precision; null: a GPU where there is one */
-  double mm_per_unit; /* millimetres per model unit; 0: as the cloud says, or the longest side becomes 100 mm */
+  double mm_per_unit; /* millimetres in the hand per model unit, by which all lengths in mm are measured (1 for a scan in
+                         mm that is felt at its own size); 0: as the cloud says, or the longest side becomes 100 mm, as
+                         the log hears. A length in model units is pp_session_info.mm_per_unit times as many mm. */
   uint32_t estimate_normals; /* 1: also where the cloud has some */
   uint32_t reserved;
   double rate_Hz;      /* ticks per second */
