@@ -1,5 +1,5 @@
 // Clouds and meshes in Python: views of what the library holds.
-#include "apps/python/arrays.hpp"
+#include "apps/python/interruption.hpp"
 
 namespace palpate::python {
 
@@ -225,8 +225,10 @@ void bindClouds(py::module_& module) {
         pp_read_options options = pp_default_read_options();
         options.all_points = all_points ? 1 : 0;
         options.normals_from_faces = normals_from_faces ? 1 : 0;
+        Interruption interruption;
+        options.watch = interruption.watch();
         py::gil_scoped_release released;
-        return std::make_shared<PyCloud>(pp::Cloud::read(file, options));
+        return std::make_shared<PyCloud>(interruption.during([&] { return pp::Cloud::read(file, options); }));
       },
       py::arg("file"), py::arg("all_points") = false, py::arg("normals_from_faces") = false,
       "read(file, all_points=False, normals_from_faces=False) -> Cloud\n\n"
@@ -239,8 +241,10 @@ void bindClouds(py::module_& module) {
         pp_write_options options = pp_default_write_options();
         options.ascii = ascii ? 1 : 0;
         options.keep = keep ? 1 : 0;
+        Interruption interruption;
+        options.watch = interruption.watch();
         py::gil_scoped_release released;
-        cloud.cloud().write(file, options);
+        interruption.during([&] { cloud.cloud().write(file, options); });
       },
       py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("keep") = false,
       "write(file, cloud, ascii=False, keep=False)\n\n"

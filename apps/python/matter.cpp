@@ -40,8 +40,9 @@ class PyMatter {
     pp_matter_options options = pp_default_matter_options();
     options.gpu = gpu ? gpu->c_str() : nullptr;
     options.threads = threads;
+    options.watch = interruption_.watch();
     py::gil_scoped_release released;
-    matter_ = pp::Matter(scene, options);
+    matter_ = interruption_.during([&] { return pp::Matter(scene, options); });
   }
 
   template <class Do>
@@ -49,13 +50,14 @@ class PyMatter {
     home_.require();
     py::gil_scoped_release released;
     const std::scoped_lock lock(inUse_);
-    return act(matter_);
+    return interruption_.during([&] { return act(matter_); });
   }
 
   bool isHere() const { return home_.isHere(); }
 
  private:
   Home home_;
+  Interruption interruption_;
   std::mutex inUse_;
   pp::Matter matter_;
 };

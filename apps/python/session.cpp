@@ -110,13 +110,14 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   options.law_library = law_.library();
   options.log = &Heard::hear;
   options.log_user = &heard_;
+  options.watch = interruption_.watch();
   if (!cloud_ && settings.moving) refuse("moving: is of a Cloud; leave it out");
   if (!settings.moving && (settings.keeps_points || settings.most_points > 0))
     refuse("keeps_points, most_points: are of points that move frame by frame; say moving=True");
   if (!std::filesystem::is_directory(name) && (settings.speed != 1 || settings.loop || settings.fuse))
     refuse("speed, loop, fuse: are of a recorded depth camera, in a folder");
   py::gil_scoped_release released;
-  session_ = opened(name, settings, options);
+  session_ = interruption_.during([&] { return opened(name, settings, options); });
 }
 
 pp::Session PySession::opened(const std::string& name, const SessionSettings& settings,

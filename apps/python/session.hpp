@@ -67,7 +67,7 @@ class PySession {
       if (law->python()) law->python()->refuseWithin();
     py::gil_scoped_release released;
     const std::scoped_lock lock(inUse_);
-    return act(session_);
+    return interruption_.during([&] { return act(session_); });
   }
 
   py::array touch(const py::object& path, const std::optional<std::string>& surface);
@@ -104,6 +104,7 @@ class PySession {
   std::uint32_t hands_;
   bool hasTorques_;
   Law law_, liveLaw_;
+  Interruption interruption_;
   std::mutex inUse_;
   pp::Session session_;  // goes first
 };

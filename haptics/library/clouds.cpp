@@ -57,10 +57,14 @@ pp_status pp_cloud_read(const char* file, const pp_read_options* options, pp_clo
     const std::string name = &required(file, "file");
     required(cloud, "cloud");
     if (isRgbdFolder(name)) throw FileError(name, "is a recorded depth camera, and not one cloud");
-    Remarks remarks(given.log, given.log_user);
-    StoredCloud stored = readCloud(
-        name, &remarks.sink(),
-        {.normalsFromFaces = given.normals_from_faces != 0, .pointsOnly = true, .allPoints = given.all_points != 0});
+    Watch watch(given.watch);
+    Remarks remarks(given.log, given.log_user, watch);
+    StoredCloud stored;
+    watch.runCut([&] {
+      stored = readCloud(
+          name, &remarks.sink(),
+          {.normalsFromFaces = given.normals_from_faces != 0, .pointsOnly = true, .allPoints = given.all_points != 0});
+    });
     if (!stored.leftOut.empty()) remarks.sink().say("{}: left out are {}", name, stored.leftOut);
     *cloud = opened<pp_cloud>(std::make_shared<CloudObject>(
         std::move(stored.cloud),
@@ -76,8 +80,15 @@ pp_status pp_cloud_write(pp_cloud cloud, const char* file, const pp_write_option
     const std::string name = &required(file, "file");
     const pp_write_options given = optionsFrom(options, "options");
     std::filesystem::path kept;
-    cloudFormats().toWrite(name).write(name, found->cloud,
-                                       {.ascii = given.ascii != 0, .keptAs = given.keep ? &kept : nullptr});
+    Watch watch(given.watch);
+    watch.runCut([&] {
+      cloudFormats().toWrite(name).write(
+          name, found->cloud,
+          {.ascii = given.ascii != 0, .keptAs = given.keep ? &kept : nullptr, .progress = [&](double share) {
+             throwIfStopWanted();
+             watch.progressed("writing", share);
+           }});
+    });
   });
 }
 

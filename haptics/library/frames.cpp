@@ -11,12 +11,13 @@ pp_status pp_session_open_frames(pp_cloud cloud, const pp_frames_options* frames
   clear(session);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
-    required(session, "session");
-    Subject subject;
-    subject.model = found->source;
-    subject.cloud = &found->cloud;
-    subject.frames = optionsFrom(frames, "frames");
-    *session = opened<pp_session>(std::make_shared<OpenSession>(subject, optionsFrom(options, "options")));
+    openSession(options, session, [&] {
+      Subject subject;
+      subject.model = found->source;
+      subject.cloud = &found->cloud;
+      subject.frames = optionsFrom(frames, "frames");
+      return subject;
+    });
   });
 }
 
@@ -25,18 +26,19 @@ pp_status pp_session_open_stream(const char* folder, const pp_stream_options* st
   clear(session);
   return guarded([&] {
     const std::string name = &required(folder, "folder");
-    required(session, "session");
     if (!isRgbdFolder(name)) throw FileError(name, "is no folder of a recorded depth camera");
     const pp_stream_options given = optionsFrom(stream, "stream");
-    Subject subject;
-    subject.model.file = name;
-    subject.stream.emplace();
-    subject.stream->speed = given.speed;
-    subject.stream->loop = given.loop != 0;
-    subject.stream->fuse = given.fuse != 0;
-    subject.stream->depthScale = given.depth_scale;
-    subject.stream->intrinsics = textOf(given.intrinsics);
-    *session = opened<pp_session>(std::make_shared<OpenSession>(subject, optionsFrom(options, "options")));
+    openSession(options, session, [&] {
+      Subject subject;
+      subject.model.file = name;
+      subject.stream.emplace();
+      subject.stream->speed = given.speed;
+      subject.stream->loop = given.loop != 0;
+      subject.stream->fuse = given.fuse != 0;
+      subject.stream->depthScale = given.depth_scale;
+      subject.stream->intrinsics = textOf(given.intrinsics);
+      return subject;
+    });
   });
 }
 

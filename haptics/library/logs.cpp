@@ -88,10 +88,10 @@ Backends backendsOn(GpuHalf& gpu) {
   return Backends(std::move(kinds));
 }
 
-pp_replay_result replayed(const std::string& file, const pp_replay_options& options) {
+pp_replay_result replayed(const std::string& file, const pp_replay_options& options, Watch& watch) {
   const auto cloud = options.cloud.id == 0 ? nullptr : objectOf<CloudObject>(options.cloud.id);
   if (!(options.tolerance >= 0)) throw UsageError("tolerance: {} is not zero or more", options.tolerance);
-  Remarks remarks(options.log, options.log_user);
+  Remarks remarks(options.log, options.log_user, watch);
   GpuHalf gpu({.gpu = options.gpu});
   const Backends backends = backendsOn(gpu);
   const ReplayParts parts{.backends = backends,
@@ -153,6 +153,8 @@ pp_status pp_log_replay(const char* file, const pp_replay_options* options, pp_r
   return guarded([&] {
     const std::string name = &required(file, "file");
     checkSize(required(result, "result").size, sizeof(pp_replay_result), "result");
-    giveInfo(result, replayed(name, optionsFrom(options, "options")), "result");
+    const pp_replay_options given = optionsFrom(options, "options");
+    Watch watch(given.watch);
+    watch.runCut([&] { giveInfo(result, replayed(name, given, watch), "result"); });
   });
 }

@@ -38,12 +38,12 @@ pp_status pp_session_open_matter(const char* scene, const pp_session_options* op
   clear(session);
   return guarded([&] {
     const std::string name = &required(scene, "scene");
-    required(session, "session");
-    const pp_session_options given = optionsFrom(options, "options");
-    Subject subject;
-    subject.model.file = name;
-    subject.scene = sceneNamed(name);
-    *session = library::opened<pp_session>(std::make_shared<OpenSession>(subject, given));
+    openSession(options, session, [&] {
+      Subject subject;
+      subject.model.file = name;
+      subject.scene = sceneNamed(name);
+      return subject;
+    });
   });
 }
 
@@ -105,7 +105,11 @@ pp_status pp_matter_open(const char* scene, const pp_matter_options* options, pp
   return guarded([&] {
     const std::string name = &required(scene, "scene");
     required(matter, "matter");
-    *matter = library::opened<pp_matter>(std::make_shared<OpenMatter>(name, optionsFrom(options, "options")));
+    const pp_matter_options given = optionsFrom(options, "options");
+    const auto watch = std::make_shared<Watch>(given.watch);
+    std::shared_ptr<OpenMatter> made;
+    watch->runCut([&] { made = std::make_shared<OpenMatter>(name, given, watch); });
+    *matter = library::opened<pp_matter>(std::move(made));
   });
 }
 
@@ -119,7 +123,7 @@ pp_status pp_matter_close(pp_matter matter) {
 }
 
 pp_status pp_matter_step(pp_matter matter, uint64_t steps) {
-  return with(matter, [&](OpenMatter& open) { open.step(steps); });
+  return with(matter, [&](OpenMatter& open) { open.watch().run([&] { open.step(steps); }); });
 }
 
 pp_status pp_matter_reset(pp_matter matter) {

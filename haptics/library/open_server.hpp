@@ -17,7 +17,8 @@ namespace palpate::library {
 class OpenServer {
  public:
   /// Throws Error.
-  OpenServer(const CloudObject& cloud, const std::string& name, const pp_serve_options& options);
+  OpenServer(const CloudObject& cloud, const std::string& name, const pp_serve_options& options,
+             std::shared_ptr<Watch> watch);
   ~OpenServer() { end(); }
   OpenServer(const OpenServer&) = delete;
   OpenServer& operator=(const OpenServer&) = delete;
@@ -31,6 +32,7 @@ class OpenServer {
 
  private:
   HomeProcess home_;
+  std::shared_ptr<Watch> watch_;
   Remarks remarks_;
   NetworkConfig network_;
   Model model_;

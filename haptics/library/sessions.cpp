@@ -47,6 +47,7 @@ void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>
     faults += row.valid ? 0 : 1;
   }
   *room.count = done * hands;
+  if (done < ticks && isStopWanted()) throw Stopped("stopped after {} of {} ticks", done, ticks);
   if (faults > 0) throw GpuError("{} of {} ticks had no valid answer; their force was zero", faults, done * hands);
 }
 
@@ -76,10 +77,7 @@ pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_
   clear(session);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
-    required(session, "session");
-    const pp_session_options given = optionsFrom(options, "options");
-    *session = opened<pp_session>(
-        std::make_shared<OpenSession>(Subject{.model = found->source, .cloud = &found->cloud, .scene = {}}, given));
+    openSession(options, session, [&] { return Subject{.model = found->source, .cloud = &found->cloud, .scene = {}}; });
   });
 }
 
@@ -109,7 +107,7 @@ pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count
 pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity,
                            uint64_t* count) {
   clear(count);
-  return with(session, Claim::all, [&](OpenSession& open) {
+  return lasting(session, [&](OpenSession& open) {
     runInto({ticks, capacity, count}, open, onePath(open, path), std::nullopt);
   });
 }
@@ -117,7 +115,7 @@ pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* tic
 pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
                             uint64_t capacity, uint64_t* count) {
   clear(count);
-  return with(session, Claim::all, [&](OpenSession& open) {
+  return lasting(session, [&](OpenSession& open) {
     runInto({ticks, capacity, count}, open, onePath(open, path), brushFrom(optionsFrom(brush, "brush")));
   });
 }
@@ -125,7 +123,7 @@ pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_br
 pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths, uint32_t hands, const pp_brush* brush,
                                  pp_tick* ticks, double* torques_mNm, uint64_t capacity, uint64_t* count) {
   clear(count);
-  return with(session, Claim::all, [&](OpenSession& open) {
+  return lasting(session, [&](OpenSession& open) {
     if (hands > PP_MOST_HANDS) throw UsageError("hands: {} are more than {}", hands, PP_MOST_HANDS);
     if (hands > 0) required(paths, "paths");
     std::vector<Path> all;
@@ -168,7 +166,7 @@ pp_status pp_touch_lift(pp_session session) {
 }
 
 pp_status pp_session_set_brush(pp_session session, const pp_brush* brush) {
-  return with(session, Claim::all, [&](OpenSession& open) { open.setBrush(brushOr(brush)); });
+  return lasting(session, [&](OpenSession& open) { open.setBrush(brushOr(brush)); });
 }
 
 pp_status pp_session_set_feel(pp_session session, const pp_feel* feel) {
@@ -180,7 +178,7 @@ pp_status pp_session_set_feel(pp_session session, const pp_feel* feel) {
 
 pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done) {
   clear(done);
-  return with(session, Claim::all, [&](OpenSession& open) {
+  return lasting(session, [&](OpenSession& open) {
     const std::uint64_t undone = open.undo(strokes);
     if (done) *done = undone;
   });
@@ -188,7 +186,7 @@ pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done) 
 
 pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) {
   clear(done);
-  return with(session, Claim::all, [&](OpenSession& open) {
+  return lasting(session, [&](OpenSession& open) {
     const std::uint64_t redone = open.redo(strokes);
     if (done) *done = redone;
   });
@@ -203,13 +201,13 @@ pp_status pp_session_follow(pp_session session) {
 
 pp_status pp_session_cloud(pp_session session, pp_cloud* cloud) {
   clear(cloud);
-  return with(session, Claim::all, [&](OpenSession& open) {
+  return lasting(session, [&](OpenSession& open) {
     required(cloud, "cloud") = opened<pp_cloud>(std::make_shared<CloudObject>(open.points()));
   });
 }
 
 pp_status pp_session_render(pp_session session, const pp_picture_options* options, uint8_t* rgba, uint64_t bytes) {
-  return looking(session, [&](OpenSession& open) {
+  return lookingLong(session, [&](OpenSession& open) {
     const PictureRequest request = pictureFrom(optionsFrom(options, "options"));
     const std::uint64_t needed = std::uint64_t{4} * request.width * request.height;
     required(rgba, "rgba");
@@ -235,7 +233,7 @@ pp_status pp_image_write(const char* file, const uint8_t* rgba, uint32_t width, 
 
 pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp_mesh* mesh) {
   clear(mesh);
-  return looking(session, [&](OpenSession& open) {
+  return lookingLong(session, [&](OpenSession& open) {
     required(mesh, "mesh");
     const pp_mesh_options given = optionsFrom(options, "options");
     auto made = std::make_shared<MeshObject>(MeshObject{.mesh = open.mesh(given)});
@@ -272,7 +270,7 @@ pp_status pp_mesh_close(pp_mesh mesh) {
 }
 
 pp_status pp_live_start(pp_session session, const pp_live_options* options) {
-  return with(session, Claim::all, [&](OpenSession& open) { open.startLive(optionsFrom(options, "options")); });
+  return lasting(session, [&](OpenSession& open) { open.startLive(optionsFrom(options, "options")); });
 }
 
 pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count) {

@@ -75,11 +75,13 @@ pp_status pp_session_join(const char* name, const pp_join_options* join, const p
                           pp_session* session) {
   clear(session);
   return guarded([&] {
-    Subject subject;
-    subject.model.file = &required(name, "name");
-    required(session, "session");
-    subject.join = joinFrom(optionsFrom(join, "join"));
-    *session = library::opened<pp_session>(std::make_shared<OpenSession>(subject, optionsFrom(options, "options")));
+    const std::string called = &required(name, "name");
+    openSession(options, session, [&] {
+      Subject subject;
+      subject.model.file = called;
+      subject.join = joinFrom(optionsFrom(join, "join"));
+      return subject;
+    });
   });
 }
 
@@ -104,10 +106,11 @@ pp_status pp_session_show_camera(pp_session session, const pp_camera_place* came
 
 pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same) {
   clear(same);
-  return library::with(session, Claim::all, [&](OpenSession& open) {
+  return lasting(session, [&](OpenSession& open) {
     if (!(seconds >= 0 && seconds <= bounds::kLongest_s))
       throw UsageError("seconds: {} is not between 0 and {}", seconds, bounds::kLongest_s);
     const bool isSame = open.settleShared(seconds);
+    if (!isSame && isStopWanted()) throw Stopped("stopped before all was settled");
     if (same) *same = isSame ? 1 : 0;
   });
 }
@@ -118,7 +121,11 @@ pp_status pp_serve(pp_cloud cloud, const char* name, const pp_serve_options* opt
     const auto found = objectOf<CloudObject>(cloud.id);
     const std::string called = &required(name, "name");
     required(server, "server");
-    *server = library::opened<pp_server>(std::make_shared<OpenServer>(*found, called, optionsFrom(options, "options")));
+    const pp_serve_options given = optionsFrom(options, "options");
+    const auto watch = std::make_shared<Watch>(given.watch);
+    std::shared_ptr<OpenServer> made;
+    watch->runCut([&] { made = std::make_shared<OpenServer>(*found, called, given, watch); });
+    *server = library::opened<pp_server>(std::move(made));
   });
 }
 

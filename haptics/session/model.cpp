@@ -9,6 +9,7 @@
 #include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/job_stop.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/matter/matter_model.hpp"
@@ -83,7 +84,9 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
   PointCloud& cloud = model.cloud;
   // Before normals are estimated, so that all who read the file find the same.
   model.upright = findUp(cloud);
+  throwIfStopWanted();
   model.shown = coreBoundsOf(cloud);
+  throwIfStopWanted();
   if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
     const std::string cost = loading.estimate(cloud, loading.threads);
     if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);
