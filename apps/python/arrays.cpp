@@ -1,12 +1,14 @@
 #include "apps/python/arrays.hpp"
 
 #include <cstddef>
+#include <cstring>
 
 namespace palpate::python {
 
 namespace {
 
 Doubles pathRows(const py::object& given) {
+  refuseMasked(given, "path");
   Doubles rows = Doubles::ensure(given);
   if (!rows) {
     PyErr_Clear();
@@ -31,11 +33,20 @@ pp_rows rowsOf(const py::array& array) {
                 : pp::rows(static_cast<const double*>(array.data()));
 }
 
-[[noreturn]] void refuse(const std::string& what) { throw py::value_error(what); }
+std::string typeNameOf(const py::handle& given) { return py::str(py::type::of(given)); }
+
+void refuseMasked(const py::object& given, const char* name) {
+  if (!py::hasattr(given, "mask") || !py::isinstance<py::array>(given)) return;
+  const auto hidden = py::array(given.attr("mask")).attr("sum")().cast<std::size_t>();
+  if (hidden > 0)
+    refuse(std::string(name) + ": " + std::to_string(hidden) +
+           " numbers are masked; give the rows that count, or .data");
+}
 
 std::string shapeOf(const py::array& array) { return py::str(array.attr("shape")); }
 
 py::array threeColumns(const py::object& given, const char* name, std::optional<py::ssize_t> rows) {
+  refuseMasked(given, name);
   const py::array any = py::array::ensure(given);
   if (!any) {
     PyErr_Clear();
@@ -64,20 +75,30 @@ py::dtype typeOf(bool hasTorques) {
     offsets.append(offset);
   };
   const py::str number("f8"), three("3f8"), flag("?"), whole("u4");
-  add("t_s", number, offsetof(pp_tick, t_s));
-  add("hip", three, offsetof(pp_tick, hip));
-  add("proxy", three, offsetof(pp_tick, proxy));
-  add("normal", three, offsetof(pp_tick, normal));
-  add("force_N", three, offsetof(pp_tick, force_N));
-  add("penetration_mm", number, offsetof(pp_tick, penetration_mm));
-  add("contact", flag, offsetof(pp_tick, contact));
-  add("neighbours", whole, offsetof(pp_tick, neighbours));
-  add("fresh", flag, offsetof(pp_tick, fresh));
-  if (hasTorques) add("torque_mNm", three, sizeof(pp_tick));
-  return py::dtype(names, formats, offsets, hasTorques ? kToolTickBytes : sizeof(pp_tick));
+  add("t_s", number, offsetof(TickRow, t_s));
+  add("hip", three, offsetof(TickRow, hip));
+  add("proxy", three, offsetof(TickRow, proxy));
+  add("normal", three, offsetof(TickRow, normal));
+  add("force_N", three, offsetof(TickRow, force_N));
+  add("penetration_mm", number, offsetof(TickRow, penetration_mm));
+  add("contact", flag, offsetof(TickRow, contact));
+  add("neighbours", whole, offsetof(TickRow, neighbours));
+  add("fresh", flag, offsetof(TickRow, fresh));
+  if (hasTorques) add("torque_mNm", three, offsetof(ToolTickRow, torque_mNm));
+  return py::dtype(names, formats, offsets, hasTorques ? sizeof(ToolTickRow) : sizeof(TickRow));
 }
 
 }  // namespace
+
+TickRow rowOf(const pp_tick& tick) {
+  TickRow row{};
+  static_assert(offsetof(TickRow, contact) == offsetof(pp_tick, neighbours));
+  std::memcpy(&row, &tick, offsetof(TickRow, contact));
+  row.contact = tick.contact != 0;
+  row.neighbours = tick.neighbours;
+  row.fresh = tick.fresh != 0;
+  return row;
+}
 
 py::dtype tickType() { return typeOf(false); }
 py::dtype toolTickType() { return typeOf(true); }
@@ -89,7 +110,12 @@ PathArray::PathArray(const py::object& given) : rows(pathRows(given)), path(pp_d
 }
 
 std::string fileOf(const py::object& path) {
-  return py::module_::import("os").attr("fspath")(path).cast<std::string>();
+  try {
+    return py::module_::import("os").attr("fspath")(path).cast<std::string>();
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
+    refuseType("file: " + typeNameOf(path) + " is no path");
+  }
 }
 
 }  // namespace palpate::python

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,8 +29,26 @@ py::str textOf(std::string_view text);
 
 pp_rows rowsOf(const py::array& array);
 
-/// Throws ValueError.
-[[noreturn]] void refuse(const std::string& what);
+/// What is refused before it comes to the library, as a class of palpate/_errors.py.
+class Refusal : public std::runtime_error {
+ public:
+  Refusal(const char* kind, const std::string& what, pp_status status = PP_ERROR_ARGUMENT)
+      : std::runtime_error(what), kind_(kind), status_(status) {}
+  const char* kind() const { return kind_; }
+  pp_status status() const { return status_; }
+
+ private:
+  const char* kind_;
+  pp_status status_;
+};
+/// Throws palpate.UsageError.
+[[noreturn]] inline void refuse(const std::string& what) { throw Refusal("UsageError", what); }
+/// Throws palpate.ArgumentTypeError.
+[[noreturn]] inline void refuseType(const std::string& what) { throw Refusal("ArgumentTypeError", what); }
+/// "<class 'str'>"
+std::string typeNameOf(const py::handle& given);
+/// Throws palpate.UsageError for an array that leaves numbers out by a mask.
+void refuseMasked(const py::object& given, const char* name);
 std::string shapeOf(const py::array& array);
 
 /// Rows of three that follow one another: float32 as they are, everything else as float64.
@@ -45,10 +64,22 @@ py::object viewOf(const Number* data, std::vector<py::ssize_t> shape, const py::
   return view;
 }
 
-/// The trace's columns, where a pp_tick has them.
+/// A tick with the trace's columns, in their order: NumPy writes files of fields that lie in order alone.
+struct TickRow {
+  double t_s;
+  double hip[3], proxy[3], normal[3], force_N[3];
+  double penetration_mm;
+  bool contact;
+  std::uint32_t neighbours;
+  bool fresh;
+};
+/// Of a tool of many points.
+struct ToolTickRow {
+  TickRow tick;
+  double torque_mNm[3];
+};
+TickRow rowOf(const pp_tick& tick);
 py::dtype tickType();
-/// The same, and torque_mNm behind it: of a tool of many points.
-constexpr std::size_t kToolTickBytes = sizeof(pp_tick) + 3 * sizeof(double);
 py::dtype toolTickType();
 
 /// The path of an array, which outlives it.
@@ -64,15 +95,18 @@ std::string fileOf(const py::object& path);
 
 class PyCloud {
  public:
-  explicit PyCloud(pp::Cloud cloud) : cloud_(std::move(cloud)) {}
+  /// `isSingle`: of float32 places.
+  explicit PyCloud(pp::Cloud cloud, bool isSingle = false) : cloud_(std::move(cloud)), isSingle_(isSingle) {}
 
   static std::shared_ptr<PyCloud> of(const py::object& xyz, const py::object& normals, const py::object& colors);
 
   const pp::Cloud& cloud() const { return cloud_; }
   pp_points view() const { return cloud_.view(); }
+  bool isSingle() const { return isSingle_; }
 
  private:
   pp::Cloud cloud_;
+  bool isSingle_;
 };
 
 class PyMesh {

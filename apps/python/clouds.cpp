@@ -1,5 +1,5 @@
 // Clouds and meshes in Python: views of what the library holds.
-#include "apps/python/arrays.hpp"
+#include "apps/python/interruption.hpp"
 
 namespace palpate::python {
 
@@ -9,6 +9,7 @@ using Vector = std::array<double, 3>;
 namespace {
 
 pp_rows colorsOf(py::array& kept, const py::object& given, py::ssize_t count) {
+  refuseMasked(given, "colors");
   const py::array any = py::array::ensure(given);
   if (!any) PyErr_Clear();
   const auto keep = [&]<class Number>(Number) {
@@ -20,8 +21,8 @@ pp_rows colorsOf(py::array& kept, const py::object& given, py::ssize_t count) {
     if (any.dtype().is(py::dtype::of<std::uint16_t>())) return keep(std::uint16_t{});
   }
   if (any && any.dtype().kind() != 'f')
-    throw py::type_error("colors: uint8 (0 to 255), uint16 (0 to 65535) or float (0 to 1) is wanted, not " +
-                         std::string(py::str(any.dtype())));
+    refuseType("colors: uint8 (0 to 255), uint16 (0 to 65535) or float (0 to 1, or 0 to 255) is wanted, not " +
+               std::string(py::str(any.dtype())));
   kept = threeColumns(given, "colors", count);
   return rowsOf(kept);
 }
@@ -37,7 +38,7 @@ py::object fieldOf(const CloudPointer& cloud, const py::object& owner, const cha
     view.attr("setflags")(py::arg("write") = false);
     return view;
   }
-  throw py::key_error(name);
+  throw Refusal("UnknownNameError", "name: the cloud has no attribute '" + std::string(name) + "'");
 }
 
 std::vector<std::string> attributesOf(const CloudPointer& cloud) {
@@ -52,22 +53,20 @@ std::vector<std::string> attributesOf(const CloudPointer& cloud) {
   return names;
 }
 
-/// File coordinates: where the points lie as floats, if those are all there is to know, else a copy in doubles.
+/// File coordinates: where the points lie as floats, if they were given so and those are all there is to know, else a
+/// copy in doubles.
 py::object placesOf(const py::object& self) {
   const auto cloud = self.cast<CloudPointer>();
   const pp_points points = cloud->view();
   const auto count = static_cast<py::ssize_t>(points.count);
   const bool atOrigin = points.origin[0] == 0 && points.origin[1] == 0 && points.origin[2] == 0;
+  if (cloud->isSingle() && atOrigin) return viewOf(points.positions, {count, 3}, self);
   py::array_t<double> places(std::vector<py::ssize_t>{count, 3});
   double* const to = places.mutable_data();
-  bool asFloats = atOrigin;
   {
     py::gil_scoped_release released;
     pp::check(pp_cloud_copy_places(cloud->cloud().handle(), to, points.count));
-    for (std::uint64_t i = 0; asFloats && i < 3 * points.count; ++i)
-      asFloats = to[i] == static_cast<double>(points.positions[i]);
   }
-  if (asFloats) return viewOf(points.positions, {count, 3}, self);
   places.attr("setflags")(py::arg("write") = false);
   return places;
 }
@@ -141,8 +140,9 @@ std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& no
     arrays.normals = rowsOf(facing);
   }
   if (!colors.is_none()) arrays.colors = colorsOf(painted, colors, places.shape(0));
+  const bool isSingle = places.dtype().is(py::dtype::of<float>());
   py::gil_scoped_release released;
-  return std::make_shared<PyCloud>(pp::Cloud(arrays));
+  return std::make_shared<PyCloud>(pp::Cloud(arrays), isSingle);
 }
 
 void bindClouds(py::module_& module) {
@@ -151,7 +151,8 @@ void bindClouds(py::module_& module) {
       "Cloud(xyz, normals=None, colors=None)\n\n"
       "Points, never changed once they are made. xyz: (N, 3), model units; doubles keep their\n"
       "precision. normals: (N, 3), made unit length. colors: (N, 3), uint8 0 to 255, uint16 0 to\n"
-      "65535 or float 0 to 1. All are copied; what is shown is a view of palpate's own memory,\n"
+      "65535, or float: 0 to 1, or 0 to 255 where any is above 1. All are copied; what is shown is a view of palpate's "
+      "own memory,\n"
       "which cannot be written to and keeps the cloud.")
       .def(py::init(&PyCloud::of), py::arg("xyz"), py::arg("normals") = py::none(), py::arg("colors") = py::none())
       .def("__repr__",
@@ -162,9 +163,9 @@ void bindClouds(py::module_& module) {
                     (p.colors ? ", colors" : "") + ", " + side(0) + " x " + side(1) + " x " + side(2) + ">";
            })
       .def("__len__", [](const PyCloud& cloud) { return cloud.view().count; })
-      .def_property_readonly(
-          "xyz", &placesOf,
-          "(N, 3), file coordinates: a float32 view where that is all there is to know, else float64.")
+      .def_property_readonly("xyz", &placesOf,
+                             "(N, 3), file coordinates: float64; of a cloud that was made of float32 a float32 view, "
+                             "while origin\nis zero.")
       .def_property_readonly(
           "positions",
           [](const py::object& self) {
@@ -213,7 +214,7 @@ void bindClouds(py::module_& module) {
           },
           py::arg("name"),
           "attribute(name) -> array\n\nOne of attributes: (N,), a view in the file's own type and unit. Raises\n"
-          "KeyError where there is none of the name.");
+          "UnknownNameError where there is none of the name.");
 
   bindMeshes(module);
 
@@ -224,8 +225,10 @@ void bindClouds(py::module_& module) {
         pp_read_options options = pp_default_read_options();
         options.all_points = all_points ? 1 : 0;
         options.normals_from_faces = normals_from_faces ? 1 : 0;
+        Interruption interruption;
+        options.watch = interruption.watch();
         py::gil_scoped_release released;
-        return std::make_shared<PyCloud>(pp::Cloud::read(file, options));
+        return std::make_shared<PyCloud>(interruption.during([&] { return pp::Cloud::read(file, options); }));
       },
       py::arg("file"), py::arg("all_points") = false, py::arg("normals_from_faces") = false,
       "read(file, all_points=False, normals_from_faces=False) -> Cloud\n\n"
@@ -238,8 +241,10 @@ void bindClouds(py::module_& module) {
         pp_write_options options = pp_default_write_options();
         options.ascii = ascii ? 1 : 0;
         options.keep = keep ? 1 : 0;
+        Interruption interruption;
+        options.watch = interruption.watch();
         py::gil_scoped_release released;
-        cloud.cloud().write(file, options);
+        interruption.during([&] { cloud.cloud().write(file, options); });
       },
       py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("keep") = false,
       "write(file, cloud, ascii=False, keep=False)\n\n"

@@ -1,5 +1,7 @@
 #include "apps/python/law.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -21,6 +23,10 @@ Vector vectorOf(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
+thread_local const PythonLaw* PythonLaw::under_ = nullptr;
+
+PythonLaw::PythonLaw(py::object callable) : callable_(std::move(callable)), process_(::getpid()) {}
+
 void PythonLaw::setLive(bool live) {
   if (live == live_) return;
   live_ = live;
@@ -34,6 +40,7 @@ void PythonLaw::setLive(bool live) {
     thread_ = std::thread([this] { serve(); });
     return;
   }
+  if (process_ != ::getpid()) return thread_.detach();  // it did not come along
   stop_ = true;
   asked_.release();
   const py::gil_scoped_release released;  // which it may be waiting for
@@ -54,14 +61,19 @@ PythonLaw::Answer PythonLaw::answerTo(const Question& question) {
   Answer answer{.t_s = question.pose.t_s};
   if (failed_) return answer;
   const py::gil_scoped_acquire held;
+  struct Under {
+    explicit Under(const PythonLaw* law) : before(std::exchange(under_, law)) {}
+    ~Under() { under_ = before; }
+    const PythonLaw* before;
+  } const under(this);
   try {
     const py::object given = callable_(LawInput{question.pose, question.contact, question.dt_s});
     const auto force_N = given.cast<Vector>();
     if (!std::ranges::all_of(force_N, [](double f) { return std::isfinite(f); }))
-      throw py::value_error("law: gave a force that is not finite");
+      refuse("law: gave a force that is not finite");
     answer.force_N = force_N;
   } catch (const py::cast_error&) {
-    raised_ = std::make_exception_ptr(py::type_error("law: gave no force of three numbers, N"));
+    raised_ = std::make_exception_ptr(Refusal("ArgumentTypeError", "law: gave no force of three numbers, N"));
     failed_ = true;
   } catch (...) {
     raised_ = std::current_exception();
@@ -118,10 +130,10 @@ Law::Law(const py::object& given, bool allowPython) {
     return;
   }
   if (PyCallable_Check(given.ptr()) == 0)
-    throw py::type_error("law: " + std::string(py::str(py::type::of(given))) +
-                         " is no force law; one is \"libmine.so:law\", a numba cfunc, or a function");
+    refuseType("law: " + typeNameOf(given) +
+               " is no force law; one is \"libmine.so:law\", a numba cfunc, or a function");
   if (!allowPython)
-    throw py::type_error(
+    refuseType(
         "law: a function of Python's runs in every tick and waits for Python's lock: some 30 us where nobody else "
         "holds it, and 5 ms and more beside one busy thread of Python's, which a hand feels as a force that lags and "
         "fades. Take a compiled function (\"libmine.so:law\", or a numba cfunc), or say allow_python=True");

@@ -21,7 +21,7 @@ class PythonLaw {
   static constexpr double kHeld_s = 0.01;  ///< up to which a force is held
   static constexpr double kGone_s = 0.05;  ///< from which on nothing is left of it
 
-  explicit PythonLaw(py::object callable) : callable_(std::move(callable)) {}
+  explicit PythonLaw(py::object callable);
   /// With Python's lock, as what follows.
   ~PythonLaw() { setLive(false); }
   PythonLaw(const PythonLaw&) = delete;
@@ -35,6 +35,13 @@ class PythonLaw {
   void raise();
   /// Ticks of live sessions that it was too late for. From any thread.
   std::uint64_t late() const { return late_; }
+
+  /// Throws palpate.Error in a call of this law, which the session that asked would wait for.
+  void refuseWithin() const {
+    if (under_ == this)
+      throw Refusal("Error", "a force law asks nothing of its own session: it has what it needs in its LawInput",
+                    PP_ERROR_STATE);
+  }
 
   /// A pp_force_law, without Python's lock.
   static void call(void* user, const pp_pose* pose, const pp_contact* contact, double dt_s, double force_N[3]);
@@ -53,7 +60,10 @@ class PythonLaw {
   void answerLive(const Question& question, double force_N[3]);
   void serve();
 
+  static thread_local const PythonLaw* under_;  // that this thread calls now
+
   py::object callable_;
+  int process_;
   std::exception_ptr raised_;
   std::atomic<bool> failed_ = false;
   std::atomic<std::uint64_t> late_ = 0;
@@ -74,7 +84,7 @@ class PythonLaw {
 class Law {
  public:
   Law() = default;
-  /// Throws TypeError.
+  /// Throws palpate.ArgumentTypeError.
   Law(const py::object& given, bool allowPython);
 
   const char* library() const { return library_.empty() ? nullptr : library_.c_str(); }

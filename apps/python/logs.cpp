@@ -83,8 +83,10 @@ py::dict replayed(const py::object& log, const std::shared_ptr<PyCloud>& cloud, 
   options.tolerance = tolerance;
   pp_replay_result result = pp_default_replay_result();
   {
+    Interruption interruption;
+    options.watch = interruption.watch();
     py::gil_scoped_release released;
-    result = pp::replay(file, options);
+    result = interruption.during([&] { return pp::replay(file, options); });
   }
   py::dict told;
   told["identical"] = result.identical != 0;

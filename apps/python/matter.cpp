@@ -40,18 +40,24 @@ class PyMatter {
     pp_matter_options options = pp_default_matter_options();
     options.gpu = gpu ? gpu->c_str() : nullptr;
     options.threads = threads;
+    options.watch = interruption_.watch();
     py::gil_scoped_release released;
-    matter_ = pp::Matter(scene, options);
+    matter_ = interruption_.during([&] { return pp::Matter(scene, options); });
   }
 
   template <class Do>
   auto with(Do&& act) {
+    home_.require();
     py::gil_scoped_release released;
     const std::scoped_lock lock(inUse_);
-    return act(matter_);
+    return interruption_.during([&] { return act(matter_); });
   }
 
+  bool isHere() const { return home_.isHere(); }
+
  private:
+  Home home_;
+  Interruption interruption_;
   std::mutex inUse_;
   pp::Matter matter_;
 };
@@ -102,7 +108,10 @@ void bindMatter(py::module_& module) {
       .def(py::init<const std::string&, const std::optional<std::string>&, std::uint32_t>(), py::arg("scene"),
            py::arg("gpu") = py::none(), py::arg("threads") = 0)
       .def(
-          "close", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.close(); }); },
+          "close",
+          [](PyMatter& self) {
+            if (self.isHere()) self.with([](pp::Matter& matter) { matter.close(); });
+          },
           "close()\n\nEnds it; what is called then raises Error. A with statement does it.")
       .def(
           "step",

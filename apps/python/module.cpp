@@ -5,10 +5,22 @@ namespace {
 
 using namespace palpate::python;
 
-/// Python's own class of errors, in palpate/_errors.py.
+/// Of palpate/_errors.py.
+py::object classNamed(const char* name) { return py::module_::import("palpate._errors").attr(name); }
+
+const char* classOf(pp_status status) {
+  if (status == PP_ERROR_ARGUMENT) return "UsageError";
+  return status == PP_ERROR_HANDLE ? "ClosedError" : "Error";
+}
+
+void translate(const Refusal& refusal) {
+  const py::object kind = classNamed(refusal.kind());
+  const py::object made = kind(textOf(refusal.what()), py::arg("status") = pp_status_name(refusal.status()));
+  PyErr_SetObject(kind.ptr(), made.ptr());
+}
+
 void translate(const pp::Error& error) {
-  const py::object errors = py::module_::import("palpate._errors");
-  const py::object kind = errors.attr(error.status() == PP_ERROR_ARGUMENT ? "UsageError" : "Error");
+  const py::object kind = classNamed(classOf(error.status()));
   const py::object file = error.file().empty() ? py::object(py::none()) : py::object(textOf(error.file()));
   const py::object line = error.line() == 0 ? py::object(py::none()) : py::object(py::int_(error.line()));
   const py::object made = kind(textOf(error.what()), py::arg("status") = pp_status_name(error.status()),
@@ -37,6 +49,8 @@ PYBIND11_MODULE(_palpate, module) {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const pp::Error& error) {
       translate(error);
+    } catch (const Refusal& refusal) {
+      translate(refusal);
     }
   });
   py::options options;

@@ -1,14 +1,12 @@
 // Networks and sessions of others, as Python names them.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
-#include <type_traits>
 #include <vector>
 
-#include "apps/python/arrays.hpp"
+#include "apps/python/interruption.hpp"
 
 namespace palpate::python {
 
@@ -23,33 +21,17 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
   const pp_network* get() const { return &network_; }
-  /// What waits on it, without Python's lock: ends with what a signal raises in Python (Ctrl+C), which this throws, and
-  /// otherwise with what `call` throws.
+  /// What waits on it: Interruption::during().
   template <class Call>
-  auto waiting(Call&& call) const {
-    try {
-      if constexpr (std::is_void_v<std::invoke_result_t<Call>>) {
-        call();
-        throwRaised();
-      } else {
-        auto result = call();
-        throwRaised();
-        return result;
-      }
-    } catch (const pp::Error&) {
-      throwRaised();
-      throw;
-    }
+  auto waiting(Call&& call) {
+    return interruption_.during(std::forward<Call>(call));
   }
 
  private:
-  static std::int32_t isInterrupted(void* self);
-  void throwRaised() const;
-
   NetworkTuple given_;
   std::vector<const char*> peers_;
   pp_network network_ = pp_default_network();
-  mutable std::shared_ptr<py::error_already_set> raised_;  // by what Python does at a signal
+  Interruption interruption_;
 };
 
 /// Name, network, hand, read_only and patience_s, as palpate.Join has them.

@@ -1,8 +1,8 @@
 #include "apps/python/session.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
+#include <span>
 
 namespace palpate::python {
 
@@ -27,18 +27,38 @@ std::vector<std::unique_ptr<PathArray>> pathsOf(const py::object& given, std::ui
   return paths;
 }
 
+py::array rowsOf(std::span<const pp_tick> ticks, const std::vector<py::ssize_t>& shape) {
+  py::array rows(tickType(), shape);
+  std::ranges::transform(ticks, static_cast<TickRow*>(rows.mutable_data()), rowOf);
+  return rows;
+}
+
 }  // namespace
 
-Brush::Brush(const std::string& name, const py::kwargs& settings) : kind(name) {
-  for (const auto& [key, value] : settings) set(key.cast<std::string>(), value);
+Brush::Brush(const std::string& name, const py::kwargs& settings, double mm_per_unit) : kind(name) {
+  for (const auto& [length, length_mm] : {std::pair("radius", "radius_mm"), std::pair("tau", "tau_mm")})
+    if (settings.contains(length) && settings.contains(length_mm))
+      refuse(std::string("brush: has ") + length + ", in model units, and " + length_mm + "; give one of them");
+  for (const auto& [key, value] : settings) {
+    const auto name_of = key.cast<std::string>();
+    try {
+      set(name_of, value, mm_per_unit);
+    } catch (const py::cast_error&) {
+      refuseType("brush: " + name_of + " is not a " + typeNameOf(value));
+    }
+  }
   brush.kind = kind.c_str();
 }
 
-void Brush::set(const std::string& key, const py::handle& value) {
+void Brush::set(const std::string& key, const py::handle& value, double mm_per_unit) {
   if (key == "radius_mm")
     brush.radius_mm = value.cast<double>();
+  else if (key == "radius")
+    brush.radius_mm = value.cast<double>() * mm_per_unit;
   else if (key == "tau_mm")
     brush.tau_mm = value.cast<double>();
+  else if (key == "tau")
+    brush.tau_mm = value.cast<double>() * mm_per_unit;
   else if (key == "beta")
     brush.beta = value.cast<double>();
   else if (key == "strength")
@@ -50,8 +70,9 @@ void Brush::set(const std::string& key, const py::handle& value) {
   else if (key == "color")
     std::ranges::copy(value.cast<std::array<std::uint8_t, 3>>(), brush.color);
   else
-    throw py::type_error("a brush has no " + key +
-                         "; it has radius_mm, tau_mm, beta, strength, falloff, keeps_density and color");
+    refuseType("a brush has no " + key +
+               "; it has radius_mm and tau_mm (or radius and tau, in model units), beta, strength, falloff, "
+               "keeps_density and color");
 }
 
 PySession::PySession(const py::object& cloud, const SessionSettings& settings, Law law)
@@ -60,8 +81,7 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   if (py::isinstance<PyCloud>(cloud))
     cloud_ = cloud.cast<CloudPointer>();
   else if (!settings.join && !py::isinstance<py::str>(cloud))
-    throw py::type_error("cloud: " + std::string(py::str(py::type::of(cloud))) +
-                         " is no Cloud, no name of a scene and no Join");
+    refuseType("cloud: " + typeNameOf(cloud) + " is no Cloud, no name of a scene and no Join");
   feel_ = pp_default_feel();
   feel_.friction = settings.friction;
   feel_.radius_mm = settings.radius_mm.value_or(0);
@@ -90,13 +110,14 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   options.law_library = law_.library();
   options.log = &Heard::hear;
   options.log_user = &heard_;
+  options.watch = interruption_.watch();
   if (!cloud_ && settings.moving) refuse("moving: is of a Cloud; leave it out");
   if (!settings.moving && (settings.keeps_points || settings.most_points > 0))
     refuse("keeps_points, most_points: are of points that move frame by frame; say moving=True");
   if (!std::filesystem::is_directory(name) && (settings.speed != 1 || settings.loop || settings.fuse))
     refuse("speed, loop, fuse: are of a recorded depth camera, in a folder");
   py::gil_scoped_release released;
-  session_ = opened(name, settings, options);
+  session_ = interruption_.during([&] { return opened(name, settings, options); });
 }
 
 pp::Session PySession::opened(const std::string& name, const SessionSettings& settings,
@@ -138,7 +159,7 @@ py::array PySession::touch(const py::object& path, const std::optional<std::stri
 }
 
 py::array PySession::stroke(const py::object& path, const std::string& kind, const py::kwargs& settings) {
-  const Brush brush(kind, settings);
+  const Brush brush(kind, settings, mm_per_unit());
   return along(path, &brush.brush);
 }
 
@@ -159,13 +180,12 @@ py::array PySession::along(const py::object& given, const pp_brush* brush) {
   const std::uint64_t rows = ticks * hands_;
   std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(ticks)};
   if (hands_ > 1) shape.push_back(hands_);
-  py::array felt(tickType(), shape);
+  std::vector<pp_tick> felt(rows);
   std::vector<double> torques_mNm(hasTorques_ ? 3 * rows : 0);
-  auto* const to = static_cast<pp_tick*>(felt.mutable_data());
   try {
     with([&](pp::Session& session) {
       std::uint64_t done = 0;
-      pp::check(pp_session_touch_hands(session.handle(), pointers.data(), hands_, brush, to,
+      pp::check(pp_session_touch_hands(session.handle(), pointers.data(), hands_, brush, felt.data(),
                                        hasTorques_ ? torques_mNm.data() : nullptr, rows, &done));
     });
   } catch (const pp::Error&) {
@@ -173,12 +193,12 @@ py::array PySession::along(const py::object& given, const pp_brush* brush) {
     throw;
   }
   if (law_.python()) law_.python()->raise();
-  if (!hasTorques_) return felt;
+  if (!hasTorques_) return rowsOf(felt, shape);
   py::array all(toolTickType(), shape);
-  auto* row = static_cast<std::byte*>(all.mutable_data());
-  for (std::uint64_t i = 0; i < rows; ++i, row += kToolTickBytes) {
-    std::memcpy(row, to + i, sizeof(pp_tick));
-    std::memcpy(row + sizeof(pp_tick), &torques_mNm[3 * i], kToolTickBytes - sizeof(pp_tick));
+  auto* row = static_cast<ToolTickRow*>(all.mutable_data());
+  for (std::uint64_t i = 0; i < rows; ++i, ++row) {
+    *row = {.tick = rowOf(felt[i]), .torque_mNm = {}};
+    std::copy_n(&torques_mNm[3 * i], 3, row->torque_mNm);
   }
   return all;
 }
@@ -196,6 +216,7 @@ void PySession::addFrame(double t_s, const py::object& xyz, const py::object& no
     speeds = threeColumns(velocities, "velocities", places.shape(0));
     frame.velocities = rowsOf(speeds);
   }
+  home_.require();
   py::gil_scoped_release released;
   session_.pushFrame(frame);  // beside whatever else is done with it
 }
@@ -275,12 +296,15 @@ py::array PySession::takeTicks() {
   with([&](pp::Session& session) { pp::check(pp_live_take(session.handle(), ticks.get(), kMost, &count)); });
   std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(count / hands_)};
   if (hands_ > 1) shape.push_back(hands_);
-  py::array taken(tickType(), shape);
-  std::copy_n(ticks.get(), count, static_cast<pp_tick*>(taken.mutable_data()));
-  return taken;
+  return rowsOf({ticks.get(), count}, shape);
+}
+
+double PySession::mm_per_unit() {
+  return with([](pp::Session& session) { return session.info().mm_per_unit; });
 }
 
 void PySession::close() {
+  if (!home_.isHere()) return;
   with([](pp::Session& session) {
     if (session.isOpen()) pp::check(pp_session_close(session.handle()));
     session = pp::Session();

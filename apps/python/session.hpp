@@ -7,6 +7,7 @@
 
 #include "apps/python/arrays.hpp"
 #include "apps/python/heard.hpp"
+#include "apps/python/home.hpp"
 #include "apps/python/law.hpp"
 #include "apps/python/network.hpp"
 
@@ -40,12 +41,13 @@ struct Brush {
   std::string kind;
   pp_brush brush = pp_default_brush();
 
-  Brush(const std::string& name, const py::kwargs& settings);
+  /// Lengths whose names do not end in _mm are in model units.
+  Brush(const std::string& name, const py::kwargs& settings, double mm_per_unit);
   Brush(const Brush&) = delete;
   Brush& operator=(const Brush&) = delete;
 
  private:
-  void set(const std::string& key, const py::handle& value);
+  void set(const std::string& key, const py::handle& value, double mm_per_unit);
 };
 
 /// One thread at a time is in it; others wait.
@@ -60,9 +62,12 @@ class PySession {
   /// With the session to oneself, and without Python's lock.
   template <class Do>
   auto with(Do&& act) {
+    home_.require();
+    for (const Law* law : {&law_, &liveLaw_})
+      if (law->python()) law->python()->refuseWithin();
     py::gil_scoped_release released;
     const std::scoped_lock lock(inUse_);
-    return act(session_);
+    return interruption_.during([&] { return act(session_); });
   }
 
   py::array touch(const py::object& path, const std::optional<std::string>& surface);
@@ -82,12 +87,16 @@ class PySession {
   void close();
   py::list remarks() const { return told(heard_); }
   pp::Session& session() { return session_; }
+  double mm_per_unit();
+  /// Places of its cloud are float32.
+  bool isSingle() const { return cloud_ && cloud_->isSingle(); }
 
  private:
   pp::Session opened(const std::string& name, const SessionSettings& settings, const pp_session_options& options) const;
   pp_feel feelWith(const std::string& surface) const;
   py::array along(const py::object& path, const pp_brush* brush);
 
+  Home home_;
   CloudPointer cloud_;
   Heard heard_;
   std::string surface_;
@@ -95,6 +104,7 @@ class PySession {
   std::uint32_t hands_;
   bool hasTorques_;
   Law law_, liveLaw_;
+  Interruption interruption_;
   std::mutex inUse_;
   pp::Session session_;  // goes first
 };

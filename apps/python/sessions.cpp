@@ -32,9 +32,10 @@ void bindTouch(py::class_<PySession>& session) {
           "\"simulation\" where it diverges.")
       .def("stroke", &PySession::stroke, py::arg("path"), py::arg("kind"),
            "stroke(path, kind, **brush) -> structured array\n\n"
-           "The same with a brush: push, carve, inflate, smooth, grab, paint or flatten. Of the brush: radius_mm, "
+           "The same with a brush: push, carve, inflate, smooth, grab, paint or flatten. Of the brush: radius_mm and "
            "tau_mm (how\n"
-           "deep a hand may stand before the surface yields), beta (push: share of the way that a point goes in one "
+           "deep a hand may stand before the surface yields), mm in the hand, or radius and tau, in model units; "
+           "beta (push: share of the way that a point goes in one "
            "tick),\n"
            "strength (0 to 1), falloff (0 to 16), keeps_density, color (three of 0 to 255). Of several hands the first "
            "one\n"
@@ -43,7 +44,7 @@ void bindTouch(py::class_<PySession>& session) {
           "set_brush",
           [](PySession& self, const std::optional<std::string>& kind, const py::kwargs& settings) {
             if (!kind) return self.with([](pp::Session& open) { open.setNoBrush(); });
-            const Brush brush(*kind, settings);
+            const Brush brush(*kind, settings, self.mm_per_unit());
             self.with([&](pp::Session& open) { open.setBrush(brush.brush); });
           },
           py::arg("kind"),
@@ -67,7 +68,8 @@ void bindTouch(py::class_<PySession>& session) {
       .def(
           "cloud",
           [](PySession& self) {
-            return std::make_shared<PyCloud>(self.with([](pp::Session& open) { return open.cloud(); }));
+            const bool isSingle = self.isSingle();
+            return std::make_shared<PyCloud>(self.with([](pp::Session& open) { return open.cloud(); }), isSingle);
           },
           "cloud() -> Cloud\n\nThe points as they are.")
       .def("add_frame", &PySession::addFrame, py::arg("t_s"), py::arg("xyz"), py::arg("normals"),

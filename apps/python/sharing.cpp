@@ -16,23 +16,8 @@ Network::Network(NetworkTuple given) : given_(std::move(given)) {
   network_.peer_count = peers_.size();
   network_.domain = domain;
   network_.security = security ? security->c_str() : nullptr;
-  network_.stop = &Network::isInterrupted;
-  network_.stop_user = this;
-}
-
-// Python looks at signals on its main thread alone, where this waits in its place.
-std::int32_t Network::isInterrupted(void* self) {
-  const auto& network = *static_cast<const Network*>(self);
-  const py::gil_scoped_acquire acquired;
-  if (!network.raised_ && PyErr_CheckSignals() != 0) network.raised_ = std::make_shared<py::error_already_set>();
-  return network.raised_ ? 1 : 0;
-}
-
-void Network::throwRaised() const {
-  if (!raised_) return;
-  const py::gil_scoped_acquire acquired;
-  const auto raised = std::exchange(raised_, nullptr);
-  throw py::error_already_set(*raised);
+  network_.stop = &Interruption::isAsked;
+  network_.stop_user = &interruption_;
 }
 
 pp::Session join(const JoinTuple& how, const pp_session_options& options) {
@@ -44,7 +29,7 @@ pp::Session join(const JoinTuple& how, const pp_session_options& options) {
   join.read_only = readOnly ? 1 : 0;
   join.patience_s = patience_s;
   join.near_hands = near ? 1 : 0;
-  return on.waiting([&, &name = name] { return pp::Session::joined(name, join, options); });
+  return pp::Session::joined(name, join, options);
 }
 
 namespace {
@@ -61,7 +46,7 @@ struct ServeSettings {
 class PyServer {
  public:
   PyServer(const PyCloud& cloud, const std::string& name, const ServeSettings& settings) {
-    const Network on(settings.network);
+    Network on(settings.network);
     pp_serve_options options = pp_default_serve_options();
     options.network = on.get();
     options.read_only = settings.read_only ? 1 : 0;
@@ -72,9 +57,11 @@ class PyServer {
     options.threads = settings.threads;
     options.log = &Heard::hear;
     options.log_user = &heard_;
+    Interruption interruption;
+    options.watch = interruption.watch();
     py::gil_scoped_release released;
     pp_server server{};
-    on.waiting([&] { pp::check(pp_serve(cloud.cloud().handle(), name.c_str(), &options, &server)); });
+    interruption.during([&] { pp::check(pp_serve(cloud.cloud().handle(), name.c_str(), &options, &server)); });
     id_ = server.id;
   }
   ~PyServer() {
@@ -85,16 +72,19 @@ class PyServer {
   PyServer& operator=(const PyServer&) = delete;
 
   void close() {
+    if (!home_.isHere()) return;
     py::gil_scoped_release released;
     if (const std::uint64_t id = id_.exchange(0)) pp::check(pp_server_close({id}));
   }
   pp_server_info info() const {
+    home_.require();
     py::gil_scoped_release released;
     pp_server_info info = pp_default_server_info();
     pp::check(pp_server_get_info({id_}, &info));
     return info;
   }
   std::shared_ptr<PyCloud> cloud() const {
+    home_.require();
     py::gil_scoped_release released;
     pp_cloud cloud{};
     pp::check(pp_server_cloud({id_}, &cloud));
@@ -103,6 +93,7 @@ class PyServer {
   py::list remarks() const { return told(heard_); }
 
  private:
+  Home home_;
   Heard heard_;
   std::atomic<std::uint64_t> id_ = 0;
 };
@@ -156,7 +147,7 @@ py::list survey(const NetworkTuple& network, double seconds) {
   std::vector<pp_seen_session> seen;
   {
     py::gil_scoped_release released;
-    const Network on(network);
+    Network on(network);
     seen = on.waiting([&] { return pp::surveyNetwork(*on.get(), seconds); });
   }
   py::list all;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/parallel.hpp"
+#include "engine/core/stop_checks.hpp"
 #include "engine/core/worker_team.hpp"
 
 namespace palpate {
@@ -107,7 +108,9 @@ std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const 
   const auto count = static_cast<std::uint32_t>(points.size());
   std::vector<std::uint32_t> highest(count);
   std::iota(highest.begin(), highest.end(), 0u);
+  StopChecks checks;
   for (std::uint32_t i = 0; i < count; ++i) {
+    checks();
     std::uint32_t& best = highest[groups.root(i)];
     if (points[i].z > points[best].z) best = i;
   }
@@ -125,8 +128,11 @@ std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const 
 void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const NeighbourGraph& graph,
                    unsigned threads) {
   SignGroups groups(points.size());
-  for (const EdgeEnds& edge : edgesByCost(points, normals, graph, threads))  // Kruskal's algorithm
+  StopChecks checks;
+  for (const EdgeEnds& edge : edgesByCost(points, normals, graph, threads)) {  // Kruskal's algorithm
+    checks();
     groups.join(edge[0], edge[1] & ~kDiffer, (edge[1] & kDiffer) != 0);
+  }
   const std::vector<std::uint8_t> turns = turnsOf(points, normals, groups);
   for (std::size_t i = 0; i < normals.size(); ++i)
     if (turns[i]) normals[i] = -normals[i];

@@ -3,6 +3,7 @@
 #include <nanoflann.hpp>
 
 #include "engine/core/check.hpp"
+#include "engine/core/stop_checks.hpp"
 
 namespace palpate {
 namespace {
@@ -31,8 +32,13 @@ class Ball {
 struct PointTree::Index {
   struct PointsView {
     std::span<const Vec3> points;
+    bool isBuilding = true;  // by one thread; queries are of many
+    mutable StopChecks checks = {};
     std::size_t kdtree_get_point_count() const { return points.size(); }
-    double kdtree_get_pt(std::size_t i, std::size_t axis) const { return static_cast<double>((&points[i].x)[axis]); }
+    double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+      if (isBuilding) checks();
+      return static_cast<double>((&points[i].x)[axis]);
+    }
     template <class Box>
     bool kdtree_get_bbox(Box&) const {
       return false;
@@ -43,7 +49,7 @@ struct PointTree::Index {
   using Metric = nanoflann::L2_Simple_Adaptor<double, PointsView, double, std::uint32_t>;
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointsView, 3, std::uint32_t>;
 
-  explicit Index(std::span<const Vec3> points) : view{points}, tree(3, view, {kLeafSize}) {}
+  explicit Index(std::span<const Vec3> points) : view{points}, tree(3, view, {kLeafSize}) { view.isBuilding = false; }
   PointsView view;
   Tree tree;
 };

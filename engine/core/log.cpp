@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "engine/core/console.hpp"
+#include "engine/core/job_stop.hpp"
 
 namespace palpate {
 
@@ -29,6 +30,7 @@ void Log::endProgress() {
 }
 
 void Log::progress(std::string_view what, double fraction) {
+  throwIfStopWanted();
   const std::scoped_lock lock(lock_);
   if (listener_) listener_->progressed(what, fraction);
   if (quiet_) return;

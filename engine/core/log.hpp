@@ -29,6 +29,7 @@ class Log {
     write(fmt::format(text, std::forward<Args>(args)...));
   }
   /// `fraction` from 0 to 1; lines are rationed, so it may be called often. What is done within a second is not shown.
+  /// Throws Stopped where the job of this thread may be cut there.
   void progress(std::string_view what, double fraction);
   /// Takes the bar away, however far it has come.
   void endProgress();

@@ -9,6 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "engine/core/job_stop.hpp"
+
 namespace palpate {
 
 /// Threads to use when the user asked for `wanted` (0: one per core).
@@ -16,8 +18,8 @@ inline unsigned threadCount(unsigned wanted) {
   return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-/// Calls body(part) for every part in [0, parts), each on a thread of its own; the first exception is thrown again
-/// here.
+/// Calls body(part) for every part in [0, parts), each on a thread of its own, which is stopped as this one is; the
+/// first exception is thrown again here.
 template <class Body>
 void parallelParts(std::size_t parts, Body&& body) {
   if (parts == 1) return body(std::size_t{0});
@@ -26,7 +28,8 @@ void parallelParts(std::size_t parts, Body&& body) {
   std::vector<std::jthread> workers;
   workers.reserve(parts);
   for (std::size_t part = 0; part < parts; ++part) {
-    workers.emplace_back([&, part] {
+    workers.emplace_back([&, part, stop = jobStop] {
+      const JobStopScope scope(stop);
       try {
         body(part);
       } catch (...) {
@@ -57,12 +60,20 @@ class ParallelRanges {
 
 /// Calls body(begin, end) on disjoint ranges that cover [0, count). The first exception is thrown again here. The split
 /// depends on `threads` only through the range borders, so a body that treats each index alone gives the same result
-/// with any number of threads.
+/// with any number of threads. Throws Stopped, and is asked after some thousand indices.
 template <class Body>
 void parallelFor(std::size_t count, unsigned threads, Body&& body) {
   const ParallelRanges ranges(count, threads);
   if (count == 0) return;
-  parallelParts(ranges.count(), [&](std::size_t range) { body(ranges.begin(range), ranges.end(range)); });
+  parallelParts(ranges.count(), [&](std::size_t range) {
+    constexpr std::size_t kBetweenStops = 4096;
+    const std::size_t end = ranges.end(range);
+    const std::size_t step = jobStop.mayCut ? kBetweenStops : end - ranges.begin(range);
+    for (std::size_t begin = ranges.begin(range); begin < end; begin += step) {
+      throwIfStopWanted();
+      body(begin, std::min(end, begin + step));
+    }
+  });
 }
 
 /// As parallelFor(), where some indices take much longer than others: whoever is free takes the next `block` of them.
@@ -72,7 +83,10 @@ void parallelBlocks(std::size_t count, std::size_t block, unsigned threads, Body
   if (count == 0) return;
   std::atomic<std::size_t> next = 0;
   parallelParts(std::min<std::size_t>(blocks, threadCount(threads)), [&](std::size_t) {
-    for (std::size_t k; (k = next++) < blocks;) body(k * block, std::min(count, (k + 1) * block));
+    for (std::size_t k; (k = next++) < blocks;) {
+      throwIfStopWanted();
+      body(k * block, std::min(count, (k + 1) * block));
+    }
   });
 }
 

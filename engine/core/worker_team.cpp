@@ -19,7 +19,10 @@ WorkerTeam::~WorkerTeam() {
 
 void WorkerTeam::run(std::size_t parts, Call call, void* context) {
   if (parts <= 1 || workers_.empty()) {
-    for (std::size_t part = 0; part < parts; ++part) call(context, part);
+    for (std::size_t part = 0; part < parts; ++part) {
+      throwIfStopWanted();
+      call(context, part);
+    }
     return;
   }
   {
@@ -27,14 +30,19 @@ void WorkerTeam::run(std::size_t parts, Call call, void* context) {
     parts_ = parts;
     call_ = call;
     context_ = context;
+    stopsBy_ = jobStop;
     next_ = 0;
     busy_ = workers_.size();
     ++turn_;
   }
   wake_.notify_all();
-  takeParts();
+  {
+    const JobStopScope whole(JobStopScope::whole());  // each part
+    takeParts();
+  }
   std::unique_lock hold(lock_);
   idle_.wait(hold, [this] { return busy_ == 0; });
+  throwIfStopWanted();
 }
 
 void WorkerTeam::work() {
@@ -53,7 +61,8 @@ void WorkerTeam::work() {
 }
 
 void WorkerTeam::takeParts() {
-  for (std::size_t part; (part = next_++) < parts_;) call_(context_, part);
+  for (std::size_t part; (part = next_++) < parts_;)
+    if (!(stopsBy_.mayCut && isStopWanted(stopsBy_))) call_(context_, part);
 }
 
 }  // namespace palpate

@@ -9,6 +9,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "engine/core/job_stop.hpp"
+
 namespace palpate {
 
 /// Threads that stay, for parallel work that comes again and again: starting it neither makes threads nor allocates.
@@ -25,7 +27,7 @@ class WorkerTeam {
   std::size_t size() const { return workers_.size() + 1; }
 
   /// Calls body(part) once for every part in [0, parts), on whichever thread is free, and returns when all are done.
-  /// `body` must not throw.
+  /// `body` must not throw. Throws Stopped with parts left undone.
   template <class Body>
   void forEach(std::size_t parts, Body&& body) {
     using Plain = std::remove_reference_t<Body>;
@@ -48,6 +50,7 @@ class WorkerTeam {
   std::atomic<std::size_t> next_ = 0;
   Call call_ = nullptr;
   void* context_ = nullptr;
+  JobStop stopsBy_;  // of the caller
   std::vector<std::jthread> workers_;
 };
 

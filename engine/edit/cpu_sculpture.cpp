@@ -104,13 +104,13 @@ void CpuSculpture::edit(const PlacedBrush& brush) {
   carves_ = brush.kind() == BrushKind::carve;
   pushes_.reset();
   cuts_.reset();
-  if (carves_ && brush.acts() && options_.keepsDensity) cuts_ = brush;
+  if (carves_ && brush.acts() && resamples(brush)) cuts_ = brush;
   if ((brush.kind() == BrushKind::push || brush.kind() == BrushKind::grab) && brush.acts()) pushes_ = brush;
   if (brush.acts()) applyBrush(brush);
   findUnsettled();
   refit();
   settled_ = !someWait_;
-  if (options_.keepsDensity)
+  if (resamples(brush))
     resample();
   else
     for (const std::uint32_t point : unsettled_) points_.unsettled[point] = 0;

@@ -9,9 +9,10 @@
 namespace palpate {
 
 struct SculptOptions {
-  double radius = 0;         ///< support radius, model units
-  bool keepsDensity = true;  ///< insert where the surface is stretched, merge where it is crowded
-  unsigned threads = 0;      ///< 0: one per core
+  double radius = 0;  ///< support radius, model units
+  /// A brush that keeps the density may: insert where the surface is stretched, merge where it is crowded.
+  bool keepsDensity = true;
+  unsigned threads = 0;  ///< 0: one per core
 };
 
 /// The points and their index. The result of a tick depends neither on the number of threads nor on the order of the
@@ -57,6 +58,7 @@ class CpuSculpture {
     grid_.build(points_.positions, points_.there);
     ++builds_;
   }
+  bool resamples(const PlacedBrush& brush) const { return options_.keepsDensity && brush.keepsDensity(); }
   void applyBrush(const PlacedBrush& brush);
   PlacedBrush::Found found(const PlacedBrush& brush, std::uint32_t point) const;
   DVec3 smoothed(const PlacedBrush& brush, std::uint32_t point) const;

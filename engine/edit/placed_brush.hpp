@@ -20,6 +20,8 @@ class PlacedBrush {
   PlacedBrush(const BrushOptions& options, double support, const BrushStroke::Tool& tool);
 
   BrushKind kind() const { return static_cast<BrushKind>(brush_.kind); }
+  /// Points come and go with it, where the sculpture can.
+  bool keepsDensity() const { return keepsDensity_; }
   /// False: nothing yields.
   bool acts() const { return tool_.acts != 0; }
   /// The ball whose points may feel the brush: all those nearer than the radius to its centre.
@@ -47,6 +49,7 @@ class PlacedBrush {
  private:
   shared::BrushOf<double> brush_;
   BrushStroke::Tool tool_;
+  bool keepsDensity_;
 };
 
 }  // namespace palpate

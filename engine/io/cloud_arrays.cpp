@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -34,10 +35,42 @@ std::vector<Group> groupsOf(const CloudArrays& arrays) {
   return groups;
 }
 
+float numberAt(const NumberRows& rows, const std::byte* row, std::size_t column) {
+  if (rows.type == ScalarType::f32) return loadScalar<float>(row + column * sizeof(float));
+  return static_cast<float>(loadScalar<double>(row + column * sizeof(double)));
+}
+
+/// Colours as floats of 0 to 1, as the greatest of all tells: above 1 they are numbers of 0 to 255.
+std::vector<float> colorsOf(const Group& group, std::uint64_t count) {
+  constexpr float kMostByte = 255, kRounded = 1e-3f;  // by which the greatest of 0 to 1 may be above 1
+  std::vector<float> colors;
+  colors.reserve(3 * count);
+  float most = 0;
+  for (std::uint64_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float color = numberAt(*group.rows, group.row(i), k);
+      if (!std::isfinite(color)) throw UsageError("colors: row {}: {} is {}", i, group.names[k], color);
+      if (color < 0 || color > kMostByte + kRounded)
+        throw UsageError("colors: row {}: {} is {}; floats are 0 to 1, or 0 to 255", i, group.names[k], color);
+      colors.push_back(color);
+      most = std::max(most, color);
+    }
+  if (most > 1 + kRounded)
+    for (float& color : colors) color /= kMostByte;
+  return colors;
+}
+
 }  // namespace
 
 PointCloud cloudOf(const CloudArrays& arrays, Log* log) {
-  const std::vector<Group> groups = groupsOf(arrays);
+  std::vector<Group> groups = groupsOf(arrays);
+  std::vector<float> colors;
+  NumberRows even;
+  if (arrays.colors.data && (arrays.colors.type == ScalarType::f32 || arrays.colors.type == ScalarType::f64)) {
+    colors = colorsOf(groups.back(), arrays.count);
+    even.data = reinterpret_cast<const std::byte*>(colors.data());
+    groups.back().rows = &even;
+  }
   PlyElement element{.name = "vertex", .count = arrays.count, .properties = {}, .line = 1};
   for (const Group& group : groups)
     for (const char* name : group.names) element.properties.push_back({.name = name, .type = group.rows->type});

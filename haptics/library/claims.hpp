@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "engine/core/system_file.hpp"
 #include "haptics/library/failures.hpp"
 #include "haptics/library/remarks.hpp"
 
@@ -13,11 +14,28 @@ inline void refuseInLogFunction() {
   if (isInLogFunction) throw StateError("a log function calls nothing of a session, of matter or of a server");
 }
 
+/// The process in which something was opened: threads, locks and a GPU stay behind in it where it forks.
+class HomeProcess {
+ public:
+  bool isThis() const noexcept { return number_ == processNumber(); }
+  /// Throws StateError.
+  void require() const {
+    if (!isThis())
+      throw StateError("this was opened by the process that has forked, and works there alone; open it in this one");
+  }
+
+ private:
+  int number_ = processNumber();
+};
+
 enum class Claim : unsigned { touch = 1, look = 2, all = 3 };
 
 class Claims {
  public:
-  /// Held while a call lasts. Throws ThreadError where another thread has what it wants, StateError in a log function.
+  const HomeProcess& home() const { return home_; }
+
+  /// Held while a call lasts. Throws ThreadError where another thread has what it wants, StateError in a log function
+  /// and in another process.
   class Held {
    public:
     Held(Claims& claims, Claim claim) : claims_(claims), bits_(static_cast<unsigned>(claim)) { claims_.take(bits_); }
@@ -33,6 +51,7 @@ class Claims {
  private:
   void take(unsigned bits) {
     refuseInLogFunction();
+    home_.require();
     unsigned before = taken_.load(std::memory_order_relaxed);
     do {
       if (before & bits)
@@ -40,6 +59,7 @@ class Claims {
     } while (!taken_.compare_exchange_weak(before, before | bits, std::memory_order_acquire));
   }
 
+  HomeProcess home_;
   std::atomic<unsigned> taken_ = 0;
 };
 

@@ -43,6 +43,7 @@ pp_points viewOf(const PointCloud& cloud) {
 }  // namespace palpate::library
 
 pp_status pp_cloud_create(const pp_cloud_arrays* arrays, pp_cloud* cloud) {
+  clear(cloud);
   return guarded([&] {
     const pp_cloud_arrays given = optionsFrom(&required(arrays, "arrays"), "arrays");
     required(cloud, "cloud") = opened<pp_cloud>(std::make_shared<CloudObject>(cloudOf(arraysFrom(given), nullptr)));
@@ -50,15 +51,20 @@ pp_status pp_cloud_create(const pp_cloud_arrays* arrays, pp_cloud* cloud) {
 }
 
 pp_status pp_cloud_read(const char* file, const pp_read_options* options, pp_cloud* cloud) {
+  clear(cloud);
   return guarded([&] {
     const pp_read_options given = optionsFrom(options, "options");
     const std::string name = &required(file, "file");
     required(cloud, "cloud");
     if (isRgbdFolder(name)) throw FileError(name, "is a recorded depth camera, and not one cloud");
-    Remarks remarks(given.log, given.log_user);
-    StoredCloud stored = readCloud(
-        name, &remarks.sink(),
-        {.normalsFromFaces = given.normals_from_faces != 0, .pointsOnly = true, .allPoints = given.all_points != 0});
+    Watch watch(given.watch);
+    Remarks remarks(given.log, given.log_user, watch);
+    StoredCloud stored;
+    watch.runCut([&] {
+      stored = readCloud(
+          name, &remarks.sink(),
+          {.normalsFromFaces = given.normals_from_faces != 0, .pointsOnly = true, .allPoints = given.all_points != 0});
+    });
     if (!stored.leftOut.empty()) remarks.sink().say("{}: left out are {}", name, stored.leftOut);
     *cloud = opened<pp_cloud>(std::make_shared<CloudObject>(
         std::move(stored.cloud),
@@ -74,8 +80,15 @@ pp_status pp_cloud_write(pp_cloud cloud, const char* file, const pp_write_option
     const std::string name = &required(file, "file");
     const pp_write_options given = optionsFrom(options, "options");
     std::filesystem::path kept;
-    cloudFormats().toWrite(name).write(name, found->cloud,
-                                       {.ascii = given.ascii != 0, .keptAs = given.keep ? &kept : nullptr});
+    Watch watch(given.watch);
+    watch.runCut([&] {
+      cloudFormats().toWrite(name).write(
+          name, found->cloud,
+          {.ascii = given.ascii != 0, .keptAs = given.keep ? &kept : nullptr, .progress = [&](double share) {
+             throwIfStopWanted();
+             watch.progressed("writing", share);
+           }});
+    });
   });
 }
 
@@ -90,6 +103,7 @@ const char* pp_formats_written(void) {
 }
 
 pp_status pp_cloud_view(pp_cloud cloud, pp_points* points) {
+  clear(points);
   return guarded([&] { required(points, "points") = objectOf<CloudObject>(cloud.id)->view; });
 }
 
@@ -107,10 +121,12 @@ pp_status pp_cloud_copy_places(pp_cloud cloud, double* places, uint64_t count) {
 }
 
 pp_status pp_cloud_attribute_count(pp_cloud cloud, uint64_t* count) {
+  clear(count);
   return guarded([&] { required(count, "count") = objectOf<CloudObject>(cloud.id)->cloud.extra.size(); });
 }
 
 pp_status pp_cloud_get_attribute(pp_cloud cloud, uint64_t index, pp_attribute* attribute) {
+  clear(attribute);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     const auto& all = found->cloud.extra;
@@ -124,10 +140,12 @@ pp_status pp_cloud_close(pp_cloud cloud) {
 }
 
 pp_status pp_gpu_count(uint32_t* count) {
+  clear(count);
   return guarded([&] { required(count, "count") = static_cast<std::uint32_t>(gpuNames().size()); });
 }
 
 pp_status pp_gpu_name(uint32_t index, char* name, uint64_t capacity) {
+  if (name && capacity > 0) name[0] = '\0';
   return guarded([&] {
     const std::vector<std::string> names = gpuNames();
     if (index >= names.size()) throw UsageError("index: {}, and there are {} GPUs", index, names.size());

@@ -3,6 +3,7 @@
 #include <new>
 #include <string>
 
+#include "engine/core/job_stop.hpp"
 #include "haptics/sharing/network.hpp"
 
 namespace palpate::library {
@@ -39,6 +40,8 @@ pp_status noteHandled() {
     return note(PP_ERROR_DEVICE, error.what());
   } catch (const SimulationError& error) {
     return note(PP_ERROR_SIMULATION, error.what());
+  } catch (const Stopped& error) {
+    return note(PP_ERROR_STOPPED, error.what());
   } catch (const UnsupportedError& error) {
     return note(PP_ERROR_UNSUPPORTED, error.what());
   } catch (const BugFound& error) {
@@ -116,6 +119,8 @@ const char* pp_status_name(int status) {
       return "simulation";
     case PP_ERROR_NETWORK:
       return "network";
+    case PP_ERROR_STOPPED:
+      return "stopped";
   }
   return "unknown";
 }

@@ -8,39 +8,44 @@ using namespace palpate::library;
 
 pp_status pp_session_open_frames(pp_cloud cloud, const pp_frames_options* frames, const pp_session_options* options,
                                  pp_session* session) {
+  clear(session);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
-    required(session, "session");
-    Subject subject;
-    subject.model = found->source;
-    subject.cloud = &found->cloud;
-    subject.frames = optionsFrom(frames, "frames");
-    *session = opened<pp_session>(std::make_shared<OpenSession>(subject, optionsFrom(options, "options")));
+    openSession(options, session, [&] {
+      Subject subject;
+      subject.model = found->source;
+      subject.cloud = &found->cloud;
+      subject.frames = optionsFrom(frames, "frames");
+      return subject;
+    });
   });
 }
 
 pp_status pp_session_open_stream(const char* folder, const pp_stream_options* stream, const pp_session_options* options,
                                  pp_session* session) {
+  clear(session);
   return guarded([&] {
     const std::string name = &required(folder, "folder");
-    required(session, "session");
     if (!isRgbdFolder(name)) throw FileError(name, "is no folder of a recorded depth camera");
     const pp_stream_options given = optionsFrom(stream, "stream");
-    Subject subject;
-    subject.model.file = name;
-    subject.stream.emplace();
-    subject.stream->speed = given.speed;
-    subject.stream->loop = given.loop != 0;
-    subject.stream->fuse = given.fuse != 0;
-    subject.stream->depthScale = given.depth_scale;
-    subject.stream->intrinsics = textOf(given.intrinsics);
-    *session = opened<pp_session>(std::make_shared<OpenSession>(subject, optionsFrom(options, "options")));
+    openSession(options, session, [&] {
+      Subject subject;
+      subject.model.file = name;
+      subject.stream.emplace();
+      subject.stream->speed = given.speed;
+      subject.stream->loop = given.loop != 0;
+      subject.stream->fuse = given.fuse != 0;
+      subject.stream->depthScale = given.depth_scale;
+      subject.stream->intrinsics = textOf(given.intrinsics);
+      return subject;
+    });
   });
 }
 
 pp_status pp_session_push_frame(pp_session session, const pp_frame_arrays* frame) {
   return guarded([&] {
     const auto found = objectOf<OpenSession>(session.id);
+    found->claims().home().require();
     const pp_frame_arrays given = optionsFrom(&required(frame, "frame"), "frame");
     if (given.count == 0) throw UsageError("count: a frame without points has no surface");
     if (!given.normals.data) throw UsageError("normals: a frame brings its own");

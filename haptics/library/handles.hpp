@@ -22,6 +22,8 @@ class HandleTable {
   std::shared_ptr<void> find(HandleKind kind, std::uint64_t handle);
   /// The same, and the handle is closed.
   std::shared_ptr<void> remove(HandleKind kind, std::uint64_t handle);
+  /// The same of an object that is not ended here, since it belongs to another process: it stays in memory.
+  void abandon(HandleKind kind, std::uint64_t handle) { static_cast<void>(new auto(remove(kind, handle))); }
 
  private:
   struct Slot {

@@ -3,6 +3,7 @@
 
 #include "haptics/library/objects.hpp"
 #include "haptics/library/open_session.hpp"
+#include "haptics/library/options.hpp"
 
 namespace palpate::library {
 
@@ -11,8 +12,26 @@ pp_status with(pp_session session, Claim claim, Do&& act) {
   return guarded([&] {
     const auto found = objectOf<OpenSession>(session.id);
     const Claims::Held held(found->claims(), claim);
+    found->ensureBuilt();
     act(*found);
   });
+}
+
+/// The same for what takes long, and the program may watch.
+template <class Do>
+pp_status lasting(pp_session session, Do&& act) {
+  return with(session, Claim::all, [&](OpenSession& open) { open.watch().run([&] { act(open); }); });
+}
+
+/// Opens what `subjectOf` gives, watched.
+template <class Give>
+void openSession(const pp_session_options* options, pp_session* session, Give&& subjectOf) {
+  required(session, "session");
+  const pp_session_options given = optionsFrom(options, "options");
+  const auto watch = std::make_shared<Watch>(given.watch);
+  std::shared_ptr<OpenSession> made;
+  watch->runCut([&] { made = std::make_shared<OpenSession>(subjectOf(), given, watch); });
+  *session = opened<pp_session>(std::move(made));
 }
 
 template <class Do>
@@ -20,8 +39,15 @@ pp_status looking(pp_session session, Do&& act) {
   return guarded([&] {
     const auto found = objectOf<OpenSession>(session.id);
     const Claims::Held held(found->claims(), found->looking());
+    found->ensureBuilt();
     act(*found);
   });
+}
+
+/// The same for what takes long, and the program may watch.
+template <class Do>
+pp_status lookingLong(pp_session session, Do&& act) {
+  return looking(session, [&](OpenSession& open) { open.watch().run([&] { act(open); }); });
 }
 
 }  // namespace palpate::library

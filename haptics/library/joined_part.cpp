@@ -25,8 +25,10 @@ NetworkConfig networkFrom(const pp_network* given) {
 
 StopSign stopFrom(const pp_network* given) {
   const pp_network network = optionsFrom(given, "network");
-  if (!network.stop) return {};
-  return [stop = network.stop, user = network.stop_user] { return stop(user) != 0; };
+  if (!network.stop && !jobStop.flag) return {};
+  return [stop = network.stop, user = network.stop_user, sign = jobStop] {
+    return isStopWanted(sign) || (stop && stop(user) != 0);
+  };
 }
 
 JoinSubject joinFrom(const pp_join_options& options) {

@@ -88,10 +88,10 @@ Backends backendsOn(GpuHalf& gpu) {
   return Backends(std::move(kinds));
 }
 
-pp_replay_result replayed(const std::string& file, const pp_replay_options& options) {
+pp_replay_result replayed(const std::string& file, const pp_replay_options& options, Watch& watch) {
   const auto cloud = options.cloud.id == 0 ? nullptr : objectOf<CloudObject>(options.cloud.id);
   if (!(options.tolerance >= 0)) throw UsageError("tolerance: {} is not zero or more", options.tolerance);
-  Remarks remarks(options.log, options.log_user);
+  Remarks remarks(options.log, options.log_user, watch);
   GpuHalf gpu({.gpu = options.gpu});
   const Backends backends = backendsOn(gpu);
   const ReplayParts parts{.backends = backends,
@@ -132,6 +132,7 @@ pp_status pp_session_record(pp_session session, const char* file) {
 }
 
 pp_status pp_log_read(const char* file, pp_log* log) {
+  clear(log);
   return guarded([&] {
     const std::string name = &required(file, "file");
     required(log, "log") = opened<pp_log>(logOf(name));
@@ -139,6 +140,7 @@ pp_status pp_log_read(const char* file, pp_log* log) {
 }
 
 pp_status pp_log_view(pp_log log, pp_log_content* content) {
+  clear(content);
   return guarded([&] { required(content, "content") = objectOf<LogObject>(log.id)->view; });
 }
 
@@ -147,9 +149,12 @@ pp_status pp_log_close(pp_log log) {
 }
 
 pp_status pp_log_replay(const char* file, const pp_replay_options* options, pp_replay_result* result) {
+  clear(result);
   return guarded([&] {
     const std::string name = &required(file, "file");
     checkSize(required(result, "result").size, sizeof(pp_replay_result), "result");
-    giveInfo(result, replayed(name, optionsFrom(options, "options")), "result");
+    const pp_replay_options given = optionsFrom(options, "options");
+    Watch watch(given.watch);
+    watch.runCut([&] { giveInfo(result, replayed(name, given, watch), "result"); });
   });
 }

@@ -35,22 +35,25 @@ pp_status governing(pp_session session, Do&& act) {
 }  // namespace
 
 pp_status pp_session_open_matter(const char* scene, const pp_session_options* options, pp_session* session) {
+  clear(session);
   return guarded([&] {
     const std::string name = &required(scene, "scene");
-    required(session, "session");
-    const pp_session_options given = optionsFrom(options, "options");
-    Subject subject;
-    subject.model.file = name;
-    subject.scene = sceneNamed(name);
-    *session = library::opened<pp_session>(std::make_shared<OpenSession>(subject, given));
+    openSession(options, session, [&] {
+      Subject subject;
+      subject.model.file = name;
+      subject.scene = sceneNamed(name);
+      return subject;
+    });
   });
 }
 
 pp_status pp_session_frame(pp_session session, pp_frame* frame) {
+  clear(frame);
   return looking(session, [&](OpenSession& open) { required(frame, "frame") = opened(open.frame()); });
 }
 
 pp_status pp_frame_view(pp_frame frame, pp_moving_points* points) {
+  clear(points);
   return guarded([&] {
     const auto found = objectOf<FrameObject>(frame.id);
     pp_moving_points view{};
@@ -75,6 +78,7 @@ pp_status pp_session_reset(pp_session session) {
 }
 
 pp_status pp_session_parameter_count(pp_session session, uint64_t* count) {
+  clear(count);
   return governing(session, [&](OpenSession& open) {
     const std::size_t there = open.simulation().parameters().size();
     required(count, "count") = there;
@@ -82,6 +86,7 @@ pp_status pp_session_parameter_count(pp_session session, uint64_t* count) {
 }
 
 pp_status pp_session_get_parameter(pp_session session, uint64_t index, pp_parameter* parameter) {
+  clear(parameter);
   return governing(session,
                    [&](OpenSession& open) { giveParameter(open.simulation().parameters(), index, parameter); });
 }
@@ -91,27 +96,34 @@ pp_status pp_session_set_parameter(pp_session session, const char* name, double 
 }
 
 pp_status pp_session_get_motion(pp_session session, pp_motion* motion) {
+  clear(motion);
   return governing(session, [&](OpenSession& open) { giveInfo(motion, open.motion(), "motion"); });
 }
 
 pp_status pp_matter_open(const char* scene, const pp_matter_options* options, pp_matter* matter) {
+  clear(matter);
   return guarded([&] {
     const std::string name = &required(scene, "scene");
     required(matter, "matter");
-    *matter = library::opened<pp_matter>(std::make_shared<OpenMatter>(name, optionsFrom(options, "options")));
+    const pp_matter_options given = optionsFrom(options, "options");
+    const auto watch = std::make_shared<Watch>(given.watch);
+    std::shared_ptr<OpenMatter> made;
+    watch->runCut([&] { made = std::make_shared<OpenMatter>(name, given, watch); });
+    *matter = library::opened<pp_matter>(std::move(made));
   });
 }
 
 pp_status pp_matter_close(pp_matter matter) {
   return guarded([&] {
     const auto found = objectOf<OpenMatter>(matter.id);
+    if (!found->claims().home().isThis()) return handles().abandon(HandleKind::matter, matter.id);
     const Claims::Held held(found->claims(), Claim::all);
     handles().remove(HandleKind::matter, matter.id);
   });
 }
 
 pp_status pp_matter_step(pp_matter matter, uint64_t steps) {
-  return with(matter, [&](OpenMatter& open) { open.step(steps); });
+  return with(matter, [&](OpenMatter& open) { open.watch().run([&] { open.step(steps); }); });
 }
 
 pp_status pp_matter_reset(pp_matter matter) {
@@ -119,14 +131,17 @@ pp_status pp_matter_reset(pp_matter matter) {
 }
 
 pp_status pp_matter_frame(pp_matter matter, pp_frame* frame) {
+  clear(frame);
   return with(matter, [&](OpenMatter& open) { required(frame, "frame") = opened(open.frame()); });
 }
 
 pp_status pp_matter_parameter_count(pp_matter matter, uint64_t* count) {
+  clear(count);
   return with(matter, [&](OpenMatter& open) { required(count, "count") = open.parameters().size(); });
 }
 
 pp_status pp_matter_get_parameter(pp_matter matter, uint64_t index, pp_parameter* parameter) {
+  clear(parameter);
   return with(matter, [&](OpenMatter& open) { giveParameter(open.parameters(), index, parameter); });
 }
 
@@ -135,5 +150,6 @@ pp_status pp_matter_set_parameter(pp_matter matter, const char* name, double val
 }
 
 pp_status pp_matter_get_state(pp_matter matter, pp_matter_state* state) {
+  clear(state);
   return with(matter, [&](OpenMatter& open) { giveInfo(state, open.state(), "state"); });
 }

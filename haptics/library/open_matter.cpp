@@ -37,12 +37,12 @@ pp_parameter parameterOf(const SimulationParameter& parameter) {
   return told;
 }
 
-OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options)
-    : gpu_({options.gpu, options.vulkan}) {
+OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options, std::shared_ptr<Watch> watch)
+    : watch_(std::move(watch)), gpu_({options.gpu, options.vulkan}) {
   const MatterScene scene = sceneNamed(name);
   backend_ = backendOf(scene, options) == "cpu" ? cpuBackend() : gpu_.backend();
   machine_ = backend_->machine(options.threads);
-  Remarks remarks(options.log, options.log_user);
+  Remarks remarks(options.log, options.log_user, *watch_);
   SessionConfig config{.model = {.file = name}};
   config.matter = scene;
   planOf(scene, backend_->matterMemory_bytes());
@@ -62,8 +62,10 @@ void OpenMatter::step(std::uint64_t steps) {
   };
   require();
   for (std::uint64_t k = 0; k < steps; ++k) {
+    if (isStopWanted()) throw Stopped("stopped after {} of {} ms", k, steps);
     world_->step();
     require();
+    watch_->progressed("simulating", static_cast<double>(k + 1) / static_cast<double>(steps));
   }
 }
 

@@ -26,10 +26,12 @@ pp_parameter parameterOf(const SimulationParameter& parameter);
 class OpenMatter {
  public:
   /// Throws Error.
-  OpenMatter(const std::string& scene, const pp_matter_options& options);
+  OpenMatter(const std::string& scene, const pp_matter_options& options, std::shared_ptr<Watch> watch);
 
   Claims& claims() { return claims_; }
-  /// So many milliseconds further. Throws SimulationError where it fails on the way, or has.
+  Watch& watch() { return *watch_; }
+  /// So many milliseconds further, or until it is stopped. Throws Stopped, SimulationError where it fails on the way,
+  /// or has.
   void step(std::uint64_t steps);
   void reset() { world_->reset(); }
   std::vector<SimulationParameter> parameters() const;
@@ -39,6 +41,7 @@ class OpenMatter {
   pp_matter_state state() const;
 
  private:
+  std::shared_ptr<Watch> watch_;
   Claims claims_;
   GpuHalf gpu_;
   std::unique_ptr<BackendKind> backend_;

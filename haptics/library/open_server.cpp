@@ -36,8 +36,10 @@ CloudServer::Parts partsOf(const CloudObject& cloud, const Model& model, const s
 
 }  // namespace
 
-OpenServer::OpenServer(const CloudObject& cloud, const std::string& name, const pp_serve_options& options)
-    : remarks_(options.log, options.log_user),
+OpenServer::OpenServer(const CloudObject& cloud, const std::string& name, const pp_serve_options& options,
+                       std::shared_ptr<Watch> watch)
+    : watch_(std::move(watch)),
+      remarks_(options.log, options.log_user, *watch_),
       network_(networkFrom(options.network)),
       model_(modelFor(cloud, options, remarks_.sink())),
       thread_(model_.cloud, partsOf(cloud, model_, name, options, remarks_.sink())) {}

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "haptics/library/claims.hpp"
 #include "haptics/library/objects.hpp"
 #include "haptics/library/remarks.hpp"
 #include "haptics/session/model.hpp"
@@ -16,10 +17,13 @@ namespace palpate::library {
 class OpenServer {
  public:
   /// Throws Error.
-  OpenServer(const CloudObject& cloud, const std::string& name, const pp_serve_options& options);
+  OpenServer(const CloudObject& cloud, const std::string& name, const pp_serve_options& options,
+             std::shared_ptr<Watch> watch);
   ~OpenServer() { end(); }
   OpenServer(const OpenServer&) = delete;
   OpenServer& operator=(const OpenServer&) = delete;
+
+  const HomeProcess& home() const { return home_; }
 
   /// Nobody is answered, and no function of the program called, from then on. For one thread.
   void end();
@@ -27,6 +31,8 @@ class OpenServer {
   PointCloud points();
 
  private:
+  HomeProcess home_;
+  std::shared_ptr<Watch> watch_;
   Remarks remarks_;
   NetworkConfig network_;
   Model model_;

@@ -64,8 +64,9 @@ class OpenSession::Followers final : public EditFollower {
   OpenSession& session_;
 };
 
-OpenSession::OpenSession(const Subject& subject, const pp_session_options& options)
-    : remarks_(options.log, options.log_user),
+OpenSession::OpenSession(const Subject& subject, const pp_session_options& options, std::shared_ptr<Watch> watch)
+    : watch_(std::move(watch)),
+      remarks_(options.log, options.log_user, *watch_),
       config_(configFrom(subject, options)),
       threads_(options.threads),
       budget_us_(budgetFrom(options)),
@@ -77,6 +78,12 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
   if (subject.join) loading.join = joined_.emplace(*subject.join).joiner();
   model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
                                                        : loadModel(config_, loading));
+  if (subject.cloud && !knownScaleOf(*subject.cloud, config_.model.mm_per_unit))
+    remarks_.sink().say(
+        "the longest side, {:.6g} model units, is felt as {:.6g} mm: 1 unit is {:.6g} mm in the hand, where all "
+        "lengths "
+        "in mm are measured, as a brush's radius_mm is; mm_per_unit sets the true scale",
+        boundsOf(model_->cloud).longestSide(), kDefaultLongestSide_mm, model_->scale.mm_per_unit);
   if (joined_ && model_->cloud.empty())
     throw Error("'{}' has no points; there is nothing to touch", subject.model.file);
   if (subject.frames) {
@@ -134,11 +141,21 @@ void OpenSession::build(bool journal, bool editable) {
   const bool hadJournal = session_->journal() != nullptr, wasEditable = editable_;
   try {
     make(before, journal, editable);
+  } catch (const Stopped&) {
+    unbuilt_ = Built{before, hadJournal, wasEditable};  // that would take as long again
+    throw;
   } catch (...) {
-    make(before, hadJournal, wasEditable);
-    if (before.brush) session_->setBrush(before.brush);
+    unbuilt_ = Built{before, hadJournal, wasEditable};
+    ensureBuilt();
     throw;
   }
+}
+
+void OpenSession::ensureBuilt() {
+  if (!unbuilt_) return;
+  make(unbuilt_->config, unbuilt_->journal, unbuilt_->editable);
+  if (unbuilt_->config.brush) session_->setBrush(unbuilt_->config.brush);
+  unbuilt_.reset();
 }
 
 void OpenSession::make(SessionConfig config, bool journal, bool editable) {
@@ -147,6 +164,7 @@ void OpenSession::make(SessionConfig config, bool journal, bool editable) {
   undo.undo = 1;  // any number, so that there is room for some
   session_.reset();
   gpu_.forgetPicture();
+  const JobStopScope cuts(JobStopScope::cutting());
   session_ = std::make_unique<Session>(
       config, model_,
       SessionParts{.backend = *backend_,
@@ -202,7 +220,9 @@ void OpenSession::beginRecording(const OpenHand& hand, const RunOptions& run) {
       file, hand, [this](const std::string& what) { remarks_.sink().say("{}", what); }, run);
 }
 
-void OpenSession::endRecording() { session_->endRecording(); }
+void OpenSession::endRecording() {
+  if (session_) session_->endRecording();
+}
 
 void OpenSession::requireRunning() const {
   if (hasFailed())
@@ -242,7 +262,13 @@ ServoResult OpenSession::run(const std::vector<Path>& paths, const std::optional
     if (!goesOn(hands.size() - 1, path)) session_->backend().resetHand(hands.size() - 1);
   }
   beginRecording(hands.front(), {});
-  ServoResult result = session_->run(hands, {.begin_s = next_s_, .law = law_.custom()});
+  double duration_s = 0;
+  for (const OpenHand& hand : hands) duration_s = std::max(duration_s, hand.duration_s);
+  const TickObserver tells = [&](const TraceRow& row) {
+    watch_->progressed("touching", duration_s > 0 ? std::min(1.0, (row.time_s - next_s_) / duration_s) : 1.0);
+  };
+  ServoResult result = session_->run(
+      hands, {.begin_s = next_s_, .observer = watch_->isTold() ? tells : TickObserver(), .law = law_.custom()});
   if (moves() && !result.trace().rows.empty()) next_s_ = result.trace().rows.back().time_s + 1 / config_.rate_Hz;
   if (hasFailed()) session_->releaseRecording();  // whose end is not known
   hips_.clear();
@@ -375,6 +401,7 @@ pp_session_info OpenSession::info() const {
 }
 
 PointCloud OpenSession::present() {
+  const JobStopScope cuts(JobStopScope::cutting());
   if (!moves()) return session_->journal() ? session_->sculpted().cloud : model_->cloud;
   const auto now = frame();
   PointCloud cloud = now->cloud;
@@ -395,6 +422,7 @@ Image OpenSession::draw(const PictureRequest& request) {
 Mesh OpenSession::mesh(const pp_mesh_options& options) {
   takeIn();
   const PointCloud cloud = present();
+  const JobStopScope cuts(JobStopScope::cutting());
   return gpu_.mesh(cloud, planMesh(boundsOf(cloud), model_->spacing, meshFrom(options, model_->scale)));
 }
 

@@ -36,7 +36,7 @@ struct Subject {
 class OpenSession {
  public:
   /// Throws Error.
-  OpenSession(const Subject& subject, const pp_session_options& options);
+  OpenSession(const Subject& subject, const pp_session_options& options, std::shared_ptr<Watch> watch);
   ~OpenSession();
   OpenSession(const OpenSession&) = delete;
   OpenSession& operator=(const OpenSession&) = delete;
@@ -45,6 +45,9 @@ class OpenSession {
   void end() noexcept;
 
   Claims& claims() { return claims_; }
+  Watch& watch() { return *watch_; }
+  /// Builds the index again after a call that was stopped while it did.
+  void ensureBuilt();
   /// What a call that looks has to hold: without a budget the thread that touches takes edits in itself.
   Claim looking() const { return budget_us_ > 0 ? Claim::look : Claim::all; }
   const SessionConfig& config() const { return session_->config(); }
@@ -127,6 +130,7 @@ class OpenSession {
   // The points as they are; where they move, as the newest frame has them.
   PointCloud present();
 
+  std::shared_ptr<Watch> watch_;
   Remarks remarks_;
   Claims claims_;
   SessionConfig config_;  // as it was opened
@@ -136,6 +140,11 @@ class OpenSession {
   std::uint64_t edits_ = 0;
   std::optional<BrushConfig> brush_;
   bool editable_ = false;
+  struct Built {
+    SessionConfig config;
+    bool journal, editable;
+  };
+  std::optional<Built> unbuilt_;  // where there is no session_
   bool hasLaw_ = false;
   std::optional<std::string> recordTo_;  // what runs next
   double next_s_ = 0;                    // where the time of what moves has come to, for the next path

@@ -13,8 +13,6 @@ namespace palpate::library {
 
 namespace {
 
-constexpr std::size_t kLeastSize = 8;  // of any struct that begins with its size
-
 std::size_t bytesOf(std::int32_t type) {
   switch (type) {
     case PP_FLOAT32:

@@ -27,6 +27,8 @@ T& required(T* given, std::string_view name) {
   return *given;
 }
 
+constexpr std::size_t kLeastSize = 8;  ///< of any struct that begins with its size
+
 /// Throws UsageError for a size that no palpate up to this one has had. The first field of any such struct is its size.
 void checkSize(std::uint32_t size, std::size_t known, std::string_view name);
 
@@ -47,6 +49,17 @@ void giveInfo(Info* to, Info value, std::string_view name) {
   checkSize(required(to, name).size, sizeof(Info), name);
   value.size = to->size;
   std::memcpy(to, &value, to->size);
+}
+
+/// What a call fills is zero before anything can fail: whoever looks at it in spite of the status finds no force, count
+/// or handle of an earlier call. Null is for the call to refuse.
+template <class Out>
+void clear(Out* to) {
+  if constexpr (requires { to->size; }) {
+    if (to && to->size >= kLeastSize && to->size <= sizeof(Out)) giveInfo(to, usual<Out>(), {});
+  } else {
+    if (to) *to = Out{};
+  }
 }
 
 inline void putVector(const DVec3& vector, double (&to)[3]) {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "engine/core/log.hpp"
+#include "haptics/library/watch.hpp"
 
 namespace palpate::library {
 
@@ -16,11 +17,13 @@ inline thread_local bool isInLogFunction = false;
 /// Passes remarks on.
 class Remarks final : public LogListener {
  public:
-  Remarks(pp_log_function log, void* user) : log_(log), user_(user) {
-    if (log) sink_.listen(this);
+  /// `watch` hears of progress, where it is told to; outlives this.
+  Remarks(pp_log_function log, void* user, Watch& watch) : log_(log), user_(user), watch_(watch) {
+    if (log || watch.isTold()) sink_.listen(this);
   }
   Log& sink() { return sink_; }
   void said(std::string_view line) override {
+    if (!log_) return;
     struct Inside {
       Inside() { isInLogFunction = true; }
       ~Inside() { isInLogFunction = false; }
@@ -31,11 +34,12 @@ class Remarks final : public LogListener {
   }
   /// Waits for the program's function where it is called now; it is not called again.
   void end() { sink_.listen(nullptr); }
-  void progressed(std::string_view, double) override {}
+  void progressed(std::string_view what, double share) override { watch_.progressed(what, share); }
 
  private:
   pp_log_function log_;
   void* user_;
+  Watch& watch_;
   Log sink_{true};
 };
 

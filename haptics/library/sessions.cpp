@@ -35,7 +35,7 @@ void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>
   if (ticks * hands > room.capacity)
     throw UsageError("capacity: the path takes {} ticks, and there is room for {}", ticks, room.capacity / hands);
   required(room.ticks, "ticks");
-  required(room.count, "count") = 0;
+  required(room.count, "count");
   const ServoResult result = session.run(paths, brush);
   const std::size_t done = result.trace().rows.size();
   std::size_t faults = 0;
@@ -47,6 +47,7 @@ void runInto(const TickRoom& room, OpenSession& session, const std::vector<Path>
     faults += row.valid ? 0 : 1;
   }
   *room.count = done * hands;
+  if (done < ticks && isStopWanted()) throw Stopped("stopped after {} of {} ticks", done, ticks);
   if (faults > 0) throw GpuError("{} of {} ticks had no valid answer; their force was zero", faults, done * hands);
 }
 
@@ -73,18 +74,17 @@ Pose poseFrom(const pp_pose& pose, const double* turn) {
 }  // namespace
 
 pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_session* session) {
+  clear(session);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
-    required(session, "session");
-    const pp_session_options given = optionsFrom(options, "options");
-    *session = opened<pp_session>(
-        std::make_shared<OpenSession>(Subject{.model = found->source, .cloud = &found->cloud, .scene = {}}, given));
+    openSession(options, session, [&] { return Subject{.model = found->source, .cloud = &found->cloud, .scene = {}}; });
   });
 }
 
 pp_status pp_session_close(pp_session session) {
   return guarded([&] {
     const auto found = objectOf<OpenSession>(session.id);
+    if (!found->claims().home().isThis()) return handles().abandon(HandleKind::session, session.id);
     const Claims::Held held(found->claims(), Claim::all);
     found->end();  // another thread may hold it for a while
     handles().remove(HandleKind::session, session.id);
@@ -92,10 +92,12 @@ pp_status pp_session_close(pp_session session) {
 }
 
 pp_status pp_session_get_info(pp_session session, pp_session_info* info) {
+  clear(info);
   return looking(session, [&](OpenSession& open) { giveInfo(info, open.info(), "info"); });
 }
 
 pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count) {
+  clear(count);
   return with(session, Claim::all, [&](OpenSession& open) {
     const double rate_Hz = open.config().rate_Hz;
     required(count, "count") = ticksOf(pathFrom(path, rate_Hz), rate_Hz);
@@ -104,21 +106,24 @@ pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count
 
 pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity,
                            uint64_t* count) {
-  return with(session, Claim::all, [&](OpenSession& open) {
+  clear(count);
+  return lasting(session, [&](OpenSession& open) {
     runInto({ticks, capacity, count}, open, onePath(open, path), std::nullopt);
   });
 }
 
 pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
                             uint64_t capacity, uint64_t* count) {
-  return with(session, Claim::all, [&](OpenSession& open) {
+  clear(count);
+  return lasting(session, [&](OpenSession& open) {
     runInto({ticks, capacity, count}, open, onePath(open, path), brushFrom(optionsFrom(brush, "brush")));
   });
 }
 
 pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths, uint32_t hands, const pp_brush* brush,
                                  pp_tick* ticks, double* torques_mNm, uint64_t capacity, uint64_t* count) {
-  return with(session, Claim::all, [&](OpenSession& open) {
+  clear(count);
+  return lasting(session, [&](OpenSession& open) {
     if (hands > PP_MOST_HANDS) throw UsageError("hands: {} are more than {}", hands, PP_MOST_HANDS);
     if (hands > 0) required(paths, "paths");
     std::vector<Path> all;
@@ -133,6 +138,10 @@ pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact)
 
 pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* turns, uint32_t hands,
                          pp_contact* contacts, double* torques_mNm) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(hands, PP_MOST_HANDS); ++i) {
+    if (contacts) clear(contacts + i);
+    for (std::size_t k = 0; torques_mNm && k < 3; ++k) torques_mNm[3 * i + k] = 0;
+  }
   return with(session, Claim::touch, [&](OpenSession& open) {
     if (hands != open.hands())
       throw UsageError("hands: {} poses were given to a session of {} hands", hands, open.hands());
@@ -157,7 +166,7 @@ pp_status pp_touch_lift(pp_session session) {
 }
 
 pp_status pp_session_set_brush(pp_session session, const pp_brush* brush) {
-  return with(session, Claim::all, [&](OpenSession& open) { open.setBrush(brushOr(brush)); });
+  return lasting(session, [&](OpenSession& open) { open.setBrush(brushOr(brush)); });
 }
 
 pp_status pp_session_set_feel(pp_session session, const pp_feel* feel) {
@@ -168,14 +177,16 @@ pp_status pp_session_set_feel(pp_session session, const pp_feel* feel) {
 }
 
 pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done) {
-  return with(session, Claim::all, [&](OpenSession& open) {
+  clear(done);
+  return lasting(session, [&](OpenSession& open) {
     const std::uint64_t undone = open.undo(strokes);
     if (done) *done = undone;
   });
 }
 
 pp_status pp_session_redo(pp_session session, uint64_t strokes, uint64_t* done) {
-  return with(session, Claim::all, [&](OpenSession& open) {
+  clear(done);
+  return lasting(session, [&](OpenSession& open) {
     const std::uint64_t redone = open.redo(strokes);
     if (done) *done = redone;
   });
@@ -189,13 +200,14 @@ pp_status pp_session_follow(pp_session session) {
 }
 
 pp_status pp_session_cloud(pp_session session, pp_cloud* cloud) {
-  return with(session, Claim::all, [&](OpenSession& open) {
+  clear(cloud);
+  return lasting(session, [&](OpenSession& open) {
     required(cloud, "cloud") = opened<pp_cloud>(std::make_shared<CloudObject>(open.points()));
   });
 }
 
 pp_status pp_session_render(pp_session session, const pp_picture_options* options, uint8_t* rgba, uint64_t bytes) {
-  return looking(session, [&](OpenSession& open) {
+  return lookingLong(session, [&](OpenSession& open) {
     const PictureRequest request = pictureFrom(optionsFrom(options, "options"));
     const std::uint64_t needed = std::uint64_t{4} * request.width * request.height;
     required(rgba, "rgba");
@@ -220,7 +232,8 @@ pp_status pp_image_write(const char* file, const uint8_t* rgba, uint32_t width, 
 }
 
 pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp_mesh* mesh) {
-  return looking(session, [&](OpenSession& open) {
+  clear(mesh);
+  return lookingLong(session, [&](OpenSession& open) {
     required(mesh, "mesh");
     const pp_mesh_options given = optionsFrom(options, "options");
     auto made = std::make_shared<MeshObject>(MeshObject{.mesh = open.mesh(given)});
@@ -237,6 +250,7 @@ pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp
 }
 
 pp_status pp_mesh_view(pp_mesh mesh, pp_triangles* triangles) {
+  clear(triangles);
   return guarded([&] { required(triangles, "triangles") = objectOf<MeshObject>(mesh.id)->view; });
 }
 
@@ -256,12 +270,13 @@ pp_status pp_mesh_close(pp_mesh mesh) {
 }
 
 pp_status pp_live_start(pp_session session, const pp_live_options* options) {
-  return with(session, Claim::all, [&](OpenSession& open) { open.startLive(optionsFrom(options, "options")); });
+  return lasting(session, [&](OpenSession& open) { open.startLive(optionsFrom(options, "options")); });
 }
 
 pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
+  clear(count);
   return looking(session, [&](OpenSession& open) {
-    required(count, "count") = 0;
+    required(count, "count");
     if (capacity > 0) required(ticks, "ticks");
     if (!open.live()) throw StateError("the session was never live; pp_live_start() comes first");
     open.takeIn();
@@ -271,6 +286,7 @@ pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, ui
 }
 
 pp_status pp_live_get_state(pp_session session, pp_live_state* state) {
+  clear(state);
   return looking(session, [&](OpenSession& open) {
     pp_live_state now = usual<pp_live_state>();
     if (LiveHands* const live = open.live()) {

@@ -40,6 +40,7 @@ pp_status serving(pp_server server, Do&& act) {
   return guarded([&] {
     const auto found = objectOf<OpenServer>(server.id);
     refuseInLogFunction();
+    found->home().require();
     act(*found);
   });
 }
@@ -56,9 +57,10 @@ uint32_t pp_can_share(void) { return canShare() ? 1 : 0; }
 
 pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_session* sessions, uint64_t capacity,
                             uint64_t* count) {
+  clear(count);
   return guarded([&] {
     constexpr double kLongest_s = 600;
-    required(count, "count") = 0;
+    required(count, "count");
     if (capacity > 0) required(sessions, "sessions");
     if (!(seconds >= 0 && seconds <= kLongest_s))
       throw UsageError("seconds: {} is not between 0 and {}", seconds, kLongest_s);
@@ -71,24 +73,30 @@ pp_status pp_network_survey(const pp_network* network, double seconds, pp_seen_s
 
 pp_status pp_session_join(const char* name, const pp_join_options* join, const pp_session_options* options,
                           pp_session* session) {
+  clear(session);
   return guarded([&] {
-    Subject subject;
-    subject.model.file = &required(name, "name");
-    required(session, "session");
-    subject.join = joinFrom(optionsFrom(join, "join"));
-    *session = library::opened<pp_session>(std::make_shared<OpenSession>(subject, optionsFrom(options, "options")));
+    const std::string called = &required(name, "name");
+    openSession(options, session, [&] {
+      Subject subject;
+      subject.model.file = called;
+      subject.join = joinFrom(optionsFrom(join, "join"));
+      return subject;
+    });
   });
 }
 
 pp_status pp_session_get_sharing(pp_session session, pp_sharing* sharing) {
+  clear(sharing);
   return beside(session, [&](OpenSession& open) { giveInfo(sharing, open.sharing(), "sharing"); });
 }
 
 pp_status pp_session_others(pp_session session, pp_other_hand* hands, uint64_t capacity, uint64_t* count) {
+  clear(count);
   return beside(session, [&](OpenSession& open) { give(open.others(), hands, capacity, count, "hands"); });
 }
 
 pp_status pp_session_cameras(pp_session session, pp_other_camera* cameras, uint64_t capacity, uint64_t* count) {
+  clear(count);
   return beside(session, [&](OpenSession& open) { give(open.cameras(), cameras, capacity, count, "cameras"); });
 }
 
@@ -97,24 +105,32 @@ pp_status pp_session_show_camera(pp_session session, const pp_camera_place* came
 }
 
 pp_status pp_session_settle(pp_session session, double seconds, uint32_t* same) {
-  return library::with(session, Claim::all, [&](OpenSession& open) {
+  clear(same);
+  return lasting(session, [&](OpenSession& open) {
     if (!(seconds >= 0 && seconds <= bounds::kLongest_s))
       throw UsageError("seconds: {} is not between 0 and {}", seconds, bounds::kLongest_s);
     const bool isSame = open.settleShared(seconds);
+    if (!isSame && isStopWanted()) throw Stopped("stopped before all was settled");
     if (same) *same = isSame ? 1 : 0;
   });
 }
 
 pp_status pp_serve(pp_cloud cloud, const char* name, const pp_serve_options* options, pp_server* server) {
+  clear(server);
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     const std::string called = &required(name, "name");
     required(server, "server");
-    *server = library::opened<pp_server>(std::make_shared<OpenServer>(*found, called, optionsFrom(options, "options")));
+    const pp_serve_options given = optionsFrom(options, "options");
+    const auto watch = std::make_shared<Watch>(given.watch);
+    std::shared_ptr<OpenServer> made;
+    watch->runCut([&] { made = std::make_shared<OpenServer>(*found, called, given, watch); });
+    *server = library::opened<pp_server>(std::move(made));
   });
 }
 
 pp_status pp_server_get_info(pp_server server, pp_server_info* info) {
+  clear(info);
   return serving(server, [&](OpenServer& open) {
     checkSize(required(info, "info").size, sizeof(pp_server_info), "info");
     giveInfo(info, open.info(), "info");
@@ -122,6 +138,7 @@ pp_status pp_server_get_info(pp_server server, pp_server_info* info) {
 }
 
 pp_status pp_server_cloud(pp_server server, pp_cloud* cloud) {
+  clear(cloud);
   return serving(server, [&](OpenServer& open) {
     required(cloud, "cloud");
     *cloud = library::opened<pp_cloud>(std::make_shared<CloudObject>(open.points()));
@@ -131,6 +148,7 @@ pp_status pp_server_cloud(pp_server server, pp_cloud* cloud) {
 pp_status pp_server_close(pp_server server) {
   return guarded([&] {
     refuseInLogFunction();
+    if (!objectOf<OpenServer>(server.id)->home().isThis()) return handles().abandon(HandleKind::server, server.id);
     const auto closed = std::static_pointer_cast<OpenServer>(handles().remove(HandleKind::server, server.id));
     closed->end();
   });

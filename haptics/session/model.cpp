@@ -9,6 +9,7 @@
 #include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/job_stop.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/matter/matter_model.hpp"
@@ -42,11 +43,15 @@ void measure(Model& model, const ModelConfig& config, unsigned threads) {
 
 }  // namespace
 
-ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
-  if (mm_per_unit > 0) return {mm_per_unit};
+std::optional<ModelScale> knownScaleOf(const PointCloud& cloud, double mm_per_unit) {
+  if (mm_per_unit > 0) return ModelScale{mm_per_unit};
   const auto said = scaleSaidIn(cloud.storedAs.comments);
-  if (said && *said >= bounds::kLeastScale && *said <= bounds::kMostScale) return {*said};
-  return ModelScale::fitting(boundsOf(cloud).longestSide());
+  if (said && *said >= bounds::kLeastScale && *said <= bounds::kMostScale) return ModelScale{*said};
+  return std::nullopt;
+}
+
+ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
+  return knownScaleOf(cloud, mm_per_unit).value_or(ModelScale::fitting(boundsOf(cloud).longestSide()));
 }
 
 namespace {
@@ -79,7 +84,9 @@ Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& 
   PointCloud& cloud = model.cloud;
   // Before normals are estimated, so that all who read the file find the same.
   model.upright = findUp(cloud);
+  throwIfStopWanted();
   model.shown = coreBoundsOf(cloud);
+  throwIfStopWanted();
   if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
     const std::string cost = loading.estimate(cloud, loading.threads);
     if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);

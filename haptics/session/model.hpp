@@ -115,6 +115,8 @@ std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const
 /// What is given, mm per unit; where that is 0 what the cloud's file says (scaleSaidIn()), or else the longest side is
 /// 100 mm.
 ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit);
+/// The same, but nothing where neither says it.
+std::optional<ModelScale> knownScaleOf(const PointCloud& cloud, double mm_per_unit);
 
 /// The checksum of a model as it was loaded, normals included.
 std::uint64_t checksumOf(const Model& model);

@@ -8,6 +8,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/job_stop.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/matter/matter_parameters.hpp"
 #include "engine/matter/matter_pond.hpp"
@@ -116,15 +117,20 @@ std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Mod
   // The tool is the first hand's.
   std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
   tools.resize(std::max<std::size_t>(1, config.hands.size()));
-  return parts.backend.make({.model = model,
-                             .config = config,
-                             .surface = surface,
-                             .brush = brush,
-                             .paintable = parts.paintable || model.share,
-                             .tools = std::move(tools),
-                             .threads = parts.threads,
-                             .source = source,
-                             .fusion = source ? std::nullopt : fusion});
+  // So that it can keep the density with any brush that comes later.
+  std::optional<BrushOptions> widest = brush;
+  if (widest && !model.share) widest->keepsDensity = true;
+  auto backend = parts.backend.make({.model = model,
+                                     .config = config,
+                                     .surface = surface,
+                                     .brush = widest,
+                                     .paintable = parts.paintable || model.share,
+                                     .tools = std::move(tools),
+                                     .threads = parts.threads,
+                                     .source = source,
+                                     .fusion = source ? std::nullopt : fusion});
+  if (brush && widest->keepsDensity != brush->keepsDensity) backend->setBrush(brush);
+  return backend;
 }
 
 /// All of them, in this order; any may be null.
@@ -225,7 +231,7 @@ std::unique_ptr<SharedFollower> Session::takePart() {
 bool Session::settleFar(double patience_s) {
   backend_->finish();  // the edit that is under way
   const Stopwatch since;
-  while (!model_->far->counts().delivered && since.elapsed_s() < patience_s) {
+  while (!model_->far->counts().delivered && !isStopWanted() && since.elapsed_s() < patience_s) {
     model_->far->check();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
@@ -254,7 +260,7 @@ bool Session::settleShared(double patience_s, Settling until) {
   const DVec3 nowhere = model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
   for (Pose& pose : far) pose = {.time_s = last_s_, .hip = nowhere, .sculpts = false};
   bool hasAsked = false;
-  for (; !isOver() && since.elapsed_s() < patience_s; counts = shared_->counts()) {
+  for (; !isOver() && !isStopWanted() && since.elapsed_s() < patience_s; counts = shared_->counts()) {
     backend_->ask(far, 0);
     hasAsked = true;
     relay_.catchUp();
@@ -274,7 +280,7 @@ bool Session::deliver(double patience_s, double unheard_s) {
   const auto isDelivered = [&] { return shared_ ? shared_->counts().delivered : model_->far->counts().delivered; };
   const auto isHeard = [&] { return known()->isTrue() && known()->share() > 0; };
   for (const Stopwatch since; !isDelivered();) {
-    if (since.elapsed_s() >= patience_s || (since.elapsed_s() >= unheard_s && !isHeard())) {
+    if (isStopWanted() || since.elapsed_s() >= patience_s || (since.elapsed_s() >= unheard_s && !isHeard())) {
       if (log_)
         log_->say("'{}': the server has not confirmed all strokes of this hand, which may be lost", config_.model.file);
       return false;
@@ -418,6 +424,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
   Recorders recorders({recording_.get(), options.recorder, &told});
   if (!options.endless) settleShared(sharedPatience_s_);  // what was done before this hand came
   if (bricks_) awaitPoints(hands, options);
+  const JobStopScope whole(JobStopScope::whole());  // each tick
   ServoLoop loop(options.query ? *options.query : *backend_, touching,
                  {.rate_Hz = rate_Hz,
                   .duration_s = durationOf(hands) + 1 / rate_Hz,  // the path's end is a tick too
@@ -425,7 +432,7 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                   .endless = options.endless,
                   .realtime = realtime,
                   .clock = options.clock,
-                  .stop = options.stop,
+                  .stop = options.stop ? options.stop : jobStop.flag,
                   .forcesOn = options.forcesOn,
                   .known = known(),
                   .recorder = &recorders});

@@ -49,7 +49,7 @@ struct RunOptions {
   double rate_Hz = 0;                           ///< ticks per second; 0: as the configuration says
   bool endless = false;                         ///< against the wall clock until `stop`
   SteppedClock* clock = nullptr;                ///< in place of the machine's (ServoOptions::clock)
-  const std::atomic<bool>* stop = nullptr;      ///< ends it when it becomes true
+  const std::atomic<bool>* stop = nullptr;      ///< ends it when it becomes true; null: that of the job (JobStop)
   const std::atomic<bool>* forcesOn = nullptr;  ///< no force while it is false (ServoOptions::forcesOn)
   TickRecorder* recorder = nullptr;             ///< notified of each tick
   TickObserver observer;                        ///< after each tick in virtual time

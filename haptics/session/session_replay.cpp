@@ -111,6 +111,7 @@ SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
                       .duration_s = record.ticks.back().time_s,
                       .passivity = recorded.session.passivity};
   again.result = session.run({&hand, 1}, {.recorder = &tap});
+  throwIfStopWanted();
   session.finish();
   if (record.end) session.undo(config.undo.undo, config.undo.redo);
   session.checkFollower();

@@ -133,4 +133,27 @@ inline std::vector<double> placesOf(pp_session session) {
   return places;
 }
 
+/// Strokes whose brush keeps the density or not, in either order: the number of points changes with those that do
+/// alone.
+inline void checkDensityIsOfTheBrush(const pp_session_options& options) {
+  constexpr std::size_t kPoints = 5'000;
+  for (const bool firstKeeps : {true, false}) {
+    const OpenBall ball(options, kPoints);
+    for (const bool keeps : {firstKeeps, !firstKeeps}) {
+      pp_brush brush = pp_default_brush();
+      brush.radius_mm = 10;
+      brush.beta = 1;
+      brush.keeps_density = keeps ? 1 : 0;
+      stroke(ball.session, pathOf(pressPath(6, 30, 10)), brush);
+      CAPTURE(firstKeeps);
+      CAPTURE(keeps);
+      CHECK((placesOf(ball.session).size() != 3 * kPoints) == keeps);
+      std::uint64_t done = 0;
+      PP_REQUIRE_OK(pp_session_undo(ball.session, 1, &done));
+      CHECK(done == 1);
+      CHECK(placesOf(ball.session).size() == 3 * kPoints);
+    }
+  }
+}
+
 }  // namespace palpate

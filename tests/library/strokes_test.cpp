@@ -101,6 +101,40 @@ TEST_CASE("a brush that is set sculpts tick by tick, but not where the pose only
   CHECK(placesOf(ball.session) == before);
 }
 
+TEST_CASE("points come and go with a brush that keeps the density and with no other, whichever came first") {
+  checkDensityIsOfTheBrush(cpuOptions());
+}
+
+TEST_CASE("each number of a brush takes effect with its own stroke, whatever brush came before") {
+  constexpr std::size_t kPoints = 5'000;
+  const auto path = pressPath(5, 60, 10);
+  const pp_brush usual = pushOf(8);
+  const OpenBall used(cpuOptions(), kPoints);
+  const auto strokeOn = [&](pp_session session, const pp_brush& brush) {
+    stroke(session, pathOf(path), brush);
+    const auto places = placesOf(session);
+    PP_REQUIRE_OK(pp_session_undo(session, 1, nullptr));
+    return setOf(places);
+  };
+  const auto before = strokeOn(used.session, usual);
+  const auto checkTakesEffect = [&](auto&& change) {
+    pp_brush brush = usual;
+    change(brush);
+    const OpenBall fresh(cpuOptions(), kPoints);
+    const auto after = strokeOn(used.session, brush);
+    CHECK(after != before);
+    CHECK(after == strokeOn(fresh.session, brush));
+  };
+  checkTakesEffect([](pp_brush& b) { b.radius_mm = 6; });
+  checkTakesEffect([](pp_brush& b) { b.tau_mm = 1; });
+  checkTakesEffect([](pp_brush& b) { b.beta = 0.1; });
+  checkTakesEffect([](pp_brush& b) { b.keeps_density = 0; });
+  checkTakesEffect([](pp_brush& b) {
+    b.kind = "inflate";
+    b.strength = 0.1;
+  });
+}
+
 TEST_CASE("carving takes points away, painting gives them colours") {
   const OpenBall ball;
   const auto path = pressPath(4, 150, 50);

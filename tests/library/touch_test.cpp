@@ -199,6 +199,58 @@ TEST_CASE("tick by tick a hand feels what it feels along a path") {
   CHECK(pp_touch(ball.session, &pose, nullptr) == PP_ERROR_ARGUMENT);
 }
 
+TEST_CASE("a call that fails leaves no force, count or handle of an earlier one") {
+  pp_session closed{};
+  const pp_pose inside{.hip = {0.3, -0.2, kBallRadius - 1}};
+  pp_contact pressed{};
+  {
+    const OpenBall ball;
+    closed = ball.session;
+    constexpr std::size_t kTicks = 100;
+    for (std::size_t i = 0; i <= kTicks; ++i) {
+      const double share = static_cast<double>(i) / kTicks;
+      const pp_pose pose{.t_s = static_cast<double>(i) / 1000, .hip = {0.3, -0.2, kBallRadius + 1 - 2 * share}};
+      PP_REQUIRE_OK(pp_touch(ball.session, &pose, &pressed));
+    }
+    REQUIRE(pressed.force_N[2] > 0.5);
+    const auto checkReleased = [&](auto&& call, pp_status expected) {
+      pp_contact contact = pressed;
+      CHECK(call(contact) == expected);
+      CHECK(lengthOf(contact.force_N) == 0);
+      CHECK(contact.valid == 0);
+      CHECK(contact.contact == 0);
+    };
+    pp_pose lost = inside;
+    lost.hip[0] = std::numeric_limits<double>::quiet_NaN();
+    checkReleased([&](pp_contact& to) { return pp_touch(ball.session, &lost, &to); }, PP_ERROR_ARGUMENT);
+    checkReleased([&](pp_contact& to) { return pp_touch(ball.session, nullptr, &to); }, PP_ERROR_ARGUMENT);
+    checkReleased([&](pp_contact& to) { return pp_touch({}, &inside, &to); }, PP_ERROR_HANDLE);
+    const double turn[4]{2, 0, 0, 0};
+    double torque_mNm[3]{1, 2, 3};
+    checkReleased([&](pp_contact& to) { return pp_touch_hands(ball.session, &inside, turn, 1, &to, torque_mNm); },
+                  PP_ERROR_ARGUMENT);
+    CHECK(lengthOf(torque_mNm) == 0);
+    std::array<pp_contact, 2> both{pressed, pressed};
+    const std::array<pp_pose, 2> poses{inside, inside};
+    CHECK(pp_touch_hands(ball.session, poses.data(), nullptr, 2, both.data(), nullptr) == PP_ERROR_ARGUMENT);
+    CHECK(lengthOf(both[1].force_N) == 0);
+  }
+  pp_contact contact = pressed;
+  CHECK(pp_touch(closed, &inside, &contact) == PP_ERROR_HANDLE);
+  CHECK(lengthOf(contact.force_N) == 0);
+  pp_session_info info = pp_default_session_info();
+  info.points = 7;
+  CHECK(pp_session_get_info(closed, &info) == PP_ERROR_HANDLE);
+  CHECK(info.points == 0);
+  CHECK(info.size == sizeof info);
+  std::uint64_t count = 7;
+  CHECK(pp_session_undo(closed, 1, &count) == PP_ERROR_HANDLE);
+  CHECK(count == 0);
+  pp_cloud cloud{7};
+  CHECK(pp_cloud_read("/nowhere.ply", nullptr, &cloud) == PP_ERROR_FILE);
+  CHECK(cloud.id == 0);
+}
+
 TEST_CASE("a hand that was lifted has not come through the surface on which side it is put down") {
   const OpenBall ball;
   pp_contact contact{};

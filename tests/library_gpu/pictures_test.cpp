@@ -45,6 +45,10 @@ struct Picture {
 
 }  // namespace
 
+TEST_CASE("points come and go on a GPU with a brush that keeps the density and with no other, whichever came first") {
+  checkDensityIsOfTheBrush(gpuOptions());
+}
+
 TEST_CASE("the GPUs have names, and a number that none has is refused") {
   std::uint32_t count = 0;
   PP_REQUIRE_OK(pp_gpu_count(&count));

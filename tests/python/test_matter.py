@@ -159,7 +159,7 @@ def test_what_is_no_scene_and_no_cloud_is_refused(ball):
         with pytest.raises(TypeError):
             pp.Session(wrong, gpu="cpu")
     with pp.Session(ball, gpu="cpu") as still:
-        for call in (still.frame, still.hold, still.reset, lambda: still.parameters, lambda: still.set("gain", 1)):
+        for call in (still.frame, still.hold, still.reset, lambda: still.set("gain", 1)):
             with pytest.raises(pp.Error) as caught:
                 call()
             assert caught.value.status == "state"

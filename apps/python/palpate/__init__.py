@@ -17,7 +17,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import _palpate
-from ._errors import Error, UsageError
+from . import _words as _words  # before all that takes what is bound
+from ._errors import ArgumentTypeError, ClosedError, Error, UnknownAttributeError, UnknownNameError, UsageError
 from ._logs import Log, Replay, read_log, replay
 from ._matter import Matter, Parameter, PortEnergy
 from ._palpate import Cloud, Frame, LawInput, Mesh, can_share, formats_read, formats_written, gpus, read, write
@@ -25,6 +26,8 @@ from ._session import Hand, Live, Session
 from ._sharing import Join, Network, OtherCamera, OtherHand, SeenSession, Server, Sharing, serve, sessions
 
 __all__ = [
+    "ArgumentTypeError",
+    "ClosedError",
     "Cloud",
     "Error",
     "Frame",
@@ -45,6 +48,8 @@ __all__ = [
     "Server",
     "Session",
     "Sharing",
+    "UnknownAttributeError",
+    "UnknownNameError",
     "UsageError",
     "can_share",
     "formats_read",

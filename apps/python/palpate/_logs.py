@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from . import _palpate
+from ._errors import refuse_attribute
 
 if TYPE_CHECKING:
     import os
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
 
 class Log(_palpate._Log):
     """A session log. Views of it cannot be written to, and keep it."""
+
+    __setattr__ = refuse_attribute
 
     def __repr__(self) -> str:
         end = "to its end" if self.ended else "not to its end"

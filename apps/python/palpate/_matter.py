@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import _palpate
+from ._errors import UsageError, refuse_attribute
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -50,6 +51,8 @@ class Matter(_palpate._Matter):
         super().__init__(scene, None if gpu is None else str(gpu), threads)
         self._scene = scene
 
+    __setattr__ = refuse_attribute
+
     def __enter__(self) -> Matter:
         return self
 
@@ -64,7 +67,7 @@ class Matter(_palpate._Matter):
     def simulate(self, seconds: float) -> None:
         """So much further, to the next millisecond; as step()."""
         if not 0 <= seconds < 1e9:
-            raise ValueError(f"seconds: {seconds} is no time to simulate")
+            raise UsageError(f"seconds: {seconds} is no time to simulate")
         self.step(round(seconds * 1000))
 
     @property

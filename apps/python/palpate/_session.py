@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable
 
 from . import _palpate
-from ._errors import Error
+from ._errors import Error, refuse_attribute
 from ._matter import Parameter, PortEnergy, _by_name
 from ._sharing import Join, OtherCamera, OtherHand, Sharing
 
@@ -50,9 +50,11 @@ class Session(_palpate._Session):
             surface whole (keeps_density). If its server is silent for seconds the force fades, until the server is
             heard again.
         gpu: number or part of the name of a GPU; "cpu": none, in double precision; None: a GPU where there is one.
-        mm_per_unit: millimetres per model unit; None: as the file says, or the longest side becomes 100 mm.
+        mm_per_unit: millimetres in the hand per model unit, by which all lengths in mm are measured; None: as the file
+            says, or the longest side becomes 100 mm, which remarks tell. 1 for a scan in mm that is felt at its own
+            size.
         surface: what the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
-        radius_mm: support radius; None: by the spacing of the points.
+        radius_mm: support radius, as a hand feels it; None: by the spacing of the points.
         friction: coefficient of a proxy that slides; 0 is none.
         stiffness_N_per_mm, damping_N_s_per_mm, max_force_N: of the force.
         rate_Hz: ticks per second.
@@ -146,6 +148,8 @@ class Session(_palpate._Session):
         if join is not None:
             _joined.add(self)
 
+    __setattr__ = refuse_attribute
+
     def __enter__(self) -> Session:
         return self
 
@@ -157,16 +161,16 @@ class Session(_palpate._Session):
     def close(self) -> None:
         """Ends the session, and what is live of it; its clouds, meshes and arrays stay."""
         if self._live is not None:
-            self._live._end()
+            self._live._end(closing=True)
         super().close()
 
-    def push(self, path: Any, radius_mm: float = 6, **settings: Any) -> NDArray[Any]:
-        """Follows the path and pushes the points before it, as stroke() does."""
-        return self.stroke(path, "push", radius_mm=radius_mm, **settings)
+    def push(self, path: Any, radius_mm: float | None = None, **settings: Any) -> NDArray[Any]:
+        """Follows the path and pushes the points before it, as stroke() does; radius_mm: 6 unless radius is given."""
+        return self.stroke(path, "push", **_with_radius(radius_mm, settings))
 
-    def carve(self, path: Any, radius_mm: float = 6, **settings: Any) -> NDArray[Any]:
-        """Follows the path and takes points away, as stroke() does."""
-        return self.stroke(path, "carve", radius_mm=radius_mm, **settings)
+    def carve(self, path: Any, radius_mm: float | None = None, **settings: Any) -> NDArray[Any]:
+        """Follows the path and takes points away, as stroke() does; radius_mm: 6 unless radius is given."""
+        return self.stroke(path, "carve", **_with_radius(radius_mm, settings))
 
     def live(
         self,
@@ -247,44 +251,57 @@ class Session(_palpate._Session):
         return str(self._info()["backend"])
 
     @property
-    def sharing(self) -> Sharing:
-        """State of the exchange with the others, in counts, s and ms. Raises Error unless the session was joined."""
-        return Sharing(**self._sharing())
+    def sharing(self) -> Sharing | None:
+        """State of the exchange with the others, in counts, s and ms; None unless the session was joined."""
+        told = _if_any(self._sharing)
+        return None if told is None else Sharing(**told)
 
     @property
     def others(self) -> list[OtherHand]:
-        """Hands of the other programs in a joined session that were heard within two seconds, in model units."""
-        return [OtherHand(*hand) for hand in self._others()]
+        """Hands of the other programs in a joined session that were heard within two seconds, in model units; none
+        unless it was joined.
+        """
+        return [OtherHand(*hand) for hand in _if_any(self._others) or ()]
 
     @property
     def cameras(self) -> list[OtherCamera]:
-        """Viewpoints of the other programs in a joined session that were heard within two seconds, in model units."""
-        return [OtherCamera(*camera) for camera in self._cameras()]
+        """Viewpoints of the other programs in a joined session that were heard within two seconds, in model units; none
+        unless it was joined.
+        """
+        return [OtherCamera(*camera) for camera in _if_any(self._cameras) or ()]
 
     @property
     def parameters(self) -> dict[str, Parameter]:
-        """Of a scene of matter: those that set() changes, by name."""
-        return _by_name(self._parameters())
+        """Of a scene of matter: those that set() changes, by name; none for what does not move by itself."""
+        return _by_name(_if_any(self._parameters) or [])
 
     @property
     def port_energies(self) -> list[PortEnergy]:
-        """Of a scene of matter: what each hand has put into it."""
-        return [PortEnergy(*energy) for energy in self._motion()["energies_J"]]
+        """Of a scene of matter: what each hand has put into it; none for what does not move by itself."""
+        motion = _if_any(self._motion)
+        return [] if motion is None else [PortEnergy(*energy) for energy in motion["energies_J"]]
 
     @property
-    def held(self) -> bool:
-        """Whether a scene of matter stands still, by hold()."""
-        return bool(self._motion()["held"])
+    def held(self) -> bool | None:
+        """Whether a scene of matter stands still, by hold(); None for what does not move by itself."""
+        motion = _if_any(self._motion)
+        return None if motion is None else bool(motion["held"])
 
     @property
     def failure(self) -> str | None:
-        """Why a scene of matter goes on no more until reset(), as "has diverged"; None while it does."""
-        return str(self._motion()["failure"]) or None
+        """Why a scene of matter goes on no more until reset(), as "has diverged"; None while it does, and for what does
+        not move by itself.
+        """
+        motion = _if_any(self._motion)
+        return None if motion is None else str(motion["failure"]) or None
 
     @property
-    def left_out_s(self) -> float:
-        """Time by which a live scene of matter has stayed behind the clock, and which it leaves out."""
-        return float(self._motion()["left_out_s"])
+    def left_out_s(self) -> float | None:
+        """Time by which a live scene of matter has stayed behind the clock, and which it leaves out; None for what does
+        not move by itself.
+        """
+        motion = _if_any(self._motion)
+        return None if motion is None else float(motion["left_out_s"])
 
     def __repr__(self) -> str:
         try:
@@ -298,6 +315,22 @@ class Session(_palpate._Session):
         return _png(self.render((640, 400)))
 
 
+def _if_any(ask: Callable[[], Any]) -> Any:
+    """What it says; None where the session has nothing of the kind."""
+    try:
+        return ask()
+    except Error as error:
+        if error.status == "state":
+            return None
+        raise
+
+
+def _with_radius(radius_mm: float | None, settings: dict[str, Any]) -> dict[str, Any]:
+    if radius_mm is None and "radius" in settings:
+        return settings
+    return {"radius_mm": 6 if radius_mm is None else radius_mm, **settings}
+
+
 class Live:
     """A session that runs against the clock, until stop(), or for as long as a `with` lasts."""
 
@@ -308,6 +341,10 @@ class Live:
         self._on_ticks = on_ticks
         self._interval_s = interval_s
         self._over = threading.Event()
+        self._lock = threading.Lock()  # of _ended
+        self._ended = False  # somebody has stopped the ticks, or is about to
+        self._stopped = threading.Event()  # and they have
+        self._takes_rest = True
         self._failure: BaseException | None = None
         self._failed = False
         self._diverged: str | None = None
@@ -339,7 +376,9 @@ class Live:
         return not self.running
 
     def stop(self) -> None:
-        """Waits for the tick under way; the device has no force then. Raises what went wrong on_ticks."""
+        """Waits for the tick under way; the device has no force then. Raises what went wrong on_ticks. From any thread,
+        on_ticks included, which hears of the last ticks behind it.
+        """
         self._end()
         self._raise()
 
@@ -362,6 +401,8 @@ class Live:
         """No force while they are off; a ramp when they are on again."""
         self._session._live_forces(on)
 
+    __setattr__ = refuse_attribute
+
     def __enter__(self) -> Live:
         return self
 
@@ -379,6 +420,9 @@ class Live:
         try:
             while not self._over.wait(self._interval_s):
                 self._pass_on()
+            self._stopped.wait()
+            if self._on_ticks is not None and self._takes_rest:
+                self._pass_on()  # the last of them
         except BaseException as failure:  # told in wait() and stop(), by the thread that asks
             self._failure, self._failed = failure, True
             self._over.set()
@@ -396,20 +440,23 @@ class Live:
         if len(ticks):
             self._on_ticks(ticks)
 
-    def _end(self) -> None:
-        if self not in _alive:
-            return
-        _alive.discard(self)
-        self._over.set()
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join()
-        self._look_at_scene()
-        self._session._live_stop()
-        if self._on_ticks is not None and not self._failed:
+    def _end(self, closing: bool = False) -> None:
+        """Of any thread, on_ticks included: its own thread takes the last ticks, unless that one closes the session."""
+        is_own = self._thread is threading.current_thread()
+        with self._lock:
+            first, self._ended = not self._ended, True
+        if first:
+            self._takes_rest = not (closing and is_own)
+            self._over.set()
             try:
-                self._pass_on()  # the last of them
-            except Exception as failure:
-                self._failure, self._failed = failure, True
+                self._look_at_scene()
+                self._session._live_stop()
+            finally:
+                self._stopped.set()
+        if self._thread is not None and not is_own:
+            self._thread.join()
+        if not is_own:
+            _alive.discard(self)
 
     def _raise(self) -> None:
         failure, self._failure = self._failure, None
@@ -431,6 +478,14 @@ def _png(rgba: NDArray[Any]) -> bytes:
     return (
         b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 6)) + chunk(b"IEND", b"")
     )
+
+
+def _forget_all() -> None:
+    _alive.clear()
+    _joined.clear()
+
+
+os.register_at_fork(after_in_child=_forget_all)  # what is live stays with the parent
 
 
 @atexit.register

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import _palpate
-from ._errors import Error
+from ._errors import Error, refuse_attribute
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -204,6 +204,8 @@ class Server(_palpate._Server):
         )
         self._name = name
         _serving.add(self)
+
+    __setattr__ = refuse_attribute
 
     @property
     def name(self) -> str:

@@ -70,6 +70,7 @@ typedef struct pp_replay_options {
   double tolerance;    /* N for forces and mm for points; 0: the same bits */
   pp_log_function log; /* hears remarks; null: nobody */
   void* log_user;
+  pp_watch watch; /* of this call */
 } pp_replay_options;
 PP_OPTIONS(replay_options)
 

@@ -66,6 +66,7 @@ typedef struct pp_matter_options {
   pp_log_function log; /* hears remarks of pp_matter_open(); null: nobody */
   void* log_user;
   const pp_vulkan_device* vulkan; /* as in pp_session_options */
+  pp_watch watch;                 /* of pp_matter_open() and pp_matter_step() */
 } pp_matter_options;
 PP_OPTIONS(matter_options)
 /* A scene as of pp_session_open_matter(). The same scene gives the same bytes on the same machine, for any number of

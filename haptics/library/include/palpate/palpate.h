@@ -4,7 +4,8 @@
  * stiffness in N/mm, times in s. Axes are right-handed.
  *
  * Errors: every function that can fail returns a pp_status. What went wrong stands in words in pp_last_error(), for
- * each thread its own, until another call of that thread fails. Nothing is thrown, and nothing ends the program.
+ * each thread its own, until another call of that thread fails. Nothing is thrown, and nothing ends the program. What a
+ * call fills is zero where it fails: contacts have no force and are not valid, counts and handles are 0.
  *
  * Handles are small values that may be copied. One that is null, closed, or of another kind gives PP_ERROR_HANDLE.
  * Whoever opens closes, in any order: a session keeps what it needs of its cloud.
@@ -15,7 +16,8 @@
  * matter (pp_session_hold() and those after it), pp_session_get_sharing(), pp_session_others(), pp_session_cameras(),
  * pp_session_show_camera(), pp_live_take(), pp_live_get_state(). All other calls want it for themselves, as all calls
  * on a pp_matter do. A pp_server is for any number of threads. Two calls that do not go together: the later one gives
- * PP_ERROR_THREAD and does nothing.
+ * PP_ERROR_THREAD and does nothing. In a process that was forked, a session, matter and a server of the parent's give
+ * PP_ERROR_STATE, and closing them there ends nothing of the parent's.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. That is
  * compiled into the program and hands the size that it knows to pp_init_…(), which a program in another language calls
@@ -64,7 +66,8 @@ typedef enum pp_status {
   PP_ERROR_FAILED = 10,     /* anything else; the words say what and what to do */
   PP_ERROR_BUG = 11,        /* of palpate: close what the call was about, and report the words */
   PP_ERROR_SIMULATION = 12, /* matter has diverged, or is too dense to be simulated; it goes on once it is reset */
-  PP_ERROR_NETWORK = 13     /* nobody serves what was asked for, its server is gone, or the network cannot be used */
+  PP_ERROR_NETWORK = 13,    /* nobody serves what was asked for, its server is gone, or the network cannot be used */
+  PP_ERROR_STOPPED = 14     /* the function of a pp_watch wanted that; what was done until then is whole */
 } pp_status;
 
 /* "0.1.0", of the library that runs. */
@@ -83,6 +86,19 @@ PP_API uint64_t pp_last_error_line(void);
 /* Remarks, one line each without its end. On any thread of the call, session or server that it was given to, until that
  * is over. What it calls of sessions, matter and servers gives PP_ERROR_STATE. */
 typedef void (*pp_log_function)(void* user, const char* line);
+
+/* Who watches calls that take long: both functions, of which either may be null, are called some 50 times a second on
+ * the thread of the call, which waits, while a thread of palpate's does the work and calls log functions and force
+ * laws. They return at once, call nothing of what the call is about, and throw nothing. A flag that another thread or a
+ * signal's handler sets, and that `stop` reads, ends a call from there. */
+typedef struct pp_watch {
+  /* Not 0: the call ends with PP_ERROR_STOPPED, within 0.2 s where a tick, an edit, a step or a pass on the GPU does
+   * not take longer. What was opened, read, written or meshed is not there then; ticks, strokes and steps that were
+   * done are, as if the path had ended there. */
+  int32_t (*stop)(void* user);
+  void (*progress)(void* user, const char* what, double share); /* `share` of `what` is done, 0 to 1 */
+  void* user;
+} pp_watch;
 
 /* --- Clouds: points with normals and colours, never changed once they are made. ------------------------------------
  */
@@ -107,7 +123,8 @@ typedef struct pp_cloud_arrays {
   uint64_t count;    /* points */
   pp_rows positions; /* x y z, PP_FLOAT32 or PP_FLOAT64; doubles keep their precision */
   pp_rows normals;   /* PP_FLOAT32 or PP_FLOAT64; made unit length */
-  pp_rows colors;    /* red green blue: PP_UINT8 0 to 255, PP_UINT16 0 to 65535, PP_FLOAT32 and PP_FLOAT64 0 to 1 */
+  pp_rows colors;    /* red green blue: PP_UINT8 0 to 255, PP_UINT16 0 to 65535, PP_FLOAT32 and PP_FLOAT64 0 to 1,
+                        or 0 to 255 where any is above 1; nothing else is a colour */
 } pp_cloud_arrays;
 PP_OPTIONS(cloud_arrays)
 /* Copies the arrays. */
@@ -120,6 +137,7 @@ typedef struct pp_read_options {
   uint32_t reserved;
   pp_log_function log; /* hears what is not kept of the file; null: nobody */
   void* log_user;
+  pp_watch watch; /* of this call */
 } pp_read_options;
 PP_OPTIONS(read_options)
 /* Any format of pp_formats_read(), by what the file holds or by its ending. Options may be null. */
@@ -130,6 +148,7 @@ typedef struct pp_write_options {
   uint32_t ascii; /* 1: where the format has both, shortest decimals that read back as the same number */
   uint32_t keep;  /* 1: a file that is there already is kept as NAME.EXT.bak; 0: it is replaced */
   uint32_t reserved;
+  pp_watch watch; /* of this call */
 } pp_write_options;
 PP_OPTIONS(write_options)
 /* By the file's ending, one of pp_formats_written(). It appears under its name only when it is whole. Options may be
@@ -249,7 +268,9 @@ typedef struct pp_session_options {
   uint32_t size;
   uint32_t threads;   /* of the CPU; 0: one per core */
   const char* gpu;    /* number or part of a name; "cpu": none, in double precision; null: a GPU where there is one */
-  double mm_per_unit; /* millimetres per model unit; 0: as the cloud says, or the longest side becomes 100 mm */
+  double mm_per_unit; /* millimetres in the hand per model unit, by which all lengths in mm are measured (1 for a scan
+                         in mm that is felt at its own size); 0: as the cloud says, or the longest side becomes 100 mm,
+                         as the log hears. A length in model units is pp_session_info.mm_per_unit times as many mm. */
   uint32_t estimate_normals; /* 1: also where the cloud has some */
   uint32_t reserved;
   double rate_Hz;      /* ticks per second */
@@ -265,6 +286,9 @@ typedef struct pp_session_options {
   uint32_t reserved2;
   const pp_tool* tool;            /* of the first hand; null: a point. The others touch with a point. */
   const pp_vulkan_device* vulkan; /* a device of the program's own, in place of one by name; null: there is none */
+  /* Of this call, and of those on the session that take long: paths, pp_session_set_brush(), undo and redo,
+   * pp_session_cloud(), pictures, meshes, pp_session_settle() and pp_live_start(). */
+  pp_watch watch;
 } pp_session_options;
 PP_OPTIONS(session_options)
 /* Builds the index; normals are estimated where the cloud has none. Options may be null. */

@@ -150,6 +150,7 @@ typedef struct pp_serve_options {
                           on where this ends, and so do those who have joined; null: none */
   pp_log_function log; /* hears who comes; null: nobody. Until the server is closed. */
   void* log_user;
+  pp_watch watch; /* of pp_serve() */
 } pp_serve_options;
 PP_OPTIONS(serve_options)
 /* Serves the cloud under a name of 1 to 200 bytes that no other session of the network has, on a thread of its own,

@@ -1,0 +1,27 @@
+// The process in which something was opened.
+#pragma once
+
+#include <unistd.h>
+
+#include "apps/python/arrays.hpp"
+
+namespace palpate::python {
+
+/// Threads, locks and a GPU stay behind in the process that forks.
+class Home {
+ public:
+  bool isHere() const { return process_ == ::getpid(); }
+  /// Throws palpate.Error.
+  void require() const {
+    if (!isHere())
+      throw Refusal("Error",
+                    "this was opened by the process that has forked, and works there alone; open it here, or start "
+                    "processes by \"spawn\" (multiprocessing.set_start_method)",
+                    PP_ERROR_STATE);
+  }
+
+ private:
+  int process_ = ::getpid();
+};
+
+}  // namespace palpate::python

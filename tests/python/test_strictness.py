@@ -1,0 +1,221 @@
+"""What a stranger hands over or asks first: it works, or is refused in palpate's words."""
+
+from __future__ import annotations
+
+import ctypes
+import inspect
+import io
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+
+import numpy as np
+import palpate as pp
+import pytest
+from conftest import RADIUS, ball_arrays, press_path
+
+
+def test_a_trace_is_saved_by_numpy_and_comes_back(session, ball):
+    traces = [session.touch(press_path(1, 20, 5))]
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1, tool="pad", tool_points=4) as pad:
+        traces.append(pad.touch(press_path(1, 20, 5)))
+    for trace in traces:
+        file = io.BytesIO()
+        np.save(file, trace)
+        file.seek(0)
+        back = np.load(file)
+        assert back.dtype.names == trace.dtype.names
+        for name in trace.dtype.names:
+            assert np.array_equal(back[name], trace[name]), name
+
+
+def test_whatever_looks_at_a_session_finds_no_error(session, tmp_path):
+    closed = pp.Session(pp.Cloud(ball_arrays(500)[0], normals=ball_arrays(500)[1]), gpu="cpu")
+    closed.close()
+    for name in dir(session):
+        assert hasattr(session, name), name
+    inspect.getmembers(session)
+    inspect.getmembers(closed)
+    assert session.sharing is None and session.held is None and session.left_out_s is None and session.failure is None
+    assert session.others == [] and session.cameras == [] and session.port_energies == [] and session.parameters == {}
+    assert not hasattr(closed, "points") and getattr(closed, "radius_mm", 7) == 7
+    with pytest.raises(pp.ClosedError):
+        closed.touch(press_path(1))
+
+
+def test_an_attribute_that_would_do_nothing_is_refused(session):
+    with session.live(builtin="press") as live:
+        for thing, name in ((session, "max_force_N"), (session, "frction"), (session, "points"), (live, "rate")):
+            with pytest.raises(pp.UnknownAttributeError, match=name) as caught:
+                setattr(thing, name, 0.1)
+            assert isinstance(caught.value, AttributeError) and caught.value.status == "argument"
+    with pytest.raises(pp.Error, match=r"Session\(…, max_force_N=0.1\)"):
+        session.max_force_N = 0.1
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda s: s.touch(), "touch"),
+    (lambda s: s.undo("one"), "undo.*str"),
+    (lambda s: s.push(press_path(1), radius_mm="wide"), "radius_mm.*str"),
+    (lambda s: s.push(press_path(1), radius_mm=3, radius=3), "radius.*one of them"),
+    (lambda s: s.push(press_path(1), size=3), "size.*radius_mm"),
+    (lambda s: s.stroke(press_path(1), "paint", color=(1, 2)), "color"),
+    (lambda s: s.render((10, 10, 10)), "render"),
+    (lambda s: s.render("large"), "render"),
+    (lambda s: s.mesh(lattice=1.5), "mesh"),
+    (lambda s: s.live(path="along"), "path"),
+    (lambda s: s.record(3), "file.*int"),
+    (lambda s: pp.Session(s, gpu="cpu"), "cloud"),
+    (lambda s: pp.Session("water", mm_per_unit="one"), "Session.*mm_per_unit=str|Session.*str"),
+    (lambda s: pp.Cloud(), "Cloud"),
+    (lambda s: pp.Cloud([[1, 2]]), "xyz"),
+    (lambda s: pp.read(3), "file.*int"),
+    (lambda s: pp.write("a.ply", [1]), "write.*list"),
+    (lambda s: s.cloud().attribute("rain"), "rain"),
+    (lambda s: pp.Matter(3), "Matter.*int"),
+])
+def test_what_does_not_fit_is_an_error_of_palpate_in_its_words(session, call, words):
+    with pytest.raises(pp.Error, match=words) as caught:
+        call(session)
+    text = str(caught.value)
+    assert "incompatible" not in text and "supported" not in text and "pybind" not in text
+    assert caught.value.status == "argument"
+
+
+def test_scenes_refuse_in_palpates_words():
+    with pp.Matter("dam", gpu="cpu") as dam:
+        with pytest.raises(pp.UsageError, match="seconds"):
+            dam.simulate(-1)
+        with pytest.raises(pp.UsageError):
+            dam.step("ten")
+        with pytest.raises(pp.UnknownAttributeError):
+            dam.viscosity = 3
+
+
+def test_floats_of_0_to_255_are_the_same_colours_as_floats_of_0_to_1():
+    xyz, normals = ball_arrays(100)
+    bytes_ = np.arange(300).reshape(100, 3).astype(np.uint8)
+    expected = pp.Cloud(xyz, colors=bytes_).colors
+    for colors in (bytes_.astype(float), bytes_.astype(np.float32), bytes_ / 255):
+        assert np.array_equal(pp.Cloud(xyz, colors=colors).colors, expected)
+    dark = np.zeros((100, 3))
+    dark[7] = (0.5, 1, 0)
+    assert pp.Cloud(xyz, colors=dark).colors[7, 1] == 255
+    for wrong in (np.nan, np.inf, -1.0, 256.0, 65535.0):
+        colors = bytes_ / 255
+        colors[3, 1] = wrong
+        with pytest.raises(pp.UsageError, match="colors: row 3: green"):
+            pp.Cloud(xyz, colors=colors)
+
+
+def test_rows_under_a_mask_are_refused_and_not_taken(session):
+    xyz, normals = ball_arrays(100)
+    path = np.ma.masked_less(press_path(1), 0)
+    hidden = np.ma.array(xyz, mask=xyz > 49)
+    for call in (lambda: pp.Cloud(hidden), lambda: pp.Cloud(xyz, normals=np.ma.array(normals, mask=normals > 0.9)),
+                 lambda: pp.Cloud(xyz, colors=np.ma.array(normals, mask=normals < 0)), lambda: session.touch(path)):
+        with pytest.raises(pp.UsageError, match="masked"):
+            call()
+    assert np.array_equal(pp.Cloud(np.ma.array(xyz)).xyz, pp.Cloud(xyz).xyz)
+
+
+def test_doubles_come_back_as_doubles_wherever_they_are(tmp_path):
+    for offset in (0, 4877754.178):
+        xyz, normals = ball_arrays(500)
+        xyz = xyz + offset
+        cloud = pp.Cloud(xyz, normals=normals)
+        assert cloud.xyz.dtype == np.float64 and np.allclose(cloud.xyz, xyz, rtol=0, atol=1e-4)
+        with pp.Session(cloud, gpu="cpu") as s:
+            assert s.cloud().xyz.dtype == np.float64 and np.array_equal(s.cloud().xyz, cloud.xyz)
+    whole = pp.Cloud(np.arange(30, dtype=float).reshape(10, 3))
+    assert whole.xyz.dtype == np.float64
+
+
+def test_a_scale_that_nobody_gave_is_told_once_and_lengths_may_be_the_objects_own():
+    xyz, normals = ball_arrays(5_000)
+    cloud = pp.Cloud(2 * xyz, normals=normals)  # 200 units across
+    path = 2 * press_path(5, 60, 10)
+    with pp.Session(cloud, gpu="cpu") as s:
+        told = [line for line in s.remarks if "mm_per_unit" in line]
+        assert len(told) == 1 and "0.500083 mm" in told[0]
+        s.push(path, radius=8 / s.mm_per_unit, tau=0.5 / s.mm_per_unit)
+        own = s.cloud().xyz
+        s.undo()
+        s.push(path, radius_mm=8, tau_mm=0.5)
+        assert np.allclose(s.cloud().xyz, own) and len([line for line in s.remarks if "mm_per_unit" in line]) == 1
+    with pp.Session(cloud, gpu="cpu", mm_per_unit=1) as s:
+        assert s.remarks == []
+
+
+def test_stop_and_close_within_on_ticks_end_a_session_in_order(session, ball):
+    for end in ("stop", "close"):
+        with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
+            heard, inside = [], threading.Event()
+
+            def on_ticks(block):
+                assert not inside.is_set(), "called within itself"
+                inside.set()
+                heard.append(block)
+                live.stop() if end == "stop" else s.close()
+                inside.clear()
+
+            with s.live(builtin="press", on_ticks=on_ticks) as live:
+                assert live.wait(30)
+            assert heard and not live.running
+            if end == "stop":
+                times = np.concatenate(heard)["t_s"]
+                assert np.allclose(np.diff(times), np.round(np.diff(times), 3))
+                assert s.touch(press_path(1, 10, 5)).shape == (15,)
+
+
+PROGRAM_THAT_STOPS = """
+    import palpate as pp, numpy as np
+    cloud = pp.Cloud(np.random.default_rng(1).normal(size=(2000, 3)))
+    s = pp.Session(cloud, gpu="cpu")
+    live = s.live(builtin="press", on_ticks=lambda block: {what})
+    live._thread.join(30)
+    print("ended", live.running)
+"""
+
+
+@pytest.mark.parametrize("what", ["live.stop()", "s.close()"])
+def test_a_program_that_stops_within_on_ticks_ends_in_order(what):
+    program = textwrap.dedent(PROGRAM_THAT_STOPS).format(what=what)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and done.stdout == "ended False\n" and done.stderr == "", done
+
+
+def test_a_law_that_asks_its_own_session_is_told_so(ball):
+    def law(told):
+        s.undoable
+        return told.force_N
+
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1, law=law, allow_python=True) as s:
+        with pytest.raises(pp.Error, match="its own session") as caught:
+            s.touch(press_path(1, 30, 5))
+        assert caught.value.status == "state"
+        with pytest.raises(pp.Error, match="its own session"):
+            with s.live(path=press_path(1, 30, 500)) as live:
+                live.wait(5)
+
+
+@pytest.mark.parametrize("gpu", ["cpu", "gpu"])
+def test_a_session_after_fork_is_an_error_and_does_not_hang(ball, gpu):
+    named = os.environ.get("PALPATE_GPU", "0") if gpu == "gpu" else "cpu"
+    with pp.Session(ball, gpu=named, mm_per_unit=1) as s:
+        s.touch(press_path(1, 10, 5))
+        child = os.fork()
+        if child == 0:
+            signal.alarm(20)
+            status = 1
+            try:
+                s.touch(press_path(1, 10, 5))
+            except pp.Error as error:
+                status = 0 if error.status == "state" and "fork" in str(error) else 2
+            s.close()
+            os._exit(status)
+        assert os.waitpid(child, 0)[1] == 0
+        assert s.touch(press_path(1, 10, 5)).shape == (15,)
