@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "apps/cli/stop_by_signal.hpp"
+
 namespace palpate {
 
 Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOptions& options)
@@ -31,7 +33,10 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
 Viewer::~Viewer() { screen_.waitForLast(); }
 
 void Viewer::run() {
-  while (closing_ != Closing::done) step();
+  while (closing_ != Closing::done && !StopBySignal::requested()) step();
+  if (closing_ == Closing::done) return document_.close();
+  if (document_.session() && document_.session()->isChanged())
+    messages_.say("what is not saved of " + document_.file() + " is kept, and offered when the window is opened again");
 }
 
 void Viewer::step() {
@@ -109,7 +114,7 @@ void Viewer::act(const ScriptAction& action) {
     if (const auto* minimise = std::get_if<MinimiseAction>(&action)) window_.minimise(minimise->on);
     if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screen_.keep(picture->file, false);
     if (const auto* state = std::get_if<StateAction>(&action)) writeState(state->file);
-    if (const auto* save = std::get_if<SaveAction>(&action); save && session) session->save(save->file);
+    if (const auto* save = std::get_if<SaveAction>(&action); save && session) document_.saveTo(save->file);
     if (const auto* record = std::get_if<RecordAction>(&action); record && session)
       record->file.empty() ? session->endRecording() : session->record(record->file);
     if (const auto* replay = std::get_if<ReplayAction>(&action); replay && session) document_.play(replay->file);
@@ -187,7 +192,14 @@ void Viewer::welcome() {
                               session.model().scale.mm_per_unit, session.model().scale.toMm(*distance)));
   const Upright& upright = session.model().upright;
   if (!settings_.view.up) messages_.say(fmt::format("up is {}: {}", nameOf(upright.up), upright.why));
-  window_.setTitle(std::filesystem::path(session.file()).filename().string() + " - palpate");
+}
+
+// What is open is called another file as soon as it is saved as that.
+void Viewer::followName() {
+  if (document_.file() == named_) return;
+  named_ = document_.file();
+  measure_.beCalled(named_);
+  window_.setTitle(std::filesystem::path(named_).filename().string() + " - palpate");
 }
 
 // Of what is measured: the model is opened again at that scale.
@@ -217,6 +229,7 @@ void Viewer::followSession() {
   if (!session || document_.loader().isRead()) return;
   if (const auto failure = session->follow()) sayLost(*failure);
   document_.follow();
+  followName();
   brushNotes_.notePaint(*session, settings_.view, messages_);
   shown_.follow(*session, settings_.view, measure_, messages_);
 }

@@ -50,6 +50,7 @@ class Viewer {
   void letGo();
   void welcome();
   void followSession();
+  void followName();
   void sayLost(const std::string& failure);
   void playTicks();
   void applySettings();
@@ -72,6 +73,7 @@ class Viewer {
   Screen screen_;
   PicturePace pace_;
   Document document_;
+  std::string named_;  // in the window's title
   ShownModel shown_;
   Viewpoint viewpoint_;
   OwnCamera ownCamera_;
