@@ -131,7 +131,8 @@ void addView(Options& app, Context& context, Command& command) {
   addLookOptions(sub, options->look);
   sub.add("--size", options->size, "of the window, width x height, pixels").showDefault();
   sub.add("--script", options->script,
-          "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, wheel N, "
+          "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, tap X Y, "
+          "tap KEY (shorter than a picture), wheel N, "
           "push X Y Z RX RY RZ [BUTTONS], click NAME (in the panels), drop FILE, text WORDS, resize W H, "
           "set NAME VALUE (of matter), minimise, restore, screenshot FILE.png|.jpg, state FILE.json, save FILE.ply, "
           "record [FILE], replay FILE, "

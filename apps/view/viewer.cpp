@@ -43,7 +43,8 @@ void Viewer::step() {
   constexpr double kIdle_s = 0.02;  // wait for events while nothing is shown
   constexpr double kFirst_s = 1.0 / 60;
   const bool visible = window_.size_px().x > 0 && window_.size_px().y > 0;
-  for (const WindowEvent& event : window_.takeEvents(visible ? 0 : kIdle_s)) handle(event);
+  events_.add(window_.takeEvents(visible ? 0 : kIdle_s));
+  for (const WindowEvent& event : events_.takeForPicture()) handle(event);
   if (const auto push = pointing_.takePush(messages_)) handle(*push);
   playScript();
   if (document_.load([this] { letGo(); })) welcome();
@@ -92,7 +93,7 @@ bool Viewer::scriptWaits() const {
 }
 
 void Viewer::playScript() {
-  if (script_.isOver() || scriptWaits() || (script_.hasOwnClock() && !screen_.wasShown())) return;
+  if (script_.isOver() || scriptWaits() || !events_.isEmpty() || (script_.hasOwnClock() && !screen_.wasShown())) return;
   if (pace_.count() > 0) script_.passPicture(pace_.last_ms() * 1e-3);
   while (const auto action = script_.takeDue()) {
     act(*action);
@@ -101,7 +102,7 @@ void Viewer::playScript() {
     if (const auto* event = std::get_if<WindowEvent>(&*action))
       if (std::holds_alternative<ButtonEvent>(*event) || std::holds_alternative<KeyEvent>(*event)) return;
     if (std::holds_alternative<ScreenshotAction>(*action) || std::holds_alternative<ClickAction>(*action) ||
-        std::holds_alternative<AwaitAction>(*action))
+        std::holds_alternative<AwaitAction>(*action) || std::holds_alternative<TapAction>(*action))
       return;
   }
 }
@@ -110,6 +111,7 @@ void Viewer::act(const ScriptAction& action) {
   messages_.tryTo([&] {
     WindowSession* session = document_.session();
     if (const auto* event = std::get_if<WindowEvent>(&action)) handle(*event);
+    if (const auto* tap = std::get_if<TapAction>(&action)) events_.add(tap->events);
     if (const auto* resize = std::get_if<ResizeAction>(&action)) window_.resize(resize->size_px);
     if (const auto* minimise = std::get_if<MinimiseAction>(&action)) window_.minimise(minimise->on);
     if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screen_.keep(picture->file, false);

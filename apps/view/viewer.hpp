@@ -2,6 +2,7 @@
 
 #include "apps/view/brush_notes.hpp"
 #include "apps/view/document.hpp"
+#include "apps/view/event_queue.hpp"
 #include "apps/view/gui.hpp"
 #include "apps/view/keyboard.hpp"
 #include "apps/view/messages.hpp"
@@ -77,6 +78,7 @@ class Viewer {
   ShownModel shown_;
   Viewpoint viewpoint_;
   OwnCamera ownCamera_;
+  EventQueue events_;
   Keyboard keyboard_;
   PointingDevices pointing_;
   Measure measure_;

@@ -19,7 +19,8 @@ Error failure(const char* what) {
   glfwGetError(&reason);
   std::string why = reason ? reason : "no reason given";
   while (why.ends_with(' ')) why.pop_back();
-  return Error("{}: {}; a window needs a display (DISPLAY or WAYLAND_DISPLAY), and without one there is palpate render",
+  return Error("{}: {}; a window needs a display (DISPLAY or WAYLAND_DISPLAY), and without one there are palpate render and "
+               "the other commands: palpate --help",
                what, why);
 }
 

@@ -127,10 +127,12 @@ void LiveSession::start() {
   });
 }
 
+// Once only: the clock may be another session's by now.
 void LiveSession::stop() {
+  if (!servo_.thread.joinable()) return;
   servo_.stop = true;
   if (options_.clock) options_.clock->letGo();
-  if (servo_.thread.joinable()) servo_.thread.join();
+  servo_.thread.join();
 }
 
 void LiveSession::park() {
