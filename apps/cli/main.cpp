@@ -102,7 +102,8 @@ const Options& namedIn(const Options& options) {
 int run(std::vector<std::string> arguments) {
   Options options{
       "palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
-      "palpate and palpate MODEL... open the window. Units: model coordinates as in the file; mm, N, N/mm, N s/mm, s; GPU times "
+      "palpate and palpate MODEL... open the window. Units: model coordinates as in the file; mm, N, N/mm, N s/mm, s; "
+      "GPU times "
       "in us."};
   CLI::App& app = options.app();
   app.name("palpate");

@@ -27,6 +27,7 @@ class EventQueue {
 
   std::deque<WindowEvent> waiting_;
   std::set<int> keys_;  // that are down
+  int picturesSinceMove_ = 0;
 };
 
 }  // namespace palpate

@@ -161,7 +161,7 @@ void LiveSession::takeIn() {
   const EditBatch& fresh = session_.relay().batch();
   seen_.batch.points.insert(seen_.batch.points.end(), fresh.points.begin(), fresh.points.end());
   seen_.edits += fresh.points.size();
-  if (unsaved_) unsaved_->follow(fresh, *journal_, isChanged());
+  if (unsaved_) unsaved_->follow(fresh, *journal_);
 }
 
 std::optional<std::string> LiveSession::follow() {
@@ -301,6 +301,7 @@ std::optional<LiveSession::Saved> LiveSession::takeSaved() {
     return std::nullopt;
   const Saved saved = saving_.running.get();
   if (saved.failure.empty()) saving_.saved = saving_.version;
+  if (unsaved_ && !isChanged()) unsaved_->saved();
   return saved;
 }
 

@@ -115,18 +115,18 @@ EditBatch UnsavedStrokes::snapshot(const Journal& journal) const {
   return all;
 }
 
-void UnsavedStrokes::follow(const EditBatch& fresh, const Journal& journal, bool changed) {
+void UnsavedStrokes::saved() {
+  failed_ = false;
+  if (!isKept()) return;
+  if (making_.valid()) making_.wait();
   takeMade();
-  if (!changed) {
-    failed_ = false;
-    if (!isKept()) return;
-    if (making_.valid()) making_.wait();
-    takeMade();
-    writer_.reset();
-    pending_.clear();
-    folder().removeLogs(number_ + 1);
-    return;
-  }
+  writer_.reset();
+  pending_.clear();
+  folder().removeLogs(number_ + 1);
+}
+
+void UnsavedStrokes::follow(const EditBatch& fresh, const Journal& journal) {
+  takeMade();
   if (!isKept()) {
     if (fresh.empty() || failed_) return;
     return begin(wasKept_ ? snapshot(journal) : fresh);

@@ -91,9 +91,10 @@ class UnsavedStrokes {
   void setDocument(const std::string& file) { session_.document = file; }
   /// Goes on with what another program has left, in its folder.
   void adopt(const LeftStrokes& left);
-  /// `fresh`: what was done since the last call, which the journal has. `changed`: whether the points are others than
-  /// saved.
-  void follow(const EditBatch& fresh, const Journal& journal, bool changed);
+  /// `fresh`: what was done since the last call, which the journal has.
+  void follow(const EditBatch& fresh, const Journal& journal);
+  /// The points are in a file as they are.
+  void saved();
   /// The model's file is about to be replaced. For any thread.
   void keepModel();
   /// Nothing of them is wanted any more.
