@@ -7,9 +7,6 @@
 
 namespace palpate {
 
-namespace {
-
-// Of each stretch between marks, the last state of each point. Says how many went.
 std::uint64_t mergeEdits(EditBatch& edits) {
   const std::vector<PointState> all = std::exchange(edits.points, {});
   std::vector<std::uint32_t> order;
@@ -30,13 +27,15 @@ std::uint64_t mergeEdits(EditBatch& edits) {
   return all.size() - edits.points.size();
 }
 
-}  // namespace
+void append(EditBatch& edits, const EditBatch& more) {
+  const std::size_t before = edits.points.size();
+  edits.points.insert(edits.points.end(), more.points.begin(), more.points.end());
+  for (const EditMark& mark : more.marks) edits.marks.push_back({before + mark.at, mark.kind});
+}
 
 void PendingEdits::add(const EditBatch& edits) {
   const std::scoped_lock hold(lock_);
-  const std::size_t before = edits_.points.size();
-  edits_.points.insert(edits_.points.end(), edits.points.begin(), edits.points.end());
-  for (const EditMark& mark : edits.marks) edits_.marks.push_back({before + mark.at, mark.kind});
+  append(edits_, edits);
   // Merged at most once for as many states as there may be, so that it stays cheap where all are of different points.
   if (edits_.points.size() - least_ < kMostStates) return;
   merged_ += mergeEdits(edits_);

@@ -6,6 +6,11 @@
 
 namespace palpate {
 
+/// Keeps of each stretch between marks the last state of each point. Says how many states went.
+std::uint64_t mergeEdits(EditBatch& edits);
+/// Adds `more` behind `edits`.
+void append(EditBatch& edits, const EditBatch& more);
+
 /// Edits that wait to be written, from one thread to another. Where too many wait, only the last state of each point in
 /// each stroke is kept of them.
 class PendingEdits {

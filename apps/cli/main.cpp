@@ -47,9 +47,11 @@ void parse(CLI::App& app, std::vector<std::string> arguments) {
   std::ranges::reverse(arguments);  // as CLI11 wants them
   try {
     app.parse(std::vector(arguments));
-  } catch (const CLI::ParseError&) {
-    // `palpate MODEL` is `palpate view MODEL`.
-    if (!app.get_subcommands().empty() || !isModel(firstUnexpected(app))) throw;
+  } catch (const CLI::ParseError& error) {
+    // `palpate MODEL` is `palpate view MODEL`, and `palpate` the window with nothing in it.
+    const std::string word = firstUnexpected(app);
+    const bool isAlone = dynamic_cast<const CLI::RequiredError*>(&error) && word.empty();
+    if (!app.get_subcommands().empty() || !(isAlone || isModel(word))) throw;
     arguments.emplace_back("view");
     app.parse(std::move(arguments));
   }
@@ -76,7 +78,8 @@ int fail(std::string_view what, int code) {
 int run(std::vector<std::string> arguments) {
   Options options{
       "palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
-      "palpate MODEL... opens the window. Units: model coordinates as in the file; mm, N, N/mm, N s/mm, s; GPU times "
+      "palpate and palpate MODEL... open the window. Units: model coordinates as in the file; mm, N, N/mm, N s/mm, s; "
+      "GPU times "
       "in us."};
   CLI::App& app = options.app();
   app.name("palpate");

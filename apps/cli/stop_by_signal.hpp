@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// While it lives, who asks the program to end (SIGINT, SIGTERM; on Windows Ctrl+C, Ctrl+Break or a console that is
-/// closed) asks for an end in order. One at a time.
+/// While it lives, who asks the program to end (SIGINT, SIGTERM, SIGHUP; on Windows Ctrl+C, Ctrl+Break or a console
+/// that is closed) asks for an end in order. One at a time.
 class StopBySignal {
  public:
   StopBySignal();

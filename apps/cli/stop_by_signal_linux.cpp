@@ -9,8 +9,10 @@ namespace {
 std::atomic<bool> stopRequested = false;  // what a signal handler may touch
 std::atomic<int> whichSignal = SIGINT;
 
+// One that whoever started the program has it ignore, as nohup does, stays ignored.
 void handle(void (*handler)(int)) {
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, handler);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    if (std::signal(signal, handler) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
 }  // namespace

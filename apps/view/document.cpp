@@ -32,7 +32,42 @@ Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
       options_(std::move(options)),
       messages_(parts.messages),
       loader_(parts.context, parts.sight),
-      asks_(asks) {}
+      asks_(asks) {
+  if (asks_) findLeft();
+}
+
+void Document::findLeft() {
+  left_ = leftStrokes(options_.live.unsavedIn, [this](const std::string& what) { messages_.say(what); });
+}
+
+std::optional<LeftQuestion> Document::leftQuestion() const {
+  if (left_.empty() || loader_.isLoading()) return std::nullopt;
+  return LeftQuestion{.file = left_.front().document(), .strokes = left_.front().strokes, .made = left_.front().made};
+}
+
+// The others are offered again.
+void Document::goOnWith(LeftStrokes left) {
+  left_.clear();
+  leave([this, left = std::make_shared<const LeftStrokes>(std::move(left))] {
+    WindowOptions options = options_;
+    options.config.model = left->model();
+    options.config.join.reset();
+    options.config.stream.reset();
+    options.config.matter.reset();
+    options.live.left = left;
+    for (const std::string& lack : left->lacks) messages_.say(lack);
+    read(std::move(options));
+  });
+}
+
+void Document::askFromNowOn() {
+  asks_ = true;
+  findLeft();
+}
+
+void Document::close() {
+  if (session_) session_->leaveStrokes();
+}
 
 void Document::offer(const std::vector<std::string>& files) {
   for (const std::string& file : files)
@@ -53,14 +88,20 @@ void Document::open(const std::string& file) {
 
 void Document::read(WindowOptions options) {
   handedOn_ = HandedOn::no;
-  opened_ = std::move(options);
-  loader_.open(opened_, parts_.settings.brush, parts_.settings.feel);
+  opening_ = std::move(options);
+  loader_.open(opening_, parts_.settings.brush, parts_.settings.feel);
+}
+
+bool Document::isOfFile() const {
+  const SessionConfig& config = opened_.config;
+  return !config.stream && !config.join && !config.moves() && !config.matter && !isRosModel(config.model.file);
 }
 
 void Document::openAtScale(double mm_per_unit) {
   if (isLive()) throw Error("a live camera measures in metres; its scale is given with --mm-per-unit");
   leave([this, mm_per_unit] {
     WindowOptions options = opened_;
+    options.config.model.file = file_;
     options.config.model.mm_per_unit = mm_per_unit;
     read(std::move(options));
   });
@@ -78,51 +119,69 @@ bool Document::load(const std::function<void()>& letGo) {
   if (!loader_.isLoading()) return false;
   for (const std::string& remark : loader_.takeRemarks()) messages_.add(remark);
   if (loader_.isRead()) {
-    if (session_) {
-      letGo();
-      install(nullptr);
-    }
+    if (session_) park(letGo);
     loader_.build();
   }
   auto result = loader_.take();
   if (!result) return false;
   if (result->session) {
-    if (!isLive() && !opened_.config.join && !isRosModel(opened_.config.model.file))
-      recent_.add(result->session->file());
-    letGo();
     const bool isAnother = handedOn_ == HandedOn::no;
-    install(std::move(result->session));
+    if (isAnother) opened_ = opening_;
+    const auto left = std::exchange(opened_.live.left, nullptr);
+    letGo();
+    install(std::move(result->session), left ? left->document() : opened_.config.model.file);
+    if (!isLive() && !opened_.config.join && !isRosModel(file_)) recent_.add(file_);
     return isAnother;
   }
   if (!result->failure.empty()) {
-    std::erase(offered_, loader_.file());  // nobody is offered it again
+    // Nobody is offered it again, unless it is what is open.
+    if (!parked_ || parked_->file() != loader_.file()) std::erase(offered_, loader_.file());
     handedOn_ = HandedOn::no;
     messages_.say(result->failure);
   }
+  unpark();
   return false;
 }
 
-void Document::install(std::unique_ptr<WindowSession> session) {
+void Document::park(const std::function<void()>& letGo) {
+  letGo();
+  messages_.tryTo([&] { session_->park(); });
+  parked_ = std::move(session_);
+}
+
+void Document::unpark() {
+  if (!parked_) return;
+  session_ = std::move(parked_);
+  session_->goOn();
+}
+
+void Document::install(std::unique_ptr<WindowSession> session, const std::string& file) {
+  if (session_) parked_ = std::move(session_);
   messages_.tryTo([&] {
-    if (session_) session_->endRecording();
+    if (!parked_) return;
+    parked_->leaveStrokes();
+    parked_->endRecording();
   });
+  parked_.reset();
   session_ = std::move(session);
   saveQuestion_.reset();
-  if (!session_) return;
   saidOfFrames_ = {};
   saidOfSimulation_.clear();
   const HandedOn handedOn = std::exchange(handedOn_, HandedOn::no);
   if (handedOn == HandedOn::held) messages_.say("what is held can be sculpted; K lets the frames go on");
   if (handedOn == HandedOn::toGoOn) holdFrames();
   if (handedOn != HandedOn::no) return;
+  file_ = file;
+  session_->setDocument(file_);
   saveFile_ = isLive() ? "camera.ply"
-              : session_->config().matter || session_->config().join || isRosModel(session_->file())
-                  ? std::filesystem::path(session_->file()).stem().string() + ".ply"
-                  : whereToSave(session_->file()).string();
+              : session_->config().matter || session_->config().join || isRosModel(file_)
+                  ? std::filesystem::path(file_).stem().string() + ".ply"
+                  : whereToSave(file_).string();
 }
 
 void Document::follow() {
   if (const auto fault = session_->takeRecordingFault()) messages_.say(*fault);
+  if (const auto fault = session_->takeUnsavedFault()) messages_.say(*fault);
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
   if (SharedFollower* const shared = session_->shared())
     for (const std::string& said : shared->takeSaid()) messages_.add(said);
@@ -147,10 +206,20 @@ void Document::sayWhatFramesLack() {
 void Document::finishSaving(const WindowSession::Saved& saved) {
   const std::string kept = saved.kept.empty() ? "" : "; what was there before is " + saved.kept;
   messages_.say(saved.failure.empty() ? saved.file + " is saved" + kept : saved.failure);
+  if (saved.failure.empty()) becomeFile(saved.file);
   // Where the points have changed since, or could not be written, nothing is left behind.
   if (!std::exchange(isSavingForIt_, false) || (saved.failure.empty() && session_->isChanged())) return;
   const auto then = std::exchange(afterQuestion_, nullptr);
   if (saved.failure.empty() && then) then();
+}
+
+// What is a picture of something that goes on is saved there from now on, and stays what it is.
+void Document::becomeFile(const std::string& file) {
+  saveFile_ = file;
+  if (!isOfFile()) return;
+  file_ = opened_.config.model.file = file;
+  session_->setDocument(file);
+  recent_.add(file);
 }
 
 void Document::saveTo(const std::string& file) {
@@ -173,6 +242,11 @@ void Document::save() {
 }
 
 void Document::answer(const ViewRequests& requests) {
+  if (!left_.empty()) {
+    if (requests.goOnWithLeft) goOnWith(std::move(left_.front()));
+    if (requests.discardLeft) left_.front().folder->remove();
+    if (requests.discardLeft || requests.keepLeft) left_.erase(left_.begin());
+  }
   if (requests.discard && afterQuestion_) std::exchange(afterQuestion_, nullptr)();
   if (requests.cancel) {
     afterQuestion_ = nullptr;
@@ -260,7 +334,7 @@ void Document::play(const std::string& log) {
 }
 
 std::string Document::freeName(const std::string& what, const std::string& ending) const {
-  const std::string stem = session_ ? std::filesystem::path(session_->file()).stem().string() : std::string("palpate");
+  const std::string stem = session_ ? std::filesystem::path(file_).stem().string() : std::string("palpate");
   const std::filesystem::path folder = std::filesystem::current_path();
   for (int number = 1;; ++number) {
     const std::filesystem::path file = folder / fmt::format("{}{}-{}.{}", stem, what, number, ending);

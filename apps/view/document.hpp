@@ -45,8 +45,9 @@ class Document {
   void openAtScale(double mm_per_unit);
   /// Does it now, or after the person was asked about changes.
   void leave(std::function<void()> then);
-  /// Once for each picture: goes on with what is being opened. `letGo` is called before what is open goes. Whether
-  /// another model is open since, and not the same that is held or goes on.
+  /// Once for each picture: goes on with what is being opened. `letGo` is called before what is open goes, which comes
+  /// back where nothing can be opened in its place. Whether another model is open since, and not the same that is held
+  /// or goes on.
   bool load(const std::function<void()>& letGo);
   const Loader& loader() const { return loader_; }
 
@@ -55,24 +56,39 @@ class Document {
   /// What of it concerns the model and its files. Throws what goes wrong.
   void carryOut(const ViewRequests& requests);
   void answer(const ViewRequests& requests);
+  /// From then on that file is what is open.
+  void saveTo(const std::string& file);
   /// Plays the hand of a session log.
   void play(const std::string& log);
   /// "MODEL<what>-1.<ending>" in the working folder, or the next number that is not there yet.
   std::string freeName(const std::string& what, const std::string& ending) const;
 
-  void askFromNowOn() { asks_ = true; }
+  void askFromNowOn();
+  /// What is open is left on purpose: nothing of it is kept for the next program.
+  void close();
   bool asksAboutChanges() const { return afterQuestion_ != nullptr && !isSavingForIt_; }
   const std::optional<SaveQuestion>& saveQuestion() const { return saveQuestion_; }
-  bool asks() const { return asksAboutChanges() || saveQuestion_; }
+  /// Strokes of a program before, which has ended without having saved them.
+  std::optional<LeftQuestion> leftQuestion() const;
+  bool asks() const { return asksAboutChanges() || saveQuestion_ || leftQuestion(); }
   bool isLeaving() const { return afterQuestion_ != nullptr; }  ///< as soon as that is answered, or saved
   /// While something goes on that ends without the person.
   bool isBusy() const { return loader_.isLoading() || (isLeaving() && isSavingForIt_ && !saveQuestion_); }
   const std::string& saveFile() const { return saveFile_; }
+  /// What the model is for the person: the file that it was opened from, or saved as last.
+  const std::string& file() const { return file_; }
 
  private:
   void read(WindowOptions options);
   bool isLive() const { return opened_.config.stream && opened_.config.stream->live; }
-  void install(std::unique_ptr<WindowSession> session);
+  // Whether the points are those of a file, so that a file that they are saved in has all that there is.
+  bool isOfFile() const;
+  void park(const std::function<void()>& letGo);
+  void unpark();
+  // `file`: what it is for the person.
+  void install(std::unique_ptr<WindowSession> session, const std::string& file);
+  void findLeft();
+  void goOnWith(LeftStrokes left);
   // Of a camera: frames are held or go on, and what is held is sculpted once there is a brush.
   void holdFrames();
   void restart();
@@ -81,8 +97,8 @@ class Document {
   void letFramesGoOn();
   // To where Ctrl+S goes; asks first where a file would lose something.
   void save();
-  void saveTo(const std::string& file);
   void finishSaving(const WindowSession::Saved& saved);
+  void becomeFile(const std::string& file);
   void writeTicks();
   void sayWhatFramesLack();
 
@@ -92,15 +108,16 @@ class Document {
   RecentFiles recent_;
   std::vector<std::string> offered_;
   Loader loader_;
-  std::unique_ptr<WindowSession> session_;
-  WindowOptions opened_;                                              // that its file was opened with
+  std::unique_ptr<WindowSession> session_, parked_;                   // while another one is being built
+  WindowOptions opened_, opening_;                                    // that its file, and the next one, is opened with
   enum class HandedOn { no, held, toGoOn } handedOn_ = HandedOn::no;  // the points of the session before
-  std::string saveFile_;                                              // the model's own, or the one beside it
+  std::string file_, saveFile_;                                       // the model's own, or the one beside it
   struct {
     bool lost = false, silent = false;
   } saidOfFrames_;
   std::string saidOfSimulation_;
 
+  std::vector<LeftStrokes> left_;  // which wait for an answer, the first one now
   bool asks_;
   std::function<void()> afterQuestion_;  // waits for the answer about changes
   bool isSavingForIt_ = false;

@@ -3,6 +3,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 
@@ -136,7 +137,8 @@ void Gui::gather() {
 }
 
 bool Gui::wantsMouse() const { return ImGui::GetIO().WantCaptureMouse; }
-bool Gui::wantsKeys() const { return ImGui::GetIO().WantTextInput; }
+// As the last picture has left it: ImGui itself says it one picture later.
+bool Gui::wantsKeys() const { return ImGui::GetCurrentContext()->WantTextInputNextFrame == 1; }
 bool Gui::isBusy() const { return ImGui::IsAnyItemActive(); }
 
 }  // namespace palpate

@@ -64,6 +64,7 @@ Loader::Result Loader::load() {
                                                        .join = joiningHand(options_.hand),
                                                        .fetch = rosFetcher(options_.network),
                                                        .watch = rosWatcher(options_.network, context_.threads())});
+    if (options_.live.left) options_.live.left->requireModel(model);
     isRead_ = true;
     mayBuild_.get_future().wait();
     if (cancelled_) return {};

@@ -18,6 +18,8 @@ class Measure {
   void take(const DVec3& place);
   /// Of the model in that file: what was measured on another one is forgotten.
   void belongTo(const std::string& file);
+  /// That model is saved in another file.
+  void beCalled(const std::string& file) { file_ = file; }
   void forget();
 
   std::span<const DVec3> places() const { return places_; }

@@ -121,6 +121,7 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   drawMessages(status, view);
   drawQuestion(status, requests);
   drawSaveQuestion(status, requests);
+  drawLeftQuestion(status, requests);
   drawFiles(status, requests);
   return requests;
 }

@@ -26,6 +26,7 @@ struct ViewStatus {
   std::string saveFile;  ///< where Save goes
   bool asksAboutChanges = false;
   std::optional<SaveQuestion> saveQuestion;
+  std::optional<LeftQuestion> leftQuestion;
   bool stylus = false;  ///< the mouse holds it
   std::string device;   ///< that a person holds; empty for the mouse
   std::string gpu;
@@ -104,6 +105,7 @@ class Panels {
   void drawHeights(const HeightRange& heights, LengthUnit unit) const;
   void drawQuestion(const ViewStatus& status, ViewRequests& requests);
   void drawSaveQuestion(const ViewStatus& status, ViewRequests& requests);
+  void drawLeftQuestion(const ViewStatus& status, ViewRequests& requests);
   static constexpr double kPanel_em = 18.5, kCurves_em = 18, kMargin_em = 0.6;
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 

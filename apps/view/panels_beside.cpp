@@ -2,6 +2,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "apps/cli/legend.hpp"
@@ -17,6 +18,20 @@ constexpr std::size_t kTicksPerValue = 10;  // ticks that each stands for, by th
 
 void hoverHelp(const char* text) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
+}
+
+// "5 minutes ago".
+std::string ago(std::filesystem::file_time_type then) {
+  const auto past = std::filesystem::file_time_type::clock::now() - then;
+  long long count = std::max(0ll, static_cast<long long>(std::chrono::floor<std::chrono::minutes>(past).count()));
+  const char* unit = "minute";
+  for (const auto& [many, next] : {std::pair{60, "hour"}, {24, "day"}}) {
+    if (count < many) break;
+    count /= many;
+    unit = next;
+  }
+  if (count == 0) return "just now";
+  return fmt::format("{} {}{} ago", count, unit, count == 1 ? "" : "s");
 }
 
 // The last ticks, thinned to what a plot can show.
@@ -257,6 +272,30 @@ void Panels::drawSaveQuestion(const ViewStatus& status, ViewRequests& requests) 
     ImGui::PopTextWrapPos();
   }
   if (requests.saveBeside || requests.saveOver || requests.cancel || !status.saveQuestion) ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
+void Panels::drawLeftQuestion(const ViewStatus& status, ViewRequests& requests) {
+  if (status.leftQuestion && !ImGui::IsPopupOpen("Strokes")) ImGui::OpenPopup("Strokes");
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  if (!ImGui::BeginPopupModal("Strokes", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove)) return;
+  const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
+  if (const auto& question = status.leftQuestion) {
+    ImGui::PushTextWrapPos(std::min(em(32), 0.8f * display.x));
+    ImGui::TextWrapped("%s was sculpted %s and not saved: the program ended before (%zu stroke%s).",
+                       std::filesystem::path(question->file).filename().string().c_str(), ago(question->made).c_str(),
+                       question->strokes, question->strokes == 1 ? "" : "s");
+    requests.goOnWithLeft = button("Go on with it") || pressed(ImGuiKey_Enter);
+    ImGui::SameLine();
+    requests.discardLeft = button("Throw it away");
+    ImGui::SameLine();
+    requests.keepLeft = button("Ask again later") || pressed(ImGuiKey_Escape);
+    ImGui::TextWrapped("%s", question->file.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  if (requests.goOnWithLeft || requests.discardLeft || requests.keepLeft || !status.leftQuestion)
+    ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
 

@@ -1,6 +1,7 @@
 // What a person asks of the window, and is asked.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,12 +19,13 @@ enum class FileTask { open, saveAs, exportMesh };
 struct ViewRequests {
   bool undo = false, redo = false, save = false, resetView = false, screenshot = false, exportTicks = false,
        endRecording = false, endPlaying = false, quit = false;
-  bool saveFirst = false, discard = false, cancel = false;  ///< the answer about changes that are not saved
-  bool saveBeside = false, saveOver = false;                ///< the answer how to save, or cancel
-  bool switchForces = false;                                ///< off, or on again
-  bool holdFrames = false, stepFrame = false;               ///< of a depth camera, or of matter that moves by itself
-  bool restart = false;                                     ///< what moves by itself
-  std::optional<int> axis;                                  ///< to look along
+  bool saveFirst = false, discard = false, cancel = false;           ///< the answer about changes that are not saved
+  bool saveBeside = false, saveOver = false;                         ///< the answer how to save, or cancel
+  bool goOnWithLeft = false, discardLeft = false, keepLeft = false;  ///< the answer about strokes that are left
+  bool switchForces = false;                                         ///< off, or on again
+  bool holdFrames = false, stepFrame = false;  ///< of a depth camera, or of matter that moves by itself
+  bool restart = false;                        ///< what moves by itself
+  std::optional<int> axis;                     ///< to look along
   bool fromBehind = false;
   std::optional<StylusRequest> stylus;
   std::optional<FileTask> browse;  ///< a file is to be looked for
@@ -36,6 +38,13 @@ struct ViewRequests {
 struct SaveQuestion {
   std::string loses;         ///< what that file would lose, in words
   std::string beside, kept;  ///< the name beside it, and the one that it is kept under
+};
+
+/// Whether to go on with strokes that a program before has not saved.
+struct LeftQuestion {
+  std::string file;
+  std::size_t strokes = 0;
+  std::filesystem::file_time_type made;
 };
 
 }  // namespace palpate

@@ -29,8 +29,8 @@ class Line {
     text_.remove_prefix(found.size());
     return std::string(found);
   }
-  double number(const char* what) {
-    const std::string text = word(what);
+  double number(const char* what) { return numberIn(word(what), what); }
+  double numberIn(const std::string& text, const char* what) const {
     double value = 0;
     const char* end = text.data() + text.size();
     const auto [last, error] = std::from_chars(text.data(), end, value);
@@ -111,6 +111,22 @@ WindowEvent pushEvent(Line& line) {
   return event;
 }
 
+// A finger on a touchpad, or a key that is touched: all of it is shorter than a picture.
+TapAction tapOf(Line& line) {
+  const std::string what = line.word("the place or the key");
+  TapAction tap;
+  if (line.atEnd()) {
+    const std::vector<int> keys = keysOf(line, what);
+    for (const int key : keys) tap.events.emplace_back(KeyEvent{key, true});
+    for (auto key = keys.rbegin(); key != keys.rend(); ++key) tap.events.emplace_back(KeyEvent{*key, false});
+    return tap;
+  }
+  const double x = line.numberIn(what, "x");
+  tap.events.emplace_back(MouseEvent{{x, line.number("y")}});
+  for (const bool down : {true, false}) tap.events.emplace_back(ButtonEvent{MouseButton::left, down});
+  return tap;
+}
+
 ScreenshotAction screenshotOf(Line& line) {
   ScreenshotAction action{line.rest("the file")};
   try {
@@ -127,6 +143,7 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     return WindowEvent(MouseEvent{{x, line.number("y")}});
   }
   if (what == "button") return buttonEvent(line);
+  if (what == "tap") return tapOf(line);
   if (what == "wheel") return WindowEvent(WheelEvent{line.number("the notches"), 0});
   if (what == "push") return pushEvent(line);
   if (what == "drop") return WindowEvent(DropEvent{{line.rest("the file")}});
@@ -149,10 +166,10 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     return SetAction{name, line.number("its value")};
   }
   if (what == "quit") return WindowEvent(CloseEvent{});
-  line.fail(
-      fmt::format("'{}' is none of key, mouse, button, wheel, push, drop, text, resize, minimise, restore, screenshot, "
-                  "state, save, record, replay, impatient, patient, ask, click, set, await, quit",
-                  what));
+  line.fail(fmt::format(
+      "'{}' is none of key, mouse, button, tap, wheel, push, drop, text, resize, minimise, restore, screenshot, "
+      "state, save, record, replay, impatient, patient, ask, click, set, await, quit",
+      what));
 }
 
 }  // namespace

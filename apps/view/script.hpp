@@ -7,6 +7,10 @@
 
 namespace palpate {
 
+/// Events that come together, before another picture is shown.
+struct TapAction {
+  std::vector<WindowEvent> events;
+};
 struct ResizeAction {
   UVec2 size_px{0};
 };
@@ -55,8 +59,8 @@ struct SetAction {
 };
 
 using ScriptAction =
-    std::variant<WindowEvent, ResizeAction, MinimiseAction, ScreenshotAction, StateAction, SaveAction, RecordAction,
-                 ReplayAction, ImpatientAction, AskAction, ClickAction, SetAction, AwaitAction>;
+    std::variant<WindowEvent, TapAction, ResizeAction, MinimiseAction, ScreenshotAction, StateAction, SaveAction,
+                 RecordAction, ReplayAction, ImpatientAction, AskAction, ClickAction, SetAction, AwaitAction>;
 
 struct TimedAction {
   double time_s = 0;
@@ -64,10 +68,10 @@ struct TimedAction {
 };
 
 /// One event a line, `#` comments: `TIME_S key NAME [down|up]` (NAME may be ctrl+z), `mouse X Y`,
-/// `button left|middle|right down|up`, `wheel N`, `drop FILE`, `text WORDS`, `resize W H`, `minimise`, `restore`,
-/// `screenshot FILE.png`, `state FILE.json`, `save FILE.ply`, `record FILE`, `record`, `replay FILE`, `impatient`,
-/// `patient`, `ask`, `click NAME`, `set NAME VALUE`, `await FILE`, `quit`. Times do not fall. Throws FileError with the
-/// line.
+/// `button left|middle|right down|up`, `tap X Y`, `tap KEY`, `wheel N`, `drop FILE`, `text WORDS`, `resize W H`,
+/// `minimise`, `restore`, `screenshot FILE.png`, `state FILE.json`, `save FILE.ply`, `record FILE`, `record`, `replay
+/// FILE`, `impatient`, `patient`, `ask`, `click NAME`, `set NAME VALUE`, `await FILE`, `quit`. Times do not fall.
+/// Throws FileError with the line.
 std::vector<TimedAction> readScript(const std::filesystem::path& file);
 
 }  // namespace palpate

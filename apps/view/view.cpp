@@ -3,7 +3,9 @@
 #include "apps/cli/motion_options.hpp"
 #include "apps/cli/parse_list.hpp"
 #include "apps/cli/sharing_options.hpp"
+#include "apps/cli/stop_by_signal.hpp"
 #include "apps/cli/stream_options.hpp"
+#include "apps/cli/system_places.hpp"
 #include "apps/view/viewer.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/core/thread_priority.hpp"
@@ -94,6 +96,9 @@ void view(Context& context, const ViewCommandOptions& options) {
   const bool realtime = options.script.empty() || options.realtime || options.device != "mouse";
   if (!realtime) view.session.live.clock = std::make_shared<SteppedClock>();
 
+  if (const std::filesystem::path state = stateFolder(); !state.empty())
+    view.session.live.unsavedIn = state / "palpate" / "unsaved";
+
   Window window(view.size_px, "palpate");
   for (const auto& [name, presentation] : kPresentations)
     if (options.present == name) view.presentation = presentation;
@@ -105,6 +110,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   view.session.config.backend.name = chooseBackend(context, {.backend = options.backend});
   if (touch.isCpu()) ours.laterOnesGiveWay();  // the driver's
   Device& sight = options.sightGpu.empty() ? touch : context.sightDevice(options.sightGpu);
+  const StopBySignal stop;
   Viewer(context, window, sight, view).run();
 }
 
@@ -125,7 +131,8 @@ void addView(Options& app, Context& context, Command& command) {
   addLookOptions(sub, options->look);
   sub.add("--size", options->size, "of the window, width x height, pixels").showDefault();
   sub.add("--script", options->script,
-          "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, wheel N, "
+          "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, tap X Y, "
+          "tap KEY (shorter than a picture), wheel N, "
           "push X Y Z RX RY RZ [BUTTONS], click NAME (in the panels), drop FILE, text WORDS, resize W H, "
           "set NAME VALUE (of matter), minimise, restore, screenshot FILE.png|.jpg, state FILE.json, save FILE.ply, "
           "record [FILE], replay FILE, "

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "apps/cli/stop_by_signal.hpp"
+
 namespace palpate {
 
 Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOptions& options)
@@ -31,14 +33,18 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, const ViewOption
 Viewer::~Viewer() { screen_.waitForLast(); }
 
 void Viewer::run() {
-  while (closing_ != Closing::done) step();
+  while (closing_ != Closing::done && !StopBySignal::requested()) step();
+  if (closing_ == Closing::done) return document_.close();
+  if (document_.session() && document_.session()->isChanged())
+    messages_.say("what is not saved of " + document_.file() + " is kept, and offered when the window is opened again");
 }
 
 void Viewer::step() {
   constexpr double kIdle_s = 0.02;  // wait for events while nothing is shown
   constexpr double kFirst_s = 1.0 / 60;
   const bool visible = window_.size_px().x > 0 && window_.size_px().y > 0;
-  for (const WindowEvent& event : window_.takeEvents(visible ? 0 : kIdle_s)) handle(event);
+  events_.add(window_.takeEvents(visible ? 0 : kIdle_s));
+  for (const WindowEvent& event : events_.takeForPicture()) handle(event);
   if (const auto push = pointing_.takePush(messages_)) handle(*push);
   playScript();
   if (document_.load([this] { letGo(); })) welcome();
@@ -87,7 +93,7 @@ bool Viewer::scriptWaits() const {
 }
 
 void Viewer::playScript() {
-  if (script_.isOver() || scriptWaits() || (script_.hasOwnClock() && !screen_.wasShown())) return;
+  if (script_.isOver() || scriptWaits() || !events_.isEmpty() || (script_.hasOwnClock() && !screen_.wasShown())) return;
   if (pace_.count() > 0) script_.passPicture(pace_.last_ms() * 1e-3);
   while (const auto action = script_.takeDue()) {
     act(*action);
@@ -96,7 +102,7 @@ void Viewer::playScript() {
     if (const auto* event = std::get_if<WindowEvent>(&*action))
       if (std::holds_alternative<ButtonEvent>(*event) || std::holds_alternative<KeyEvent>(*event)) return;
     if (std::holds_alternative<ScreenshotAction>(*action) || std::holds_alternative<ClickAction>(*action) ||
-        std::holds_alternative<AwaitAction>(*action))
+        std::holds_alternative<AwaitAction>(*action) || std::holds_alternative<TapAction>(*action))
       return;
   }
 }
@@ -105,11 +111,12 @@ void Viewer::act(const ScriptAction& action) {
   messages_.tryTo([&] {
     WindowSession* session = document_.session();
     if (const auto* event = std::get_if<WindowEvent>(&action)) handle(*event);
+    if (const auto* tap = std::get_if<TapAction>(&action)) events_.add(tap->events);
     if (const auto* resize = std::get_if<ResizeAction>(&action)) window_.resize(resize->size_px);
     if (const auto* minimise = std::get_if<MinimiseAction>(&action)) window_.minimise(minimise->on);
     if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screen_.keep(picture->file, false);
     if (const auto* state = std::get_if<StateAction>(&action)) writeState(state->file);
-    if (const auto* save = std::get_if<SaveAction>(&action); save && session) session->save(save->file);
+    if (const auto* save = std::get_if<SaveAction>(&action); save && session) document_.saveTo(save->file);
     if (const auto* record = std::get_if<RecordAction>(&action); record && session)
       record->file.empty() ? session->endRecording() : session->record(record->file);
     if (const auto* replay = std::get_if<ReplayAction>(&action); replay && session) document_.play(replay->file);
@@ -187,7 +194,14 @@ void Viewer::welcome() {
                               session.model().scale.mm_per_unit, session.model().scale.toMm(*distance)));
   const Upright& upright = session.model().upright;
   if (!settings_.view.up) messages_.say(fmt::format("up is {}: {}", nameOf(upright.up), upright.why));
-  window_.setTitle(std::filesystem::path(session.file()).filename().string() + " - palpate");
+}
+
+// What is open is called another file as soon as it is saved as that.
+void Viewer::followName() {
+  if (document_.file() == named_) return;
+  named_ = document_.file();
+  measure_.beCalled(named_);
+  window_.setTitle(std::filesystem::path(named_).filename().string() + " - palpate");
 }
 
 // Of what is measured: the model is opened again at that scale.
@@ -217,6 +231,7 @@ void Viewer::followSession() {
   if (!session || document_.loader().isRead()) return;
   if (const auto failure = session->follow()) sayLost(*failure);
   document_.follow();
+  followName();
   brushNotes_.notePaint(*session, settings_.view, messages_);
   shown_.follow(*session, settings_.view, measure_, messages_);
 }

@@ -2,6 +2,7 @@
 
 #include "apps/view/brush_notes.hpp"
 #include "apps/view/document.hpp"
+#include "apps/view/event_queue.hpp"
 #include "apps/view/gui.hpp"
 #include "apps/view/keyboard.hpp"
 #include "apps/view/messages.hpp"
@@ -50,6 +51,7 @@ class Viewer {
   void letGo();
   void welcome();
   void followSession();
+  void followName();
   void sayLost(const std::string& failure);
   void playTicks();
   void applySettings();
@@ -72,9 +74,11 @@ class Viewer {
   Screen screen_;
   PicturePace pace_;
   Document document_;
+  std::string named_;  // in the window's title
   ShownModel shown_;
   Viewpoint viewpoint_;
   OwnCamera ownCamera_;
+  EventQueue events_;
   Keyboard keyboard_;
   PointingDevices pointing_;
   Measure measure_;

@@ -48,7 +48,7 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   const TraceRow row = history.rows().empty() ? TraceRow{} : history.rows().back();
   const Journal& journal = session.journal();
   const BrushSettings& brush = session.brushSettings();
-  state["model"] = session.file();
+  state["model"] = document.file();
   state["mm_per_unit"] = session.model().scale.mm_per_unit;
   state["points"] = std::ranges::count_if(journal.points(), [](const PointState& point) { return !point.gone(); });
   state["tool"] = brush.kind ? nameIn(kBrushKinds, *brush.kind) : "feel";
@@ -129,7 +129,7 @@ ViewStatus Viewer::status() {
   findPlaceInfo();
   status.picked = picked_.info;
   if (session) {
-    status.model = session->file();
+    status.model = document_.file();
     if (const SimulationControl* const simulation = session->simulation()) {
       status.parameters = simulation->parameters();
       status.simulationHeld = simulation->isHeld();
@@ -143,6 +143,7 @@ ViewStatus Viewer::status() {
   }
   status.asksAboutChanges = document_.asksAboutChanges();
   status.saveQuestion = document_.saveQuestion();
+  status.leftQuestion = document_.leftQuestion();
   status.saveFile = document_.saveFile();
   status.stylus = pointing_.holdsStylus();
   status.device = pointing_.deviceName();
@@ -177,6 +178,7 @@ void Viewer::writeState(const std::string& file) {
              {"picked_depth", shown_.picture().picked().depth},
              {"asks_about_changes", document_.asksAboutChanges()},
              {"asks_how_to_save", document_.saveQuestion().has_value()},
+             {"asks_about_strokes", document_.leftQuestion().has_value()},
              {"last_message", messages_.last()}};
   if (document_.session()) addModel(state, document_, settings_.view);
   AtomicFile out(file);

@@ -19,8 +19,10 @@ Error failure(const char* what) {
   glfwGetError(&reason);
   std::string why = reason ? reason : "no reason given";
   while (why.ends_with(' ')) why.pop_back();
-  return Error("{}: {}; a window needs a display (DISPLAY or WAYLAND_DISPLAY), and without one there is palpate render",
-               what, why);
+  return Error(
+      "{}: {}; a window needs a display (DISPLAY or WAYLAND_DISPLAY), and without one there are palpate render and "
+      "the other commands: palpate --help",
+      what, why);
 }
 
 std::vector<WindowEvent>& eventsOf(GLFWwindow* window) {

@@ -63,4 +63,20 @@ class UnbufferedFile {
   int descriptor_ = -1;
 };
 
+/// A file that one program holds at a time, and no more once it has ended, in whatever way.
+class FileLock {
+ public:
+  FileLock() = default;
+  ~FileLock() { release(); }
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+
+  /// Makes the file where there is none. False: somebody holds it, or the system does not let it be held.
+  bool take(const std::filesystem::path& file) noexcept;
+  void release() noexcept;
+
+ private:
+  int descriptor_ = -1;
+};
+
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -106,5 +107,18 @@ int UnbufferedFile::sync() noexcept {
 }
 
 int UnbufferedFile::close() noexcept { return isOpen() && ::close(std::exchange(descriptor_, -1)) != 0 ? errno : 0; }
+
+bool FileLock::take(const std::filesystem::path& file) noexcept {
+  release();
+  descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) return false;
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return true;
+  release();
+  return false;
+}
+
+void FileLock::release() noexcept {
+  if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+}
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <io.h>
+#include <share.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -102,5 +103,15 @@ int UnbufferedFile::sync() noexcept {
 }
 
 int UnbufferedFile::close() noexcept { return isOpen() && ::_close(std::exchange(descriptor_, -1)) != 0 ? errno : 0; }
+
+bool FileLock::take(const std::filesystem::path& file) noexcept {
+  release();
+  constexpr int kHow = _O_RDWR | _O_CREAT | _O_BINARY | _O_NOINHERIT;
+  return ::_wsopen_s(&descriptor_, file.c_str(), kHow, _SH_DENYRW, _S_IREAD | _S_IWRITE) == 0;
+}
+
+void FileLock::release() noexcept {
+  if (descriptor_ >= 0) ::_close(std::exchange(descriptor_, -1));
+}
 
 }  // namespace palpate

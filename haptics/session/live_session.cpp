@@ -63,7 +63,30 @@ LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts 
   if (!config.moves() && !isFeltAlone(config, this->model()) &&
       (!config.brush || config.brush->kind != BrushKind::push))
     session_.setBrush(config.brush);
+  if (!options.unsavedIn.empty()) keepUnsaved(config);
+  if (options.left) goOnWith(*options.left);
   start();
+}
+
+// Of what is a file, which can be read again. A soft body has its strokes in its shape.
+void LiveSession::keepUnsaved(const SessionConfig& config) {
+  if (config.stream || config.join || config.moves() || config.matter || model().stream || isRosModel(file())) return;
+  unsaved_.emplace(options_.unsavedIn, model());
+  unsaved_->describe({.config = config, .machine = machine(), .palpate = PALPATE_VERSION});
+}
+
+void LiveSession::goOnWith(const LeftStrokes& left) {
+  followAgain(*journal_, left.edits);
+  if (unsaved_) unsaved_->adopt(left);
+  const std::vector<PointState> before = statesOf(model().cloud);
+  std::vector<PointChange> changes;
+  for (const PointState& state : journal_->points()) {
+    const std::uint32_t id = state.number();
+    const PointState from = id < before.size() ? before[id] : PointState{.id = id | PointState::kGone, .parent = id};
+    if (!(from == state)) changes.push_back({from, state});
+  }
+  session_.backend().change(changes);
+  takeIn();
 }
 
 LiveSession::~LiveSession() {
@@ -104,10 +127,21 @@ void LiveSession::start() {
   });
 }
 
+// Once only: the clock may be another session's by now.
 void LiveSession::stop() {
+  if (!servo_.thread.joinable()) return;
   servo_.stop = true;
   if (options_.clock) options_.clock->letGo();
-  if (servo_.thread.joinable()) servo_.thread.join();
+  servo_.thread.join();
+}
+
+void LiveSession::park() {
+  stop();
+  finishTicks();
+}
+
+void LiveSession::goOn() {
+  if (!servo_.lost) start();
 }
 
 void LiveSession::finishTicks() {
@@ -127,6 +161,7 @@ void LiveSession::takeIn() {
   const EditBatch& fresh = session_.relay().batch();
   seen_.batch.points.insert(seen_.batch.points.end(), fresh.points.begin(), fresh.points.end());
   seen_.edits += fresh.points.size();
+  if (unsaved_) unsaved_->follow(fresh, *journal_);
 }
 
 std::optional<std::string> LiveSession::follow() {
@@ -251,6 +286,8 @@ void LiveSession::save(const std::string& file) {
   saving_.running =
       std::async(std::launch::async, [this, file, points = std::move(points), present = std::move(present)] {
         try {
+          std::error_code isNone;
+          if (unsaved_ && std::filesystem::equivalent(file, this->file(), isNone)) unsaved_->keepModel();
           const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points));
           return Saved{file, kept.string(), {}};
         } catch (const std::exception& error) {
@@ -264,8 +301,19 @@ std::optional<LiveSession::Saved> LiveSession::takeSaved() {
     return std::nullopt;
   const Saved saved = saving_.running.get();
   if (saved.failure.empty()) saving_.saved = saving_.version;
+  if (unsaved_ && !isChanged()) unsaved_->saved();
   return saved;
 }
+
+void LiveSession::setDocument(const std::string& file) {
+  if (unsaved_) unsaved_->setDocument(file);
+}
+
+void LiveSession::leaveStrokes() {
+  if (unsaved_) unsaved_->remove();
+}
+
+std::optional<std::string> LiveSession::takeUnsavedFault() { return unsaved_ ? unsaved_->takeFault() : std::nullopt; }
 
 void LiveSession::record(const std::string& log) {
   if (edits() > 0)

@@ -14,6 +14,7 @@
 #include "haptics/devices/turned_device.hpp"
 #include "haptics/session/session.hpp"
 #include "haptics/session/tick_feed.hpp"
+#include "haptics/session/unsaved_strokes.hpp"
 
 namespace palpate {
 
@@ -23,6 +24,10 @@ struct LiveOptions {
   HapticDeviceFacts deviceFacts;
   /// Of the ticks, in place of the machine's; it goes from model to model.
   std::shared_ptr<SteppedClock> clock;
+  /// Where strokes are kept that are not saved, for the next program should this one end; empty: nowhere.
+  std::filesystem::path unsavedIn;
+  /// Those on this model that a program before has left: the session goes on with them. Null: there are none.
+  std::shared_ptr<const LeftStrokes> left;
 };
 
 /// A model while it is felt, seen and sculpted, against the wall clock and without end. All but the constructor is for
@@ -58,6 +63,10 @@ class LiveSession {
   EditBatch takeBatch() { return std::exchange(seen_.batch, {}); }
   std::uint64_t edits() const { return seen_.edits; }  ///< states of points so far
   bool isTouching() const { return !servo_.lost; }
+
+  /// Nothing touches it until goOn(): another session may use what its back end and its device do.
+  void park();
+  void goOn();
 
   // The guided stylus; places in file coordinates. Without effect where a person holds a device.
   void aim(const DVec3& place, bool sculpts = true) { stylus_.aim(place, sculpts); }
@@ -118,6 +127,13 @@ class LiveSession {
   };
   std::optional<Saved> takeSaved();
 
+  /// What the model is for a person, where its strokes are kept.
+  void setDocument(const std::string& file);
+  /// The strokes are not wanted any more, saved or not: those that are kept for the next program are removed.
+  void leaveStrokes();
+  /// Why they cannot be kept, once.
+  std::optional<std::string> takeUnsavedFault();
+
   /// Session logs. A log says how the session goes from the model's file on, with one brush: it begins before the first
   /// edit, and ends with the next change of a setting. Throws Error.
   void record(const std::string& log);
@@ -151,6 +167,8 @@ class LiveSession {
   OpenHand hand();
   void finishTicks();
   void takeIn();
+  void keepUnsaved(const SessionConfig& config);
+  void goOnWith(const LeftStrokes& left);
   bool undoStrokes(std::size_t undo, std::size_t redo);
 
   Session session_;
@@ -179,6 +197,7 @@ class LiveSession {
   };
   std::optional<Playing> playing_;
 
+  std::optional<UnsavedStrokes> unsaved_;
   struct Saving {
     std::future<Saved> running;
     std::uint64_t version = 0, saved = 0;  // of the strokes

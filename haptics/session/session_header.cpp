@@ -1,5 +1,6 @@
 #include "haptics/session/session_header.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <map>
@@ -60,18 +61,26 @@ void readDevice(const Json& device, RecordedSession& session) {
     if (device.at("passivity") == name) session.passivity = mode;
 }
 
+// States that a log lacks, as far as it is known: no more than its gaps have room for, or say.
+std::uint64_t mostMissingEdits(const SessionRecord& record) {
+  std::uint64_t most = 0;
+  for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PointState));
+  return most;
+}
+
 }  // namespace
 
 std::string headerText(const RecordedSession& session) {
   SessionConfig config = session.config;
   config.model.file = std::filesystem::absolute(config.model.file).string();
-  return Json{{"palpate", session.palpate},
-              {"machine", session.machine},
-              {"points", session.points},
-              {"checksum", hex(session.checksum)},
-              {"config", Json::parse(configText(config))},
-              {"device", deviceOf(session)}}
-      .dump(1);
+  Json json{{"palpate", session.palpate},
+            {"machine", session.machine},
+            {"points", session.points},
+            {"checksum", hex(session.checksum)},
+            {"config", Json::parse(configText(config))},
+            {"device", deviceOf(session)}};
+  if (!session.document.empty()) json["document"] = std::filesystem::absolute(session.document).string();
+  return json.dump(1);
 }
 
 RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text) {
@@ -82,6 +91,7 @@ RecordedSession parseHeader(const std::filesystem::path& log, const std::string&
     const Json& model = carriesFlags ? json.at("model") : json;
     RecordedSession session{.points = model.at("points").get<std::uint64_t>(),
                             .checksum = fromHex(model.at("checksum").get<std::string>()),
+                            .document = json.value("document", ""),
                             .machine = json.at("machine").get<std::string>(),
                             .palpate = json.at("palpate").get<std::string>()};
     if (carriesFlags) {
@@ -97,6 +107,14 @@ RecordedSession parseHeader(const std::filesystem::path& log, const std::string&
                                      "palpate?",
                                      error.what()));
   }
+}
+
+void requireEditsOf(const std::filesystem::path& log, std::size_t points, const SessionRecord& record) {
+  const std::size_t most = points + record.edits.points.size() + mostMissingEdits(record);
+  for (const PointState& state : record.edits.points)
+    if (state.number() >= most || state.parent >= most)
+      throw FileError(log, fmt::format("names the point {}, and with all its edits there are {}; it is damaged",
+                                       std::max(state.number(), state.parent), most));
 }
 
 void TickTap::ticked(const TraceRow& row, const DeviceState& device) noexcept {

@@ -20,6 +20,7 @@ struct RecordedSession {
   SessionConfig config;        ///< with the model's file as it was then
   std::uint64_t points = 0;    ///< of the model
   std::uint64_t checksum = 0;  ///< of the model as it was loaded, normals included
+  std::string document;        ///< what the model is for a person, where that is another file; empty: its own
   std::string machine, palpate;
   DeviceLimits limits;
   WorkspaceMap map;
@@ -31,6 +32,9 @@ std::string headerText(const RecordedSession& session);
 /// Reads it; one that carries options of the command line, as logs did before they carried the configuration, is
 /// migrated. Throws FileError for a text that it does not understand.
 RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text);
+
+/// Throws FileError where the edits of a log are not of a model with so many points.
+void requireEditsOf(const std::filesystem::path& log, std::size_t points, const SessionRecord& record);
 
 /// Passes on each tick as a session log keeps it, with what the back end knows of it.
 class TickTap final : public TickRecorder {

@@ -13,23 +13,11 @@ namespace palpate {
 
 namespace {
 
-// States that a log lacks, as far as it is known: no more than its gaps have room for, or say.
-std::uint64_t mostMissingEdits(const SessionRecord& record) {
-  std::uint64_t most = 0;
-  for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PointState));
-  return most;
-}
-
 // What a log of edits may do to the points: sets them, and adds some behind them.
 std::vector<PointState> edited(const std::string& log, const Model& model, const SessionRecord& record) {
-  const EditBatch& edits = record.edits;
-  const std::size_t most = model.cloud.size() + edits.points.size() + mostMissingEdits(record);
-  for (const PointState& state : edits.points)
-    if (state.number() >= most || state.parent >= most)
-      throw FileError(log, fmt::format("names the point {}, and with all its edits there are {}; it is damaged",
-                                       std::max(state.number(), state.parent), most));
+  requireEditsOf(log, model.cloud.size(), record);
   Journal journal(model.cloud);
-  journal.follow(edits);
+  journal.follow(record.edits);
   return {journal.points().begin(), journal.points().end()};
 }
 
@@ -37,11 +25,7 @@ std::vector<PointState> edited(const std::string& log, const Model& model, const
 class EditCollector final : public EditFollower {
  public:
   explicit EditCollector(EditBatch& all) : all_(all) {}
-  void catchUp(const EditBatch& batch) override {
-    const std::size_t before = all_.points.size();
-    all_.points.insert(all_.points.end(), batch.points.begin(), batch.points.end());
-    for (const EditMark& mark : batch.marks) all_.marks.push_back({before + mark.at, mark.kind});
-  }
+  void catchUp(const EditBatch& batch) override { append(all_, batch); }
 
  private:
   EditBatch& all_;

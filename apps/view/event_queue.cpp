@@ -1,0 +1,57 @@
+#define GLFW_INCLUDE_NONE
+#include "apps/view/event_queue.hpp"
+
+#include <GLFW/glfw3.h>
+
+namespace palpate {
+
+namespace {
+
+// What is under the cursor is looked for in the picture that has it there, and known in the next one.
+constexpr int kUntilSeen = 2;
+
+bool isModifier(int key) { return key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_RIGHT_SUPER; }
+
+}  // namespace
+
+// What a key means is known once a picture has seen what was clicked before it.
+bool EventQueue::fits(const WindowEvent& event, const Seen& seen) const {
+  if (std::holds_alternative<MouseEvent>(event)) return !seen.button && !seen.turned;
+  if (std::holds_alternative<WheelEvent>(event)) return !seen.button && !seen.moved;
+  if (const auto* button = std::get_if<ButtonEvent>(&event))
+    return !seen.button && !seen.turned && !seen.key && (!button->down || picturesSinceMove_ >= kUntilSeen);
+  if (std::holds_alternative<TextEvent>(event)) return !seen.button;
+  if (const auto* key = std::get_if<KeyEvent>(&event)) {
+    const bool repeats = keys_.contains(key->key) == key->down;
+    return !seen.button && (repeats || !seen.key);
+  }
+  return true;
+}
+
+void EventQueue::note(const WindowEvent& event, Seen& seen) {
+  if (std::holds_alternative<MouseEvent>(event)) {
+    seen.moved = true;
+    picturesSinceMove_ = 0;
+  }
+  if (std::holds_alternative<WheelEvent>(event)) seen.turned = true;
+  if (std::holds_alternative<ButtonEvent>(event)) seen.button = true;
+  const auto* key = std::get_if<KeyEvent>(&event);
+  if (!key || keys_.contains(key->key) == key->down) return;
+  key->down ? void(keys_.insert(key->key)) : void(keys_.erase(key->key));
+  // Ctrl and its like mean nothing by themselves.
+  seen.key = seen.key || !isModifier(key->key);
+}
+
+std::vector<WindowEvent> EventQueue::takeForPicture() {
+  std::vector<WindowEvent> taken;
+  Seen seen;
+  if (picturesSinceMove_ < kUntilSeen) ++picturesSinceMove_;
+  while (!waiting_.empty() && fits(waiting_.front(), seen)) {
+    note(waiting_.front(), seen);
+    taken.push_back(std::move(waiting_.front()));
+    waiting_.pop_front();
+  }
+  return taken;
+}
+
+}  // namespace palpate

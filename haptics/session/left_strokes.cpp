@@ -1,0 +1,185 @@
+// The part of unsaved strokes that the next program needs: what is left, and how a journal comes by it.
+#include <algorithm>
+#include <charconv>
+
+#include "engine/core/error.hpp"
+#include "engine/edit/journal.hpp"
+#include "haptics/session/model.hpp"
+#include "haptics/session/unsaved_strokes.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::string_view kLog = "strokes-", kEnding = ".log", kKept = "model";
+
+// The number in the name of a log; 0 for what is none.
+unsigned numberOf(const std::string& name) {
+  if (!name.starts_with(kLog) || !name.ends_with(kEnding)) return 0;
+  unsigned number = 0;
+  const char* const end = name.data() + name.size() - kEnding.size();
+  const auto [last, error] = std::from_chars(name.data() + kLog.size(), end, number);
+  return error == std::errc() && last == end ? number : 0;
+}
+
+bool isSame(std::span<const PointState> states, std::span<const PointChange> changes) {
+  if (states.size() != changes.size()) return false;
+  std::vector<PointState> ours(states.begin(), states.end()), theirs;
+  for (const PointChange& change : changes) theirs.push_back(change.to);
+  for (auto* each : {&ours, &theirs}) std::ranges::sort(*each, {}, &PointState::number);
+  return ours == theirs;
+}
+
+// Whether a change does what that turn of the journal does; if so, the journal has made it.
+bool isTurn(Journal& journal, std::span<const PointState> states, std::vector<PointChange> (Journal::*turn)(),
+            std::vector<PointChange> (Journal::*opposite)()) {
+  const std::vector<PointChange> changes = (journal.*turn)();
+  if (changes.empty()) return false;
+  if (isSame(states, changes)) return true;
+  (journal.*opposite)();
+  return false;
+}
+
+LeftStrokes readFolder(std::unique_ptr<StrokeFolder> folder) {
+  LeftStrokes left;
+  std::filesystem::path log;
+  std::size_t most = 0;
+  SessionRecord best;
+  // The last one, unless the program has ended before all of the one before it was there.
+  for (const unsigned number : folder->logs()) {
+    SessionRecord record = readSessionLog(folder->log(number));
+    if (!log.empty() && record.edits.points.size() < most) continue;
+    most = record.edits.points.size();
+    log = folder->log(number);
+    best = std::move(record);
+  }
+  left.session = parseHeader(log, best.text);
+  requireEditsOf(log, left.session.points, best);
+  best.end.emplace();  // that it did not come to its end is no news
+  left.lacks = whatIsMissing(best);
+  left.edits = std::move(best.edits);
+  left.strokes =
+      static_cast<std::size_t>(std::ranges::count(left.edits.marks, EditMark::Kind::stroke, &EditMark::kind));
+  std::error_code ignored;
+  left.made = std::filesystem::last_write_time(log, ignored);
+  left.folder = std::move(folder);
+  return left;
+}
+
+}  // namespace
+
+std::unique_ptr<StrokeFolder> StrokeFolder::open(const std::filesystem::path& folder) {
+  std::unique_ptr<StrokeFolder> opened(new StrokeFolder);
+  opened->path_ = folder;
+  // A folder without it is being made.
+  const std::filesystem::path lock = folder / "lock";
+  std::error_code ignored;
+  if (!std::filesystem::exists(lock, ignored) || !opened->lock_.take(lock)) return nullptr;
+  return opened;
+}
+
+std::filesystem::path StrokeFolder::log(unsigned number) const {
+  return path_ / fmt::format("{}{}{}", kLog, number, kEnding);
+}
+
+std::vector<unsigned> StrokeFolder::logs() const {
+  std::vector<unsigned> numbers;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(path_, ignored))
+    if (const unsigned number = numberOf(entry.path().filename().string())) numbers.push_back(number);
+  std::ranges::sort(numbers);
+  return numbers;
+}
+
+void StrokeFolder::removeLogs(unsigned before) {
+  std::error_code ignored;
+  for (const unsigned number : logs())
+    if (number < before) std::filesystem::remove(log(number), ignored);
+}
+
+std::filesystem::path StrokeFolder::keptModel() const {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(path_, ignored))
+    if (entry.path().stem() == kKept) return entry.path();
+  return {};
+}
+
+void StrokeFolder::keepModel(const std::filesystem::path& file) {
+  if (!keptModel().empty()) return;
+  const std::filesystem::path kept = path_ / (std::string(kKept) + file.extension().string());
+  std::error_code failed;
+  std::filesystem::create_hard_link(file, kept, failed);
+  if (!failed) return;
+  const std::filesystem::path part = path_ / "part";
+  std::filesystem::copy_file(file, part, std::filesystem::copy_options::overwrite_existing, failed);
+  if (!failed) failed = replaceFile(part, kept);
+  if (failed) throw FileError(kept, "cannot be written: " + failed.message());
+}
+
+void StrokeFolder::remove() {
+  std::error_code ignored;
+  for (const unsigned number : logs()) std::filesystem::remove(log(number), ignored);
+  lock_.release();
+  std::filesystem::remove_all(path_, ignored);
+}
+
+const std::string& LeftStrokes::document() const {
+  return session.document.empty() ? session.config.model.file : session.document;
+}
+
+ModelConfig LeftStrokes::model() const {
+  ModelConfig model = session.config.model;
+  if (const std::filesystem::path kept = folder->keptModel(); !kept.empty()) model.file = kept.string();
+  return model;
+}
+
+void LeftStrokes::requireModel(const Model& model) const {
+  if (model.cloud.size() != session.points || checksumOf(model) != session.checksum)
+    throw FileError(session.config.model.file,
+                    "has changed since the strokes were made on it that were not saved; they stay, and are offered "
+                    "again: put the file back as it was");
+}
+
+std::vector<LeftStrokes> leftStrokes(const std::filesystem::path& root,
+                                     const std::function<void(const std::string&)>& say) {
+  std::vector<LeftStrokes> all;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
+    std::unique_ptr<StrokeFolder> folder = StrokeFolder::open(entry.path());
+    if (!folder) continue;
+    if (folder->logs().empty()) {
+      folder->remove();
+      continue;
+    }
+    try {
+      LeftStrokes left = readFolder(std::move(folder));
+      if (!left.edits.points.empty())
+        all.push_back(std::move(left));
+      else if (left.lacks.empty())
+        left.folder->remove();
+    } catch (const std::exception& error) {
+      say(error.what());
+    }
+  }
+  std::ranges::sort(all, std::ranges::greater(), &LeftStrokes::made);
+  return all;
+}
+
+void followAgain(Journal& journal, const EditBatch& edits) {
+  const std::span<const PointState> all = edits.points;
+  std::size_t begin = 0;
+  for (const EditMark& mark : edits.marks) {
+    const auto states = all.subspan(begin, mark.at - begin);
+    begin = mark.at;
+    const bool mayBeTurn = mark.kind == EditMark::Kind::change && !journal.inStroke();
+    if (mayBeTurn && isTurn(journal, states, &Journal::undo, &Journal::redo)) continue;
+    if (mayBeTurn && isTurn(journal, states, &Journal::redo, &Journal::undo)) continue;
+    journal.follow({.points = {states.begin(), states.end()}, .marks = {{states.size(), mark.kind}}});
+  }
+  // What was under way when the program ended is a stroke, too.
+  const auto rest = all.subspan(begin);
+  if (!rest.empty())
+    journal.follow({.points = {rest.begin(), rest.end()}, .marks = {{rest.size(), EditMark::Kind::stroke}}});
+}
+
+}  // namespace palpate

@@ -1,0 +1,158 @@
+#include "haptics/session/unsaved_strokes.hpp"
+
+#include <utility>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/error.hpp"
+#include "engine/edit/journal.hpp"
+#include "haptics/pending_edits.hpp"
+#include "haptics/session/model.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kBetweenWrites_s = 0.1;
+// So that a log does not grow without end: one that is longer than this, and than so many times the cloud, begins anew
+// with the points as they are.
+constexpr std::uint64_t kMostStates = 1 << 24, kMostClouds = 4;
+
+}  // namespace
+
+StrokeFolder::StrokeFolder(const std::filesystem::path& root) {
+  std::error_code failed;
+  std::filesystem::create_directories(root, failed);
+  if (failed) throw FileError(root, "cannot be made: " + failed.message());
+  for (int number = 1;; ++number) {
+    path_ = root / fmt::format("{}-{}", processNumber(), number);
+    const bool isNew = std::filesystem::create_directory(path_, failed);
+    if (failed) throw FileError(path_, "cannot be made: " + failed.message());
+    if (isNew && lock_.take(path_ / "lock")) return;
+    constexpr int kMost = 1000;
+    if (number == kMost) throw FileError(path_, "cannot be held by one program alone");
+  }
+}
+
+UnsavedStrokes::~UnsavedStrokes() {
+  try {
+    if (making_.valid()) writer_ = making_.get();
+    if (writer_) writePending();
+    writer_.reset();
+  } catch (...) {  // what is in the log stays
+  }
+}
+
+StrokeFolder& UnsavedStrokes::folder() {
+  const std::scoped_lock hold(folderLock_);
+  if (!folder_) folder_ = std::make_shared<StrokeFolder>(root_);
+  return *folder_;
+}
+
+void UnsavedStrokes::fail(const std::string& what) {
+  failed_ = true;
+  const std::scoped_lock hold(faultLock_);
+  fault_ = "what is not saved would be lost with this program: " + what;
+}
+
+std::optional<std::string> UnsavedStrokes::takeFault() {
+  const std::scoped_lock hold(faultLock_);
+  return std::exchange(fault_, std::nullopt);
+}
+
+void UnsavedStrokes::adopt(const LeftStrokes& left) {
+  folder_ = left.folder;
+  const std::vector<unsigned> logs = folder_->logs();
+  number_ = logs.empty() ? 0 : logs.back();
+  session_.document = left.document();
+  session_.config.model.file = left.session.config.model.file;
+  begin(left.edits);
+}
+
+// The last log is there until the new one has all of it.
+void UnsavedStrokes::begin(EditBatch initial) {
+  ++number_;
+  wasKept_ = true;
+  failed_ = false;
+  pending_.clear();
+  states_ = initial.points.size();
+  making_ = std::async(std::launch::async, [this, number = number_, session = session_, initial = std::move(initial),
+                                            last = std::move(writer_)]() mutable {
+    session.points = model_.cloud.size();
+    session.checksum = checksumOf(model_);
+    auto writer = std::make_unique<SessionWriter>(folder().log(number), headerText(session),
+                                                  [this](const std::string& what) { fail(what); });
+    writer->add(initial);
+    writer->flush();
+    last.reset();
+    if (!failed_) folder().removeLogs(number);
+    return writer;
+  });
+}
+
+void UnsavedStrokes::takeMade() {
+  if (!making_.valid() || making_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  try {
+    writer_ = making_.get();
+  } catch (const std::exception& error) {
+    fail(error.what());
+  }
+}
+
+void UnsavedStrokes::writePending() {
+  mergeEdits(pending_);
+  states_ += pending_.points.size();
+  writer_->add(pending_);
+  pending_.clear();
+  sinceWritten_ = Stopwatch();
+}
+
+EditBatch UnsavedStrokes::snapshot(const Journal& journal) const {
+  const std::vector<PointState> before = statesOf(model_.cloud);
+  EditBatch all;
+  for (const PointState& state : journal.points())
+    if (state.number() >= before.size() || !(before[state.number()] == state)) all.points.push_back(state);
+  all.marks.push_back({all.points.size(), EditMark::Kind::change});
+  return all;
+}
+
+void UnsavedStrokes::saved() {
+  failed_ = false;
+  if (!isKept()) return;
+  if (making_.valid()) making_.wait();
+  takeMade();
+  writer_.reset();
+  pending_.clear();
+  folder().removeLogs(number_ + 1);
+}
+
+void UnsavedStrokes::follow(const EditBatch& fresh, const Journal& journal) {
+  takeMade();
+  if (!isKept()) {
+    if (fresh.empty() || failed_) return;
+    return begin(wasKept_ ? snapshot(journal) : fresh);
+  }
+  append(pending_, fresh);
+  if (!writer_ || pending_.empty() || sinceWritten_.elapsed_s() < kBetweenWrites_s) return;
+  if (states_ > std::max(kMostStates, kMostClouds * model_.cloud.size())) return begin(snapshot(journal));
+  writePending();
+}
+
+void UnsavedStrokes::keepModel() {
+  try {
+    folder().keepModel(session_.config.model.file);
+  } catch (const std::exception& error) {
+    fail(error.what());
+  }
+}
+
+void UnsavedStrokes::remove() {
+  if (making_.valid()) making_.wait();
+  making_ = {};
+  writer_.reset();
+  pending_.clear();
+  const std::scoped_lock hold(folderLock_);
+  if (folder_) folder_->remove();
+  folder_.reset();
+}
+
+}  // namespace palpate

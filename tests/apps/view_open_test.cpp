@@ -1,0 +1,122 @@
+// Opening and saving in the window: what cannot be opened leaves everything as it was, and what is saved is what is
+// open from then on.
+#include "engine/io/ply_reader.hpp"
+#include "tests/apps/window_play.hpp"
+#include "tests/says.hpp"
+
+namespace palpate::view_open_test {
+
+namespace {
+
+// Presses the brush into the middle of what the panel leaves free in a window of 480 x 360.
+std::string strokeAt(double time_s) {
+  return fmt::format("{} mouse 373 180\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
+                     time_s, time_s + 0.2, time_s + 0.3, time_s + 0.6, time_s + 0.7);
+}
+
+// Drops each, agrees to leave the changes behind, and writes the state to a file of its name.
+std::string dropAll(double time_s, const std::vector<std::string>& names) {
+  std::string script;
+  for (const std::string& name : names) {
+    script += fmt::format("{} drop %/{}\n{} click Do not save\n{} state %/{}.json\n", time_s, name, time_s + 0.1,
+                          time_s + 0.3, name);
+    time_s += 0.4;
+  }
+  return script;
+}
+
+void checkNothingIsLost(const std::string& backend) {
+  CAPTURE(backend);
+  const std::vector<std::string> refused{"empty.ply", "broken.ply", "none.ply", "text.ply", "folder"};
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push --backend " + backend,
+                           strokeAt(0.1) + "1 ask\n1.1 state %/dent.json\n" + dropAll(1.2, refused) + strokeAt(4) + R"(
+5 state %/again.json
+5.1 key ctrl+z
+5.2 key ctrl+z
+5.5 state %/undone.json
+5.6 quit
+)",
+                           "", [](const auto& folder) {
+                             makeSphere(folder, 2000);
+                             std::ofstream(folder / "empty.ply")
+                                 << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+                                    "property float z\nend_header\n";
+                             std::ofstream(folder / "broken.ply") << "ply\nformat ascii 1.0\nelement vertex 7\n";
+                             std::ofstream(folder / "text.ply") << "a letter\n";
+                             std::filesystem::create_directory(folder / "folder");
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto dent = played->state("dent.json"), again = played->state("again.json");
+  REQUIRE(dent["undoable"] == 1);
+  for (const std::string& name : refused) {
+    CAPTURE(name);
+    const auto state = played->state(name + ".json");
+    CHECK(says(std::string(state["last_message"]), name));
+    CHECK(state["model"] == dent["model"]);
+    CHECK(state["undoable"] == 1);
+    CHECK(state["changed"] == true);
+    CHECK(state["edits"] == dent["edits"]);
+  }
+  CHECK(again["undoable"] == 2);
+  CHECK(again["edits"] > dent["edits"]);
+  CHECK(played->state("undone.json")["changed"] == false);
+}
+
+}  // namespace
+
+TEST_CASE("what cannot be opened changes nothing: the model, its strokes and undo stay, on either back end") {
+  if (!hasDisplay()) return;
+  checkNothingIsLost("cpu");
+  checkNothingIsLost("vulkan");
+}
+
+TEST_CASE("what is saved as another file is that file from then on, and what failed to open is not measured") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
+1 ask
+1.1 save %/mine.ply
+1.3 state %/saved.json
+1.4 key ctrl+s
+1.5 state %/nothing.json
+1.6 drop %/none.ply
+1.8 state %/none.json
+1.9 key d
+2.0 mouse 353 160
+2.2 button left down
+2.2 button left up
+2.4 mouse 393 200
+2.6 button left down
+2.6 button left up
+2.7 click true length, mm
+2.8 text 40
+2.9 click Set
+3.2 state %/scaled.json
+3.3 key ctrl+s
+3.4 state %/again.json
+3.5 quit
+8 state %/after.json
+)",
+                           "", [](const auto& folder) {
+                             makeSphere(folder, 2000);
+                             std::filesystem::copy_file(folder / "sphere.ply", folder / "kept.ply");
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const std::string mine = played->folder.path() / "mine.ply";
+  for (const char* name : {"saved.json", "nothing.json", "none.json", "scaled.json", "again.json"}) {
+    CAPTURE(name);
+    CHECK(played->state(name)["model"] == mine);
+    CHECK(played->state(name)["save_file"] == mine);
+  }
+  CHECK(says(std::string(played->state("nothing.json")["last_message"]), "mine.ply has the points as they are"));
+  CHECK(says(std::string(played->state("none.json")["last_message"]), "none.ply"));
+  CHECK(played->state("scaled.json")["mm_per_unit"] != played->state("saved.json")["mm_per_unit"]);
+  CHECK(played->state("scaled.json")["measured"] > 0);  // and is still shown
+  CHECK(says(std::string(played->state("again.json")["last_message"]), "mine.ply has the points as they are"));
+  CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
+  CHECK(contentOf(played->folder.path() / "sphere.ply") == contentOf(played->folder.path() / "kept.ply"));
+  CHECK(contentOf(played->folder.path() / "state" / "palpate" / "recent").starts_with(mine));
+}
+
+}  // namespace palpate::view_open_test

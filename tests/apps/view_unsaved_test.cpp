@@ -1,0 +1,147 @@
+// Strokes that are not saved outlive the window, however it ends; and what is shorter than a picture is not lost in it.
+#include "engine/io/ply_reader.hpp"
+#include "tests/apps/running_program.hpp"
+#include "tests/apps/window_play.hpp"
+#include "tests/says.hpp"
+
+namespace palpate::view_unsaved_test {
+
+namespace {
+
+constexpr const char* kTwoStrokes = R"(0.1 mouse 373 180
+0.3 key space down
+0.4 button left down
+0.7 button left up
+0.8 key space up
+1.0 key ctrl+z
+1.1 key ctrl+shift+z
+1.2 mouse 350 160
+1.3 key space down
+1.4 button left down
+1.7 button left up
+1.8 key space up
+)";
+
+// What tells of the strokes of a window that a signal meets when its script has come to its end.
+struct Struck {
+  ScratchFolder folder;
+  int status = 0;
+  std::filesystem::path unsaved() const { return folder.path() / "state" / "palpate" / "unsaved"; }
+  bool keepsSomething() const {
+    std::error_code none;
+    return std::filesystem::directory_iterator(unsaved(), none) != std::filesystem::directory_iterator();
+  }
+  // Another window, which asks.
+  Result later(const std::string& script) const {
+    const std::filesystem::path& path = folder.path();
+    std::ofstream(path / "later.txt") << inFolder("0 ask\n0.1 state %/asked.json\n" + script + "9 quit\n", path);
+    const Outcome outcome = run(inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a timeout 120 ", path) +
+                                std::filesystem::absolute(program()).string() +
+                                " view --size 480x360 --rate 250 --edit push --script later.txt");
+    CAPTURE(outcome.text);
+    CHECK(outcome.code == 0);
+    return jsonOf(path / "asked.json");
+  }
+};
+
+// The program that is run, in its folder and on a display of its own, until `signal` meets it behind its script.
+void strike(Struck& struck, int signal, const std::string& script) {
+  const std::filesystem::path& path = struck.folder.path();
+  makeSphere(path, 2000);
+  std::ofstream(path / "script.txt") << inFolder(script + "4 state %/end.json\n4 await %/never\n", path);
+  // The shell says which process the window is: the display's script stands between.
+  const std::string command =
+      inFolder("cd % && echo $$ > pid && XDG_STATE_HOME=%/state exec " + std::filesystem::absolute(program()).string() +
+                   " view %/sphere.ply --size 480x360 --rate 250 --edit push --script %/script.txt",
+               path);
+  std::ofstream(path / "window.sh") << command << "\n";
+  std::thread display([&] { run(inFolder("xvfb-run -a sh %/window.sh > %/said 2>&1", path)); });
+  for (int i = 0; i < 1200 && !std::filesystem::exists(path / "end.json"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));  // longer than strokes are on their way to the file
+  const std::string pid = contentOf(path / "pid");
+  if (!pid.empty()) ::kill(std::stoi(pid), signal);
+  display.join();
+}
+
+}  // namespace
+
+TEST_CASE("strokes that were not saved outlive SIGKILL and are gone on with: points, undo and the file's name") {
+  if (!hasDisplay()) return;
+  Struck struck;
+  strike(struck, SIGKILL, kTwoStrokes);
+  const auto end = jsonOf(struck.folder.path() / "end.json");
+  REQUIRE(end["changed"] == true);
+  REQUIRE(struck.keepsSomething());
+  const auto asked = struck.later(R"(0.2 click Go on with it
+0.5 state %/again.json
+0.6 save %/again.ply
+0.9 key ctrl+z
+1.0 key ctrl+z
+1.2 state %/undone.json
+1.3 key ctrl+shift+z
+1.4 key ctrl+shift+z
+1.6 state %/redone.json
+)");
+  CHECK(asked["asks_about_strokes"] == true);
+  const std::filesystem::path& path = struck.folder.path();
+  const auto again = jsonOf(path / "again.json");
+  for (const char* what : {"model", "save_file", "points", "undoable", "changed"}) {
+    CAPTURE(what);
+    CHECK(again[what] == end[what]);
+  }
+  CHECK(jsonOf(path / "undone.json")["undoable"] == 0);
+  CHECK(jsonOf(path / "redone.json")["changed"] == false);
+  CHECK_FALSE(struck.keepsSomething());
+  // The same strokes in a window that nobody has ended.
+  const auto whole = play("%/sphere.ply --size 480x360 --rate 250 --edit push",
+                          std::string(kTwoStrokes) + "4 save %/whole.ply\n4.2 quit\n", "",
+                          [](const auto& folder) { makeSphere(folder, 2000); });
+  CHECK(contentOf(path / "again.ply") == contentOf(whole->folder.path() / "whole.ply"));
+}
+
+TEST_CASE("a window that is asked to end by SIGTERM leaves its strokes, which can be thrown away, or asked for later") {
+  if (!hasDisplay()) return;
+  Struck struck;
+  strike(struck, SIGTERM, std::string(kTwoStrokes) + "1.9 save %/copy.ply\n2.1 key ctrl+z\n");
+  CHECK(says(contentOf(struck.folder.path() / "said"), "is kept, and offered"));
+  CHECK(jsonOf(struck.folder.path() / "end.json")["model"] == (struck.folder.path() / "copy.ply").string());
+  CHECK(struck.later("0.2 click Ask again later\n0.4 state %/later.json\n")["asks_about_strokes"] == true);
+  CHECK(jsonOf(struck.folder.path() / "later.json")["asks_about_strokes"] == false);
+  REQUIRE(struck.keepsSomething());
+  CHECK(struck.later("0.2 click Throw it away\n")["asks_about_strokes"] == true);
+  CHECK_FALSE(struck.keepsSomething());
+  CHECK(struck.later("")["asks_about_strokes"] == false);
+}
+
+TEST_CASE("a click and a key that are shorter than a picture are not lost, in a panel as in the model") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", std::string(kTwoStrokes) + R"(
+2 state %/before.json
+2.1 tap 140 114
+2.3 state %/tool.json
+2.4 tap d
+2.6 tap 353 160
+2.8 tap 393 200
+3 state %/measured.json
+3.1 ask
+3.2 quit
+3.4 state %/asked.json
+3.5 tap escape
+3.7 state %/cancelled.json
+3.8 quit
+3.9 click Do not save
+9 state %/after.json
+)",
+                           "", [](const auto& folder) { makeSphere(folder, 2000); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  CHECK(played->state("before.json")["tool"] == "push");
+  CHECK(played->state("tool.json")["tool"] == "carve");
+  CHECK(played->state("measured.json")["measured"] > 10);
+  CHECK(played->state("asked.json")["asks_about_changes"] == true);
+  CHECK(played->state("cancelled.json")["asks_about_changes"] == false);
+  CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
+}
+
+}  // namespace palpate::view_unsaved_test
