@@ -54,6 +54,7 @@ void Document::open(const std::string& file) {
 void Document::read(WindowOptions options) {
   handedOn_ = HandedOn::no;
   opened_ = std::move(options);
+  messages_.forget();
   loader_.open(opened_, parts_.settings.brush, parts_.settings.feel);
 }
 
@@ -96,8 +97,9 @@ bool Document::load(const std::function<void()>& letGo) {
   }
   if (!result->failure.empty()) {
     std::erase(offered_, loader_.file());  // nobody is offered it again
+    recent_.forget(loader_.file());
     handedOn_ = HandedOn::no;
-    messages_.say(result->failure);
+    messages_.sayError(result->failure);
   }
   return false;
 }
@@ -122,7 +124,7 @@ void Document::install(std::unique_ptr<WindowSession> session) {
 }
 
 void Document::follow() {
-  if (const auto fault = session_->takeRecordingFault()) messages_.say(*fault);
+  if (const auto fault = session_->takeRecordingFault()) messages_.sayError(*fault);
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
   if (SharedFollower* const shared = session_->shared())
     for (const std::string& said : shared->takeSaid()) messages_.add(said);
@@ -146,7 +148,10 @@ void Document::sayWhatFramesLack() {
 
 void Document::finishSaving(const WindowSession::Saved& saved) {
   const std::string kept = saved.kept.empty() ? "" : "; what was there before is " + saved.kept;
-  messages_.say(saved.failure.empty() ? saved.file + " is saved" + kept : saved.failure);
+  if (saved.failure.empty())
+    messages_.say(saved.file + " is saved" + kept);
+  else
+    messages_.sayError(saved.failure);
   // Where the points have changed since, or could not be written, nothing is left behind.
   if (!std::exchange(isSavingForIt_, false) || (saved.failure.empty() && session_->isChanged())) return;
   const auto then = std::exchange(afterQuestion_, nullptr);
@@ -225,7 +230,7 @@ void Document::sayWhatSimulationLacks() {
   const std::string failure = simulation->failure();
   if (failure == saidOfSimulation_) return;
   saidOfSimulation_ = failure;
-  if (!failure.empty()) messages_.say(fmt::format("the simulation {}; N begins it anew", failure));
+  if (!failure.empty()) messages_.sayError(fmt::format("the simulation {}; N begins it anew", failure));
 }
 
 void Document::holdFrames() {

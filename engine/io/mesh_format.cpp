@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/cloud/length_unit.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_arrays.hpp"
 #include "engine/io/mesh_import.hpp"
@@ -98,7 +99,8 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
 
 StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
   StoredCloud stored = readMesh<importGltf>(file, log, options);
-  stored.cloud.storedAs.comments.emplace_back("comment up: y");  // as the format says
+  stored.cloud.storedAs.comments.emplace_back("comment up: y");  // as the format says, and
+  sayUnit(stored.cloud.storedAs.comments, LengthUnit::m);
   return stored;
 }
 
