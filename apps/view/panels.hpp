@@ -115,7 +115,7 @@ class Panels {
   void drawSaveQuestion(const ViewStatus& status, ViewRequests& requests);
   static constexpr double kPanel_em = 18.5, kCurves_em = 18, kMargin_em = 0.6;
   static constexpr double kMessages_em = 32;  ///< the least width of what they stand in, beside the scale
-  static constexpr double kModel_em = 6;  ///< the least width of what is left for it
+  static constexpr double kModel_em = 6;      ///< the least width of what is left for it
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
   Gui& gui_;

@@ -97,10 +97,11 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   ImGui::PopItemWidth();
   // Folders of what was open lately.
   std::vector<std::string> lately;
-  for (const std::string& file : status.recent)
-    if (const std::string folder = std::filesystem::path(file).parent_path().string();
-        !folder.empty() && std::ranges::find(lately, folder) == lately.end())
-      lately.push_back(folder);
+  for (const std::span<const std::string> files : {status.recent, status.gone})
+    for (const std::string& file : files)
+      if (const std::string folder = std::filesystem::path(file).parent_path().string();
+          !folder.empty() && std::ranges::find(lately, folder) == lately.end())
+        lately.push_back(folder);
   if (!lately.empty() && ImGui::BeginCombo("##lately", "recent folders")) {
     for (const std::string& folder : lately)
       if (noted(folder, ImGui::Selectable(folder.c_str()))) browser.go(folder);

@@ -17,7 +17,7 @@ void Panels::drawPlace(const PlaceInfo& info) {
   place("place", info.place, info.resolution);
   if (info.point) {
     place(fmt::format("point {}", *info.point), info.position, info.positionResolution);
-    row("normal", fmt::format("{:.6g}, {:.6g}, {:.6g}", info.normal.x, info.normal.y, info.normal.z));
+    row("normal", fmt::format("{:.4f}, {:.4f}, {:.4f}", info.normal.x, info.normal.y, info.normal.z));
   }
   for (const auto& [name, value] : info.attributes) row(name.c_str(), value);
   if (info.stiffness_N_mm)

@@ -21,7 +21,8 @@ std::string touchScaleText(const ModelScale& scale, double longestSide, LengthUn
 /// The smallest difference of coordinates that float32 holds everywhere in the box, which is relative to the cloud's
 /// origin.
 double resolutionOf(const Bounds& box);
-/// With as many decimals as are true at that resolution, and no zeros at the end; 0: with all 15 digits of double precision.
+/// With as many decimals as are true at that resolution, and no zeros at the end; 0: with all 15 digits of
+/// double precision.
 std::string coordinateText(double coordinate, double resolution);
 /// The three, with `between` between them.
 std::string coordinateText(const DVec3& place, double resolution, const std::string& between);

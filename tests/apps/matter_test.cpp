@@ -350,7 +350,7 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
   const auto played =
       play("%/block.json --size 480x360 --rate 250 --backend cpu --edit push", R"(
 0.01 key tab
-0.06 mouse 377 205
+0.06 mouse 239 205
 0.16 key space down
 0.21 button left down
 0.41 wheel 6
