@@ -100,8 +100,8 @@ const Options& namedIn(const Options& options) {
 int run(std::vector<std::string> arguments) {
   Options options{
       "palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
-      "palpate MODEL... opens the window. Units: model coordinates as in the file; mm, N, N/mm, N s/mm, s; GPU times "
-      "in us."};
+      "palpate MODEL... opens the window. Units: model coordinates as in the file; mm in the hand (the touch scale of "
+      "`palpate info`), N, N/mm, N s/mm, s; GPU times in us."};
   CLI::App& app = options.app();
   app.name("palpate");
   app.set_version_flag("--version", "palpate " PALPATE_VERSION, "the version of this program");

@@ -227,7 +227,7 @@ Pointed Viewer::pointed() {
 }
 
 void Viewer::sayLost(const std::string& failure) {
-  messages_.say(failure + "; what was done is kept and can be saved");
+  messages_.sayError(failure + "; what was done is kept and can be saved");
 }
 
 void Viewer::followSession() {

@@ -6,7 +6,6 @@
 #include <glm/common.hpp>
 
 #include "engine/io/append_bytes.hpp"
-#include "engine/io/las_unit.hpp"
 #include "engine/io/saving.hpp"
 
 namespace palpate {
@@ -42,11 +41,6 @@ void appendRecord(std::vector<std::byte>& bytes, std::string_view user, unsigned
   appendBytes(bytes, data);
 }
 
-/// What a file with the records of the one that the cloud came from has for its unit.
-LengthUnit unitOf(const LasPlan& plan) {
-  return lasUnit(plan.baggage ? lasRecords({}, plan.old, plan.baggage->head) : std::vector<LasRecord>());
-}
-
 /// All comments but what the header and its records say in their own way.
 std::string commentsOf(const PointCloud& cloud, LengthUnit unit) {
   constexpr std::size_t kLongest = 65535;  // of a record
@@ -63,7 +57,7 @@ std::string commentsOf(const PointCloud& cloud, LengthUnit unit) {
 /// The records of the file that the cloud came from, and palpate's own.
 std::uint32_t appendRecords(std::vector<std::byte>& bytes, const PointCloud& cloud, const LasPlan& plan) {
   std::uint32_t count = 0;
-  const std::string comments = commentsOf(cloud, unitOf(plan));
+  const std::string comments = commentsOf(cloud, plan.baggage ? plan.baggage->unit : LasBaggage().unit);
   bool described = plan.descriptors.empty(), commented = comments.empty();
   const auto describe = [&] {
     if (!described) appendRecord(bytes, kLasSpec, kLasExtraBytes, "Extra Bytes Record", plan.descriptors), ++count;

@@ -106,6 +106,7 @@ PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, const Cloud
   records.insert(records.end(), behind.begin(), behind.end());
   const LengthUnit unit = lasUnit(records);
   const std::shared_ptr<LasBaggage> baggage = packBaggage(tail);
+  baggage->unit = unit;
   std::vector<std::size_t> withoutNormal;
   if (options.stages) options.stages->points_s = reading.elapsed_s(), options.stages->waited_s = columns.waited_s();
   const Stopwatch finishing;

@@ -66,7 +66,8 @@ TEST_CASE(
 }
 
 TEST_CASE("the unit of a LAS file adds no byte to what is written, and goes to other formats as a comment") {
-  for (const std::string& file : {fileWith("", 0), fileWith(test::lasRecord(kUser, 2112, kFeet), 1)}) {
+  for (const std::string& file : {fileWith("", 0), fileWith(test::lasRecord(kUser, 2112, kFeet), 1),
+                                  fileWith("", 0, test::lasLongRecord(kUser, 2112, kFeet))}) {
     const std::string once = test::again(file);
     CHECK(once.find("comment units") == std::string::npos);
     CHECK(test::again(once) == once);
