@@ -174,9 +174,9 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
     ImGui::TextDisabled("%zu points", status.session->model().cloud.size());
     const Model& model = status.session->model();
     const double side = (model.container ? *model.container : status.session->bounds()).longestSide();
-    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    ImGui::TextWrapped("touch scale: %s", touchScaleText(model.scale, side, status.unit).c_str());
-    ImGui::PopStyleColor();
+    std::string scale = touchScaleText(model.scale, side, status.unit);
+    scale.replace(scale.rfind(" for "), 1, "\n");  // no number is broken where the panel ends
+    ImGui::TextDisabled("touch scale: %s", scale.c_str());
     help("--mm-per-unit or Measure give another size; otherwise the longest side is 100 mm, unless the file says more");
   } else if (!status.loading) {
     ImGui::Text("Drop a point cloud (%s) here", cloudFormats().namesRead().c_str());

@@ -113,8 +113,9 @@ void Panels::drawLink() {
 void Panels::drawHelp(ViewSettings& view) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({std::min(em(39), display.x - em(1)), 0});
-  ImGui::Begin("Help", &view.help, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
+  const float width = std::min(em(39), display.x - em(1));
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y - em(1)});
+  ImGui::Begin("Help", &view.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
   static constexpr std::array<std::pair<const char*, const char*>, 22> kRows{
       {{"hold Space", "the mouse is the stylus: move over the model"},
        {"Space + left button", "press into the model, and sculpt with a brush"},
