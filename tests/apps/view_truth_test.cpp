@@ -130,6 +130,27 @@ TEST_CASE("an error stays until it is closed, and what was said of a model goes 
   CHECK(torus.find("up is", torus.find("up is") + 1) == std::string::npos);
 }
 
+TEST_CASE("the size of a brush is shown and typed in the model's own unit") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/ball.ply --size 480x360 --rate 250 --backend cpu --unit m", R"(
+0.1 key 2
+0.3 key ctrl down
+0.4 click radius
+0.6 key ctrl up
+0.7 text 0.2
+0.8 key enter
+1.0 state %/typed.json
+1.1 quit
+)",
+                           "", [](const auto& folder) {
+                             works("--quiet make sphere -n 2000 --size 2 -o " + (folder / "ball.ply").string());
+                           });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto typed = played->state("typed.json");
+  CHECK(typed["mm_per_unit"].get<double>() == near(50, 0.01));
+  CHECK(typed["tool_radius_mm"].get<double>() == near(0.2 * typed["mm_per_unit"].get<double>(), 1e-6));
+}
+
 TEST_CASE("Escape closes a list first, and only then what is behind it") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x600 --rate 250 --backend cpu", R"(
