@@ -70,6 +70,7 @@ if(TARGET palpate)
 sculpted, on any Vulkan GPU or without one."
           "fonts-dejavu-core")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libvulkan1, mesa-vulkan-drivers")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "fonts-noto-cjk | fonts-droid-fallback")
 endif()
 if(TARGET palpate_library)
   package(library libpalpate0 libs "The shared library: sessions that other programs have, by a C interface." "")

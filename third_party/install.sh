@@ -27,7 +27,8 @@ packages=(
   libglfw3-dev               # the window of palpate view
   libx11-dev                 # pictures for displays that a GPU cannot present to
   libimgui-dev               # its panels
-  fonts-dejavu-core          # their font
+  fonts-dejavu-core          # their font, and
+  fonts-droid-fallback       # Chinese, Japanese and Korean letters
   libstb-dev                 # PNG writing and reading
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
   libpugixml-dev             # the XML of E57

@@ -2,6 +2,8 @@
 
 #include "apps/cli/look.hpp"
 #include "apps/cli/stream_options.hpp"
+#include "engine/cloud/file_coordinates.hpp"
+#include "engine/cloud/length_text.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/named_values.hpp"
@@ -37,7 +39,9 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
   const double spacing = spacings.mean;
   const ModelScale scale = scaleOf(cloud, 0);
   const GpuMemory memory = predictGpuMemory(cloud.size(), cloud.hasColors());
-  const DVec3 min = bounds.min + cloud.origin, max = bounds.max + cloud.origin;
+  const Bounds inFile = fileBoundsOf(cloud);
+  const double resolution = isExact(cloud) ? 0 : resolutionOf(bounds);
+  const auto corner = [&](const DVec3& place) { return coordinateText(place, resolution, ", "); };
 
   std::FILE* out = context.tables();
   fmt::print(out, "{}: {} points, {}\n", file, cloud.size(), format);
@@ -54,13 +58,14 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
   if (!stored.leftOut.empty()) fmt::print(out, "  left out: {}; --all-points keeps them\n", stored.leftOut);
   fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
              cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
-  fmt::print(out, "  bounding box: ({}, {}, {}) to ({}, {}, {})\n", min.x, min.y, min.z, max.x, max.y, max.z);
+  fmt::print(out, "  bounding box: ({}) to ({})\n", corner(inFile.min), corner(inFile.max));
   const DVec3 size = bounds.max - bounds.min;
-  fmt::print(out, "  size: {:.6g} x {:.6g} x {:.6g} {}\n", size.x, size.y, size.z, nameOf(unit));
-  fmt::print(out, "  up: {} ({}); heights from {:.6g} to {:.6g} {}\n", nameOf(upright.up), upright.why, heights.low,
-             heights.high, nameOf(unit));
-  fmt::print(out, "  mean spacing: {:.6g} {}, {:.4g} mm where the longest side is {:.6g} mm\n", spacing, nameOf(unit),
-             scale.toMm(spacing), scale.toMm(bounds.longestSide()));
+  fmt::print(out, "  size: {} x {} x {}\n", lengthText(size.x), lengthText(size.y), lengthText(size.z, unit));
+  fmt::print(out, "  up: {} ({}); heights from {} to {} {}\n", nameOf(upright.up), upright.why,
+             coordinateText(heights.low, resolutionOf(bounds)), coordinateText(heights.high, resolutionOf(bounds)),
+             nameOf(unit));
+  fmt::print(out, "  mean spacing: {}\n", lengthText(spacing, unit));
+  fmt::print(out, "  touch scale: {}\n", touchScaleText(scale, bounds.longestSide(), unit));
   fmt::print(out, "  noise of the positions: {:.3f} spacings\n", spacings.noise);
   fmt::print(
       out,
@@ -80,7 +85,7 @@ void info(Context& context, const std::string& file, const LookOptions& look, bo
                      {"normals", cloud.hasNormals()},
                      {"colors", cloud.hasColors()},
                      {"attributes", attributes},
-                     {"bounds", {{"min", {min.x, min.y, min.z}}, {"max", {max.x, max.y, max.z}}}},
+                     {"bounds", {{"min", vectorJson(inFile.min)}, {"max", vectorJson(inFile.max)}}},
                      {"unit", unit == LengthUnit::unknown ? Json(nullptr) : Json(nameOf(unit))},
                      {"up", nameOf(upright.up)},
                      {"up_why", upright.why},

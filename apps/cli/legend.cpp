@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "apps/cli/font.hpp"
+#include "engine/cloud/length_text.hpp"
 #include "shaders/shared/ramp.h"
 
 namespace palpate {
@@ -89,14 +90,13 @@ class Letters {
 std::vector<Tick> ticksOf(const HeightRange& heights) {
   const double extent = heights.high - heights.low;
   const double step = roundLength(extent / static_cast<double>(kFewestTicks));
-  if (!(step > 0)) return {{heights.low, fmt::format("{:.6g}", heights.low)}};
+  if (!(step > 0)) return {{heights.low, lengthText(heights.low)}};
   std::vector<Tick> ticks;
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
   constexpr int kMostDecimals = 9;
   for (double n = std::ceil(heights.low / step - 1e-9); n * step <= heights.high + 1e-9 * extent; ++n) {
     const double height = n * step + 0.0;  // no negative zero
-    ticks.push_back(
-        {height, decimals > kMostDecimals ? fmt::format("{:.6g}", height) : fmt::format("{:.{}f}", height, decimals)});
+    ticks.push_back({height, decimals > kMostDecimals ? lengthText(height) : fmt::format("{:.{}f}", height, decimals)});
   }
   return ticks;
 }

@@ -15,8 +15,9 @@ void addLookOptions(Options& command, LookOptions& options) {
       .showDefault();
   command
       .add("--unit", options.unit,
-           "the file's unit of length, for scale bars, heights and reports: mm, cm, m, in, ft, or auto (what a "
-           "comment of the file says); scales nothing, as --mm-per-unit does")
+           "the file's unit of length, in which lengths are shown: mm, cm, m, in, ft, or auto (what the file or its "
+           "format says: LAS, E57, glTF, depth cameras; 'units' where none does); scales nothing, as --mm-per-unit "
+           "does")
       .check(oneOf(namesOf(kLengthUnits, {"auto"})))
       .showDefault();
 }

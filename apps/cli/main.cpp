@@ -78,9 +78,9 @@ int fail(std::string_view what, int code) {
 int run(std::vector<std::string> arguments) {
   Options options{
       "palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
-      "palpate and palpate MODEL... open the window. Units: model coordinates as in the file; mm, N, N/mm, N s/mm, s; "
-      "GPU times "
-      "in us."};
+      "palpate and palpate MODEL... open the window. Units: model coordinates as in the file; mm in the hand (the "
+      "touch "
+      "scale of `palpate info`), N, N/mm, N s/mm, s; GPU times in us."};
   CLI::App& app = options.app();
   app.name("palpate");
   app.set_version_flag("--version", "palpate " PALPATE_VERSION, "the version of this program");

@@ -42,7 +42,7 @@ void mesh(Context& context, const MeshCommandOptions& options) {
   const Mesh result = cubes.download();
   progress.set(0.8);
   if (result.triangles.empty())
-    throw Error("{}: {} points show no surface within {:.3g} mm of one another; try a larger --radius",
+    throw Error("{}: {} points show no surface within {:.3g} mm (in the hand) of one another; try a larger --radius",
                 options.model.file, model.cloud.size(), model.scale.toMm(static_cast<double>(plan.lattice.radius)));
   const double cell = static_cast<double>(plan.lattice.cell);
   writeMesh(options.output, result, cell, options.ascii);

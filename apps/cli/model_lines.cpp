@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/cloud/point_tree.hpp"
+#include "haptics/session/framing.hpp"
 
 namespace palpate {
 
@@ -27,6 +28,12 @@ double usualGap(std::span<const CameraFrustum> cameras) {
   const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
   std::ranges::nth_element(gaps, middle);
   return *middle;
+}
+
+// The discs of what is in the box are wholly inside of what is drawn.
+Bounds drawnContainer(const Model& model) {
+  const double disc = discRadiusOf(model);
+  return {model.container->min - disc, model.container->max + disc};
 }
 
 }  // namespace
@@ -57,7 +64,7 @@ void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, con
 
 PointCloud placesWithLines(const Model& model, bool cameras) {
   constexpr double kFarOff = 10;  // longest sides from the middle
-  const Bounds box = model.shownBounds();
+  const Bounds box = model.container ? drawnContainer(model) : model.shownBounds();
   PointCloud places;
   places.origin = model.cloud.origin;
   for (unsigned corner = 0; corner < 8; ++corner)
@@ -73,8 +80,8 @@ PointCloud placesWithLines(const Model& model, bool cameras) {
 
 void addContainer(std::vector<SpaceLine>& lines, const Model& model) {
   if (!model.container) return;
-  const auto corner = [&](unsigned number) {
-    const auto& [min, max] = *model.container;
+  const auto corner = [&, box = drawnContainer(model)](unsigned number) {
+    const auto& [min, max] = box;
     return DVec3(number & 1 ? max.x : min.x, number & 2 ? max.y : min.y, number & 4 ? max.z : min.z);
   };
   for (unsigned from = 0; from < 8; ++from)

@@ -27,7 +27,7 @@ void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, con
 /// shown, but for those that are far off. Relative to the model's origin.
 PointCloud placesWithLines(const Model& model, bool cameras);
 
-/// The edges of the box that holds the points, where there is one.
+/// The edges of the box that holds the points, where there is one, and their discs.
 void addContainer(std::vector<SpaceLine>& lines, const Model& model);
 
 /// That, and all of a model's cameras where they are asked for; null where there is nothing.

@@ -6,6 +6,7 @@
 #include "apps/cli/legend.hpp"
 #include "apps/cli/model_lines.hpp"
 #include "apps/cli/parse_list.hpp"
+#include "engine/cloud/length_text.hpp"
 
 namespace palpate {
 
@@ -39,8 +40,8 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
       throw UsageError("--splat-radius: '{}' is not a positive length in mm", options.splatRadius);
     frame.splatRadius = model.scale.toUnits(radius_mm);
     if (widest > 0 && frame.splatRadius > widest)
-      throw UsageError("--splat-radius: {} mm is more than a tenth of the model, which is {:.4g} mm long", radius_mm,
-                       model.scale.toMm(widest / kWidest));
+      throw UsageError("--splat-radius: {} mm is more than a tenth of the model, which is {:.4g} mm long in the hand",
+                       radius_mm, model.scale.toMm(widest / kWidest));
   }
   if (options.points) {
     constexpr double kBare = 1e-7;  // of the longest side: far below a sample
@@ -162,8 +163,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   const double bar = options.scaleBar ? scaleBarLength(camera, size) : 0;
   if (options.scaleBar) {
     frameOf.overlays.scale = scaleBar(camera, size);
-    context.log().say("{}: the scale bar is {:g} {} long, {:.4g} mm in the hand", file, bar, nameOf(unit),
-                      model.scale.toMm(bar));
+    context.log().say("{}: the scale bar is {} long", file, lengthText(bar, unit));
   }
   CommandList list(device, device.throughputQueue(), "frame",
                    options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
@@ -172,8 +172,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   list.end();
   device.throughputQueue().run(list);
   Image image = frame.readColor();
-  if (options.scaleBar)
-    drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), fmt::format("{:g} {}", bar, nameOf(unit)));
+  if (options.scaleBar) drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), lengthText(bar, unit));
   const bool showsHeights = frameOf.pass == ImagePass::final || frameOf.pass == ImagePass::color;
   if (showsHeights && frameOf.color == ColorBy::height && !model.cloud.empty())
     drawLegend(image, heightsOf(model, upright.up), unit);

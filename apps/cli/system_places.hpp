@@ -2,11 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 namespace palpate {
 
-/// The font of panels and pictures; it may not be there.
-std::filesystem::path fontFile();
+/// The font of panels and pictures, and behind it those that may have letters which it lacks. None need be there.
+std::vector<std::filesystem::path> fontFiles();
 
 /// Where a program keeps what it remembers of a person from one time to the next; empty where nobody says.
 std::filesystem::path stateFolder();

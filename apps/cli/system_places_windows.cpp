@@ -6,11 +6,16 @@
 
 namespace palpate {
 
-// It travels beside the program.
-std::filesystem::path fontFile() {
+// The first one travels beside the program; the others are of Windows.
+std::vector<std::filesystem::path> fontFiles() {
   wchar_t program[MAX_PATH]{};
   ::GetModuleFileNameW(nullptr, program, MAX_PATH - 1);
-  return std::filesystem::path(program).parent_path() / "DejaVuSans.ttf";
+  std::vector<std::filesystem::path> files{std::filesystem::path(program).parent_path() / "DejaVuSans.ttf"};
+  wchar_t windows[MAX_PATH]{};
+  ::GetWindowsDirectoryW(windows, MAX_PATH - 1);
+  for (const char* name : {"msyh.ttc", "msgothic.ttc", "malgun.ttf", "segoeui.ttf", "seguisym.ttf"})
+    files.push_back(std::filesystem::path(windows) / "Fonts" / name);
+  return files;
 }
 
 std::filesystem::path stateFolder() {

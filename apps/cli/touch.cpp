@@ -137,6 +137,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .spacing_mm = model.scale.toMm(model.spacing),
                      .noise_spacings = model.noise,
                      .mm_per_unit = model.scale.mm_per_unit,
+                     .longestSide = boundsOf(model.cloud).longestSide(),
                      .toolPoints = backend.points(0).size()};
   report.frames = session.playCounts();
   if (const SharedPresence* const presence = session.presence()) {
@@ -231,9 +232,10 @@ void touch(Context& context, const TouchCommandOptions& options) {
   start.ended("hands");
   if (config.brush)
     if (const std::string remark =
-            remarkOnSmallBrush(options.brushRadius_mm, model.scale.toMm(model.spacing), "--tool-radius");
+            remarkOnSmallBrush(options.brushRadius_mm, model.scale.toMm(model.spacing), "--tool-radius",
+                               [](double mm) { return fmt::format("{:.3g} mm", mm); });
         !remark.empty())
-      context.log().say("{}: {}", options.model.file, remark);
+      context.log().say("{}: in the hand, {}", options.model.file, remark);
   const bool keeps = config.brush && (!options.saveFile.empty() || options.undo > 0);
   DrawnFollower* sight = nullptr;
   Session session(config, std::move(model),
@@ -289,6 +291,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   const SculptedCloud end = changes ? session.sculpted() : SculptedCloud{};
   TouchReport report = reportOf(session, result, end);
   report.start = std::move(stages);
+  report.unit = unitOf(session.model().cloud, options.picture.look);
   report.ros = heard;
   report.tool = options.backend.tool;
   report.back = undone;

@@ -1,6 +1,8 @@
 // The options of `palpate touch`.
 #pragma once
 
+#include <functional>
+
 #include "apps/cli/backend.hpp"
 #include "apps/cli/hand_options.hpp"
 #include "apps/cli/motion_options.hpp"
@@ -34,9 +36,10 @@ struct TouchCommandOptions {
 };
 void addTouchOptions(Options& command, TouchCommandOptions& options);
 
-/// What would make a brush edit nothing on a cloud of that spacing, mm, in words; empty where nothing would. `control`
-/// is what sets the radius.
-std::string remarkOnSmallBrush(double radius_mm, double spacing_mm, std::string_view control);
+/// What would make a brush edit nothing on a cloud of that spacing, mm in the hand, in words; empty where nothing
+/// would. `control` is what sets the radius; lengths are shown as `length` puts them.
+std::string remarkOnSmallBrush(double radius_mm, double spacing_mm, std::string_view control,
+                               const std::function<std::string(double mm)>& length);
 
 /// Throws UsageError for options that do not go together; before anything is loaded. `can`: the back end.
 void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can);

@@ -231,13 +231,14 @@ SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {
   return config;
 }
 
-std::string remarkOnSmallBrush(double radius_mm, double spacing_mm, std::string_view control) {
+std::string remarkOnSmallBrush(double radius_mm, double spacing_mm, std::string_view control,
+                               const std::function<std::string(double mm)>& length) {
   constexpr double kUseful = 2;  // spacings: some ten points
   if (radius_mm >= spacing_mm) return {};
   return fmt::format(
-      "a tool of {:.3g} mm is smaller than the spacing of the points, {:.3g} mm: it reaches hardly any, and edits next "
-      "to nothing; make {} {:.2g} mm or more",
-      radius_mm, spacing_mm, control, kUseful * spacing_mm);
+      "a tool of {} is smaller than the spacing of the points, {}: it reaches hardly any, and edits next to nothing; "
+      "make {} {} or more",
+      length(radius_mm), length(spacing_mm), control, length(kUseful * spacing_mm));
 }
 
 }  // namespace palpate

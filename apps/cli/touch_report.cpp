@@ -6,6 +6,7 @@
 
 #include "apps/cli/presence_json.hpp"
 #include "apps/cli/tick_times.hpp"
+#include "engine/cloud/length_text.hpp"
 #include "engine/contact/contact_reference.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/core/parallel_collect.hpp"
@@ -249,6 +250,8 @@ Json toJson(const MatterReport& matter) {
 
 void printReport(std::FILE* out, const TouchReport& report) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
+  const ModelScale scale{report.mm_per_unit};
+  const auto length = [&](double mm) { return lengthText(scale.toUnits(mm), report.unit, kFewLengthDigits); };
   const TraceSummary& trace = report.trace;
   const auto& shortfalls = report.shortfalls;
   if (report.ros)
@@ -260,8 +263,9 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.matter)
     row(report.matter->matter == Matter::soft ? "points" : "particles", inWords(*report.matter, report.points));
   else
-    row("points", fmt::format("{}, spacing {:.3g} mm, noise {:.2f} spacings, support radius {:.3g} mm", report.points,
-                              report.spacing_mm, report.noise_spacings, report.radius_mm));
+    row("points", fmt::format("{}, spacing {}, noise {:.2f} spacings, support radius {}", report.points,
+                              length(report.spacing_mm), report.noise_spacings, length(report.radius_mm)));
+  if (!report.matter) row("touch scale", touchScaleText(scale, report.longestSide, report.unit));
   if (report.frames) row("frames", inWords(*report.frames));
   row("machine", fmt::format("{} ({})", report.machine, report.backend));
   if (!report.start.empty()) row("ready after", inWords(report.start));
@@ -280,7 +284,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
         "spacings wide?");
   if (report.error.ticks)
     row("contact error",
-        fmt::format("{:.2g} mm, largest of {} ticks against double precision{}", report.error.worst_mm,
+        fmt::format("{}, largest of {} ticks against double precision{}", length(report.error.worst_mm),
                     report.error.ticks,
                     report.error.undefined ? fmt::format("; no surface there at {} of them", report.error.undefined)
                                            : std::string()));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/cli/model.hpp"
+#include "engine/cloud/length_unit.hpp"
 #include "engine/contact/surface.hpp"
 #include "engine/core/touch_backend.hpp"
 #include "engine/matter/matter_scene.hpp"
@@ -91,7 +92,9 @@ struct TouchReport {
   bool realtime = false;
   bool interrupted = false;
   bool edits = false;
-  double radius_mm = 0, cell_mm = 0, spacing_mm = 0, noise_spacings = 0, mm_per_unit = 0;
+  double radius_mm = 0, cell_mm = 0, spacing_mm = 0, noise_spacings = 0, mm_per_unit = 1;
+  double longestSide = 0;  ///< model units
+  LengthUnit unit = LengthUnit::unknown;
   std::string tool;
   std::size_t toolPoints = 0;  ///< 0: it touches with the HIP alone
   ContactError error;

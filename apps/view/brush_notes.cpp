@@ -7,13 +7,15 @@
 
 namespace palpate {
 
-void BrushNotes::noteSize(const WindowSession& session, std::uint64_t presses, Messages& messages) {
+void BrushNotes::noteSize(const WindowSession& session, const ViewSettings& view, std::uint64_t presses,
+                          Messages& messages) {
   const BrushSettings& brush = session.brushSettings();
   const Model& model = session.model();
   if (std::exchange(presses_, presses) != presses) tooSmall_.clear();
   const std::string tooSmall =
       brush.kind && !session.config().moves()
-          ? remarkOnSmallBrush(brush.radius_mm, model.scale.toMm(model.spacing), "its radius (key ])")
+          ? remarkOnSmallBrush(brush.radius_mm, model.scale.toMm(model.spacing), "its radius (key ])",
+                               [&](double mm) { return view.lengthText(mm, model); })
           : std::string();
   if (tooSmall != std::exchange(tooSmall_, tooSmall) && !tooSmall.empty()) messages.say(tooSmall);
 }

@@ -15,7 +15,7 @@ class BrushNotes {
   /// Another model comes.
   void forget() { *this = {}; }
   /// A brush that edits nothing is said to, once, and again with each press of it.
-  void noteSize(const WindowSession& session, std::uint64_t presses, Messages& messages);
+  void noteSize(const WindowSession& session, const ViewSettings& view, std::uint64_t presses, Messages& messages);
   /// What is painted is to be seen: the colours change, and it is said.
   void notePaint(const WindowSession& session, ViewSettings& view, Messages& messages);
 

@@ -89,6 +89,7 @@ void Document::open(const std::string& file) {
 void Document::read(WindowOptions options) {
   handedOn_ = HandedOn::no;
   opening_ = std::move(options);
+  messages_.forget();
   loader_.open(opening_, parts_.settings.brush, parts_.settings.feel);
 }
 
@@ -135,9 +136,12 @@ bool Document::load(const std::function<void()>& letGo) {
   }
   if (!result->failure.empty()) {
     // Nobody is offered it again, unless it is what is open.
-    if (!parked_ || parked_->file() != loader_.file()) std::erase(offered_, loader_.file());
+    if (!parked_ || parked_->file() != loader_.file()) {
+      std::erase(offered_, loader_.file());
+      recent_.forget(loader_.file());
+    }
     handedOn_ = HandedOn::no;
-    messages_.say(result->failure);
+    messages_.sayError(result->failure);
   }
   unpark();
   return false;
@@ -180,8 +184,8 @@ void Document::install(std::unique_ptr<WindowSession> session, const std::string
 }
 
 void Document::follow() {
-  if (const auto fault = session_->takeRecordingFault()) messages_.say(*fault);
-  if (const auto fault = session_->takeUnsavedFault()) messages_.say(*fault);
+  if (const auto fault = session_->takeRecordingFault()) messages_.sayError(*fault);
+  if (const auto fault = session_->takeUnsavedFault()) messages_.sayError(*fault);
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
   if (SharedFollower* const shared = session_->shared())
     for (const std::string& said : shared->takeSaid()) messages_.add(said);
@@ -205,8 +209,12 @@ void Document::sayWhatFramesLack() {
 
 void Document::finishSaving(const WindowSession::Saved& saved) {
   const std::string kept = saved.kept.empty() ? "" : "; what was there before is " + saved.kept;
-  messages_.say(saved.failure.empty() ? saved.file + " is saved" + kept : saved.failure);
-  if (saved.failure.empty()) becomeFile(saved.file);
+  if (saved.failure.empty()) {
+    messages_.say(saved.file + " is saved" + kept);
+    becomeFile(saved.file);
+  } else {
+    messages_.sayError(saved.failure);
+  }
   // Where the points have changed since, or could not be written, nothing is left behind.
   if (!std::exchange(isSavingForIt_, false) || (saved.failure.empty() && session_->isChanged())) return;
   const auto then = std::exchange(afterQuestion_, nullptr);
@@ -299,7 +307,7 @@ void Document::sayWhatSimulationLacks() {
   const std::string failure = simulation->failure();
   if (failure == saidOfSimulation_) return;
   saidOfSimulation_ = failure;
-  if (!failure.empty()) messages_.say(fmt::format("the simulation {}; N begins it anew", failure));
+  if (!failure.empty()) messages_.sayError(fmt::format("the simulation {}; N begins it anew", failure));
 }
 
 void Document::holdFrames() {

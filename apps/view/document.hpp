@@ -35,7 +35,7 @@ class Document {
   /// Null: no model is open.
   WindowSession* session() const { return session_.get(); }
   /// Of models that were opened, and of those that were offered.
-  const std::vector<std::string>& recent() const { return recent_.files(); }
+  const RecentFiles& recent() const { return recent_; }
   const std::vector<std::string>& offered() const { return offered_; }
   void offer(const std::vector<std::string>& files);
 

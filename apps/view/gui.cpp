@@ -6,8 +6,11 @@
 #include <imgui_internal.h>
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 #include "apps/cli/font.hpp"
+#include "engine/core/characters.hpp"
 
 namespace palpate {
 
@@ -38,6 +41,14 @@ constexpr std::array<std::pair<ImGuiKey, int>, 22> kKeys{{{ImGuiKey_Tab, GLFW_KE
                                                           {ImGuiKey_Y, GLFW_KEY_Y},
                                                           {ImGuiKey_Z, GLFW_KEY_Z}}};
 
+constexpr unsigned kFirstLatin = 0x20, kLastLatin = 0xff;
+
+// A list to choose from, or what else closes beside a click; no question.
+bool hasList() {
+  const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
+  return !open.empty() && open.back().Window && !(open.back().Window->Flags & ImGuiWindowFlags_Modal);
+}
+
 }  // namespace
 
 Gui::Gui(Window& window) : window_(window), scale_(window.scale()) {
@@ -55,16 +66,36 @@ Gui::Gui(Window& window) : window_(window), scale_(window.scale()) {
   };
   // Glyphs stand on whole pixels and lines are drawn as triangles, so that the texture needs no interpolation.
   io.Fonts->Flags |= ImFontAtlasFlags_NoBakedLines;
-  addFont(*io.Fonts, kFontHeight_px * static_cast<float>(scale_));
-  unsigned char* texels = nullptr;
-  int width = 0, height = 0;
-  io.Fonts->GetTexDataAsAlpha8(&texels, &width, &height);
-  texture_ = texels;
-  texture_px_ = UVec2(width, height);
+  makeFont();
   setDark(true);
 }
 
 Gui::~Gui() { ImGui::DestroyContext(); }
+
+void Gui::makeFont() {
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  static_assert(std::is_same_v<ImWchar, unsigned short>);
+  ranges_ = {kFirstLatin, kLastLatin};
+  for (const unsigned letter : letters_) {
+    ranges_.push_back(static_cast<ImWchar>(letter));
+    ranges_.push_back(static_cast<ImWchar>(letter));
+  }
+  ranges_.push_back(0);
+  addFont(atlas, kFontHeight_px * static_cast<float>(scale_), Texels::fine, ranges_);
+  unsigned char* texels = nullptr;
+  int width = 0, height = 0;
+  atlas.GetTexDataAsAlpha8(&texels, &width, &height);
+  texture_ = texels;
+  texture_px_ = UVec2(width, height);
+  lacksLetters_ = false;
+  ++fontVersion_;
+}
+
+void Gui::noteLetters(std::string_view text) {
+  constexpr unsigned kLast = std::numeric_limits<ImWchar>::max();
+  for (const char32_t letter : charactersOf(text))
+    if (letter > kLastLatin && letter <= kLast) lacksLetters_ |= letters_.insert(static_cast<unsigned>(letter)).second;
+}
 
 void Gui::setDark(bool dark) {
   ImGuiStyle& style = ImGui::GetStyle();
@@ -81,8 +112,12 @@ void Gui::setDark(bool dark) {
   style.ScaleAllSizes(static_cast<float>(scale_));
 }
 
-void Gui::feed(const WindowEvent& event) {
+bool Gui::feed(const WindowEvent& event) {
   ImGuiIO& io = ImGui::GetIO();
+  if (const auto* key = std::get_if<KeyEvent>(&event); key && key->down && key->key == GLFW_KEY_ESCAPE && hasList()) {
+    closesList_ = true;
+    return true;
+  }
   if (const auto* key = std::get_if<KeyEvent>(&event)) {
     if (key->key >= 0 && key->key < IM_ARRAYSIZE(io.KeysDown)) io.KeysDown[key->key] = key->down;
     const auto isDown = [&](int left, int right) { return io.KeysDown[left] || io.KeysDown[right]; };
@@ -99,13 +134,17 @@ void Gui::feed(const WindowEvent& event) {
     io.MouseWheel += static_cast<float>(wheel->away);
     io.MouseWheelH += static_cast<float>(wheel->right);
   }
+  return false;
 }
 
 void Gui::begin(const UVec2& size_px, double dt_s) {
+  if (lacksLetters_) makeFont();
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(size_px.x), static_cast<float>(size_px.y)};
   io.DeltaTime = static_cast<float>(std::max(dt_s, 1e-4));
   ImGui::NewFrame();
+  if (std::exchange(closesList_, false) && hasList())
+    ImGui::ClosePopupToLevel(ImGui::GetCurrentContext()->OpenPopupStack.Size - 1, true);
 }
 
 PanelShapes Gui::end() {
@@ -114,10 +153,13 @@ PanelShapes Gui::end() {
   return {vertices_, triangles_, clips_};
 }
 
+PanelShapes Gui::behindPanels() const { return {vertices_, std::span(triangles_).first(behind_), clips_}; }
+
 void Gui::gather() {
   vertices_.clear();
   triangles_.clear();
   clips_.clear();
+  behind_ = 0;
   const ImDrawData& data = *ImGui::GetDrawData();
   for (const ImDrawList* list : std::span(data.CmdLists, static_cast<std::size_t>(data.CmdListsCount))) {
     const auto base = static_cast<std::uint32_t>(vertices_.size());
@@ -133,6 +175,7 @@ void Gui::gather() {
       for (unsigned i = 0; i + 2 < command.ElemCount; i += 3)
         triangles_.push_back({{at(i), at(i + 1), at(i + 2)}, clip});
     }
+    if (list == ImGui::GetBackgroundDrawList()) behind_ = triangles_.size();  // it comes first
   }
 }
 

@@ -42,6 +42,7 @@ ViewRequests Keyboard::withControl(int key) const {
           .redo = (key == GLFW_KEY_Z && shift) || key == GLFW_KEY_Y,
           .save = key == GLFW_KEY_S && !shift,
           .quit = key == GLFW_KEY_Q,
+          .copyPlaces = key == GLFW_KEY_C,
           .browse = key == GLFW_KEY_O            ? std::optional(FileTask::open)
                     : key == GLFW_KEY_S && shift ? std::optional(FileTask::saveAs)
                                                  : std::nullopt};
@@ -73,7 +74,7 @@ ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
       return {.stylus = StylusRequest::lockOrUnlock};
     case GLFW_KEY_ESCAPE:
       view.help = view.measures = false;
-      return {.stylus = StylusRequest::putAway};
+      return {.closeErrors = true, .stylus = StylusRequest::putAway};
     case GLFW_KEY_H:
       view.help = !view.help;
       break;

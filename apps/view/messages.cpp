@@ -1,5 +1,7 @@
 #include "apps/view/messages.hpp"
 
+#include <utility>
+
 #include "engine/core/log.hpp"
 #include "engine/gpu/vulkan.hpp"
 
@@ -8,7 +10,16 @@ namespace palpate {
 void Messages::say(const std::string& text) {
   constexpr std::size_t kMost = 5;
   add(text);
-  if (shown_.size() > kMost) shown_.pop_front();
+  if (remarks_.size() > kMost) remarks_.pop_front();
+  log_.say("{}", text);
+}
+
+void Messages::sayError(const std::string& text) {
+  constexpr std::size_t kMost = 3;
+  last_ = text;
+  std::erase(errors_, text);
+  errors_.push_back(text);
+  if (errors_.size() > kMost) errors_.erase(errors_.begin());
   log_.say("{}", text);
 }
 
@@ -18,23 +29,30 @@ void Messages::tryTo(const std::function<void()>& act) {
   } catch (const DeviceLost&) {
     throw;
   } catch (const std::exception& error) {
-    say(error.what());
+    sayError(error.what());
   }
 }
 
 void Messages::add(const std::string& text) {
   last_ = text;
-  shown_.push_back({text, {}});
+  remarks_.push_back({text, {}});
 }
 
 void Messages::dropOld() {
   constexpr double kShown_s = 6;
-  while (!shown_.empty() && shown_.front().since.elapsed_s() > kShown_s) shown_.pop_front();
+  while (!remarks_.empty() && remarks_.front().since.elapsed_s() > kShown_s) remarks_.pop_front();
 }
 
-std::vector<std::string> Messages::texts() const {
+void Messages::forget() {
+  remarks_.clear();
+  errors_.clear();
+}
+
+bool Messages::closeErrors() { return !std::exchange(errors_, {}).empty(); }
+
+std::vector<std::string> Messages::remarks() const {
   std::vector<std::string> texts;
-  for (const Message& message : shown_) texts.push_back(message.text);
+  for (const Remark& remark : remarks_) texts.push_back(remark.text);
   return texts;
 }
 

@@ -1,4 +1,4 @@
-// What the window tells a person, each sentence for a while.
+// What the window tells a person: remarks, each for a while, and errors, until they were seen.
 #pragma once
 
 #include <deque>
@@ -16,24 +16,32 @@ class Messages {
  public:
   explicit Messages(Log& log) : log_(log) {}
 
-  /// Beside a few others, of which the oldest gives way; in the log, too.
+  /// A remark beside a few others, of which the oldest gives way; in the log, too.
   void say(const std::string& text);
-  /// Beside all others, what the log has already.
+  /// What went wrong, likewise; it stays until it is closed.
+  void sayError(const std::string& text);
+  /// A remark beside all others, what the log has already.
   void add(const std::string& text);
   /// Does it, and says what went wrong. A lost GPU is none of that: it ends the program.
   void tryTo(const std::function<void()>& act);
   void dropOld();
+  /// Another model is opened: what was said of the one before is of no use.
+  void forget();
+  /// Whether there were any.
+  bool closeErrors();
 
-  std::vector<std::string> texts() const;            ///< the newest last
+  std::vector<std::string> remarks() const;  ///< the newest last
+  const std::vector<std::string>& errors() const { return errors_; }
   const std::string& last() const { return last_; }  ///< also when it is gone
 
  private:
-  struct Message {
+  struct Remark {
     std::string text;
     Stopwatch since;
   };
   Log& log_;
-  std::deque<Message> shown_;
+  std::deque<Remark> remarks_;
+  std::vector<std::string> errors_;  ///< each once, the newest last
   std::string last_;
 };
 

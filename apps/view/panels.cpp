@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "apps/view/shown_lines.hpp"
+#include "engine/cloud/length_text.hpp"
 #include "engine/io/cloud_formats.hpp"
 
 namespace palpate {
@@ -52,6 +53,21 @@ bool Panels::drag(const char* name, double& value, float speed, double least, do
                                        ImGuiSliderFlags_AlwaysClamp));
 }
 
+// Of a length in the hand, which is shown as it is on the model; `text` in its place, if there is any.
+bool Panels::dragLength(const char* name, double& value_mm, double speed_mm, std::pair<double, double> range_mm,
+                        const ViewStatus& status, const char* text) {
+  constexpr int kDigits = 3;
+  const ModelScale& scale = status.session->model().scale;
+  const double most = scale.toUnits(range_mm.second);
+  const int decimals = std::clamp(kDigits - static_cast<int>(std::floor(std::log10(most))), 0, 15);
+  const std::string format = *text ? text : fmt::format("%.{}f {}", decimals, nameOf(status.unit));
+  double value = scale.toUnits(value_mm);
+  const bool changed = drag(name, value, static_cast<float>(scale.toUnits(speed_mm)), scale.toUnits(range_mm.first),
+                            most, format.c_str());
+  if (changed) value_mm = std::clamp(scale.toMm(value), range_mm.first, range_mm.second);
+  return changed;
+}
+
 // Named by its hint. Whether Enter was pressed in it.
 bool Panels::field(const char* hint, std::array<char, 512>& text) {
   ImGui::PushID(hint);
@@ -83,10 +99,13 @@ DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {
   const DVec2 besidePanel(double{em(kPanel_em + 2 * kMargin_em)}, width_px);
   const DVec2 between = view.plots ? besidePanel - DVec2(0, double{em(kCurves_em + 2 * kMargin_em)}) : besidePanel;
   // Where there is next to nothing between them, the model stands behind the curves, then behind the panel as well.
-  constexpr double kLeast_em = 6;
   for (const DVec2& free : {between, besidePanel})
-    if (free.y - free.x >= double{em(kLeast_em)}) return free;
+    if (free.y - free.x >= double{em(kModel_em)}) return free;
   return all;
+}
+
+bool Panels::hasRoomBeside(double width_px) const {
+  return width_px >= double{em(kPanel_em + 2 * kMargin_em + kModel_em)};
 }
 
 // Names that are on the command line; `now` is what auto stands for.
@@ -109,6 +128,7 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   ViewSettings& view = settings.view;
   ViewRequests requests;
   places_.clear();
+  noteLetters(status);
   if (status.others && status.others->counts)
     link_.add(*status.others->counts);
   else
@@ -119,6 +139,7 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   if (view.panels && view.plots && status.session) drawPlots(status, view, requests);
   if (view.help) drawHelp(view);
   drawMessages(status, view);
+  drawErrors(status, view, requests);
   drawQuestion(status, requests);
   drawSaveQuestion(status, requests);
   drawLeftQuestion(status, requests);
@@ -151,8 +172,12 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
   if (status.session) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model.c_str());
-    ImGui::TextDisabled("%zu points, 1 unit = %.4g mm", status.session->model().cloud.size(),
-                        status.session->model().scale.mm_per_unit);
+    ImGui::TextDisabled("%zu points", status.session->model().cloud.size());
+    const Model& model = status.session->model();
+    const double side = (model.container ? *model.container : status.session->bounds()).longestSide();
+    std::string scale = touchScaleText(model.scale, side, status.unit);
+    scale.replace(scale.rfind(" for "), 1, "\n");  // no number is broken where the panel ends
+    ImGui::TextDisabled("touch scale: %s", scale.c_str());
     help("--mm-per-unit or Measure give another size; otherwise the longest side is 100 mm, unless the file says more");
   } else if (!status.loading) {
     ImGui::Text("Drop a point cloud (%s) here", cloudFormats().namesRead().c_str());
@@ -181,6 +206,10 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
   list(status.models);
   if (!status.recent.empty()) ImGui::TextDisabled("recent");
   list(status.recent);
+  for (const std::string& file : status.gone) {
+    ImGui::TextDisabled("%s: gone", std::filesystem::path(file).filename().string().c_str());
+    help((file + " is not there any more").c_str());
+  }
 }
 
 void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view, ViewRequests& requests) {
@@ -198,14 +227,14 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   choice("feel", std::nullopt);
   for (const auto& [name, kind] : kBrushKinds) choice(name.data(), kind);
   if (brush.kind) {
-    drag("radius", brush.radius_mm, 0.1f, 0.5, 30, "%.1f mm");
-    help("[ and ]");
+    dragLength("radius", brush.radius_mm, 0.1, {0.5, 30}, status);
+    help("[ and ]; of the brush, in the model's unit");
     if (brush.kind == BrushKind::push)
       drag("speed", brush.beta, 0.005f, 0, 1, "%.2f");
     else
       drag("strength", brush.strength, 0.01f, 0, 1, "%.2f");
     help("how much of the way the surface goes at each tick; 0: none, 1: all");
-    drag("yields at", brush.tau_mm, 0.02f, 0, 5, "%.2f mm");
+    dragLength("yields at", brush.tau_mm, 0.02, {0, 5}, status);
     help("how deep the stylus stands in the surface before it gives way");
     if (brush.kind == BrushKind::paint) {
       float color[3];
@@ -214,7 +243,7 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
         for (std::size_t k = 0; k < 3; ++k) brush.color[k] = static_cast<std::uint8_t>(std::lround(color[k] * 255));
     }
   }
-  drag("press", view.press_mm, 0.05f, 0.1, 20, "%.1f mm");
+  dragLength("press", view.press_mm, 0.05, {0.1, 20}, status);
   help("how deep the hand means to go while the button is down; turn the wheel meanwhile for more or less");
   checkbox("follow the surface", view.followsSurface);
   help("off: the stylus moves in one plane before the eye, and the wheel moves it in depth");
@@ -240,7 +269,7 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   help("average: quickest; sphere: sinks in less where it is curved; sharp: keeps edges");
   if (status.session->backendName() == "vulkan") choose("query", kQueryMethods, feel.method);
   drag("stiffness", feel.stiffness_N_per_mm, 0.01f, 0, 5, "%.2f N/mm");
-  help("force for each mm that the stylus stands in the surface");
+  help("force for each mm in the hand that the stylus stands in the surface");
   drag("damping", feel.damping_N_s_per_mm, 0.0001f, 0, 0.02, "%.4f N s/mm");
   drag("friction", feel.friction, 0.01f, 0, 2, "%.2f");
   help("0: slippery; from 1 on the stylus hardly slides");
@@ -296,8 +325,8 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
   chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upright.up));
   help(fmt::format("by its shape up is {}: {}", nameOf(status.upright.up), status.upright.why).c_str());
   chooseOrAuto("unit", kLengthUnits, view.unit, nameOf(status.unit));
-  help("of the file's lengths, for the scale and heights; it scales nothing");
-  drag("disc radius", view.discRadius_mm, 0.01f, 0, 5, view.discRadius_mm > 0 ? "%.2f mm" : "auto");
+  help("of the file's lengths, which all are shown in; it scales nothing");
+  dragLength("disc radius", view.discRadius_mm, 0.01, {0, 5}, status, view.discRadius_mm > 0 ? "" : "auto");
   help("of the disc that each point is drawn as; auto (0): as wide as closes the surface there");
   checkbox("triangles", view.mesh);
   help("marching cubes (M); touched blocks follow while you sculpt");
@@ -322,6 +351,7 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
   ImGui::SameLine();
   checkbox("wait for display", view.waitsForDisplay);
   help("off: pictures follow one another as fast as they can, and may tear");
+  drawSides(requests);
   if (button("Reset")) requests.resetView = true;
   help("R: all of the model is seen again");
   for (int axis = 0; axis < 3; ++axis) {
@@ -331,44 +361,17 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
   }
   ImGui::SameLine();
   if (button("Picture")) requests.screenshot = true;
-  help("P: writes a picture of the window to a file");
+  help("P: writes a picture of the model, without panels, to a file");
 }
 
-void Panels::drawPlace(const PlaceInfo& info) {
-  const auto row = [](const char* name, const std::string& value) { ImGui::TextWrapped("%s %s", name, value.c_str()); };
-  const auto vector = [](const DVec3& value) {
-    return fmt::format("{:.6g}, {:.6g}, {:.6g}", value.x, value.y, value.z);
-  };
-  row("place", vector(info.place));
-  if (info.point) {
-    row("point", fmt::format("{} at {}", *info.point, vector(info.position)));
-    row("normal", vector(info.normal));
+void Panels::drawSides(ViewRequests& requests) {
+  constexpr std::size_t kInRow = 4;
+  const float width = 0.25f * (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x);
+  for (std::size_t k = 0; k < kModelSides.size(); ++k) {
+    if (k % kInRow != 0) ImGui::SameLine();
+    if (button(kModelSides[k].first.data(), width)) requests.side = kModelSides[k].second;
+    help("looks at this side of the model, as up has it");
   }
-  for (const auto& [name, value] : info.attributes) row(name.c_str(), value);
-  if (info.stiffness_N_mm)
-    row("stiffness", fmt::format("{:.3g} N/mm: {}", *info.stiffness_N_mm, info.stiffnessOf));
-  else
-    row("stiffness", info.stiffnessOf);
-}
-
-void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
-  if (view.measures) ImGui::SetNextItemOpen(true);
-  if (!header("Measure")) return;
-  checkbox("pick two places", view.measures);
-  help("D: the left button picks places of the model; turn the view beside it, or with the other buttons");
-  if (status.picked) drawPlace(*status.picked);
-  if (!status.measured) {
-    ImGui::TextDisabled(view.measures ? "click two places of the model" : "nothing is measured");
-    return;
-  }
-  const ModelScale& scale = status.session->model().scale;
-  const std::string unit(nameOf(status.unit));
-  ImGui::Text("%.6g %s, %.6g mm", *status.measured, unit.c_str(), scale.toMm(*status.measured));
-  help("as the model is felt; its true length scales it");
-  const bool entered = field("true length, mm", trueLength_);
-  ImGui::SameLine();
-  if ((button("Set") || entered) && trueLength_[0]) requests.trueLength = trueLength_.data();
-  help("opens the model again, so that this is its length in the hand; saved files say it (mm_per_unit)");
 }
 
 void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {

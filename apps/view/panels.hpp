@@ -20,10 +20,12 @@ struct ViewStatus {
   const WindowSession* session = nullptr;  ///< null: none is open
   std::optional<double> loading;           ///< how far, 0 to 1
   std::string loadingWhat;
-  std::vector<std::string> messages;  ///< the newest last; each is shown for a while
+  std::vector<std::string> remarks;  ///< the newest last; each is shown for a while
+  std::span<const std::string> errors;
   std::span<const std::string> models, recent;
-  std::string model;     ///< the one that is open
-  std::string saveFile;  ///< where Save goes
+  std::span<const std::string> gone;  ///< recent ones that are not there any more
+  std::string model;                  ///< the one that is open
+  std::string saveFile;               ///< where Save goes
   bool asksAboutChanges = false;
   std::optional<SaveQuestion> saveQuestion;
   std::optional<LeftQuestion> leftQuestion;
@@ -56,7 +58,7 @@ struct ViewStatus {
 
 class Panels {
  public:
-  explicit Panels(const Gui& gui) : gui_(gui) {}
+  explicit Panels(Gui& gui) : gui_(gui) {}
 
   /// Between Gui::begin() and Gui::end(). Changes the settings as they are turned.
   ViewRequests draw(const ViewStatus& status, WindowSettings& settings);
@@ -69,6 +71,8 @@ class Panels {
   void browse(FileTask task, const ViewStatus& status);
   /// The least width of a window that has room for the panel, the curves and a model between them, pixels.
   double roomyWidth_px() const { return double{em(56)}; }
+  /// Whether the panel leaves a model room in a window of that width.
+  bool hasRoomBeside(double width_px) const;
   /// From where to where nothing is drawn over the model, from the left, in a window of that width, pixels.
   DVec2 freeWidth_px(const ViewSettings& view, double width_px) const;
 
@@ -77,6 +81,8 @@ class Panels {
   bool button(const char* name, float width = 0);
   bool checkbox(const char* name, bool& on);
   bool header(const char* name, bool open = false);
+  bool dragLength(const char* name, double& value_mm, double speed_mm, std::pair<double, double> range_mm,
+                  const ViewStatus& status, const char* text = "");
   bool drag(const char* name, double& value, float speed, double least, double most, const char* format);
   template <class Names, class Value>
   bool choose(const char* name, const Names& names, Value& value);
@@ -85,6 +91,7 @@ class Panels {
   bool field(const char* hint, std::array<char, 512>& text);
   bool noted(std::string_view name, bool result);
 
+  void noteLetters(const ViewStatus& status);
   void drawPanel(const ViewStatus& status, WindowSettings& settings, ViewRequests& requests);
   void drawModel(const ViewStatus& status, ViewRequests& requests);
   void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view, ViewRequests& requests);
@@ -92,6 +99,7 @@ class Panels {
   void drawOthers(const ViewStatus& status);
   void drawMatter(const ViewStatus& status, ViewRequests& requests);
   void drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
+  void drawSides(ViewRequests& requests);
   void drawFiles(const ViewStatus& status, ViewRequests& requests);
   bool drawEntries();
   void drawPlace(const PlaceInfo& info);
@@ -101,15 +109,18 @@ class Panels {
   void drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawHelp(ViewSettings& view);
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
+  void drawErrors(const ViewStatus& status, const ViewSettings& view, ViewRequests& requests);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const;
   void drawHeights(const HeightRange& heights, LengthUnit unit) const;
   void drawQuestion(const ViewStatus& status, ViewRequests& requests);
   void drawSaveQuestion(const ViewStatus& status, ViewRequests& requests);
   void drawLeftQuestion(const ViewStatus& status, ViewRequests& requests);
   static constexpr double kPanel_em = 18.5, kCurves_em = 18, kMargin_em = 0.6;
+  static constexpr double kMessages_em = 32;  ///< the least width of what they stand in, beside the scale
+  static constexpr double kModel_em = 6;      ///< the least width of what is left for it
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
-  const Gui& gui_;
+  Gui& gui_;
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{};
   bool paused_ = false;
   struct Files {
@@ -121,7 +132,7 @@ class Panels {
   std::map<std::string, DVec2> places_;
   std::string scrollTo_;
   struct Curves {
-    std::vector<float> force_N, penetration_mm, step_us, picture_ms;
+    std::vector<float> force_N, penetration, step_us, picture_ms;
   } curves_;
   LinkHistory link_;
 };

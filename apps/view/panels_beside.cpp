@@ -1,4 +1,4 @@
-// The part of Panels that stands beside the panel: curves, help, messages and the question about changes.
+// The part of Panels that stands beside the panel: curves, help, scale and heights, and the question about changes.
 #include <imgui.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 
 #include "apps/cli/legend.hpp"
 #include "apps/view/panels.hpp"
+#include "engine/cloud/length_text.hpp"
 #include "shaders/shared/ramp.h"
 
 namespace palpate {
@@ -60,12 +61,6 @@ void plot(const char* what, const std::vector<float>& curve, float least, float 
   hoverHelp(fmt::format("0 to {:.3g} at most; the last {}", largest, span).c_str());
 }
 
-std::string measureLine(const ViewStatus& status) {
-  if (!status.measured) return "measure: click two places of the model (D ends it)";
-  return fmt::format("measured: {:.6g} {}, {:.6g} mm", *status.measured, nameOf(status.unit),
-                     status.session->model().scale.toMm(*status.measured));
-}
-
 }  // namespace
 
 void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
@@ -74,9 +69,10 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   ImGui::SetNextWindowSize({em(kCurves_em), 0});
   ImGui::Begin("Curves", &view.plots, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   const TickHistory& history = status.session->history();
+  const ModelScale& scale = status.session->model().scale;
   if (!paused_)
     curves_ = {curveOf(history.rows(), [](const TraceRow& row) { return glm::length(row.force_N); }),
-               curveOf(history.rows(), [](const TraceRow& row) { return row.penetration_mm; }),
+               curveOf(history.rows(), [&](const TraceRow& row) { return scale.toUnits(row.penetration_mm); }),
                curveOf(history.rows(), [](const TraceRow& row) { return row.step_us; }),
                {status.pictures_ms->begin(), status.pictures_ms->end()}};
   const float height = em(3.4);
@@ -87,7 +83,8 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequest
   };
   const std::string ticks = fmt::format("{} ticks", kCurve * kTicksPerValue);
   curve("force, N", curves_.force_N, 1, ticks);
-  curve("penetration, mm", curves_.penetration_mm, 1, ticks);
+  curve(fmt::format("penetration, {}", nameOf(status.unit)).c_str(), curves_.penetration,
+        static_cast<float>(scale.toUnits(1)), ticks);
   curve("tick, us", curves_.step_us, 100, ticks);
   curve("picture, ms", curves_.picture_ms, 16, fmt::format("{} pictures", curves_.picture_ms.size()));
   ImGui::Text("tick p50 %.0f us, p99.9 %.0f us", history.step_us().quantile_us(0.5),
@@ -131,9 +128,10 @@ void Panels::drawLink() {
 void Panels::drawHelp(ViewSettings& view) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({std::min(em(39), display.x - em(1)), 0});
-  ImGui::Begin("Help", &view.help, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
-  static constexpr std::array<std::pair<const char*, const char*>, 21> kRows{
+  const float width = std::min(em(39), display.x - em(1));
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, display.y - em(1)});
+  ImGui::Begin("Help", &view.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  static constexpr std::array<std::pair<const char*, const char*>, 22> kRows{
       {{"hold Space", "the mouse is the stylus: move over the model"},
        {"Space + left button", "press into the model, and sculpt with a brush"},
        {"Space + wheel", "deeper, or less deep"},
@@ -150,11 +148,12 @@ void Panels::drawHelp(ViewSettings& view) {
        {"Backspace", "forces off, and on again"},
        {"M", "triangles (marching cubes), or points"},
        {"D,  F", "measure between two places,  cameras on and off"},
+       {"Ctrl+C", "copy the places that are picked, with all their digits"},
        {"K,  .", "hold the frames of a depth camera, or let them go on;  the next one"},
        {"K,  N", "hold water or sand, or let it go on;  it begins anew"},
-       {"P,  C", "picture to a file,  curves on and off"},
+       {"P,  C", "picture of the model to a file,  curves on and off"},
        {"Tab", "panels on and off"},
-       {"H,  Q", "this help,  quit"}}};
+       {"H,  Esc,  Q", "this help,  close a list, an error or help,  quit"}}};
   if (ImGui::BeginTable("keys", 2)) {
     ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
     ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
@@ -173,31 +172,9 @@ void Panels::drawHelp(ViewSettings& view) {
   ImGui::End();
 }
 
-void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
-  std::vector<std::string> lines = status.messages;
-  if (!status.device.empty())
-    lines.insert(lines.begin(), status.device + ": button 1 sculpts, button 2 is the clutch");
-  else if (status.stylus)
-    lines.insert(lines.begin(), "stylus: press with the left button");
-  if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
-  if (lines.empty() && status.session && !view.help) lines.push_back("hold Space to touch,  H for help");
-  if (lines.empty()) return;
-  const ImVec2 display = ImGui::GetIO().DisplaySize;
-  // Beside the panel where that would cover them.
-  const float left = view.panels && double{display.x} < roomyWidth_px() ? em(19) : 0;
-  ImGui::SetNextWindowPos({0.5f * (left + display.x), display.y - em(0.8)}, ImGuiCond_Always, {0.5f, 1});
-  ImGui::Begin("messages", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
-                   ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
-  ImGui::PushTextWrapPos(std::max(em(8), 0.7f * (display.x - left)));
-  for (const std::string& line : lines) ImGui::TextUnformatted(line.c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::End();
-}
-
 // At the lower right, where no panel is.
 void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const {
-  const std::string text = fmt::format("{:g} {}", bar.length, nameOf(unit));
+  const std::string text = lengthText(bar.length, unit);
   const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
   const ImU32 color = ImGui::GetColorU32(ImGuiCol_Text);
   const float width = static_cast<float>(bar.width_px), right = display.x - em(1.5),

@@ -59,7 +59,9 @@ bool Panels::drawEntries() {
   FileBrowser& browser = files_->browser;
   bool chosen = false;
   std::optional<std::string> into;
-  ImGui::BeginChild("entries", {0, em(16)}, true);
+  constexpr double kBesides_em = 12;  // what stands above and below them
+  const float room = ImGui::GetIO().DisplaySize.y - em(kBesides_em);
+  ImGui::BeginChild("entries", {0, std::clamp(room, em(4), em(16))}, true);
   for (const FileBrowser::Entry& entry : browser.entries()) {
     const std::string shown = entry.isFolder ? entry.name + "/" : entry.name;
     const bool is = !entry.isFolder && entry.name == files_->name.data();
@@ -97,10 +99,11 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   ImGui::PopItemWidth();
   // Folders of what was open lately.
   std::vector<std::string> lately;
-  for (const std::string& file : status.recent)
-    if (const std::string folder = std::filesystem::path(file).parent_path().string();
-        !folder.empty() && std::ranges::find(lately, folder) == lately.end())
-      lately.push_back(folder);
+  for (const std::span<const std::string> files : {status.recent, status.gone})
+    for (const std::string& file : files)
+      if (const std::string folder = std::filesystem::path(file).parent_path().string();
+          !folder.empty() && std::ranges::find(lately, folder) == lately.end())
+        lately.push_back(folder);
   if (!lately.empty() && ImGui::BeginCombo("##lately", "recent folders")) {
     for (const std::string& folder : lately)
       if (noted(folder, ImGui::Selectable(folder.c_str()))) browser.go(folder);
@@ -109,7 +112,7 @@ void Panels::drawFiles(const ViewStatus& status, ViewRequests& requests) {
   noted("recent folders", false);
   bool chosen = drawEntries();
   if (!browser.failure().empty()) ImGui::TextWrapped("%s", browser.failure().c_str());
-  ImGui::PushItemWidth(em(20));
+  ImGui::PushItemWidth(std::min(em(20), 0.6f * ImGui::GetContentRegionAvail().x));
   chosen |= field("name", files_->name);
   ImGui::PopItemWidth();
   ImGui::SameLine();

@@ -5,6 +5,8 @@
 
 #include "apps/view/session.hpp"
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/file_coordinates.hpp"
+#include "engine/cloud/length_text.hpp"
 #include "engine/matter/soft_scene.hpp"
 
 namespace palpate {
@@ -66,21 +68,27 @@ void findStiffness(const WindowSession& session, PlaceInfo& info) {
 
 PlaceInfo placeInfo(const WindowSession& session, const DVec3& place) {
   const PointCloud& cloud = session.model().cloud;
-  PlaceInfo info{.place = cloud.origin + place};
+  PlaceInfo info{.place = cloud.origin + place, .resolution = resolutionOf(session.bounds())};
   findStiffness(session, info);
   if (session.config().moves()) return info;
   const PointState* const point = nearestTo(session.journal().points(), place);
   if (point == nullptr) return info;
   info.point = point->number();
   info.position = cloud.origin + DVec3(point->position);
+  info.positionResolution = info.resolution;
   info.normal = point->normal;
   if (cloud.hasColors())
     info.attributes.emplace_back(
         "colour", fmt::format("{}, {}, {}", point->color & 255, point->color >> 8 & 255, point->color >> 16 & 255));
   // A point that came later has what it took from the one beside it.
-  if (const std::size_t file = point->parent; file < cloud.size())
+  if (const std::size_t file = point->parent; file < cloud.size()) {
+    if (isExact(cloud) && cloud.positions[file] == point->position) {
+      info.position = cloud.fileCoordinates(file);
+      info.positionResolution = 0;
+    }
     for (const Attribute& attribute : cloud.extra)
       info.attributes.emplace_back(attribute.name, textOf(attribute, file));
+  }
   return info;
 }
 

@@ -38,6 +38,9 @@ std::optional<DVec3> PointingDevices::placeUnderCursor(const Pointed& at) const 
 
 void PointingDevices::release(MouseButton button) {
   drag_.end();
+  constexpr double kStill_px = 3;  // a click, and no turn of the view
+  if (const auto missed = std::exchange(missed_px_, std::nullopt))
+    hasMissed_ = glm::distance(*missed, cursor_px_) <= kStill_px;
   if (button == MouseButton::left) hand_.release();
 }
 
@@ -55,6 +58,7 @@ void PointingDevices::press(MouseButton button, bool shift, const Pointed& at) {
     drag_.beginOther();
     return;
   }
+  if (at.measure && left && !shift) missed_px_ = cursor_px_;
   const bool again = left && drag_.isDoubleClick(at.time_s, cursor_px_);
   drag_.noteClick(at.time_s, cursor_px_);
   if (again && place) return at.viewpoint.lookAt(*place);

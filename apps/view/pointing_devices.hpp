@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "apps/view/camera_drag.hpp"
 #include "apps/view/events.hpp"
@@ -43,6 +44,8 @@ class PointingDevices {
   void moveMouse(const DVec2& place_px, const Pointed& at);
   void press(MouseButton button, bool shift, const Pointed& at);
   void release(MouseButton button);
+  /// Whether a click has meant to measure since the last call, and met nothing.
+  bool takeMiss() { return std::exchange(hasMissed_, false); }
   void turnWheel(const WheelEvent& event, const Pointed& at);
   /// What the cap of a 3D mouse has done since the last call.
   std::optional<PushEvent> takePush(Messages& messages);
@@ -67,6 +70,8 @@ class PointingDevices {
   std::shared_ptr<TurnedDevice> device_;
   std::string deviceName_;
   DVec2 cursor_px_{0};
+  std::optional<DVec2> missed_px_;  // where a button went down beside the model, to measure
+  bool hasMissed_ = false;
   CameraDrag drag_;
   StylusHand hand_;
   std::optional<DVec3> pressedAt_;  // of the surface, where it pressed last; model units

@@ -5,6 +5,7 @@
 
 #include "apps/cli/system_places.hpp"
 #include "engine/core/atomic_file.hpp"
+#include "engine/matter/matter_scene.hpp"
 
 namespace palpate {
 
@@ -15,25 +16,48 @@ std::filesystem::path storePath() {
   return folder.empty() ? folder : folder / "palpate" / "recent";
 }
 
+bool isBuiltIn(const std::string& model) {
+  const auto names = matterSceneNames();
+  return std::ranges::find(names, model) != names.end();
+}
+
+// By its path; one that is built in by its name. Empty: it cannot be found again.
+std::string lastingName(const std::string& model) {
+  std::error_code ignored;
+  if (std::filesystem::exists(model, ignored)) return std::filesystem::absolute(model, ignored).string();
+  return isBuiltIn(model) ? model : std::string();
+}
+
 }  // namespace
 
 RecentFiles::RecentFiles() : store_(storePath()) {
   std::ifstream in(store_);
-  for (std::string line; files_.size() < kMost && std::getline(in, line);)
-    if (!line.empty()) files_.push_back(line);
+  for (std::string line; files_.size() + gone_.size() < kMost && std::getline(in, line);)
+    if (!line.empty()) (lastingName(line).empty() ? gone_ : files_).push_back(line);
 }
 
-void RecentFiles::add(const std::string& file) {
-  std::error_code ignored;
-  const std::string whole = std::filesystem::absolute(file, ignored).string();
-  std::erase(files_, whole);
-  files_.insert(files_.begin(), whole);
+void RecentFiles::add(const std::string& model) {
+  const std::string name = lastingName(model);
+  if (name.empty()) return;
+  std::erase(files_, name);
+  std::erase(gone_, name);
+  files_.insert(files_.begin(), name);
   if (files_.size() > kMost) files_.resize(kMost);
+  gone_.resize(std::min(gone_.size(), kMost - files_.size()));
+  store();
+}
+
+void RecentFiles::forget(const std::string& model) {
+  if (std::erase(files_, model) + std::erase(files_, lastingName(model)) > 0) store();
+}
+
+void RecentFiles::store() const {
   if (store_.empty()) return;
   try {
     std::filesystem::create_directories(store_.parent_path());
     AtomicFile out(store_);
-    for (const std::string& each : files_) out.write(each + "\n");
+    for (const auto* const list : {&files_, &gone_})
+      for (const std::string& each : *list) out.write(each + "\n");
     out.commit();
   } catch (const std::exception&) {  // a list of files is no reason to stop anybody
   }

@@ -15,11 +15,17 @@ class RecentFiles {
 
   RecentFiles();
   const std::vector<std::string>& files() const { return files_; }
-  void add(const std::string& file);
+  /// Those that were not there when the program began; kept, as a drive may come back.
+  const std::vector<std::string>& gone() const { return gone_; }
+  /// A file, a folder or a scene that is built in; nothing else can be found again by its name.
+  void add(const std::string& model);
+  /// It cannot be read.
+  void forget(const std::string& model);
 
  private:
   std::filesystem::path store_;  // empty: nowhere
-  std::vector<std::string> files_;
+  void store() const;
+  std::vector<std::string> files_, gone_;
 };
 
 }  // namespace palpate

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "engine/render/camera_motion.hpp"
+
 namespace palpate {
 
 /// Of the mouse, the pad or the cap, which may hold the stylus: to hold it while a key is down, to keep it without one,
@@ -22,11 +24,14 @@ struct ViewRequests {
   bool saveFirst = false, discard = false, cancel = false;           ///< the answer about changes that are not saved
   bool saveBeside = false, saveOver = false;                         ///< the answer how to save, or cancel
   bool goOnWithLeft = false, discardLeft = false, keepLeft = false;  ///< the answer about strokes that are left
+  bool closeErrors = false;                                          ///< they were seen
   bool switchForces = false;                                         ///< off, or on again
   bool holdFrames = false, stepFrame = false;  ///< of a depth camera, or of matter that moves by itself
   bool restart = false;                        ///< what moves by itself
   std::optional<int> axis;                     ///< to look along
   bool fromBehind = false;
+  std::optional<ModelSide> side;  ///< to look from
+  bool copyPlaces = false;        ///< that are picked
   std::optional<StylusRequest> stylus;
   std::optional<FileTask> browse;  ///< a file is to be looked for
   std::string open, saveAs, exportMesh, record, play;

@@ -19,6 +19,8 @@ constexpr std::uint32_t kDark = 0xff241f1cu, kLight = 0xfff2f0eeu;  // RGBA8, re
 
 Screen::Screen(Window& window, Device& sight, const Gui& gui, std::optional<Presentation> presentation)
     : sight_(sight),
+      gui_(gui),
+      fontVersion_(gui.fontVersion()),
       panelPass_(sight, gui.texture(), gui.texture_px()),
       presenter_(makePresenter(window, sight, presentation, true)),
       list_(sight, sight.window(), "picture", CommandList::Timing::passes),
@@ -30,7 +32,15 @@ void Screen::fit(const UVec2& window_px, bool waitsForDisplay) {
   wasShown_ = true;
 }
 
+void Screen::compose(CommandList& list, const Layers& layers, const PanelShapes& panels, const Buffer& into) {
+  panelPass_.record(list, layers.model ? &layers.model->frame().image() : nullptr,
+                    layers.model ? layers.model->shrink() : 1, panels, presenter_->size_px(), into,
+                    layers.dark ? kDark : kLight, presenter_->blueFirst());
+}
+
 void Screen::show(const Layers& layers) {
+  if (std::exchange(fontVersion_, gui_.fontVersion()) != gui_.fontVersion())
+    panelPass_.setTexture(gui_.texture(), gui_.texture_px());
   const UVec2 size_px = presenter_->size_px();
   const std::uint64_t bytes = std::uint64_t{4} * size_px.x * size_px.y;
   if (shown_.bytes() != bytes) shown_ = Buffer(sight_, bytes, Memory::device, "shown");
@@ -39,35 +49,35 @@ void Screen::show(const Layers& layers) {
   const AwayFromCore away(sight_.isCpu() ? layers.servoCore : -1);
   wasShown_ = presenter_->show(list_, shown_, [&] {
     if (layers.drawModel) layers.drawModel(list_);
-    panelPass_.record(list_, layers.model ? &layers.model->frame().image() : nullptr,
-                      layers.model ? layers.model->shrink() : 1, layers.panels, size_px, shown_,
-                      layers.dark ? kDark : kLight, presenter_->blueFirst());
+    compose(list_, layers, layers.panels, shown_);
   });
 }
 
-void Screen::writeKept(Messages& messages) {
+void Screen::writeKept(const Layers& layers, Messages& messages) {
   const auto kept = std::exchange(kept_, std::nullopt);
   if (!kept) return;
   messages.tryTo([&] {
-    write(kept->file);
-    if (kept->says) messages.say("the picture is in " + kept->file);
+    write(*kept, layers);
+    if (kept->of == Of::model) messages.say("the picture is in " + kept->file);
   });
 }
 
-void Screen::write(const std::string& file) {
+void Screen::write(const Kept& kept, const Layers& layers) {
   presenter_->waitForLast();
   Image image{shown_px_.x, shown_px_.y, {}};
   image.rgba.resize(std::size_t{shown_px_.x} * shown_px_.y);
+  const Buffer bare(sight_, kept.of == Of::model ? shown_.bytes() : 0, Memory::device, "picture of the model");
   const Buffer staging(sight_, shown_.bytes(), Memory::readback, "screenshot");
   CommandList list(sight_, sight_.window(), "screenshot");
   list.begin();
-  list.copy(shown_, staging, shown_.bytes());
+  if (kept.of == Of::model) compose(list, layers, layers.behindPanels, bare);
+  list.copy(kept.of == Of::model ? bare : shown_, staging, shown_.bytes());
   list.end();
   sight_.window().run(list);
   std::memcpy(image.rgba.data(), staging.mapped<std::byte>().data(), shown_.bytes());
   if (presenter_->blueFirst())
     for (auto& pixel : image.rgba) std::swap(pixel[0], pixel[2]);
-  writeImage(file, image);
+  writeImage(kept.file, image);
 }
 
 }  // namespace palpate

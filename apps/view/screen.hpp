@@ -31,8 +31,9 @@ class Screen {
     std::function<void(CommandList&)> drawModel;  ///< empty: there is none
     const ModelPicture* model = nullptr;          ///< that it draws into
     PanelShapes panels;
-    bool dark = true;    ///< where no model is
-    int servoCore = -1;  ///< which a software driver keeps off; negative: nothing is served
+    PanelShapes behindPanels;  ///< of them what belongs to a picture of the model, too: scale and heights
+    bool dark = true;          ///< where no model is
+    int servoCore = -1;        ///< which a software driver keeps off; negative: nothing is served
   };
   /// While it is visible.
   void show(const Layers& layers);
@@ -43,18 +44,24 @@ class Screen {
   /// Its passes.
   const CommandList& list() const { return list_; }
 
-  /// The next picture is written to a file, and that is said where `says`.
-  void keep(const std::string& file, bool says) { kept_ = Kept{file, says}; }
-  void writeKept(Messages& messages);
+  /// What a picture is of: all that the window shows, or the model, without panels.
+  enum class Of { window, model };
+  /// The next picture is written to a file; of one of the model it is said.
+  void keep(const std::string& file, Of of) { kept_ = Kept{file, of}; }
+  /// `layers`: of that picture.
+  void writeKept(const Layers& layers, Messages& messages);
 
  private:
   struct Kept {
     std::string file;
-    bool says = true;
+    Of of = Of::window;
   };
-  void write(const std::string& file);
+  void compose(CommandList& list, const Layers& layers, const PanelShapes& panels, const Buffer& into);
+  void write(const Kept& kept, const Layers& layers);
 
   Device& sight_;
+  const Gui& gui_;
+  std::uint64_t fontVersion_;  // that the panels are drawn with
   PanelPass panelPass_;
   std::unique_ptr<Presenter> presenter_;
   CommandList list_;

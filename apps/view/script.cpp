@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/view/window.hpp"
+#include "engine/core/characters.hpp"
 #include "engine/core/error.hpp"
 #include "engine/render/image.hpp"
 
@@ -188,7 +189,7 @@ std::vector<TimedAction> readScript(const std::filesystem::path& file) {
     if (what == "key") {
       addKey(line, time_s, actions);
     } else if (what == "text") {
-      for (const char c : line.rest("the words")) add(actions, time_s, TextEvent{static_cast<char32_t>(c)});
+      for (const char32_t character : charactersOf(line.rest("the words"))) add(actions, time_s, TextEvent{character});
     } else {
       actions.push_back({time_s, actionOf(line, what)});
     }

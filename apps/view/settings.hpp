@@ -5,6 +5,7 @@
 
 #include "apps/cli/look.hpp"
 #include "apps/view/session.hpp"
+#include "engine/cloud/length_text.hpp"
 #include "engine/render/frame_options.hpp"
 
 namespace palpate {
@@ -26,6 +27,11 @@ struct ViewSettings {
   bool panels = true, plots = true, help = false;
 
   UpAxis upOf(const Model& model) const { return up.value_or(model.upright.up); }
+  LengthUnit unitOf(const Model& model) const { return unit.value_or(unitSaidIn(model.cloud.storedAs.comments)); }
+  /// What is so long in the hand, in the model's unit.
+  std::string lengthText(double mm, const Model& model) const {
+    return palpate::lengthText(model.scale.toUnits(mm), unitOf(model), kFewLengthDigits);
+  }
 };
 
 /// All that a person turns.

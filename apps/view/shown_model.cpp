@@ -46,7 +46,7 @@ void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measur
   } catch (const std::exception& error) {
     view.mesh = false;
     mesh_.clear();
-    messages.say(error.what());
+    messages.sayError(error.what());
   }
 }
 

@@ -67,7 +67,7 @@ void Viewer::step() {
 }
 
 void Viewer::handle(const WindowEvent& event) {
-  gui_.feed(event);
+  if (gui_.feed(event)) return;
   if (const auto* key = std::get_if<KeyEvent>(&event)) {
     const bool repeats = keyboard_.note(*key);
     if (!gui_.wantsKeys() && !document_.asks()) carryOut(keyboard_.requestsOf(*key, repeats, settings_));
@@ -76,6 +76,7 @@ void Viewer::handle(const WindowEvent& event) {
   const bool meansModel = document_.session() && !gui_.wantsMouse();
   if (const auto* button = std::get_if<ButtonEvent>(&event)) {
     if (!button->down) pointing_.release(button->button);
+    if (pointing_.takeMiss()) messages_.say("nothing is measured: the model is not under the cursor");
     if (button->down && meansModel) pointing_.press(button->button, keyboard_.isShiftDown(), pointed());
   }
   if (const auto* wheel = std::get_if<WheelEvent>(&event); wheel && meansModel) pointing_.turnWheel(*wheel, pointed());
@@ -114,7 +115,7 @@ void Viewer::act(const ScriptAction& action) {
     if (const auto* tap = std::get_if<TapAction>(&action)) events_.add(tap->events);
     if (const auto* resize = std::get_if<ResizeAction>(&action)) window_.resize(resize->size_px);
     if (const auto* minimise = std::get_if<MinimiseAction>(&action)) window_.minimise(minimise->on);
-    if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screen_.keep(picture->file, false);
+    if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screen_.keep(picture->file, Screen::Of::window);
     if (const auto* state = std::get_if<StateAction>(&action)) writeState(state->file);
     if (const auto* save = std::get_if<SaveAction>(&action); save && session) document_.saveTo(save->file);
     if (const auto* record = std::get_if<RecordAction>(&action); record && session)
@@ -153,6 +154,7 @@ void Viewer::carryOut(const ViewRequests& requests) {
   if (requests.browse) panels_.browse(*requests.browse, status());
   if (requests.quit) closing_ = Closing::asked;
   if (requests.stylus) pointing_.carryOut(*requests.stylus, pointed());
+  if (requests.closeErrors) messages_.closeErrors();
   if (requests.switchForces) {
     settings_.forcesOn = !settings_.forcesOn;
     messages_.say(settings_.forcesOn ? "forces on" : "forces off");
@@ -163,8 +165,10 @@ void Viewer::carryOut(const ViewRequests& requests) {
     document_.carryOut(requests);
     if (!requests.trueLength.empty()) setTrueLength(requests.trueLength);
     if (!requests.exportMesh.empty()) exportMesh(requests.exportMesh);
-    if (requests.screenshot) screen_.keep(document_.freeName("", "png"), true);
+    if (requests.screenshot) screen_.keep(document_.freeName("", "png"), Screen::Of::model);
   });
+  if (requests.copyPlaces) copyPlaces();
+  if (requests.side) viewpoint_.lookFrom(*requests.side, settings_.view.upOf(session->model()));
   if (requests.resetView) fitCamera();
   if (requests.axis) viewpoint_.lookAlong(*requests.axis, !requests.fromBehind, settings_.view.upOf(session->model()));
 }
@@ -187,11 +191,13 @@ void Viewer::letGo() {
 void Viewer::welcome() {
   WindowSession& session = *document_.session();
   session.setForces(settings_.forcesOn);
+  if (!panels_.hasRoomBeside(window_.size_px().x)) settings_.view.panels = false;
   fitCamera();
   measure_.belongTo(session.file());
   if (const auto distance = measure_.distance())
-    messages_.say(fmt::format("1 unit is {:.6g} mm: what is measured is {:.6g} mm long",
-                              session.model().scale.mm_per_unit, session.model().scale.toMm(*distance)));
+    messages_.say(fmt::format("touch scale: what is measured, {}, is {:.6g} mm long in the hand",
+                              lengthText(*distance, settings_.view.unitOf(session.model())),
+                              session.model().scale.toMm(*distance)));
   const Upright& upright = session.model().upright;
   if (!settings_.view.up) messages_.say(fmt::format("up is {}: {}", nameOf(upright.up), upright.why));
 }
@@ -202,6 +208,18 @@ void Viewer::followName() {
   named_ = document_.file();
   measure_.beCalled(named_);
   window_.setTitle(std::filesystem::path(named_).filename().string() + " - palpate");
+}
+
+// A line for each, as --scale-from and --camera take them.
+void Viewer::copyPlaces() {
+  const PointCloud& cloud = document_.session()->model().cloud;
+  std::string text;
+  for (const DVec3& place : measure_.places())
+    text += (text.empty() ? "" : "\n") +
+            coordinateText(cloud.origin + place, resolutionOf(document_.session()->bounds()), ",");
+  if (text.empty()) return messages_.say("nothing is picked to be copied: press D and click the model");
+  window_.setClipboard(text);
+  messages_.say("copied: " + text);
 }
 
 // Of what is measured: the model is opened again at that scale.
@@ -223,7 +241,7 @@ Pointed Viewer::pointed() {
 }
 
 void Viewer::sayLost(const std::string& failure) {
-  messages_.say(failure + "; what was done is kept and can be saved");
+  messages_.sayError(failure + "; what was done is kept and can be saved");
 }
 
 void Viewer::followSession() {

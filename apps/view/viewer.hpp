@@ -56,9 +56,10 @@ class Viewer {
   void playTicks();
   void applySettings();
   void draw(double dt_s);
-  void keepClear(const UVec2& before_px, const UVec2& now_px);
+  void keepClear(double before_px, double now_px);
   void fitCamera();
   void setTrueLength(const std::string& text);
+  void copyPlaces();
   void exportMesh(const std::string& file);
   void findPlaceInfo();
   Pointed pointed();
@@ -77,6 +78,7 @@ class Viewer {
   std::string named_;  // in the window's title
   ShownModel shown_;
   Viewpoint viewpoint_;
+  DVec2 free_px_{0};  // of the panels, from the left, in the last picture
   OwnCamera ownCamera_;
   EventQueue events_;
   Keyboard keyboard_;

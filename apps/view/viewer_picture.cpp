@@ -1,4 +1,6 @@
 // The part of Viewer that makes pictures.
+#include <utility>
+
 #include "apps/view/viewer.hpp"
 
 namespace palpate {
@@ -16,19 +18,24 @@ void Viewer::applySettings() {
     session->setFeel(settings_.feel);
     if (recorded && !session->isRecording()) messages_.say("the recording has ended: a log has one brush");
   });
-  brushNotes_.noteSize(*session, pointing_.presses(), messages_);
+  brushNotes_.noteSize(*session, settings_.view, pointing_.presses(), messages_);
 }
 
-// Of the panels, in a window that has another size now: curves that would lie on the model close.
-void Viewer::keepClear(const UVec2& before_px, const UVec2& now_px) {
+// Of the panels, in a window that has another width now: those close that would lie on the model.
+void Viewer::keepClear(double before_px, double now_px) {
   const double roomy_px = panels_.roomyWidth_px();
-  if (before_px.x >= roomy_px && now_px.x < roomy_px) settings_.view.plots = false;
-  if (now_px.x > 0) viewpoint_.centerIn(panels_.freeWidth_px(settings_.view, now_px.x), now_px.x);
+  if (before_px >= roomy_px && now_px < roomy_px) settings_.view.plots = false;
+  if (document_.session() && panels_.hasRoomBeside(before_px) != panels_.hasRoomBeside(now_px))
+    settings_.view.panels = panels_.hasRoomBeside(now_px);
 }
 
 void Viewer::draw(double dt_s) {
   const UVec2 window_px = window_.size_px();
-  if (window_px != screen_.size_px()) keepClear(screen_.size_px(), window_px);
+  if (window_px.x != screen_.size_px().x && screen_.isVisible() && window_px.x > 0)
+    keepClear(screen_.size_px().x, window_px.x);
+  const DVec2 free_px = panels_.freeWidth_px(settings_.view, window_px.x);
+  if (window_px.x > 0 && (std::exchange(free_px_, free_px) != free_px || window_px.x != screen_.size_px().x))
+    viewpoint_.centerIn(free_px, window_px.x);
   screen_.fit(window_px, settings_.view.waitsForDisplay);
   if (!screen_.isVisible()) return;
 
@@ -40,7 +47,7 @@ void Viewer::draw(double dt_s) {
   // What the last picture was made of is written anew from here on.
   screen_.waitForLast();
 
-  Screen::Layers layers{.panels = panels, .dark = settings_.view.dark};
+  Screen::Layers layers{.panels = panels, .behindPanels = gui_.behindPanels(), .dark = settings_.view.dark};
   WindowSession* session = document_.session();
   shown_.choosePace(pointing_.isMoving() || (session && session->config().moves()), script_.clock_s(),
                     script_.hasOwnClock());
@@ -60,7 +67,7 @@ void Viewer::draw(double dt_s) {
     };
   }
   screen_.show(layers);
-  screen_.writeKept(messages_);
+  screen_.writeKept(layers, messages_);
 }
 
 }  // namespace palpate

@@ -10,11 +10,6 @@ namespace palpate {
 
 namespace {
 
-LengthUnit unitOf(const ViewSettings& view, const WindowSession* session) {
-  if (view.unit || !session) return view.unit.value_or(LengthUnit::unknown);
-  return unitSaidIn(session->model().cloud.storedAs.comments);
-}
-
 std::string_view nameIn(const auto& names, auto value) {
   for (const auto& [name, each] : names)
     if (value == each) return name;
@@ -121,10 +116,11 @@ ViewStatus Viewer::status() {
     status.loading = loader.progress();
     status.loadingWhat = loader.stage();
   }
-  status.messages = messages_.texts();
+  status.remarks = messages_.remarks();
+  status.errors = messages_.errors();
   status.models = document_.offered();
-  status.recent = document_.recent();
-  status.unit = unitOf(view, session);
+  status.recent = document_.recent().files();
+  status.gone = document_.recent().gone();
   status.measured = measure_.distance();
   findPlaceInfo();
   status.picked = picked_.info;
@@ -138,6 +134,7 @@ ViewStatus Viewer::status() {
       status.others = {.counts = {}, .hands = presence->hands(), .cameras = presence->cameras()};
     if (const SharedFollower* const shared = session->shared()) status.others->counts = shared->counts();
     status.upright = session->model().upright;
+    status.unit = view.unitOf(session->model());
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
     if (view.color == ColorBy::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));
   }
@@ -179,7 +176,11 @@ void Viewer::writeState(const std::string& file) {
              {"asks_about_changes", document_.asksAboutChanges()},
              {"asks_how_to_save", document_.saveQuestion().has_value()},
              {"asks_about_strokes", document_.leftQuestion().has_value()},
-             {"last_message", messages_.last()}};
+             {"last_message", messages_.last()},
+             {"remarks", messages_.remarks()},
+             {"errors", messages_.errors()},
+             {"panels", settings_.view.panels},
+             {"measuring", settings_.view.measures}};
   if (document_.session()) addModel(state, document_, settings_.view);
   AtomicFile out(file);
   out.write(state.dump(2) + "\n");

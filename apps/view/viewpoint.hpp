@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "apps/view/settings.hpp"
-#include "engine/render/camera.hpp"
+#include "engine/render/camera_motion.hpp"
 
 namespace palpate {
 
@@ -22,6 +22,7 @@ class Viewpoint {
   void setDepthRange(const Bounds& bounds) { camera_.setDepthRange(bounds); }
 
   void lookAlong(int axis, bool fromAbove, UpAxis up);
+  void lookFrom(ModelSide side, UpAxis up) { camera_ = fromSide(camera_, side, up); }
   void lookAt(const DVec3& place);
   /// About the target.
   void turn(const DVec2& way_px, const DVec2& size_px);

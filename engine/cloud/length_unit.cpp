@@ -65,6 +65,11 @@ LengthUnit unitSaidIn(std::span<const std::string> comments) {
   return LengthUnit::unknown;
 }
 
+void sayUnit(std::vector<std::string>& comments, LengthUnit unit) {
+  if (unit == LengthUnit::unknown || unitSaidIn(comments) != LengthUnit::unknown) return;
+  comments.push_back(fmt::format("comment units: {}", nameOf(unit)));
+}
+
 std::optional<double> scaleSaidIn(std::span<const std::string> comments) {
   for (const std::string& comment : comments) {
     if (!comment.starts_with(kScaleComment)) continue;

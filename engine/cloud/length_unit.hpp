@@ -26,6 +26,8 @@ std::string_view nameOf(LengthUnit unit);
 
 /// What a file's comments say, as in `comment units: mm` or `obj_info unit = metres`; unknown where none says it.
 LengthUnit unitSaidIn(std::span<const std::string> comments);
+/// Has the comments say it, as a format does whose files have one unit; what a comment says already stays.
+void sayUnit(std::vector<std::string>& comments, LengthUnit unit);
 
 /// How many millimetres a unit is, as in `comment mm_per_unit: 137.2`; nothing where none says it, or no positive
 /// number.

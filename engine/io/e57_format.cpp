@@ -10,6 +10,7 @@
 #include <glm/ext/quaternion_double.hpp>
 #include <glm/geometric.hpp>
 
+#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/core/error.hpp"
@@ -292,6 +293,7 @@ StoredCloud readE57(const std::filesystem::path& file, Log* log, const CloudRead
   for (std::size_t k = 0; k < contents.scans.size(); ++k) invalid += cloud.add(contents.scans[k], k);
   stored.cloud = cloud.finish(log);
   stored.cloud.storedAs.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
+  sayUnit(stored.cloud.storedAs.comments, LengthUnit::m);  // as the format says
   if (invalid > 0) stored.lost.push_back(fmt::format("{} points that have no place", invalid));
   if (invalid > 0 && log) log->say("{}: {} points have no place (no echo came back), and are left out", name, invalid);
   const auto isPlaced = [](const E57Scan& scan) {

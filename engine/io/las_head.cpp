@@ -41,12 +41,15 @@ void appendRecord(std::vector<std::byte>& bytes, std::string_view user, unsigned
   appendBytes(bytes, data);
 }
 
-/// All comments but what the header says in its own way.
-std::string commentsOf(const PointCloud& cloud) {
+/// All comments but what the header and its records say in their own way.
+std::string commentsOf(const PointCloud& cloud, LengthUnit unit) {
   constexpr std::size_t kLongest = 65535;  // of a record
+  std::vector<std::string> known{"comment up: z"};
+  sayUnit(known, unit);
   std::string text;
   for (const std::string& comment : cloud.storedAs.comments)
-    if (!isOurs({&comment, 1}) && comment != "comment up: z" && text.size() + comment.size() < kLongest)
+    if (!isOurs({&comment, 1}) && std::ranges::find(known, comment) == known.end() &&
+        text.size() + comment.size() < kLongest)
       text += comment + '\n';
   return text;
 }
@@ -54,7 +57,7 @@ std::string commentsOf(const PointCloud& cloud) {
 /// The records of the file that the cloud came from, and palpate's own.
 std::uint32_t appendRecords(std::vector<std::byte>& bytes, const PointCloud& cloud, const LasPlan& plan) {
   std::uint32_t count = 0;
-  const std::string comments = commentsOf(cloud);
+  const std::string comments = commentsOf(cloud, plan.baggage ? plan.baggage->unit : LasBaggage().unit);
   bool described = plan.descriptors.empty(), commented = comments.empty();
   const auto describe = [&] {
     if (!described) appendRecord(bytes, kLasSpec, kLasExtraBytes, "Extra Bytes Record", plan.descriptors), ++count;

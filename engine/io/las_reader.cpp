@@ -12,6 +12,7 @@
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/io/in_quotes.hpp"
+#include "engine/io/las_unit.hpp"
 #include "engine/io/las_unpacked.hpp"
 #include "engine/io/laz_reader.hpp"
 #include "engine/io/saving.hpp"
@@ -100,7 +101,12 @@ PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, const Cloud
   LasColumns columns(head_.header, head_.format, head_.extra, threads);
   const Stopwatch reading;
   const Tail tail = head_.packing ? readPacked(columns, log, lost) : readPlain(columns, threads);
+  std::vector<LasRecord> records = lasRecords(file_.path(), head_.header, head_.bytes);
+  const std::vector<LasRecord> behind = lasLongRecords(file_.path(), head_.header, tail.bytes, tail.at);
+  records.insert(records.end(), behind.begin(), behind.end());
+  const LengthUnit unit = lasUnit(records);
   const std::shared_ptr<LasBaggage> baggage = packBaggage(tail);
+  baggage->unit = unit;
   std::vector<std::size_t> withoutNormal;
   if (options.stages) options.stages->points_s = reading.elapsed_s(), options.stages->waited_s = columns.waited_s();
   const Stopwatch finishing;
@@ -110,6 +116,7 @@ PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, const Cloud
   stored.position = ScalarType::f64;
   stored.comments = head_.comments;
   if (!upSaidIn(stored.comments)) stored.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
+  sayUnit(stored.comments, unit);
   stored.baggage = baggage;
   if (options.stages) options.stages->finish_s = finishing.elapsed_s();
   return cloud;

@@ -63,17 +63,49 @@ Camera recentred(const Camera& camera, const DVec3& point) {
   return result;
 }
 
-Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up) {
+namespace {
+
+// Looks at the target from a direction, which is a unit vector.
+Camera lookingFrom(const Camera& camera, DVec3 side, UpAxis up) {
   Camera result = camera;
-  DVec3 side(0);
-  side[axis] = fromAbove ? 1 : -1;
   result.up = directionOf(up);
-  if (glm::dot(side, result.up) != 0) {  // almost along up, so that a later turn has an axis
+  constexpr double kAlong = 1 - 1e-9;
+  if (const double along = glm::dot(side, result.up); std::abs(along) > kAlong) {
+    // almost along up, so that a later turn has an axis
     constexpr double kSteep = 0.99;
     side = kSteep * side + std::sqrt(1 - kSteep * kSteep) * frontOf(up);
   }
   result.eye = camera.target + glm::distance(camera.eye, camera.target) * side;
   return result;
+}
+
+}  // namespace
+
+Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up) {
+  DVec3 side(0);
+  side[axis] = fromAbove ? 1 : -1;
+  return lookingFrom(camera, side, up);
+}
+
+Camera fromSide(const Camera& camera, ModelSide side, UpAxis up) {
+  const DVec3 top = directionOf(up), front = frontOf(up), right = glm::cross(top, front);
+  switch (side) {
+    case ModelSide::front:
+      return lookingFrom(camera, front, up);
+    case ModelSide::back:
+      return lookingFrom(camera, -front, up);
+    case ModelSide::left:
+      return lookingFrom(camera, -right, up);
+    case ModelSide::right:
+      return lookingFrom(camera, right, up);
+    case ModelSide::top:
+      return lookingFrom(camera, top, up);
+    case ModelSide::bottom:
+      return lookingFrom(camera, -top, up);
+    case ModelSide::iso:
+      break;
+  }
+  return lookingFrom(camera, glm::normalize(front + right + top), up);
 }
 
 }  // namespace palpate

@@ -24,4 +24,16 @@ Camera recentred(const Camera& camera, const DVec3& point);
 /// upwards in the picture; from above, the front is at the bottom.
 Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up = UpAxis::y);
 
+/// From where a model is looked at, about its up: right is at the right of whoever looks at its front.
+enum class ModelSide : std::uint8_t { front, back, left, right, top, bottom, iso };
+inline constexpr std::array<std::pair<std::string_view, ModelSide>, 7> kModelSides{{{"front", ModelSide::front},
+                                                                                    {"back", ModelSide::back},
+                                                                                    {"left", ModelSide::left},
+                                                                                    {"right", ModelSide::right},
+                                                                                    {"top", ModelSide::top},
+                                                                                    {"bottom", ModelSide::bottom},
+                                                                                    {"iso", ModelSide::iso}}};
+/// Looks at the target from there, from the same distance.
+Camera fromSide(const Camera& camera, ModelSide side, UpAxis up);
+
 }  // namespace palpate

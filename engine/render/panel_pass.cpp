@@ -109,11 +109,10 @@ std::vector<std::uint64_t> checksumsOf(const PanelShapes& shapes, const PanelTil
 
 PanelPass::PanelPass(Device& device, std::span<const std::uint8_t> texture, const UVec2& texture_px)
     : device_(device),
-      texture_px_(texture_px),
       makeLayer_(device, shader_code::render_panel_layer,
                  {.workgroupSize = shared::kPanelWorkgroup, .pushBytes = sizeof(shared::PanelLayerArgs)}),
       compose_(device, shader_code::render_panel_compose, {.pushBytes = sizeof(shared::PanelComposeArgs)}),
-      texture_(device, (texture.size() + 3) / 4 * 4, Memory::upload, "panel texture"),
+      texture_(device, 0, Memory::upload, "panel texture"),
       vertices_(device, 0, Memory::upload, "panel vertices"),
       triangles_(device, 0, Memory::upload, "panel triangles"),
       clips_(device, 0, Memory::upload, "panel clips"),
@@ -121,9 +120,16 @@ PanelPass::PanelPass(Device& device, std::span<const std::uint8_t> texture, cons
       entries_(device, 0, Memory::upload, "panel entries"),
       tiles_(device, 0, Memory::upload, "panel tiles to make"),
       layer_(device, 0, Memory::device, "panel layer") {
+  setTexture(texture, texture_px);
+}
+
+void PanelPass::setTexture(std::span<const std::uint8_t> texture, const UVec2& texture_px) {
   PALPATE_CHECK_EQ(texture.size(), std::size_t{texture_px.x} * texture_px.y);
   PALPATE_CHECK(!texture.empty());
+  texture_px_ = texture_px;
+  texture_ = Buffer(device_, (texture.size() + 3) / 4 * 4, Memory::upload, "panel texture");
   std::memcpy(texture_.mapped<std::byte>().data(), texture.data(), texture.size());
+  made_.clear();
 }
 
 void PanelPass::record(CommandList& list, const Buffer* picture, std::uint32_t shrink, const PanelShapes& shapes,

@@ -35,6 +35,9 @@ class PanelPass {
   /// `texture`: how much of each texel is covered, texture_px.x * texture_px.y bytes in rows from the top.
   PanelPass(Device& device, std::span<const std::uint8_t> texture, const UVec2& texture_px);
 
+  /// Another one from the next picture on. What was recorded before must be done.
+  void setTexture(std::span<const std::uint8_t> texture, const UVec2& texture_px);
+
   /// `picture`: RGBA8, of size_px or, where each of its pixels covers `shrink` x `shrink` of them, rounded up; null for
   /// `background` alone. `shown`: size_px, BGRA8 where `blueFirst`. What was recorded before must
   /// have been submitted, and be done.
@@ -45,7 +48,7 @@ class PanelPass {
   void recordLayer(CommandList& list, const PanelShapes& shapes, const UVec2& size_px);
 
   Device& device_;
-  UVec2 texture_px_;
+  UVec2 texture_px_{0};
   ComputePipeline makeLayer_, compose_;
   Buffer texture_, vertices_, triangles_, clips_, starts_, entries_, tiles_, layer_;
   UVec2 layer_px_{0};

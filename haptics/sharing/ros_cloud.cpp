@@ -153,6 +153,7 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
     listening.log->say("ros:{}: {} points{}", topic, taken.cloud.size(),
                        taken.skipped > 0 ? fmt::format("; {} without a place are left out", taken.skipped) : "");
   sayScale(taken.cloud.storedAs.comments, kMmPerMetre);
+  sayUnit(taken.cloud.storedAs.comments, LengthUnit::m);
   // REP 103, of all frames but those of a camera.
   if (!listening.frame.empty())
     taken.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));

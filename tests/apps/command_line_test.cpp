@@ -300,7 +300,7 @@ TEST_CASE("touch says that a tool is smaller than the spacing, with both and wha
   CHECK_MESSAGE(
       says(small, fmt::format("a tool of 0.5 mm is smaller than the spacing of the points, {:.3g} mm", spacing_mm)),
       small);
-  CHECK(says(small, fmt::format("make --tool-radius {:.2g} mm or more", 2 * spacing_mm)));
+  CHECK(says(small, fmt::format("make --tool-radius {:.3g} mm or more", 2 * spacing_mm)));
   CHECK(lacks(palpate(session + "9").text, "smaller than the spacing"));
   CHECK(lacks(palpate("touch " + model + " --backend cpu --tool-radius 0.5").text, "smaller than the spacing"));
 }

@@ -350,7 +350,7 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
   const auto played =
       play("%/block.json --size 480x360 --rate 250 --backend cpu --edit push", R"(
 0.01 key tab
-0.06 mouse 377 205
+0.06 mouse 239 205
 0.16 key space down
 0.21 button left down
 0.41 wheel 6
@@ -377,6 +377,30 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
   CHECK(played->state("undone.json")["undoable"] == 0);
   const std::string message = played->state("carve.json")["last_message"];
   CHECK_MESSAGE(message.find("keeps the cells") != std::string::npos, message);
+}
+
+TEST_CASE("the discs of water are wholly inside of the box that is drawn around them") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(in("tank.json"))
+      << R"({"matter": "water", "box_mm": [200, 120, 40], "fill_mm": [200, 80, 40], "spacing_mm": 10})";
+  works("--quiet render " + in("tank.json") + " -o " + in("p.png") + " --size 480x300 --background 0,0,0" +
+        " --camera \"eye=100,60,12000 target=100,60,20 fov=1\"");
+  const Picture picture(folder / "p.png");
+  std::array<int, 4> water{picture.width, 0, picture.height, 0}, box = water;
+  const auto grow = [](std::array<int, 4>& around, int x, int y) {
+    around = {std::min(around[0], x), std::max(around[1], x), std::min(around[2], y), std::max(around[3], y)};
+  };
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const auto p = picture.at(x, y);
+      if (p[2] > p[0] + 60) grow(water, x, y);
+      if (p[0] > 110 && std::abs(p[2] - p[0]) < 40) grow(box, x, y);
+    }
+  CHECK(water[1] - water[0] > 200);
+  CHECK(water[0] >= box[0]);
+  CHECK(water[1] <= box[1]);
+  CHECK(water[3] <= box[3]);
 }
 
 }  // namespace palpate::matter_test

@@ -25,11 +25,11 @@ TEST_CASE("two places that are picked give their distance, and a true length the
 0.1 key tab
 0.2 key z
 0.3 key d
-0.4 mouse 310 300
+0.4 mouse 180 300
 0.6 button left down
 0.6 button left up
 0.7 state %/one.json
-0.8 mouse 430 300
+0.8 mouse 300 300
 1.0 button left down
 1.0 button left up
 1.2 state %/two.json
@@ -63,7 +63,7 @@ TEST_CASE("two places that are picked give their distance, and a true length the
   CHECK(two["mm_per_unit"].get<double>() == near(100 / 3.0, 0.01));
   CHECK(scaled["mm_per_unit"].get<double>() == near(400 / two["measured"].get<double>(), 1e-6));
   CHECK(scaled["measured"] == two["measured"]);
-  CHECK(says(scaled["last_message"].get<std::string>() + played->outcome.text, "what is measured is 400 mm long"));
+  CHECK(says(scaled["last_message"].get<std::string>() + played->outcome.text, "is 400 mm long in the hand"));
   const auto refused = played->state("refused.json");
   CHECK(refused["mm_per_unit"] == scaled["mm_per_unit"]);
   CHECK(says(refused["last_message"].get<std::string>(), "is not a positive length in mm"));

@@ -84,10 +84,8 @@ TEST_CASE("the model stands in the middle of what the panels leave free, in dark
   const auto played = play("%/sphere.ply", R"(
 0.4 screenshot %/large.png
 0.5 resize 600 400
-0.9 key r
 1.2 screenshot %/small.png
 1.3 key tab
-1.4 key r
 1.7 screenshot %/bare.png
 1.8 key tab
 1.9 click Look

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 #include "tests/near.hpp"
 
 namespace palpate::camera_motion_test {
@@ -91,6 +93,34 @@ TEST_CASE("a new centre keeps direction and distance, an axis the distance") {
         CHECK(glm::dot(turned.axes().up, expected) > 0.95);
       }
     }
+}
+
+TEST_CASE("the front is the front and the top the top, whichever way is up") {
+  const Camera camera = someCamera();
+  const double distance = glm::distance(camera.eye, camera.target);
+  const auto from = [&](ModelSide side, UpAxis up) { return fromSide(camera, side, up); };
+  for (const auto& [name, up] : kUpAxes) {
+    CAPTURE(name);
+    const DVec3 top = directionOf(up), front = frontOf(up);
+    for (const auto& [side, each] : kModelSides) {
+      CAPTURE(side);
+      CHECK(from(each, up).target == camera.target);
+      CHECK(glm::distance(from(each, up).eye, camera.target) == near(distance, 1e-9));
+      CHECK(isFinite(from(each, up).axes().right));
+    }
+    CHECK(glm::dot(from(ModelSide::front, up).axes().forward, -front) > 0.999);
+    CHECK(glm::dot(from(ModelSide::back, up).axes().forward, front) > 0.999);
+    CHECK(glm::dot(from(ModelSide::top, up).axes().forward, -top) > 0.98);
+    CHECK(glm::dot(from(ModelSide::bottom, up).axes().forward, top) > 0.98);
+    // Who looks at the front has the right side on the right.
+    const DVec3 right = from(ModelSide::front, up).axes().right;
+    CHECK(glm::dot(from(ModelSide::right, up).axes().forward, -right) > 0.999);
+    CHECK(glm::dot(from(ModelSide::left, up).axes().forward, right) > 0.999);
+    const DVec3 iso = -from(ModelSide::iso, up).axes().forward;
+    for (const DVec3& side : {front, right, top}) CHECK(glm::dot(iso, side) == near(1 / std::sqrt(3.0), 1e-6));
+  }
+  CHECK(glm::dot(from(ModelSide::front, UpAxis::z).axes().forward, DVec3(0, 1, 0)) > 0.999);
+  CHECK(glm::dot(from(ModelSide::right, UpAxis::z).axes().forward, DVec3(-1, 0, 0)) > 0.999);
 }
 
 }  // namespace palpate::camera_motion_test

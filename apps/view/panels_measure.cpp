@@ -1,0 +1,55 @@
+// The part of Panels that tells where a place is, and how far it is to another one.
+#include <imgui.h>
+
+#include "apps/view/panels.hpp"
+#include "engine/cloud/length_text.hpp"
+
+namespace palpate {
+
+void Panels::drawPlace(const PlaceInfo& info) {
+  const auto row = [](const char* name, const std::string& value) { ImGui::TextWrapped("%s %s", name, value.c_str()); };
+  // A line for each: a number is not broken where the panel ends.
+  const auto place = [](const std::string& what, const DVec3& at, double resolution) {
+    ImGui::TextUnformatted(what.c_str());
+    for (int axis = 0; axis < 3; ++axis)
+      ImGui::Text("   %c %s", "xyz"[axis], coordinateText(at[axis], resolution).c_str());
+  };
+  place("place", info.place, info.resolution);
+  if (info.point) {
+    place(fmt::format("point {}", *info.point), info.position, info.positionResolution);
+    row("normal", fmt::format("{:.4f}, {:.4f}, {:.4f}", info.normal.x, info.normal.y, info.normal.z));
+  }
+  for (const auto& [name, value] : info.attributes) row(name.c_str(), value);
+  if (info.stiffness_N_mm)
+    row("stiffness", fmt::format("{:.3g} N/mm in the hand: {}", *info.stiffness_N_mm, info.stiffnessOf));
+  else
+    row("stiffness", info.stiffnessOf);
+}
+
+void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
+  if (view.measures) ImGui::SetNextItemOpen(true);
+  if (!header("Measure")) return;
+  checkbox("pick two places", view.measures);
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip(
+        "D: the left button picks places of the model; turn the view beside it, or with the other buttons");
+  if (status.picked) {
+    drawPlace(*status.picked);
+    if (button("Copy")) requests.copyPlaces = true;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl+C: the places that are picked, a line for each");
+  }
+  if (!status.measured) {
+    ImGui::TextDisabled(view.measures ? "click two places of the model" : "nothing is measured");
+    return;
+  }
+  ImGui::TextUnformatted(lengthText(*status.measured, status.unit).c_str());
+  const bool entered = field("true length, mm", trueLength_);
+  ImGui::SameLine();
+  if ((button("Set") || entered) && trueLength_[0]) requests.trueLength = trueLength_.data();
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip(
+        "opens the model again at that touch scale: what is measured is so long in the hand; saved files "
+        "say it (mm_per_unit)");
+}
+
+}  // namespace palpate

@@ -1,0 +1,93 @@
+// The part of Panels that tells what has happened: remarks at the bottom, errors at the top.
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "apps/view/panels.hpp"
+#include "engine/cloud/length_text.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::string measureLine(const ViewStatus& status) {
+  if (!status.measured) return "measure: click two places of the model (D ends it)";
+  return fmt::format("measured: {}", lengthText(*status.measured, status.unit));
+}
+
+}  // namespace
+
+// Of names and words that may have any letters.
+void Panels::noteLetters(const ViewStatus& status) {
+  for (const std::span<const std::string> texts :
+       {std::span<const std::string>(status.remarks), status.errors, status.models, status.recent, status.gone})
+    for (const std::string& text : texts) gui_.noteLetters(text);
+  for (const std::string& text : {status.model, status.saveFile, status.loadingWhat, status.device})
+    gui_.noteLetters(text);
+  for (const auto& field : {open_, saveAs_, log_, trueLength_}) gui_.noteLetters(field.data());
+  if (status.saveQuestion)
+    for (const std::string& text : {status.saveQuestion->loses, status.saveQuestion->beside, status.saveQuestion->kept})
+      gui_.noteLetters(text);
+  if (status.picked)
+    for (const auto& [name, value] : status.picked->attributes) gui_.noteLetters(name);
+  if (status.others) {
+    for (const SeenHand& hand : status.others->hands) gui_.noteLetters(hand.name);
+    for (const SeenCamera& camera : status.others->cameras) gui_.noteLetters(camera.name);
+  }
+  if (!files_) return;
+  for (const auto& field : {files_->name, files_->folder}) gui_.noteLetters(field.data());
+  for (const FileBrowser::Entry& entry : files_->browser.entries()) gui_.noteLetters(entry.name);
+}
+
+void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
+  std::vector<std::string> lines = status.remarks;
+  if (!status.device.empty())
+    lines.insert(lines.begin(), status.device + ": button 1 sculpts, button 2 is the clutch");
+  else if (status.stylus)
+    lines.insert(lines.begin(), "stylus: press with the left button");
+  if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
+  if (!view.panels && status.loading)
+    lines.push_back(fmt::format("{}, {:.0f} %", status.loadingWhat, 100 * *status.loading));
+  if (lines.empty() && status.session && !view.help)
+    lines.push_back(view.panels ? "hold Space to touch,  H for help"
+                                : "hold Space to touch,  H for help,  Tab for panels");
+  if (lines.empty()) return;
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  // Beside the panel where that would cover them.
+  const bool isBeside = view.panels && double{display.x} < roomyWidth_px() && hasRoomBeside(display.x);
+  const float left = isBeside ? em(kPanel_em + kMargin_em) : 0;
+  // Above the scale where they would meet.
+  const float bottom = display.y - em(double{display.x} - left < double{em(kMessages_em)} ? 3 : 0.8);
+  ImGui::SetNextWindowPos({0.5f * (left + display.x), bottom}, ImGuiCond_Always, {0.5f, 1});
+  ImGui::Begin("messages", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
+                   ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
+  ImGui::PushTextWrapPos(std::max(em(8), 0.7f * (display.x - left)));
+  for (const std::string& line : lines) ImGui::TextUnformatted(line.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::End();
+}
+
+// White on red, in what the panels leave free, until a person has closed it.
+void Panels::drawErrors(const ViewStatus& status, const ViewSettings& view, ViewRequests& requests) {
+  if (status.errors.empty()) return;
+  const DVec2 free_px = freeWidth_px(view, double{ImGui::GetIO().DisplaySize.x});
+  const auto left = static_cast<float>(free_px.x), right = static_cast<float>(free_px.y);
+  ImGui::SetNextWindowPos({0.5f * (left + right), em(kMargin_em)}, ImGuiCond_Always, {0.5f, 0});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.62f, 0.09f, 0.09f, 0.96f));
+  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 1, 1, 1));
+  ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.78f, 0.25f, 0.25f, 1));
+  ImGui::Begin("errors", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
+  ImGui::PushTextWrapPos(std::clamp(0.8f * (right - left), em(6), em(32)));
+  for (const std::string& error : status.errors) ImGui::TextUnformatted(error.c_str());
+  ImGui::PopTextWrapPos();
+  if (button("Close")) requests.closeErrors = true;
+  ImGui::SameLine();
+  ImGui::TextUnformatted("(Esc)");
+  ImGui::End();
+  ImGui::PopStyleColor(3);
+}
+
+}  // namespace palpate

@@ -1,0 +1,17 @@
+#include "engine/core/characters.hpp"
+
+#include <doctest/doctest.h>
+
+namespace palpate::characters_test {
+
+TEST_CASE("a text in UTF-8 is its characters, and a damaged one hangs nowhere") {
+  using Characters = std::vector<char32_t>;
+  CHECK(charactersOf("aé λ 模") == Characters{'a', 0xe9, ' ', 0x3bb, ' ', 0x6a21});
+  CHECK(charactersOf("\xf0\x9f\x98\x80") == Characters{0x1f600});
+  CHECK(charactersOf("\xe6\xa8") == Characters{0xfffd, 0xfffd});
+  CHECK(charactersOf("\xff!") == Characters{0xfffd, '!'});
+  CHECK(charactersOf("\xc3(") == Characters{0xfffd, '('});
+  CHECK(charactersOf("").empty());
+}
+
+}  // namespace palpate::characters_test
