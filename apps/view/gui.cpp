@@ -93,6 +93,7 @@ void Gui::makeFont() {
 
 void Gui::noteLetters(std::string_view text) {
   constexpr unsigned kLast = std::numeric_limits<ImWchar>::max();
+  if (std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) > 0x7f; })) return;  // as most are
   for (const char32_t letter : charactersOf(text))
     if (letter > kLastLatin && letter <= kLast) lacksLetters_ |= letters_.insert(static_cast<unsigned>(letter)).second;
 }

@@ -96,8 +96,8 @@ std::optional<std::vector<LasExtraField>> lasExtraFields(std::span<const std::by
 struct LasBaggage final : FormatBaggage {
   std::vector<std::byte> head, tail;  ///< the file's bytes before its points and behind them
   std::vector<std::byte> descriptors;
-  LengthUnit unit = LengthUnit::m;  ///< as its coordinate system says
-  unsigned colorStep = 257;         ///< what one step of 8 bits is in the file's 16: 1, 256 or 257
+  LengthUnit unit = LengthUnit::unknown;  ///< as its coordinate system says
+  unsigned colorStep = 257;               ///< what one step of 8 bits is in the file's 16: 1, 256 or 257
 };
 
 /// Of the record that keeps comments, which is palpate's own.

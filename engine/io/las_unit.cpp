@@ -43,11 +43,14 @@ std::optional<std::string_view> insideOf(std::string_view text, std::initializer
 
 /// The last unit of length in a projected system is that of its axes: those of its parameters come first.
 LengthUnit unitInText(std::string_view text) {
-  const auto projected = insideOf(text, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["});
+  auto projected = insideOf(text, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["});
   if (!projected) {
     const bool degrees = insideOf(text, {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["}).has_value();
-    return degrees ? LengthUnit::unknown : LengthUnit::m;
+    return degrees ? LengthUnit::unknown : LengthUnit::m;  // of what is local, or measured from a centre
   }
+  // Some programs have the vertical system within.
+  projected = projected->substr(
+      0, std::min({projected->find("VERTCS["), projected->find("VERT_CS["), projected->find("VERTCRS[")}));
   LengthUnit unit = LengthUnit::m;
   for (std::size_t at = 0; (at = projected->find("UNIT[", at)) != projected->npos; at += 5) {
     const std::string_view before = projected->substr(0, at);
@@ -95,7 +98,7 @@ LengthUnit lasUnit(std::span<const LasRecord> records) {
   }
   for (const LasRecord& record : records)
     if (record.is(kProjection, kKeysRecord)) return unitInKeys(record.data, names);
-  return LengthUnit::m;
+  return LengthUnit::unknown;
 }
 
 }  // namespace palpate

@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-/// Metres where nothing else is said; unknown where coordinates are degrees, or of a unit that has no name here.
+/// Metres where a system names no other unit; unknown without a system, and where coordinates are degrees or of a unit
+/// that has no name here.
 LengthUnit lasUnit(std::span<const LasRecord> records);
 
 }  // namespace palpate

@@ -62,7 +62,7 @@ TEST_CASE("lengths are the model's own, and how large it is in the hand is said 
   const std::string ply = (folder / "s.ply").string(), las = (folder / "s.las").string();
   works("--quiet make sphere -n 3000 --size 3 --center 637177.98,4877754.178,421.33 -o " + ply);
   works("--quiet convert " + ply + " " + las);
-  const std::string unknown = palpate("info " + ply).text, metres = palpate("info " + las).text;
+  const std::string unknown = palpate("info " + ply).text, metres = palpate("info " + las + " --unit m").text;
   CHECK_MESSAGE(says(metres, "touch scale: 100 mm in the hand for 2.99904 m\n"), metres);
   CHECK(says(metres, "637176.4"));
   CHECK_FALSE(says(metres, "e+"));
@@ -72,7 +72,7 @@ TEST_CASE("lengths are the model's own, and how large it is in the hand is said 
   // Nothing else of it is in the hand's mm.
   CHECK(feet.find(" mm") == feet.rfind(" mm"));
   const std::string report =
-      palpate("touch " + las + " --backend cpu --path builtin:press --duration 0.05 --edit push").text;
+      palpate("touch " + las + " --unit m --backend cpu --path builtin:press --duration 0.05 --edit push").text;
   CHECK_MESSAGE(says(report, "touch scale           100 mm in the hand for 2.99904 m\n"), report);
   CHECK(report.find(" mm") == report.rfind(" mm"));
   CHECK(says(report, "support radius 0."));

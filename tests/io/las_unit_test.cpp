@@ -42,12 +42,13 @@ constexpr const char* kFeet =
 
 }  // namespace
 
-TEST_CASE(
-    "a LAS file is in metres, in feet where its coordinate system says so, and in no length where it is degrees") {
-  CHECK(unitOf(fileWith("", 0)) == LengthUnit::m);
+TEST_CASE("a LAS file is in the unit of its coordinate system, and of degrees or without a system in none") {
+  CHECK(unitOf(fileWith("", 0)) == LengthUnit::unknown);
   CHECK(ofText(kFeet) == LengthUnit::foot);
   CHECK(ofText(std::string("COMPD_CS[\"c\",") + kFeet + ",VERT_CS[\"h\",UNIT[\"metre\",1.0]]]") == LengthUnit::foot);
   CHECK(ofText("PROJCS[\"UTM\",GEOGCS[\"W\",UNIT[\"degree\",0.0174532925199433]],UNIT[\"metre\",1]]") == LengthUnit::m);
+  CHECK(ofText("PROJCS[\"n\",UNIT[\"US survey foot\",0.3048006],VERTCS[\"h\",UNIT[\"US survey foot\",1.0]]]") ==
+        LengthUnit::foot);
   CHECK(ofText("GEOGCS[\"WGS 84\",UNIT[\"degree\",0.0174532925199433]]") == LengthUnit::unknown);
   CHECK(ofText("PROJCRS[\"n\",CONVERSION[\"c\",PARAMETER[\"e\",1,LENGTHUNIT[\"metre\",1]]],CS[Cartesian,2],"
                "AXIS[\"x\",east],LENGTHUNIT[\"foot\", 0.3048]]") == LengthUnit::foot);
@@ -73,10 +74,12 @@ TEST_CASE("the unit of a LAS file adds no byte to what is written, and goes to o
     CHECK(test::again(once) == once);
     CHECK(unitOf(once) == unitOf(file));
   }
-  PointCloud inFeet;
-  inFeet.positions = {{1, 2, 3}};
-  sayUnit(inFeet.storedAs.comments, LengthUnit::foot);
-  CHECK(unitOf(test::written(inFeet)) == LengthUnit::foot);
+  for (const LengthUnit unit : {LengthUnit::foot, LengthUnit::m}) {
+    PointCloud cloud;
+    cloud.positions = {{1, 2, 3}};
+    sayUnit(cloud.storedAs.comments, unit);
+    CHECK(unitOf(test::written(cloud)) == unit);
+  }
   const PointCloud scanned = test::reading(fileWith(test::lasRecord(kUser, 2112, kFeet), 1)).cloud;
   CHECK(test::written(scanned, ".ply").find("comment units: ft\n") != std::string::npos);
 }
