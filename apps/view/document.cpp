@@ -129,11 +129,13 @@ bool Document::load(const std::function<void()>& letGo) {
     const bool isAnother = handedOn_ == HandedOn::no;
     if (isAnother) opened_ = opening_;
     const auto left = std::exchange(opened_.live.left, nullptr);
+    before_.reset();
     letGo();
     install(std::move(result->session), left ? left->document() : opened_.config.model.file);
     if (!isLive() && !opened_.config.join && !isRosModel(file_)) recent_.add(file_);
     return isAnother;
   }
+  if (result->lacksMemory && makeRoom()) return false;
   if (!result->failure.empty()) {
     // Nobody is offered it again, unless it is what is open.
     if (!parked_ || parked_->file() != loader_.file()) {
@@ -144,7 +146,25 @@ bool Document::load(const std::function<void()>& letGo) {
     messages_.sayError(result->failure);
   }
   unpark();
+  if (before_) read(*std::exchange(before_, std::nullopt));
   return false;
+}
+
+// Where there is no room for another model beside the one that is open, that one goes first, and is opened again should
+// it have gone in vain. One with changes stays.
+bool Document::makeRoom() {
+  if (!parked_ || handedOn_ != HandedOn::no) return false;
+  if (parked_->isChanged()) {
+    messages_.say(
+        "there is no memory for another model beside this one, which stays: it has changes that are not saved");
+    return false;
+  }
+  before_ = opened_;
+  before_->config.model.file = file_;
+  parked_->leaveStrokes();
+  parked_.reset();
+  loader_.open(opening_, parts_.settings.brush, parts_.settings.feel);
+  return true;
 }
 
 void Document::park(const std::function<void()>& letGo) {

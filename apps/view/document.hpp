@@ -83,6 +83,7 @@ class Document {
   bool isLive() const { return opened_.config.stream && opened_.config.stream->live; }
   // Whether the points are those of a file, so that a file that they are saved in has all that there is.
   bool isOfFile() const;
+  bool makeRoom();
   void park(const std::function<void()>& letGo);
   void unpark();
   // `file`: what it is for the person.
@@ -111,7 +112,8 @@ class Document {
   std::unique_ptr<WindowSession> session_, parked_;                   // while another one is being built
   WindowOptions opened_, opening_;                                    // that its file, and the next one, is opened with
   enum class HandedOn { no, held, toGoOn } handedOn_ = HandedOn::no;  // the points of the session before
-  std::string file_, saveFile_;                                       // the model's own, or the one beside it
+  std::optional<WindowOptions> before_;  // of the model that has made room for the next one
+  std::string file_, saveFile_;          // the model's own, or the one beside it
   struct {
     bool lost = false, silent = false;
   } saidOfFrames_;

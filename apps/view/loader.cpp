@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "apps/cli/sharing_options.hpp"
+#include "engine/gpu/vulkan.hpp"
 
 namespace palpate {
 
@@ -73,7 +74,9 @@ Loader::Result Loader::load() {
   } catch (const Cancelled&) {
     return {};
   } catch (const std::bad_alloc&) {
-    return {nullptr, options_.config.model.file + ": out of memory"};
+    return {nullptr, options_.config.model.file + ": out of memory", true};
+  } catch (const OutOfGpuMemory& error) {
+    return {nullptr, error.what(), true};
   } catch (const std::exception& error) {
     return {nullptr, error.what()};
   }

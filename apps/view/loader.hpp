@@ -37,6 +37,7 @@ class Loader final : private LogListener {
   struct Result {
     std::unique_ptr<WindowSession> session;
     std::string failure;
+    bool lacksMemory = false;  ///< which there would be, perhaps, if no other model were open
   };
   std::optional<Result> take();
 

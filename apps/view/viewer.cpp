@@ -54,8 +54,11 @@ void Viewer::step() {
   const Stopwatch watch;
   messages_.dropOld();
   followSession();
-  if (document_.asks()) pointing_.letGo(pointed());  // and the stroke is over
-  pointing_.move(dt_s, settings_.view, pointed());
+  // Behind a question nothing goes on.
+  if (document_.asks())
+    pointing_.letGo(pointed());
+  else
+    pointing_.move(dt_s, settings_.view, pointed());
   playTicks();
   draw(dt_s);
   if (closing_ == Closing::asked && !document_.isLeaving()) {
@@ -73,7 +76,7 @@ void Viewer::handle(const WindowEvent& event) {
     if (!gui_.wantsKeys() && !document_.asks()) carryOut(keyboard_.requestsOf(*key, repeats, settings_));
   }
   if (const auto* mouse = std::get_if<MouseEvent>(&event)) pointing_.moveMouse(mouse->place_px, pointed());
-  const bool meansModel = document_.session() && !gui_.wantsMouse();
+  const bool meansModel = document_.session() && !gui_.wantsMouse() && !document_.asks();
   if (const auto* button = std::get_if<ButtonEvent>(&event)) {
     if (!button->down) pointing_.release(button->button);
     if (pointing_.takeMiss()) messages_.say("nothing is measured: the model is not under the cursor");

@@ -14,7 +14,10 @@ void Viewer::applySettings() {
   session->setForces(settings_.forcesOn);
   messages_.tryTo([&] {
     const bool recorded = session->isRecording();
-    session->setBrushSettings(settings_.brush);
+    // A device cannot be put away: behind a question its hand feels, and changes nothing.
+    BrushSettings brush = settings_.brush;
+    if (document_.asks() && pointing_.isTouching()) brush.kind.reset();
+    session->setBrushSettings(brush);
     session->setFeel(settings_.feel);
     if (recorded && !session->isRecording()) messages_.say("the recording has ended: a log has one brush");
   });

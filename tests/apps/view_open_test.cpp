@@ -119,4 +119,33 @@ TEST_CASE("what is saved as another file is that file from then on, and what fai
   CHECK(contentOf(played->folder.path() / "state" / "palpate" / "recent").starts_with(mine));
 }
 
+TEST_CASE("behind a question no stroke goes on") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250 --edit push", strokeAt(0.1) + R"(
+1 ask
+1.1 key space down
+1.3 button left down
+1.5 state %/pressing.json
+1.6 quit
+1.8 state %/asked.json
+1.9 mouse 340 160
+2.1 mouse 390 200
+2.3 state %/later.json
+2.4 click Cancel
+2.6 state %/cancelled.json
+2.7 quit
+2.9 click Do not save
+)",
+                           "", [](const auto& folder) { makeSphere(folder, 2000); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  CHECK(played->state("pressing.json")["stylus"] == true);
+  for (const char* name : {"asked.json", "later.json", "cancelled.json"}) {
+    CAPTURE(name);
+    CHECK(played->state(name)["stylus"] == false);
+    CHECK(played->state(name)["contact"] == false);
+    CHECK(played->state(name)["edits"] == played->state("asked.json")["edits"]);
+  }
+}
+
 }  // namespace palpate::view_open_test

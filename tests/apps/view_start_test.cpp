@@ -21,6 +21,17 @@ TEST_CASE("models alone open the window, as view does") {
   CHECK_FALSE(none.text.find("no subcommand") != std::string::npos);
 }
 
+TEST_CASE("palpate alone opens the window, and says what it needs where there is no display") {
+  const Outcome blind = run("env -u DISPLAY -u WAYLAND_DISPLAY " + program());
+  CHECK(blind.code == 1);
+  CHECK_MESSAGE(says(blind.text, "a window needs a display"), blind.text);
+  CHECK(says(blind.text, "palpate --help"));
+  if (!hasDisplay()) return;
+  const ScratchFolder folder;
+  const Outcome open = run("XDG_STATE_HOME=" + folder.path().string() + " xvfb-run -a timeout -s INT 4 " + program());
+  CHECK_MESSAGE(open.code == 124, open.text);  // it was still open
+}
+
 TEST_CASE("the window says that a tool is smaller than the spacing, and is silent once it is larger") {
   if (!hasDisplay()) return;
   std::string script = "0.2 state %/large.json\n";

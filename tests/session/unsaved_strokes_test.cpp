@@ -1,0 +1,161 @@
+// Strokes that are in no file yet: what a program that has ended leaves of them, and who may have it.
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/edit/journal.hpp"
+#include "haptics/session/model.hpp"
+#include "haptics/session/unsaved_strokes.hpp"
+#include "tests/says.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate::unsaved_strokes_test {
+
+namespace {
+
+constexpr std::uint64_t kUndo_bytes = 1 << 20;
+
+struct Sculpted {
+  explicit Sculpted(const std::filesystem::path& root) : unsaved(root, model) {
+    unsaved.describe({.config = {.model = {.file = (root / "model.ply").string()}}, .machine = "one", .palpate = "1"});
+  }
+  void take(EditBatch batch) {
+    journal.follow(batch);
+    unsaved.follow(batch, journal);
+  }
+  // Moves points of the cloud, or adds one behind them.
+  void stroke(const std::vector<std::uint32_t>& points, float to) {
+    EditBatch batch;
+    for (const std::uint32_t id : points)
+      batch.points.push_back({.position = Vec3(to), .id = id, .normal = {0, 0, 1}, .parent = std::min(id, 1u)});
+    batch.marks.push_back({batch.points.size(), EditMark::Kind::stroke});
+    take(std::move(batch));
+  }
+  // As a back end reports what was undone.
+  void change(const std::vector<PointChange>& changes) {
+    EditBatch batch;
+    for (const PointChange& each : changes) batch.points.push_back(each.to);
+    batch.marks.push_back({batch.points.size(), EditMark::Kind::change});
+    take(std::move(batch));
+  }
+
+  Model model{.cloud = {.positions = {Vec3(0), Vec3(1)}, .normals = {Vec3(0, 0, 1), Vec3(0, 0, 1)}}};
+  Journal journal{model.cloud, kUndo_bytes};
+  UnsavedStrokes unsaved;
+};
+
+std::vector<LeftStrokes> leftIn(const std::filesystem::path& root) {
+  return leftStrokes(root, [](const std::string& what) { FAIL_CHECK(what); });
+}
+
+void checkSame(const Journal& a, const Journal& b) {
+  CHECK(std::ranges::equal(a.points(), b.points()));
+  CHECK(a.undoable() == b.undoable());
+  CHECK(a.redoable() == b.redoable());
+}
+
+}  // namespace
+
+TEST_CASE("strokes that were not saved come back as they were, with what was undone and made again") {
+  const ScratchFolder folder;
+  std::optional<Sculpted> sculpted(std::in_place, folder.path());
+  sculpted->stroke({0}, 3);
+  sculpted->stroke({1, 2}, 4);
+  sculpted->change(sculpted->journal.undo());
+  sculpted->change(sculpted->journal.redo());
+  sculpted->change(sculpted->journal.undo());
+  Journal again(sculpted->model.cloud, kUndo_bytes);
+  const Journal before = sculpted->journal;
+  CHECK(leftIn(folder.path()).empty());  // while the program runs
+  sculpted.reset();
+  const std::vector<LeftStrokes> left = leftIn(folder.path());
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].strokes == 2);
+  CHECK(left[0].document() == (folder / "model.ply").string());
+  followAgain(again, left[0].edits);
+  checkSame(again, before);
+  again.redo();
+  CHECK(again.points()[2].position == Vec3(4));
+}
+
+TEST_CASE("what was saved is not left, and strokes behind it are relative to the model's file as it was") {
+  const ScratchFolder folder;
+  std::ofstream(folder / "model.ply") << "as it was";
+  std::optional<Sculpted> sculpted(std::in_place, folder.path());
+  sculpted->stroke({0}, 3);
+  sculpted->unsaved.keepModel();
+  std::ofstream(folder / "new.ply") << "saved";
+  std::filesystem::rename(folder / "new.ply", folder / "model.ply");
+  sculpted->unsaved.saved();
+  sculpted->unsaved.setDocument((folder / "mine.ply").string());
+  sculpted->stroke({1}, 5);
+  const Journal before = sculpted->journal;
+  const Model model = sculpted->model;
+  sculpted.reset();
+  std::vector<LeftStrokes> left = leftIn(folder.path());
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].document() == (folder / "mine.ply").string());
+  std::string kept;
+  std::getline(std::ifstream(left[0].model().file), kept);
+  CHECK(kept == "as it was");
+  CHECK_NOTHROW(left[0].requireModel(model));
+  CHECK_THROWS_WITH_AS(left[0].requireModel(Model{}), doctest::Contains("has changed since"), FileError);
+  Journal again(model.cloud, kUndo_bytes);
+  followAgain(again, left[0].edits);
+  CHECK(std::ranges::equal(again.points(), before.points()));
+  left[0].folder->remove();
+  left.clear();
+  CHECK(leftIn(folder.path()).empty());
+}
+
+TEST_CASE("strokes that a program goes on with are left by that as well, and gone once they are not wanted") {
+  const ScratchFolder folder;
+  std::optional<Sculpted>(std::in_place, folder.path())->stroke({0}, 3);
+  {
+    const std::vector<LeftStrokes> left = leftIn(folder.path());
+    REQUIRE(left.size() == 1);
+    Sculpted next(folder.path());
+    followAgain(next.journal, left[0].edits);
+    next.unsaved.adopt(left[0]);
+    next.stroke({1}, 4);
+  }
+  std::vector<LeftStrokes> left = leftIn(folder.path());
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].strokes == 2);
+  Sculpted last(folder.path());
+  last.unsaved.adopt(left[0]);
+  left.clear();
+  last.unsaved.remove();
+  CHECK(leftIn(folder.path()).empty());
+  CHECK(std::filesystem::is_empty(folder.path()));
+}
+
+TEST_CASE("a place where strokes cannot be kept is said once, and nobody is stopped") {
+  const ScratchFolder folder;
+  std::ofstream(folder / "file") << "no folder";
+  Sculpted sculpted(folder / "file");
+  sculpted.stroke({0}, 3);
+  std::optional<std::string> fault;
+  for (int i = 0; i < 400 && !fault; ++i) {
+    sculpted.stroke({1}, 4);
+    fault = sculpted.unsaved.takeFault();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  REQUIRE(fault);
+  CHECK(says(*fault, "would be lost"));
+  sculpted.stroke({1}, 5);
+  CHECK_FALSE(sculpted.unsaved.takeFault());
+}
+
+TEST_CASE("what is damaged among the strokes that are left is said, and stays") {
+  const ScratchFolder folder;
+  std::filesystem::create_directory(folder / "1-1");
+  for (const char* name : {"lock", "strokes-1.log"}) std::ofstream(folder / "1-1" / name) << "torn";
+  std::string said;
+  CHECK(leftStrokes(folder.path(), [&](const std::string& what) { said = what; }).empty());
+  CHECK(says(said, "strokes-1.log"));
+  CHECK(std::filesystem::exists(folder / "1-1" / "strokes-1.log"));
+}
+
+}  // namespace palpate::unsaved_strokes_test
