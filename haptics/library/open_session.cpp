@@ -412,11 +412,17 @@ PointCloud OpenSession::present() {
 
 Image OpenSession::draw(const PictureRequest& request) {
   takeIn();
-  if (!moves()) return gpu_.draw(*model_, session_->journal(), request);
-  gpu_.forgetPicture();
-  Model now = *model_;
-  now.cloud = present();
-  return gpu_.draw(now, nullptr, request);
+  const JobStopScope cuts(JobStopScope::cutting());
+  try {
+    if (!moves()) return gpu_.draw(*model_, session_->journal(), request);
+    gpu_.forgetPicture();
+    Model now = *model_;
+    now.cloud = present();
+    return gpu_.draw(now, nullptr, request);
+  } catch (const Stopped&) {
+    gpu_.forgetPicture();  // half of which may be there
+    throw;
+  }
 }
 
 Mesh OpenSession::mesh(const pp_mesh_options& options) {
