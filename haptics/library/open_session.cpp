@@ -313,7 +313,13 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   session_->requireUndo();
   if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
-  if (joined_) session_->settleShared(joined_->patience_s());
+  if (joined_) {
+    session_->settleShared(joined_->patience_s());
+    if (session_->shared() && !session_->shared()->counts().delivered)
+      remarks_.sink().say(
+          "'{}': the server has not confirmed yet what was undone or redone here; settling waits for it",
+          config_.model.file);
+  }
   return strokes.undone + strokes.redone;
 }
 

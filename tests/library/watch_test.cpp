@@ -61,11 +61,11 @@ TEST_CASE("a path that is stopped gives the ticks that were done, and its stroke
   options.watch = watcher.watch();
   const OpenBall ball(options, 5'000);
   const auto before = placesOf(ball.session);
-  const auto path = pressPath(4, 100, 60'000);
+  const auto path = pressPath(4, 100, 200'000);
   const pp_path given = pathOf(path);
   std::vector<pp_tick> ticks(path.size() / 3);
   std::uint64_t count = 7;
-  watcher = {.stopAt = 10};
+  watcher = {.stopAtShare = 0.05};
   checkStopped(pp_session_touch(ball.session, &given, ticks.data(), ticks.size(), &count), watcher);
   CHECK(count > 0);
   CHECK(count < ticks.size());
@@ -74,7 +74,7 @@ TEST_CASE("a path that is stopped gives the ticks that were done, and its stroke
   CHECK(watcher.share == within(static_cast<double>(count) / static_cast<double>(ticks.size()), 0.2));
   pp_brush brush = pp_default_brush();
   brush.radius_mm = 5;
-  watcher = {.stopAtShare = 0.005};  // 300 ticks
+  watcher = {.stopAtShare = 0.0015};  // 300 ticks
   checkStopped(pp_session_stroke(ball.session, &given, &brush, ticks.data(), ticks.size(), &count), watcher);
   REQUIRE(count > 100);
   CHECK(placesOf(ball.session) != before);
