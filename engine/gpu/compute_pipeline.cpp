@@ -4,6 +4,7 @@
 #include <array>
 
 #include "engine/core/check.hpp"
+#include "engine/core/job_stop.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/workgroup_watch.hpp"
@@ -88,6 +89,7 @@ ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const P
   const auto twin = watch ? watch->twinOf(code) : std::nullopt;
   const ShaderCode& used = twin ? *twin->code : code;
   const DeviceAddress life = twin ? twin->life : 0;
+  throwIfStopWanted();
   compiled_ = device.pipelines().get(keyOf(used, options, life), [&] { return compile(device, used, options, life); });
 }
 

@@ -4,6 +4,8 @@
 #include <bit>
 #include <limits>
 
+#include "engine/core/clock.hpp"
+#include "engine/core/job_stop.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -84,31 +86,32 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
     }
     if (update) passes_.recordTouch(list, args(points_.moveCount()));
   }
+  list.end();
+  device_.throughputQueue().run(list);
+  step.gpu_us.list += list.sectionTime_us("list");
+  step.gpu_us.field = runOverBlocks(
+      "field", update, [&](CommandList& to, const shared::MeshArgs& blocks) { passes_.recordField(to, blocks); });
+  CommandList rest(device_, device_.throughputQueue(), "mesh counts", CommandList::Timing::sections);
+  rest.begin();
   {
-    const auto section = list.section("field");
-    passes_.recordField(list, args(slots, update));
+    const auto section = rest.section("classify");
+    passes_.recordClassify(rest, args(slots));
   }
   {
-    const auto section = list.section("classify");
-    passes_.recordClassify(list, args(slots));
-  }
-  {
-    const auto section = list.section("scan");
-    passes_.recordCount(list, args(slots));
+    const auto section = rest.section("scan");
+    passes_.recordCount(rest, args(slots));
     scan_.record(
-        list,
+        rest,
         std::array{PrefixScan::Io{storage_.now().vertexStarts.address(), storage_.scratch().address()},
                    PrefixScan::Io{storage_.triangleStarts().address(), storage_.scratch().address() + scanBytes}},
         static_cast<std::uint32_t>(ends));
   }
-  list.copy(storage_.now().vertexStarts, totals, kMeshWordBytes, slots * kMeshWordBytes);
-  list.copy(storage_.triangleStarts(), totals, kMeshWordBytes, slots * kMeshWordBytes, kMeshWordBytes);
-  list.end();
-  device_.throughputQueue().run(list);
-  step.gpu_us.list += list.sectionTime_us("list");
-  step.gpu_us.field = list.sectionTime_us("field");
-  step.gpu_us.classify = list.sectionTime_us("classify");
-  step.gpu_us.scan = list.sectionTime_us("scan");
+  rest.copy(storage_.now().vertexStarts, totals, kMeshWordBytes, slots * kMeshWordBytes);
+  rest.copy(storage_.triangleStarts(), totals, kMeshWordBytes, slots * kMeshWordBytes, kMeshWordBytes);
+  rest.end();
+  device_.throughputQueue().run(rest);
+  step.gpu_us.classify = rest.sectionTime_us("classify");
+  step.gpu_us.scan = rest.sectionTime_us("scan");
   vertexCount_ = totals.mapped<std::uint32_t>()[0];
   triangleCount_ = totals.mapped<std::uint32_t>()[1];
   step.treated = slots_;
@@ -121,19 +124,18 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
 void MarchingCubes::writeTriangles(MeshStep& step, bool update) {
   storage_.growMesh(vertexCount_, triangleCount_);
   writeAddresses();
+  if (vertexCount_ > 0)
+    step.gpu_us.vertices = runOverBlocks("vertices", update, [&](CommandList& to, const shared::MeshArgs& blocks) {
+      passes_.recordVertices(to, blocks);
+    });
   CommandList list(device_, device_.throughputQueue(), "mesh triangles", CommandList::Timing::sections);
   list.begin();
-  {
-    const auto section = list.section("vertices");
-    if (vertexCount_ > 0) passes_.recordVertices(list, args(slots_, update));
-  }
   {
     const auto section = list.section("triangles");
     if (triangleCount_ > 0) passes_.recordTriangles(list, args(slots_));
   }
   list.end();
   device_.throughputQueue().run(list);
-  step.gpu_us.vertices = list.sectionTime_us("vertices");
   step.gpu_us.triangles = list.sectionTime_us("triangles");
 }
 
@@ -144,7 +146,36 @@ shared::MeshArgs MarchingCubes::args(std::uint64_t count, bool update) const {
           .count = static_cast<std::uint32_t>(count),
           .slots = slots_,
           .rows = 0,
-          .update = update};
+          .update = update,
+          .first = 0,
+          .unused = 0};
+}
+
+double MarchingCubes::runOverBlocks(const std::string& name, bool update,
+                                    const std::function<void(CommandList&, const shared::MeshArgs&)>& record) {
+  constexpr std::uint32_t kFirstPart = 16;  // blocks
+  constexpr double kPart_s = 0.05, kGrowth = 4;
+  double time_us = 0;
+  std::uint32_t part = jobStop.mayCut ? kFirstPart : slots_;
+  for (std::uint32_t first = 0; first < slots_;) {
+    throwIfStopWanted();
+    const Stopwatch watch;
+    shared::MeshArgs blocks = args(std::min(part, slots_ - first), update);
+    blocks.first = first;
+    CommandList list(device_, device_.throughputQueue(), "mesh " + name, CommandList::Timing::sections);
+    list.begin();
+    {
+      const auto section = list.section(name);
+      record(list, blocks);
+    }
+    list.end();
+    device_.throughputQueue().run(list);
+    time_us += list.sectionTime_us(name);
+    first += blocks.count;
+    const double growth = std::clamp(kPart_s / std::max(watch.elapsed_s(), 1e-6), 1 / kGrowth, kGrowth);
+    part = std::max(1U, static_cast<std::uint32_t>(std::min(growth * part, static_cast<double>(slots_))));
+  }
+  return time_us;
 }
 
 Mesh MarchingCubes::download() const {

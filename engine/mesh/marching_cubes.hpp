@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <span>
+#include <string>
 
 #include "engine/core/point_state.hpp"
 #include "engine/mesh/mesh.hpp"
@@ -65,6 +67,9 @@ class MarchingCubes {
   MeshStep remesh(bool update);
   void listBlocks(MeshStep& step);
   void fillLattice(MeshStep& step, bool update);
+  /// Runs a pass over all blocks, in parts of so many that a job which may be cut ends soon; its time on the GPU, us.
+  double runOverBlocks(const std::string& name, bool update,
+                       const std::function<void(CommandList&, const shared::MeshArgs&)>& record);
   void writeTriangles(MeshStep& step, bool update);
   void writeAddresses();
   shared::MeshArgs args(std::uint64_t count, bool update = false) const;

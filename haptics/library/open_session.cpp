@@ -313,7 +313,13 @@ std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   session_->requireUndo();
   if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
-  if (joined_) session_->settleShared(joined_->patience_s());
+  if (joined_) {
+    session_->settleShared(joined_->patience_s());
+    if (session_->shared() && !session_->shared()->counts().delivered)
+      remarks_.sink().say(
+          "'{}': the server has not confirmed yet what was undone or redone here; settling waits for it",
+          config_.model.file);
+  }
   return strokes.undone + strokes.redone;
 }
 
@@ -412,11 +418,17 @@ PointCloud OpenSession::present() {
 
 Image OpenSession::draw(const PictureRequest& request) {
   takeIn();
-  if (!moves()) return gpu_.draw(*model_, session_->journal(), request);
-  gpu_.forgetPicture();
-  Model now = *model_;
-  now.cloud = present();
-  return gpu_.draw(now, nullptr, request);
+  const JobStopScope cuts(JobStopScope::cutting());
+  try {
+    if (!moves()) return gpu_.draw(*model_, session_->journal(), request);
+    gpu_.forgetPicture();
+    Model now = *model_;
+    now.cloud = present();
+    return gpu_.draw(now, nullptr, request);
+  } catch (const Stopped&) {
+    gpu_.forgetPicture();  // half of which may be there
+    throw;
+  }
 }
 
 Mesh OpenSession::mesh(const pp_mesh_options& options) {

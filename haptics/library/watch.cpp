@@ -11,6 +11,7 @@ void Watch::run(const std::function<void()>& act) {
   if (!watch_.stop && !watch_.progress) return act();
   constexpr std::chrono::milliseconds kBetween{20};
   stop_ = false;
+  forget();
   std::exception_ptr failure;
   std::mutex lock;
   std::condition_variable ended;
@@ -43,6 +44,11 @@ void Watch::progressed(std::string_view what, double share) {
   what_ = what;
   share_ = share;
   isNew_ = true;
+}
+
+void Watch::forget() {
+  const std::scoped_lock held(lock_);
+  isNew_ = false;
 }
 
 void Watch::tell() {

@@ -36,6 +36,7 @@ class Watch {
   void progressed(std::string_view what, double share);
 
  private:
+  void forget();
   void tell();
 
   const pp_watch watch_;

@@ -260,14 +260,18 @@ bool Session::settleShared(double patience_s, Settling until) {
   const DVec3 nowhere = model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
   for (Pose& pose : far) pose = {.time_s = last_s_, .hip = nowhere, .sculpts = false};
   bool hasAsked = false;
-  for (; !isOver() && !isStopWanted() && since.elapsed_s() < patience_s; counts = shared_->counts()) {
-    backend_->ask(far, 0);
-    hasAsked = true;
+  const auto goesOn = [&] { return !isOver() && !isStopWanted() && since.elapsed_s() < patience_s; };
+  do {
+    for (; goesOn(); counts = shared_->counts()) {
+      backend_->ask(far, 0);
+      hasAsked = true;
+      relay_.catchUp();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    backend_->finish();
     relay_.catchUp();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  backend_->finish();
-  relay_.catchUp();
+    counts = shared_->counts();  // with what has come into effect meanwhile
+  } while (goesOn());
   if (hasAsked)
     for (std::size_t hand = 0; hand < far.size(); ++hand) backend_->resetHand(hand);
   return isSettled();

@@ -38,9 +38,10 @@ void StrokeServer::attach(ReaderWait& wait) const {
 }
 
 void StrokeServer::take() {
-  resumes_.take([&](const ResumeRequest& request) { take(request); });
   strokes_.take([&](const Stroke& stroke) { take(stroke, Way::reliable); });
   strokeCopies_.take([&](const Stroke& stroke) { take(stroke, Way::copy); });
+  // Behind them, so that the answer to a question holds all that had come before it.
+  resumes_.take([&](const ResumeRequest& request) { take(request); });
 }
 
 void StrokeServer::take(const ResumeRequest& request) {

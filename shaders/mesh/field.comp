@@ -14,8 +14,8 @@ uvec3 nodeOfCode(uint code) {
 
 void main() {
   const uint parts = kMeshBlockNodes / kPlaces;
-  const uint slot = workgroupIndex() / parts, part = workgroupIndex() % parts;
-  if (slot >= args.slots) return;
+  const uint slot = args.first + workgroupIndex() / parts, part = workgroupIndex() % parts;
+  if (slot >= args.first + args.count) return;
   const uint first = part * kPlaces, code = first + placeIndex();
   const uvec3 block = blockOfNumber(args.lattice, args.buffers.at[0].blocks.at[slot]);
   MeshFloats values = args.buffers.at[0].now.values;

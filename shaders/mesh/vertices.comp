@@ -97,8 +97,8 @@ void writeVertex(uint vertex, CutEdge edge, Answer there) {
 }
 
 void main() {
-  const uint slot = workgroupIndex();
-  if (slot >= args.slots) return;
+  const uint slot = args.first + workgroupIndex();
+  if (slot >= args.first + args.count) return;
   const uint first = args.buffers.at[0].now.vertexStarts.at[slot];
   const uint count = args.buffers.at[0].now.vertexStarts.at[slot + 1] - first;
   if (count == 0) return;

@@ -140,8 +140,10 @@ struct MeshArgs {
   uint slots;
   uint rows;    // blocks along each axis that one point reaches
   uint update;  // not zero: what is not touched comes from the old state
+  uint first;   // block of a pass that treats `count` of them
+  uint unused;
 };
-PALPATE_SIZE(MeshArgs, 120);
+PALPATE_SIZE(MeshArgs, 128);
 
 struct MeshMoveArgs {
   PALPATE_ADDRESS(Vec4s) positions;  // by id

@@ -116,6 +116,7 @@ def test_a_live_hand_is_seen_and_sculpts_without_anybody_taking_its_ticks(served
         assert s.settle(60) and watcher.settle(60)
         assert checksum(s.cloud()) == checksum(watcher.cloud()) == checksum(served.cloud())
         assert s.undo() == 1
+        assert s.settle(60)  # a server that is slow may not have confirmed the undo yet
         assert watcher.settle(60) and checksum(watcher.cloud()) == checksum(served.cloud())
 
 
@@ -265,10 +266,10 @@ def test_what_cannot_be_is_said(ball, served):
         with pytest.raises(TypeError):
             wrong()
     with pp.Session(ball, gpu="cpu") as own:
-        for ask in (lambda: own.sharing, lambda: own.others, lambda: own.settle(1)):
-            with pytest.raises(pp.Error, match="not joined") as caught:
-                ask()
-            assert caught.value.status == "state"
+        assert own.sharing is None and own.others == [] and own.cameras == []
+        with pytest.raises(pp.Error, match="not joined") as caught:
+            own.settle(1)
+        assert caught.value.status == "state"
 
 
 @needs_dds

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import textwrap
 import threading
+import time
 
 import numpy as np
 import palpate as pp
@@ -171,6 +172,54 @@ def test_stop_and_close_within_on_ticks_end_a_session_in_order(session, ball):
                 assert s.touch(press_path(1, 10, 5)).shape == (15,)
 
 
+def interrupted(call, after_s: float) -> float:
+    """Seconds from Ctrl+C, which comes then, to what it raises."""
+    struck = []
+
+    def strike() -> None:
+        struck.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(after_s, strike)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        call()
+        timer.join()
+    return time.monotonic() - struck[0]
+
+
+SOON = 2.0  # seconds on a busy machine; 0.2 on one that is not
+
+
+def test_ctrl_c_ends_what_takes_long_and_keeps_what_was_done(ball, tmp_path):
+    xyz, normals = ball_arrays(200_000)
+    large, long = pp.Cloud(xyz), press_path(4, 100, 120_000)
+    assert interrupted(lambda: pp.Session(large, gpu="cpu"), 0.05) < SOON
+    pp.write(tmp_path / "ball.xyz", large)
+    assert interrupted(lambda: pp.read(tmp_path / "ball.xyz"), 0.03) < SOON
+    assert interrupted(lambda: pp.write(tmp_path / "again.xyz", large), 0.03) < SOON
+    assert not (tmp_path / "again.xyz").exists()
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
+        assert interrupted(lambda: s.touch(long), 0.2) < SOON
+        assert interrupted(lambda: s.push(long, radius_mm=5), 1) < SOON
+        assert s.undoable == 1 and s.undo() == 1
+        assert np.array_equal(s.cloud().xyz, ball.xyz)
+        assert s.touch(press_path(1))["contact"][-1]
+    with pp.Matter("dam", gpu="cpu") as dam:
+        assert interrupted(lambda: dam.simulate(1000), 0.2) < SOON
+        before = dam.state()["t_s"]
+        dam.step(2)
+        assert dam.state()["t_s"] == pytest.approx(before + 0.002)
+
+
+def test_ctrl_c_ends_a_mesh_on_a_software_driver():
+    xyz, normals = ball_arrays(20_000)
+    with pp.Session(pp.Cloud(xyz, normals=normals), gpu="cpu") as s:
+        s.mesh(lattice=8)  # its shaders are translated
+        assert interrupted(lambda: s.mesh(lattice=700), 0.5) < SOON
+        assert s.mesh(lattice=16).closed
+
+
 PROGRAM_THAT_STOPS = """
     import palpate as pp, numpy as np
     cloud = pp.Cloud(np.random.default_rng(1).normal(size=(2000, 3)))
@@ -199,7 +248,7 @@ def test_a_law_that_asks_its_own_session_is_told_so(ball):
         assert caught.value.status == "state"
         with pytest.raises(pp.Error, match="its own session"):
             with s.live(path=press_path(1, 30, 500)) as live:
-                live.wait(5)
+                live.wait(0.5)
 
 
 @pytest.mark.parametrize("gpu", ["cpu", "gpu"])

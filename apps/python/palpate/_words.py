@@ -26,7 +26,7 @@ def _in_words(name: str, function: Callable[..., Any], is_method: bool) -> Calla
             given += [f"{key}={type(each).__name__}" for key, each in settings.items() if each is not None]
             called = type(args[0]).__name__ if name == "__init__" else name
             known = f" of {usage}" if usage.startswith(called) else ""
-            told = f"{called}(): arguments{known} do not have the types that it takes; given: {', '.join(given) or 'none'}"
+            told = f"{called}(): arguments{known} do not fit what it takes; given: {', '.join(given) or 'none'}"
         raise ArgumentTypeError(told)
 
     return call
