@@ -45,8 +45,9 @@ template <Import import>
 FileContents contentsOfMesh(const std::filesystem::path& file) {
   const ImportedMesh mesh = importedBy(import, file);
   const bool points = mesh.soup.triangles.empty();
-  FileElement vertex{
-      .name = "vertex", .count = points ? mesh.soup.corners.size() : kUsualSamples, .properties = {{"x"}, {"y"}, {"z"}}};
+  FileElement vertex{.name = "vertex",
+                     .count = points ? mesh.soup.corners.size() : kUsualSamples,
+                     .properties = {{"x"}, {"y"}, {"z"}}};
   if (!points || !mesh.soup.normals.empty())
     for (const char* name : {"nx", "ny", "nz"}) vertex.properties.push_back({name});
   if (!mesh.soup.colors.empty())
@@ -87,8 +88,9 @@ template <Import import>
 StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
   ImportedMesh mesh = importedBy(import, file);
   if (mesh.soup.triangles.empty()) {
-    if (log) log->say("{}: has no triangles; its {} corners are the points", file.filename().string(),
-                      mesh.soup.corners.size());
+    if (log)
+      log->say("{}: has no triangles; its {} corners are the points", file.filename().string(),
+               mesh.soup.corners.size());
     return {.cloud = cornersOf(mesh.soup, log), .triangles = {}, .lost = std::move(mesh.lost)};
   }
   if (options.normalsFromFaces) mesh.soup.normals.clear();
@@ -193,8 +195,12 @@ CloudFormat offFormat() {
 }
 
 CloudFormat gltfFormat() {
-  return {
-      .name = "glTF", .endings = kGltf, .begins = beginsAsGltf, .contents = contentsOfMesh<importGltf>, .read = readGltf, .ofTriangles = true};
+  return {.name = "glTF",
+          .endings = kGltf,
+          .begins = beginsAsGltf,
+          .contents = contentsOfMesh<importGltf>,
+          .read = readGltf,
+          .ofTriangles = true};
 }
 
 }  // namespace palpate
