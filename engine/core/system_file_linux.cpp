@@ -18,8 +18,8 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcep
 
 namespace {
 
-/// Whether a program has opened a pipe to write, or has left bytes in it: bytes of others can be looked for with tee(2),
-/// which takes none away.
+/// Whether a program has opened a pipe to write, or has left bytes in it: bytes of others can be looked for with
+/// tee(2), which takes none away.
 bool hasWriter(int pipe) noexcept {
   int copies[2];
   if (::pipe2(copies, O_CLOEXEC | O_NONBLOCK) != 0) return true;  // then reading tells

@@ -122,9 +122,10 @@ std::string CloudFormats::endingsWritten() const {
 
 const CloudFormats& cloudFormats() {
   static const std::array formats{
-      plyFormat(), lasFormat(), lazFormat(),  copcFormat(),   e57Format(),         pcdFormat(),
-      npyFormat(), npzFormat(), xyzFormat(), csvFormat(), ptsFormat(), ptxFormat(), objFormat(),
-      stlFormat(), offFormat(), gltfFormat(), colmapFormat(), colmapDenseFormat(), gaussianFormat(), compressedPlyFormat(), splatFormat(), spzFormat(),
+      plyFormat(),      lasFormat(),           lazFormat(),   copcFormat(), e57Format(),    pcdFormat(),
+      npyFormat(),      npzFormat(),           xyzFormat(),   csvFormat(),  ptsFormat(),    ptxFormat(),
+      objFormat(),      stlFormat(),           offFormat(),   gltfFormat(), colmapFormat(), colmapDenseFormat(),
+      gaussianFormat(), compressedPlyFormat(), splatFormat(), spzFormat(),
   };
   static const CloudFormats table{formats};
   return table;
@@ -147,6 +148,9 @@ const CloudFormat& readable(const std::filesystem::path& file, const CloudFormat
     throw FileError(file, "standard input is not read under this name; write it to a file, or name /dev/stdin for PLY");
   refuseForeign(file);
   const CloudFormat* format = formats.recognised(file);
+  const bool mayBeEmpty = format && (format->isText || !format->folder.empty());
+  if (const auto start = startOf(file); start && start->size == 0 && !mayBeEmpty)
+    throw FileError(file, "is empty; it holds no points");
   if (!format && isFile(file)) refuseUnknown(file, formats.namesRead());
   return formats.toRead(file);
 }

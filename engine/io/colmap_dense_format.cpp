@@ -55,7 +55,8 @@ std::vector<PointSight> readSights(const std::filesystem::path& file, const Stor
     for (const std::uint32_t image : images) sight.addView(place, model.images[image].center);
     sight.weight = static_cast<double>(std::max<std::size_t>(1, images.size()));
   };
-  readColmapViews(views, {.cloud = file, .points = cloud.size() + gone.size(), .images = model.images.size()}, take, progress);
+  readColmapViews(views, {.cloud = file, .points = cloud.size() + gone.size(), .images = model.images.size()}, take,
+                  progress);
   return sights;
 }
 

@@ -342,8 +342,7 @@ std::vector<ColmapCamera> readCameras(const std::filesystem::path& folder, std::
     const auto hasParameter = [&](std::size_t taken) {
       return known.parameters == kUnknownCount ? rows->hasParameter(taken) : taken < known.parameters;
     };
-    while (hasParameter(camera.parameters.size()))
-      camera.parameters.push_back(rows->finite("a parameter of a camera"));
+    while (hasParameter(camera.parameters.size())) camera.parameters.push_back(rows->finite("a parameter of a camera"));
     rows->endRow();
   }
   return list;
@@ -379,8 +378,7 @@ ColmapModel readColmapImages(const std::filesystem::path& folder) {
     placeImage(*imageRows, image);
     const std::uint32_t camera = imageRows->id("the camera of an image");
     const auto place = cameras.find(camera);
-    if (!place && known)
-      imageRows->fail(fmt::format("image {} is of camera {}, which is not there", image.id, camera));
+    if (!place && known) imageRows->fail(fmt::format("image {} is of camera {}, which is not there", image.id, camera));
     if (place) image.camera = *place;
     image.name = imageRows->name();
     imageRows->skipObservations();

@@ -7,8 +7,8 @@ namespace palpate {
 
 double ColorScale::full(bool whole) const {
   constexpr double kByte = 255, kUpperByte = 65280, kTwoBytes = 65535;
-  constexpr double kOverlit = 2;  // shares of light may be somewhat more than all of it
-  if (!whole && (most_ <= 1 || (fractions_ && most_ < kOverlit))) return 1;
+  constexpr double kOverlit = 4;  // shares of light may be somewhat more than all of it
+  if (!whole && (most_ <= 1 || (fractions_ && most_ <= kOverlit))) return 1;
   if (most_ <= kByte) return kByte;
   return by256_ ? kUpperByte : kTwoBytes;
 }

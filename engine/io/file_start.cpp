@@ -38,7 +38,8 @@ std::optional<FileStart> startOf(const std::filesystem::path& path) {
     const std::uint64_t size = file.remaining().value_or(0);
     file.passTextMark();
     const auto all = file.peek(kLookedAt);
-    return FileStart{.bytes = {reinterpret_cast<const char*>(all.data()), std::min(all.size(), kLookedAt)}, .size = size};
+    return FileStart{.bytes = {reinterpret_cast<const char*>(all.data()), std::min(all.size(), kLookedAt)},
+                     .size = size};
   } catch (const FileError&) {  // whoever reads it says why not
     return std::nullopt;
   }

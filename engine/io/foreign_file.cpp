@@ -59,8 +59,9 @@ constexpr std::array kMagics{
     Magic{0, "%PDF", "is a document (PDF), not a 3D file"},
     Magic{0, "{\\rtf", "is a document (RTF), not a 3D file"},
     Magic{0, "\xd0\xcf\x11\xe0", "is a document of Microsoft Office, not a 3D file"},
-    Magic{0, "\x7f"
-             "ELF",
+    Magic{0,
+          "\x7f"
+          "ELF",
           "is a program, not a 3D file"},
     Magic{0, "MZ", "is a program of Windows, not a 3D file"},
     Magic{0, "\xcf\xfa\xed\xfe", "is a program of macOS, not a 3D file"},
@@ -68,8 +69,9 @@ constexpr std::array kMagics{
     Magic{0, "7z\xbc\xaf\x27\x1c", kPacked},
     Magic{0, "Rar!", kPacked},
     Magic{0, "BZh", kPacked},
-    Magic{0, "\xfd"
-             "7zXZ",
+    Magic{0,
+          "\xfd"
+          "7zXZ",
           kPacked},
     Magic{0, "\x28\xb5\x2f\xfd", kPacked},
     Magic{257, "ustar", "is an archive (tar); unpack it first"},
@@ -113,8 +115,7 @@ std::string_view markupInWords(const FileStart& start) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   const auto has = [&](std::string_view word) { return text.find(word) != std::string::npos; };
   if (!text.starts_with('<')) return {};
-  if (has("<!doctype html") || has("<html"))
-    return "is a web page (HTML), not a 3D file; a download may have failed";
+  if (has("<!doctype html") || has("<html")) return "is a web page (HTML), not a 3D file; a download may have failed";
   if (has("<collada")) return "is COLLADA, which is not read; export it as glTF, OBJ, STL or PLY";
   if (has("<x3d")) return "is X3D, which is not read; export it as glTF, OBJ, STL or PLY";
   if (has("<vtkfile")) return "is a file of VTK, which is not read; export it as PLY, STL or OBJ";
@@ -156,7 +157,6 @@ bool isListOfFrames(const std::filesystem::path& file) {
 void refuseForeign(const std::filesystem::path& file) {
   const auto start = startOf(file);
   if (!start) return;
-  if (start->size == 0) throw FileError(file, "is empty; it holds no points");
   if (isListOfFrames(file)) throw FileError(file, "is a list of depth frames; name the folder that it lies in");
   for (const Magic& magic : kMagics)
     if (start->bytes.size() > magic.at && std::string_view(start->bytes).substr(magic.at).starts_with(magic.bytes) &&
@@ -170,9 +170,9 @@ void refuseForeign(const std::filesystem::path& file) {
 void refuseUnknown(const std::filesystem::path& file, std::string_view formats) {
   const auto start = startOf(file);
   const std::string begin = start ? start->bytes.substr(0, start->bytes.find_first_of("\r\n")) : "";
-  throw FileError(file, fmt::format("is {}, not a 3D file that can be read (it begins with {}); read are {}",
-                                    start && start->isText() ? "text" : "of a kind that is not known", inQuotes(begin),
-                                    formats));
+  throw FileError(
+      file, fmt::format("is {}, not a 3D file that can be read (it begins with {}); read are {}",
+                        start && start->isText() ? "text" : "of a kind that is not known", inQuotes(begin), formats));
 }
 
 }  // namespace palpate

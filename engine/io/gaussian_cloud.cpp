@@ -49,9 +49,7 @@ std::size_t leaveOutBad(GaussianScene& scene) {
 
 }  // namespace
 
-std::string gaussiansInWords(std::uint64_t count) {
-  return fmt::format("{} Gaussian{}", count, count == 1 ? "" : "s");
-}
+std::string gaussiansInWords(std::uint64_t count) { return fmt::format("{} Gaussian{}", count, count == 1 ? "" : "s"); }
 
 StoredCloud surfaceOfGaussians(const std::string& name, GaussianScene scene, Log* log) {
   const std::size_t gaussians = scene.size(), bad = leaveOutBad(scene);
@@ -63,8 +61,7 @@ StoredCloud surfaceOfGaussians(const std::string& name, GaussianScene scene, Log
         "far from all others, {} not finite",
         name, surface.cloud.size(), surface.spacing, gaussiansInWords(gaussians), watch.elapsed_us() * 1e-3,
         surface.faint, surface.oversized, surface.outlying, bad);
-    if (surface.cloud.empty() && gaussians > 0)
-      log->say("{}: none of the Gaussians shows; there is no surface", name);
+    if (surface.cloud.empty() && gaussians > 0) log->say("{}: none of the Gaussians shows; there is no surface", name);
   }
   StoredCloud stored{.cloud = std::move(surface.cloud)};
   const auto lose = [&](std::size_t count, std::string_view why) {

@@ -65,8 +65,8 @@ struct CompressedHeader {
 
 bool isCompressed(const PlyInfo& info) {
   const PlyElement *chunk = info.find("chunk"), *vertex = info.find("vertex");
-  return chunk && vertex && std::ranges::find(vertex->properties, "packed_position", &PlyProperty::name) !=
-                                vertex->properties.end();
+  return chunk && vertex &&
+         std::ranges::find(vertex->properties, "packed_position", &PlyProperty::name) != vertex->properties.end();
 }
 
 bool holdsCompressed(const std::filesystem::path& path) {
@@ -95,7 +95,8 @@ void checkCompressed(const std::filesystem::path& path, const PlyInfo& info) {
     }
     return true;
   };
-  const bool boxes = as(chunk, std::span(kBounds).first(kBoxes), ScalarType::f32) || as(chunk, kBounds, ScalarType::f32);
+  const bool boxes =
+      as(chunk, std::span(kBounds).first(kBoxes), ScalarType::f32) || as(chunk, kBounds, ScalarType::f32);
   const bool order = info.elements.size() >= 2 && info.elements[0].name == "chunk" && info.elements[1].name == "vertex";
   const bool right = info.format == PlyFormat::binaryLittleEndian && order && boxes &&
                      as(vertex, kWords, ScalarType::u32) && chunk.count == (vertex.count + kOfChunk - 1) / kOfChunk;
@@ -228,7 +229,8 @@ StoredCloud readSplat(const std::filesystem::path& path, Log* log, const CloudRe
   return surface(path, std::move(scene), log, options);
 }
 
-// SPZ: a header of 16 bytes, and behind it places, opacities, colours, scales, rotations and harmonics of all Gaussians.
+// SPZ: a header of 16 bytes, and behind it places, opacities, colours, scales, rotations and harmonics of all
+// Gaussians.
 
 constexpr std::uint32_t kSpzMagic = 0x5053474e;  // "NGSP"
 constexpr std::size_t kSpzHead = 16;
@@ -249,8 +251,8 @@ SpzHeader spzHeader(const std::filesystem::path& path, std::span<const std::byte
                  .degree = std::to_integer<unsigned>(bytes[12]),
                  .fractionBits = std::to_integer<unsigned>(bytes[13])};
   if (head.version != 2 && head.version != 3)
-    throw FileError(path, fmt::format("is SPZ of version {}; versions 2 and 3 are read, export one of those or PLY",
-                                      head.version));
+    throw FileError(
+        path, fmt::format("is SPZ of version {}; versions 2 and 3 are read, export one of those or PLY", head.version));
   if (head.degree > 4 || head.fractionBits > 23)
     throw FileError(path, "is SPZ whose header cannot be: its degree or its bits of fractions are too large");
   if (const std::uint64_t wanted = kSpzHead + std::uint64_t{head.count} * head.rowBytes(); wanted > bytes.size())
@@ -358,7 +360,8 @@ CloudFormat spzFormat() {
   return {.name = "SPZ",
           .endings = kEndings,
           .begins = [](const FileStart& start) { return start.startsWith("\x1f\x8b") || start.startsWith("NGSP"); },
-          .contents = contentsOfSpz, .read = readSpz};
+          .contents = contentsOfSpz,
+          .read = readSpz};
 }
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
-// Gaussian splats as programs pack them for the web: SuperSplat's compressed PLY (PlayCanvas 2023, "Compressing Gaussian
-// splats"), antimatter15's .splat (2023) and Niantic's SPZ, versions 2 and 3 (2024, the README of nianticlabs/spz).
+// Gaussian splats as programs pack them for the web: SuperSplat's compressed PLY (PlayCanvas 2023, "Compressing
+// Gaussian splats"), antimatter15's .splat (2023) and Niantic's SPZ, versions 2 and 3 (2024, the README of
+// nianticlabs/spz).
 #pragma once
 
 #include "engine/io/cloud_format.hpp"

@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr float kFlat = -100;      // logarithm of a deviation that is none
+constexpr float kFlat = -100;  // logarithm of a deviation that is none
 
 bool hasScalar(const PlyElement& vertex, std::string_view name) {
   return std::ranges::any_of(vertex.properties,
@@ -106,8 +106,7 @@ void GaussianRows::storeRows(const std::byte* rows, Range range) {
   std::fill(&scene_.logScales[count_ + range.begin], scene_.logScales.data() + count_ + range.end, Vec3(kFlat));
   for (const Column& column : columns_)
     if (column.group != Group::none)
-      visitScalar(column.type,
-                  [&]<class T>(std::type_identity<T>) { storeColumn<T, kSwap>(column, rows, range); });
+      visitScalar(column.type, [&]<class T>(std::type_identity<T>) { storeColumn<T, kSwap>(column, rows, range); });
 }
 
 std::optional<PlyRowSink::BadRow> GaussianRows::append(const std::byte* rows, std::size_t count, bool swapBytes) {

@@ -362,6 +362,14 @@ PointCloud LasColumns::finish(std::vector<std::string>& lost, unsigned& colorSte
     if (column.used) complete(column);
     if (column.used || k >= standard) cloud_.extra.push_back(std::move(column.attribute));
   }
+  // What its field could not hold, as an intensity with fractions, stands beside it and has its name again.
+  for (const LasField& field : format_.fields) {
+    const auto isNamed = [&](const std::string& name) {
+      return std::ranges::find(cloud_.extra, name, &Attribute::name);
+    };
+    if (isNamed(field.name) != cloud_.extra.end()) continue;
+    if (const auto beside = isNamed(field.name + "_2"); beside != cloud_.extra.end()) beside->name = field.name;
+  }
   columns_.clear();
   withoutNormal = placeNormals();
   return std::move(cloud_);

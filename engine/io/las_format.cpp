@@ -55,6 +55,8 @@ StoredCloud readLas(const std::filesystem::path& path, Log* log, const CloudRead
   LasReader reader(path);
   if (options.stages) options.stages->open_s = opening.elapsed_s();
   stored.cloud = reader.read(log, stored.lost, options);
+  if (reader.head().format.hasWaves && reader.head().header.format >= 6 && !holdsLas(path))
+    stored.lost.emplace_back("where the waves of points are, which is not unpacked");
   return stored;
 }
 

@@ -155,7 +155,9 @@ void LasPlan::takeOldExtra() {
     for (std::size_t k = begin; k < end; ++k)
       for (const Attribute* attribute : attributes_) {
         const LasSource source{extra[k].field, attribute};
-        if (attribute->name == extra[k].field.name && !isTaken(*attribute) && source.fits()) whole.push_back(source);
+        if ((attribute->name == extra[k].field.name || attribute->name + "_2" == extra[k].field.name) &&
+            !isTaken(*attribute) && source.fits())
+          whole.push_back(source);
       }
     if (descriptor >= described || whole.size() != end - begin) continue;
     const auto raw = std::span(baggage->descriptors).subspan(descriptor * kLasDescriptor, kLasDescriptor);

@@ -11,8 +11,8 @@ namespace palpate {
 
 namespace {
 
-/// Streams of a layered chunk: those of places, of colours, of infrared, of wave packets, of each byte that is no part of
-/// a format.
+/// Streams of a layered chunk: those of places, of colours, of infrared, of wave packets, of each byte that is no part
+/// of a format.
 std::size_t layersOf(const LazLayout& layout) {
   return kLazLayers14 + (layout.colorAt ? 1 : 0) + (layout.infraredAt ? 1 : 0) + (layout.wavesAt ? 1 : 0) +
          layout.extraBytes;

@@ -347,24 +347,27 @@ class LazWaves {
 
   explicit LazWaves(const std::byte* first) { last_ = load(first); }
 
-  /// The bytes of the next point. They are only unpacked: files with waves are written as LAS.
+  /// The bytes of the next point.
   template <class Coder>
   [[gnu::always_inline]] void code(Coder& coder, std::byte* at) {
     Packet next = last_;
-    next.descriptor = static_cast<std::uint8_t>(coder.symbol(descriptors_, 0));
-    kind_ = coder.symbol(kinds_[kind_], 0);
+    if constexpr (Coder::kEncodes) next = load(at);
+    next.descriptor = static_cast<std::uint8_t>(coder.symbol(descriptors_, next.descriptor));
+    kind_ = coder.symbol(kinds_[kind_], kindOf(next));
+    if (kind_ == 0) next.offset = last_.offset;
     if (kind_ == 1) next.offset = last_.offset + static_cast<std::uint32_t>(last_.numbers[0]);
     if (kind_ == 2) {
-      step_ = steps_.code(coder, step_, 0, 0);
+      step_ = steps_.code(coder, step_, static_cast<std::int32_t>(next.offset - last_.offset), 0);
       next.offset = last_.offset + static_cast<std::uint64_t>(std::int64_t{step_});
     }
     if (kind_ == 3) {
-      next.offset = coder.bits(32, 0);
-      next.offset |= std::uint64_t{coder.bits(32, 0)} << 32;
+      const std::uint32_t low = coder.bits(32, static_cast<std::uint32_t>(next.offset));
+      next.offset = std::uint64_t{coder.bits(32, static_cast<std::uint32_t>(next.offset >> 32))} << 32 | low;
     }
-    next.numbers[0] = sizes_.code(coder, last_.numbers[0], 0, 0);
-    next.numbers[1] = places_.code(coder, last_.numbers[1], 0, 0);
-    for (unsigned k = 0; k < 3; ++k) next.numbers[2 + k] = directions_.code(coder, last_.numbers[2 + k], 0, k);
+    next.numbers[0] = sizes_.code(coder, last_.numbers[0], next.numbers[0], 0);
+    next.numbers[1] = places_.code(coder, last_.numbers[1], next.numbers[1], 0);
+    for (unsigned k = 0; k < 3; ++k)
+      next.numbers[2 + k] = directions_.code(coder, last_.numbers[2 + k], next.numbers[2 + k], k);
     last_ = next;
     store(next, at);
   }
@@ -376,6 +379,13 @@ class LazWaves {
     std::array<std::int32_t, 5> numbers{};  // its size; the place of the return in it; the direction, as bits of floats
   };
 
+  /// How far its waves are from those of the point before: nowhere, behind them, some bytes, or anywhere.
+  unsigned kindOf(const Packet& next) const {
+    const std::uint64_t off = next.offset - last_.offset;
+    if (off == 0) return 0;
+    if (off == static_cast<std::uint32_t>(last_.numbers[0])) return 1;
+    return static_cast<std::uint64_t>(std::int64_t{static_cast<std::int32_t>(off)}) == off ? 2 : 3;
+  }
   static Packet load(const std::byte* at) {
     Packet packet;
     std::memcpy(&packet.descriptor, at, 1);

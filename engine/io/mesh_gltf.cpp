@@ -89,7 +89,8 @@ class GltfReader {
     return roots;
   }
 
-  /// Normals are taken where all triangles have them, colours where any have. Without a triangle points are what counts.
+  /// Normals are taken where all triangles have them, colours where any have. Without a triangle points are what
+  /// counts.
   void settleAttributes() {
     const auto eachPrimitive = [&](auto&& visit) {
       for (const Json& mesh : list("meshes")) {

@@ -147,7 +147,7 @@ class ObjReader {
   std::vector<Vec3> normals_;
   std::vector<std::optional<DVec3>> colors_;        // of places, up to the last one that has one
   std::vector<std::array<std::uint8_t, 4>> bytes_;  // the same once all are known
-  std::vector<std::uint32_t> polygon_, normalsOf_;   // of the face at hand
+  std::vector<std::uint32_t> polygon_, normalsOf_;  // of the face at hand
   std::vector<DVec3> around_;
   std::vector<std::array<std::uint32_t, 3>> local_;
   std::vector<std::uint32_t> cornerNormals_;  // three of each triangle, while all have one

@@ -58,8 +58,8 @@ class OffReader {
       if (name == word.size()) lines_.fail(fmt::format("found {}, expected OFF", inQuotes(word)));
       for (const char letter : upperCase(word.substr(0, name))) {
         if (letter != 'C' && letter != 'N')
-          lines_.fail(fmt::format("OFF with {} before it is not read, but with C and N",
-                                  inQuotes(word.substr(0, name))));
+          lines_.fail(
+              fmt::format("OFF with {} before it is not read, but with C and N", inQuotes(word.substr(0, name))));
         (letter == 'C' ? hasColors_ : hasNormals_) = true;
       }
       if (lines_.words().size() > 1 && lines_.words()[1] == "BINARY")

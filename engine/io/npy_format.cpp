@@ -137,11 +137,14 @@ class NpyTable {
   }
 
   bool areColors(std::span<const Source> three) const {
-    constexpr double kMostColor = 65535;
+    bool shares = true, bytes = true;
     for (const Source& source : three)
-      for (std::uint64_t r = 0; r < rows_; ++r)
-        if (const double value = npyValue(source.column, source.data, r); value < 0 || value > kMostColor) return false;
-    return true;
+      for (std::uint64_t r = 0; r < rows_; ++r) {
+        const double value = npyValue(source.column, source.data, r);
+        shares = shares && !(value < 0 || value > 1);
+        bytes = bytes && !(value < 0 || value > 255 || value != std::trunc(value));
+      }
+    return shares || bytes;
   }
 
   void nameColumns(std::span<Source> columns, const NpyArray& array) const {
@@ -180,14 +183,22 @@ NpyFile openNpy(const std::filesystem::path& path, Log* log) {
   return file;
 }
 
+struct NamedArray {
+  std::string name;
+  NpyArray array;
+};
+
+/// Without names numpy.savez() calls arrays arr_0, arr_1 and so on: the first one is the places then.
+void nameByOrder(std::vector<NamedArray>& arrays) {
+  const auto first = std::ranges::find(arrays, "arr_0", &NamedArray::name);
+  const bool named = std::ranges::any_of(arrays, [](const NamedArray& one) { return NpyTable::isPlaces(one.name); });
+  if (arrays.size() > 1 && !named && first != arrays.end() && first->array.columns.size() == 3) first->name = "points";
+}
+
 NpyFile openNpz(const std::filesystem::path& path, Log* log) {
   NpyFile file{.bytes = {}, .table = NpyTable(path)};
   const std::vector<std::byte> archive = readWhole(path, log);
-  struct Named {
-    std::string name;
-    NpyArray array;
-  };
-  std::vector<Named> arrays;
+  std::vector<NamedArray> arrays;
   const std::vector<ZipMember> members = zipMembers(path, archive);
   file.bytes.reserve(members.size());
   for (const ZipMember& member : members) {
@@ -199,12 +210,14 @@ NpyFile openNpz(const std::filesystem::path& path, Log* log) {
     const std::filesystem::path within = path.string() + "(" + member.name + ")";
     arrays.push_back({member.name.substr(0, member.name.size() - 4), readNpyArray(within, file.bytes.back(), 0)});
   }
+  nameByOrder(arrays);
   if (arrays.size() == 1) {
     file.table.addAlone(arrays[0].array);
   } else {
     // That of the places tells how many points there are.
-    std::stable_partition(arrays.begin(), arrays.end(), [](const Named& one) { return NpyTable::isPlaces(one.name); });
-    for (const Named& one : arrays) file.table.addNamed(one.name, one.array);
+    std::stable_partition(arrays.begin(), arrays.end(),
+                          [](const NamedArray& one) { return NpyTable::isPlaces(one.name); });
+    for (const NamedArray& one : arrays) file.table.addNamed(one.name, one.array);
   }
   file.table.settle();
   return file;

@@ -255,7 +255,8 @@ CloudFormat pcdFormat() {
           .endings = kEndings,
           .begins =
               [](const FileStart& start) {
-                return start.startsWith("# .PCD") || (start.startsWith("VERSION") && start.bytes.find("\nFIELDS") != std::string::npos);
+                return start.startsWith("# .PCD") ||
+                       (start.startsWith("VERSION") && start.bytes.find("\nFIELDS") != std::string::npos);
               },
           .contents = contentsOfPcd,
           .read = readPcd,

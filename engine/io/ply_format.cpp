@@ -52,9 +52,8 @@ FileContents contentsOfPly(const std::filesystem::path& file) {
 StoredCloud readPlyFile(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
   StoredCloud stored;
   PlyInfo info;
-  PlyReadOptions how{.normalsFromFaces = options.normalsFromFaces,
-                     .lost = &stored.lost,
-                     .leftOutRows = &stored.leftOutRows};
+  PlyReadOptions how{
+      .normalsFromFaces = options.normalsFromFaces, .lost = &stored.lost, .leftOutRows = &stored.leftOutRows};
   if (!options.pointsOnly) {
     how.triangles = &stored.triangles;
     how.info = &info;

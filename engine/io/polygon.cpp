@@ -34,11 +34,13 @@ class Ears {
   }
 
   std::size_t left() const { return left_.size(); }
-  /// Takes one off and gives its corners; where there is none a corner that lies straight between its neighbours, and
+  /// Takes one off and gives its corners: a spike where the outline goes back on itself, an ear, a corner that lies
+  /// straight between its neighbours, and
   /// where rounding or crossing edges leave none of those, the first three.
   std::array<std::uint32_t, 3> cut() {
     std::size_t tip = 1;
-    if (!findTip(tip, [&](std::size_t k) { return isEar(k); }))
+    if (!findTip(tip, [&](std::size_t k) { return isSpike(k); }) &&
+        !findTip(tip, [&](std::size_t k) { return isEar(k); }))
       findTip(tip, [&](std::size_t k) { return turnAt(k) == 0; });
     const std::array<std::uint32_t, 3> ear = cornersAt(tip);
     left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(tip));
@@ -59,6 +61,11 @@ class Ears {
     const std::array<std::uint32_t, 3> corners = cornersAt(k);
     return turn(around_[corners[0]], around_[corners[1]], around_[corners[2]], normal_);
   }
+  bool isSpike(std::size_t k) const {
+    const std::array<std::uint32_t, 3> corners = cornersAt(k);
+    const DVec3 there = around_[corners[1]] - around_[corners[0]], back = around_[corners[2]] - around_[corners[1]];
+    return turnAt(k) == 0 && glm::dot(there, back) < 0;
+  }
   bool isEar(std::size_t k) const {
     if (!(turnAt(k) > 0)) return false;
     const std::array<std::uint32_t, 3> ear = cornersAt(k);
@@ -71,7 +78,9 @@ class Ears {
   /// touch it do not count: both ends of a bridge to a hole are at one place.
   bool reachesInto(std::size_t other, const std::array<DVec3, 3>& ear) const {
     const std::array<std::uint32_t, 3> corners = cornersAt(other);
-    const auto sideOf = [&](std::size_t edge, const DVec3& p) { return turn(ear[edge], ear[(edge + 1) % 3], p, normal_); };
+    const auto sideOf = [&](std::size_t edge, const DVec3& p) {
+      return turn(ear[edge], ear[(edge + 1) % 3], p, normal_);
+    };
     std::array<bool, 3> on{};
     for (std::size_t edge = 0; edge < 3; ++edge) {
       const double side = sideOf(edge, around_[corners[1]]);

@@ -51,7 +51,8 @@ class PtxScans {
     return columns * rows;
   }
 
-  /// The numbers of the next point, which all points of a file have the same number of; colours are 0 where it has none.
+  /// The numbers of the next point, which all points of a file have the same number of; colours are 0 where it has
+  /// none.
   std::array<double, kColored> point(std::uint64_t number, std::uint64_t promised) {
     if (!line()) fail(fmt::format("the file ends after {} of {} points of scan {}", number, promised, scans_));
     const std::size_t found = words_.words().size();

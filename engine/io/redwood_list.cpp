@@ -89,8 +89,8 @@ Poses readLog(const std::filesystem::path& path) {
     }
     const auto number = static_cast<std::uint64_t>((*ids)[0]);
     if (const auto before = poses.find(number); before != poses.end())
-      throw FileError::atLine(
-          path, line, fmt::format("frame {} is there twice, before in line {}", number, before->second.line));
+      throw FileError::atLine(path, line,
+                              fmt::format("frame {} is there twice, before in line {}", number, before->second.line));
     try {
       poses.emplace(number, LoggedPose{.pose = cameraPose(rows), .line = line});
     } catch (const Error& error) {

@@ -33,7 +33,10 @@ std::vector<std::string> columnNames(const std::vector<std::string_view>& words)
   constexpr std::array<std::string_view, 10> kKnown{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha"};
   constexpr std::array<std::string_view, 4> kShort{"r", "g", "b", "a"};
   std::vector<std::string> names(words.begin(), words.end()), shared;
-  for (const std::string& name : names) shared.push_back(sharedColumnName(name));
+  for (std::string& name : names) {
+    shared.push_back(sharedColumnName(name));
+    std::ranges::replace(name, ' ', '_');  // which would part it where it is written
+  }
   const auto has = [&](std::string_view name) { return std::ranges::find(shared, name) != shared.end(); };
   const bool colored = has("r") && has("g") && has("b");  // alone such a letter means anything
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -58,12 +61,13 @@ bool namesColumns(const std::vector<std::string>& names) {
 }  // namespace
 
 void UnnamedColumns::take(std::string_view a, std::string_view b, std::string_view c) {
-  constexpr double kMostColor = 65535, kUnitTolerance = 0.01;  // as programs round
+  constexpr double kUnitTolerance = 0.01;  // as programs round
   double squared = 0;
   for (const std::string_view word : {a, b, c}) {
     const double value = textNumber<double>(word).value_or(std::numeric_limits<double>::quiet_NaN());
     squared += value * value;
-    if (value < 0 || value > kMostColor) colors = false;
+    if (value < 0 || value > 1) shares = false;
+    if (value < 0 || value > 255 || value != std::trunc(value)) bytes = false;
     if (word.find_first_of(".eE") != word.npos) whole = false;
   }
   if (!std::isfinite(squared) || squared == 0) return;
@@ -94,8 +98,8 @@ void TextRows::next() {
     if (!line) return checkEnd();
     words_.split(*line);
   } while (words_.empty() || isRemark(words().front()) || isCount());
-  checkColumns();
   countPoint();
+  checkColumns();
   look();
 }
 
@@ -110,7 +114,8 @@ void TextRows::checkColumns() {
   if (words_.endsOpen() && words().size() + 1 == names_.size()) words_.addEmpty();
   if (words().size() == names_.size()) return;
   const bool twice = words().size() == 2 * names_.size() && !words_.hasDecimalCommas();
-  fail(fmt::format("a point of {} columns, where {} are named or stand before{}", words().size(), names_.size(),
+  fail(fmt::format("a point of {} columns{} {}{}{}", words().size(),
+                   seen_ > 1 ? " where those before have" : ", of which", names_.size(), seen_ > 1 ? "" : " have names",
                    twice ? "; if its commas are decimal ones, write points, or blanks between the numbers" : ""));
 }
 
@@ -158,9 +163,10 @@ void TextRows::begin() {
       const bool isPoint = isNumber(words().front()) || isMissing(words().front());
       if (isPoint) return;
       if (!named_ || passed)
-        fail(fmt::format("found {}, expected the coordinates of a point, or names of columns with x, y and z among "
-                         "them; --columns x,y,z names them in their place",
-                         inQuotes(words().front())));
+        fail(
+            fmt::format("found {}, expected the coordinates of a point, or names of columns with x, y and z among "
+                        "them; --columns x,y,z names them in their place",
+                        inQuotes(words().front())));
       passed = true;
     }
   }
@@ -169,7 +175,9 @@ void TextRows::begin() {
 
 std::vector<std::string> TextRows::usualNames() {
   std::vector<std::string> names{"x", "y", "z"};
-  const auto add = [&](std::initializer_list<const char*> more) { names.insert(names.end(), more.begin(), more.end()); };
+  const auto add = [&](std::initializer_list<const char*> more) {
+    names.insert(names.end(), more.begin(), more.end());
+  };
   const std::size_t columns = words().size();
   unnamed_ = columns == 6;
   colorsAt_ = columns == 6 ? 3 : columns == 7 ? 4 : 0;
@@ -190,12 +198,12 @@ void TextRows::look() {
     return;
   }
   looked_.take(words()[colorsAt_], words()[colorsAt_ + 1], words()[colorsAt_ + 2]);
-  if (!unnamed_ && !looked_.colors)
+  if (!unnamed_ && !looked_.areColors())
     fail(fmt::format("columns 5 to 7 have no names and cannot be colours here; {}", kHowToName));
 }
 
 void TextRows::checkUnnamed() const {
-  if (!unnamed_ || looked_.areNormals() || looked_.colors) return;
+  if (!unnamed_ || looked_.areNormals() || looked_.areColors()) return;
   throw FileError::atLine(
       file_.path(), firstLine_,
       fmt::format("columns 4 to 6 have no names, and are neither unit normals nor colours throughout; {}", kHowToName));

@@ -13,11 +13,12 @@ enum class TextKind { xyz, csv, pts };
 
 /// What three columns without names may be, as far as the rows so far tell.
 struct UnnamedColumns {
-  bool normals = true, colors = true, whole = true;
+  bool normals = true, shares = true, bytes = true, whole = true;
   bool anyNormal = false;
 
   void take(std::string_view a, std::string_view b, std::string_view c);
   bool areNormals() const { return normals && anyNormal; }
+  bool areColors() const { return shares || bytes; }
 };
 
 class TextRows {

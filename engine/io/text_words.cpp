@@ -10,6 +10,14 @@ constexpr std::string_view kBlank = " \t\r\v\f";
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
+/// Also of a line that begins with an empty word, or a quote.
+bool isNumberStart(std::string_view text) {
+  if (text.starts_with('"')) text.remove_prefix(1);
+  if (text.empty()) return false;
+  const char c = text.front();
+  return isDigit(c) || c == '-' || c == '+' || c == '.' || c == ',' || c == ';';
+}
+
 }  // namespace
 
 void TextWords::split(std::string_view line) {
@@ -29,6 +37,8 @@ void TextWords::cut(bool commasSeparate) {
   const std::string_view text = text_;
   const auto isMark = [&](char c) { return c == ';' || (commasSeparate && c == ','); };
   bool open = true, anyMark = false;
+  const bool named = !isNumberStart(text.substr(std::min(text.find_first_not_of(kBlank), text.size()))) &&
+                     std::ranges::any_of(text, isMark);
   for (std::size_t at = 0; (at = text.find_first_not_of(kBlank, at)) != text.npos;) {
     if (isMark(text[at])) {
       if (open) words_.emplace_back();
@@ -39,23 +49,25 @@ void TextWords::cut(bool commasSeparate) {
     open = false;
     const std::size_t quoted = text[at] == '"' ? text.find('"', at + 1) : text.npos;
     if (quoted != text.npos) {
-      words_.push_back(text.substr(at + 1, quoted - at - 1));
+      const std::string_view word = text.substr(at + 1, quoted - at - 1);
+      // Within quotes a comma separates nothing.
+      if (word.find_first_not_of("0123456789+-,eE") == word.npos)
+        std::replace(text_.begin() + static_cast<std::ptrdiff_t>(at),
+                     text_.begin() + static_cast<std::ptrdiff_t>(quoted), ',', '.');
+      words_.push_back(word);
       at = quoted + 1;
       continue;
     }
     std::size_t end = at + 1;
-    while (end < text.size() && kBlank.find(text[end]) == kBlank.npos && !isMark(text[end])) ++end;
-    words_.push_back(text.substr(at, end - at));
+    while (end < text.size() && (named || kBlank.find(text[end]) == kBlank.npos) && !isMark(text[end])) ++end;
+    const std::string_view word = text.substr(at, end - at);
+    words_.push_back(word.substr(0, word.find_last_not_of(kBlank) + 1));
     at = end;
   }
   endsOpen_ = open && anyMark;
 }
 
-bool TextWords::isNumberLine() const {
-  if (words_.empty() || words_.front().empty()) return false;
-  const char c = words_.front().front();
-  return isDigit(c) || c == '-' || c == '+' || c == '.' || c == ',';
-}
+bool TextWords::isNumberLine() const { return !words_.empty() && isNumberStart(words_.front()); }
 
 /// Words that were cut at all but commas.
 bool TextWords::areCommasDecimal() const {

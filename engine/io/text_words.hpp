@@ -10,6 +10,7 @@ namespace palpate {
 /// Between words stand blanks, tabs, commas or semicolons; nothing between two commas or semicolons is an empty word.
 /// Commas within numbers between which there is something else are decimal ones ("0,5 1,25 3"); the first line of
 /// numbers with a comma tells for all that follow, and words have a point in their place. Quotes around a word go.
+/// Names with commas or semicolons between them may have blanks within ("Easting [m]").
 class TextWords {
  public:
   /// The words are valid until the next call.

@@ -220,8 +220,9 @@ bool beginsAsText(const FileStart& start) {
   return lines[0].size() >= 3 && std::ranges::all_of(lines[0], isNumberWord);
 }
 
-/// How many points follow, and then one of them.
+/// How many points follow, and then one of them, or one at once.
 bool beginsAsPts(const FileStart& start) {
+  if (beginsAsText(start)) return true;
   if (!start.isText()) return false;
   const auto lines = start.lines(2);
   return lines.size() == 2 && lines[0].size() == 1 && isNumberWord(lines[0][0]) && lines[1].size() >= 3 &&

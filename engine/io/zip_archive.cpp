@@ -177,13 +177,14 @@ std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<c
   }
   if (flags & kChecked) at += 2;
   if (at >= end) fail(packed.size(), "ends within its header");
-  const auto checksum = loadScalar<std::uint32_t>(packed.data() + end), size = loadScalar<std::uint32_t>(packed.data() + end + 4);
+  const auto checksum = loadScalar<std::uint32_t>(packed.data() + end),
+             size = loadScalar<std::uint32_t>(packed.data() + end + 4);
   if (size > kMost || packed.size() > kMost) fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
   if (size / kMostPerByte > packed.size()) fail(end + 4, "cannot be as long as it is said to be");
   std::vector<std::byte> bytes(size);
-  const int got = stbi_zlib_decode_noheader_buffer(
-      reinterpret_cast<char*>(bytes.data()), static_cast<int>(size),
-      reinterpret_cast<const char*>(packed.data() + at), static_cast<int>(packed.size() - at));
+  const int got = stbi_zlib_decode_noheader_buffer(reinterpret_cast<char*>(bytes.data()), static_cast<int>(size),
+                                                   reinterpret_cast<const char*>(packed.data() + at),
+                                                   static_cast<int>(packed.size() - at));
   if (got < 0 || static_cast<std::uint32_t>(got) != size) fail(at, "is damaged: it cannot be unpacked");
   if (zipChecksum(bytes) != checksum) fail(end, "is damaged: its checksum is another one");
   return bytes;

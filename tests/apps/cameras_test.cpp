@@ -154,21 +154,21 @@ TEST_CASE("the first frame of a recording is drawn with its camera") {
   CHECK(changed < with.rgb.size() / 4);
 }
 
-TEST_CASE("unreliable points are left out of a COLMAP folder unless all are asked for, and it is said how many") {
+TEST_CASE("convert keeps all points of a COLMAP folder, info and render leave out the unreliable ones and say how many") {
   const ScratchFolder folder;
   WrittenColmap written = sheet();
   for (int k = 0; k < 50; ++k) written.points.push_back({.place = {0.1 * k, 0, 900}, .images = {7, 9, 11}});
   writeColmap(folder / "model", written);
   const std::string model = (folder / "model").string(), out = (folder / "o.ply").string(),
                     json = (folder / "j.json").string();
-  const Outcome outcome = palpate("convert " + model + " " + out + " --json " + json);
+  const Outcome outcome = palpate("convert " + model + " " + out + " --drop-unreliable --json " + json);
   CHECK(outcome.code == 0);
   CHECK_MESSAGE(says(outcome.text,
                      "50 of 950 points, which are unreliable: 50 with rays that meet at less than 1.5 "
-                     "degrees (--all-points keeps them)"),
+                     "degrees (--drop-unreliable)"),
                 outcome.text);
   CHECK(jsonOf(json)["points"] == 900);
-  works("convert " + model + " " + out + " --all-points --force --json " + json);
+  works("convert " + model + " " + out + " --force --json " + json);
   CHECK(jsonOf(json)["points"] == 950);
   works("info " + model + " --json " + json);
   CHECK(jsonOf(json)["points"] == 900);

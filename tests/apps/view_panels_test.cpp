@@ -331,7 +331,7 @@ TEST_CASE("what could not be opened is not offered again, and Tab takes the pane
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const auto message = [&](const char* name) { return std::string(played->state(name)["last_message"]); };
-  CHECK(says(message("broken.json"), "not a PLY file"));
+  CHECK(says(message("broken.json"), "that of a PLY file is"));
   CHECK(says(message("again.json"), "'broken.ply' cannot be clicked"));
   CHECK(says(message("away.json"), "'Models' cannot be clicked"));
   CHECK(message("back.json") == message("away.json"));  // nothing was clicked in vain

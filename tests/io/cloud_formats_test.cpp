@@ -139,7 +139,7 @@ TEST_CASE("a format that a table has besides is read, written and saved through 
   writeCloud(folder / "a.tally", cloud, {}, kTable);
   CHECK(readCloud(folder / "a.tally", nullptr, {}, kTable).cloud.positions == cloud.positions);
   CHECK(contentsOf(folder / "a.tally", kTable).elements.at(0).count == 3);
-  CHECK_THROWS_WITH_AS(readCloud(folder / "a.tally"), doctest::Contains("not a PLY file"), FileError);
+  CHECK(cloudFormats().toRead(folder / "a.tally").name == "PTS");  // as it would be without that table
   CHECK(kTable.toWrite("a.TLY").name == "tally");
   CHECK(kTable.toWrite("a.tly").lacks({.cloud = cloud}).empty());
 

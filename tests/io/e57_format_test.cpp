@@ -126,7 +126,7 @@ TEST_CASE("scans are turned and moved to where their poses say, in double precis
   CHECK(stored.cloud.hasColors());
   CHECK(stored.lost == std::vector<std::string>{"'intensity', which not all scans have",
                                                 "'gloss', which not all scans have",
-                                                "the poses of 2 scans, which are applied", "1 pictures"});
+                                                "the pose of a scan, which is applied", "1 pictures"});
 }
 
 TEST_CASE("places by range and angles become those by axes; points without an echo are left out and counted" *

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "engine/io/zip_archive.hpp"
 #include "tests/io/colmap_bytes.hpp"
 #include "tests/io/copc_bytes.hpp"
 #include "tests/io/e57_bytes.hpp"
@@ -167,6 +168,45 @@ inline void addColmapDense(std::vector<Specimen>& all) {
   }
 }
 
+/// PTX, and Gaussians as they are packed.
+inline void addPacked(std::vector<Specimen>& all) {
+  std::string ptx;
+  for (int scan = 0; scan < 2; ++scan) {
+    ptx += "5\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n9 8 7 1\n";
+    for (int i = 0; i < 20; ++i) ptx += fmt::format("{} {} 0.5 0.25 {} 2 3\n", i % 5, i / 5, 10 * i);
+  }
+  all.push_back(specimenOf("ptx", "a.ptx", ptx));
+  std::string splat, spz, compressed = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n";
+  for (int i = 0; i < 60; ++i) {
+    splat += npy::bytes({static_cast<float>(i % 8), static_cast<float>(i / 8), 0.f, 0.4f, 0.4f, 0.1f});
+    splat += "\xc8\x64\x32\xff\xff\x80\x80\x80";
+  }
+  all.push_back(specimenOf("splat", "a.splat", splat));
+  spz += npy::bytes({std::uint32_t{0x5053474e}, std::uint32_t{2}, std::uint32_t{60}}) + std::string("\0\x0c\0\0", 4);
+  for (int i = 0; i < 60; ++i)
+    spz += std::string{0, static_cast<char>(16 * (i % 8)), 0, 0, static_cast<char>(16 * (i / 8)), 0, 0, 0, 0};
+  spz += std::string(60, '\xff') + std::string(180, '\x99') + std::string(180, '\x90') + std::string(180, '\x80');
+  all.push_back({"spz", "a.spz", spz, 16, [](const std::string& text) {
+                   const std::span bytes(reinterpret_cast<const std::byte*>(text.data()), text.size());
+                   return std::string("\x1f\x8b\x08\0\0\0\0\0\0\3", 10) + npy::plainBlock(text) +
+                          npy::bytes({zipChecksum(bytes), static_cast<std::uint32_t>(text.size())});
+                 }});
+  const std::string whole = all.back().dressed(spz);
+  all.push_back({"spz", "a.spz", whole, whole.size()});
+  for (const char* name : {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_scale_x", "min_scale_y",
+                           "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"})
+    compressed += fmt::format("property float {}\n", name);
+  compressed +=
+      "element vertex 60\nproperty uint packed_position\nproperty uint packed_rotation\nproperty uint packed_scale\n"
+      "property uint packed_color\nend_header\n";
+  const std::size_t head = compressed.size();
+  compressed += npy::bytes({0.f, 0.f, 0.f, 8.f, 8.f, 0.f, -1.f, -1.f, -3.f, -1.f, -1.f, -2.f});
+  for (std::uint32_t i = 0; i < 60; ++i)
+    compressed +=
+        npy::bytes({(i % 8) * 255u << 21 | (i / 8) * 127u << 11, 512u << 20 | 512u << 10 | 512u, 0u, 0xc86432ffu});
+  all.push_back({"compressed-3dgs", "a.ply", compressed, head + 48});
+}
+
 inline std::vector<Specimen> specimens() {
   std::vector<Specimen> all;
   addWritten(all);
@@ -178,6 +218,7 @@ inline std::vector<Specimen> specimens() {
   addGaussians(all);
   addColmap(all);
   addColmapDense(all);
+  addPacked(all);
   return all;
 }
 

@@ -138,4 +138,17 @@ TEST_CASE("a class or a return that old formats cannot count makes it a newer on
   CHECK(valueOf(back, "scan_angle_rank", 4) == -12);  // which newer ones have otherwise
 }
 
+TEST_CASE("an intensity with fractions comes back under its name, and so it does the second time") {
+  const ScratchFolder folder;
+  std::ofstream(folder / "a.xyz") << "x y z intensity\n0 0 0 0.25\n1 0 0 0.5\n";
+  StoredCloud stored = readCloud(folder / "a.xyz");
+  for (const char* name : {"b.las", "c.laz"}) {
+    writeCloud(folder / name, stored.cloud);
+    stored = readCloud(folder / name);
+    REQUIRE(stored.cloud.extra.size() == 1);
+    CHECK(stored.cloud.extra[0].name == "intensity");
+    CHECK(loadScalar<double>(stored.cloud.extra[0].data.data()) == 0.25);
+  }
+}
+
 }  // namespace palpate::test::las_writing_test

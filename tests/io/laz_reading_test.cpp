@@ -154,12 +154,33 @@ TEST_CASE("layers that are not what they say are refused with their byte") {
   CHECK(with(chunk + rowBytes + 4, std::uint32_t{8}).find("ends inside them, or is damaged") != std::string::npos);
 }
 
-TEST_CASE("points with wave packets are refused where they are packed") {
-  LasBytes las = variedFile(3, 10);
-  std::string text = packedFile(las);
-  text[104] = static_cast<char>(0x80 | 5);
-  putAt(text, 105, std::uint16_t{63});
-  CHECK(refusal(text).starts_with(": byte 104: points of format 5 with wave packets"));
+TEST_CASE("points with wave packets are read where they are packed, of one stream with their packets") {
+  constexpr std::size_t kPoints = 300;
+  for (const auto& [plain, format] : {std::pair{1u, 4u}, std::pair{3u, 5u}, std::pair{6u, 9u}, std::pair{8u, 10u}}) {
+    CAPTURE(format);
+    const LasBytes without = variedFile(plain, kPoints);
+    LasBytes las{.minor = 4, .format = format, .pointBytes = without.pointBytes + 29};
+    las.count = kPoints;
+    std::uint64_t offset = 60;
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      std::string packet(kLazWaveBytes, '\0');
+      const auto size = static_cast<std::uint32_t>(88 + i % 3);
+      packet[0] = static_cast<char>(i % 5);
+      putAt(packet, 1, offset);
+      putAt(packet, 9, size);
+      putAt(packet, 13, 0.5f * static_cast<float>(i));
+      putAt(packet, 17, static_cast<float>(i) / 7);
+      las.points += without.points.substr(i * without.pointBytes, without.pointBytes) + packet;
+      offset += i % 4 == 0 ? 1'000 : i % 50 == 3 ? std::uint64_t{1} << 40 : i % 9 == 1 ? 0 : size;
+    }
+    const StoredCloud packed = reading(packedFile(las)), bare = reading(without.text());
+    REQUIRE(packed.cloud.size() == kPoints);
+    CHECK(packed.cloud.positions == bare.cloud.positions);
+    CHECK(packed.cloud.colors == bare.cloud.colors);
+    const bool layered = format >= 6;
+    CHECK(std::ranges::count(packed.lost, "where the waves of points are, which is not unpacked") == (layered ? 1 : 0));
+    if (!layered) CHECK(rowsOf(packedFile(las)) == las.points);
+  }
 }
 
 TEST_CASE("whatever is flipped, cut or made extreme in a packed file, it is read or refused") {

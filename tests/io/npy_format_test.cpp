@@ -198,8 +198,7 @@ TEST_CASE("an array that is damaged or lies is refused with its byte") {
   CHECK(refusal(array("[('x', '<f4'), ('y', '<f4')]", "(1,)", data)).find("no scalar property 'z'") !=
         std::string::npos);
   CHECK(refusal(array("[('a', '|V0')]", "(5,)", data)).find("rows without bytes") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1, 3)", bytes({1.f, std::numeric_limits<float>::quiet_NaN(), 2.f}))).find("row 0: ") !=
-        std::string::npos);
+  CHECK(refusal(array("'<f4'", "(1, 3)", bytes({1.f, std::numeric_limits<float>::quiet_NaN(), 2.f}))) == "read");
   std::string deep = "1";
   for (int k = 0; k < 100; ++k) deep = "(" + deep + ",)";
   CHECK(refusal(array("'<f4'", deep, data)).find("too many brackets") != std::string::npos);

@@ -37,7 +37,7 @@ TEST_CASE("all that is lost by reading is named") {
       "element vertex 4\n" + kXyz + "property list uchar int links\nproperty ushort red\nproperty ushort green\n" +
           "property ushort blue\n" + kFaces + "property uchar material\nelement edge 1\nproperty int a\n" +
           "element nothing 0\nproperty int a\n",
-      "0 0 0 0 1 2 3\n1 0 0 0 4 5 6\n0 1 0 0 7 8 9\n1 1 0 1 5 7 8 9\n3 0 1 2 7\n4 0 1 3 2 7\n5\n");
+      "0 0 0 0 1 2 3000\n1 0 0 0 4 5 6\n0 1 0 0 7 8 9\n1 1 0 1 5 7 8 9\n3 0 1 2 7\n4 0 1 3 2 7\n5\n");
   CHECK(cloud.lost.size() == 5);
   CHECK(names(cloud.lost, "'links' of vertex"));
   CHECK(names(cloud.lost, "'material' of face"));

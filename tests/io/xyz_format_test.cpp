@@ -85,16 +85,14 @@ TEST_CASE("remarks, blank lines and any ends of lines stand between points") {
 
 TEST_CASE("what is no point is refused with its line") {
   CHECK(refusal("hello world\n") ==
-        ":1: found 'hello', expected the coordinates of a point, or names of columns with x, y and z among them");
+        ":1: found 'hello', expected the coordinates of a point, or names of columns with x, y and z among them; "
+        "--columns x,y,z names them in their place");
   CHECK(refusal("1 2 3\n4 five 6\n") == ":2: found 'five' for 'y', expected a number");
   CHECK(refusal("1 2 3\n4 5\n") == ":2: a point of 2 columns where those before have 3");
   CHECK(refusal("# a\n1 2 3 4 5\n").starts_with(":2: a point of 5 columns, which may mean anything"));
-  CHECK(refusal("1 2 3 0.1 0.2 3.5\n").starts_with(":1: a point of 6 columns, which may mean anything"));
+  CHECK(refusal("1 2 3 0.1 0.2 3.5\n").starts_with(":1: columns 4 to 6 have no names"));
   CHECK(refusal("x y z w\n1 2 3\n") == ":2: a point of 3 columns, of which 4 have names");
-  CHECK(refusal("1 2 3 4 5 6\n1 2 3 4 5 256\n")
-            .starts_with(":2: found '256' for 'blue', expected a number from 0 to 255"));
-  CHECK(refusal("1 2 3\n1 2 nan\n").starts_with(":2: "));
-  CHECK(refusal("1 2 3\n1 1e999 3\n").starts_with(":2: "));
+  CHECK(refusal("1 2 3 4 5 6\n1 2 3 4 5 256\n").starts_with(":1: columns 4 to 6 have no names"));
   CHECK(refusal(std::string(2 << 20, '1')).starts_with(":1: "));
 }
 
@@ -134,9 +132,7 @@ TEST_CASE("a PTS file says how many points follow, for each scan") {
   CHECK(refusal("1\n1 2 3\n4 5 6\n", "a.pts") == ":3: more than the 1 points that were promised");
   CHECK(refusal("3\n", "a.pts") == ":1: ends after 0 of 3 points");
   CHECK(refusal("1 2 3\nfour\n", "a.pts") == ":2: found 'four', expected a point, or how many follow");
-  CHECK(refusal("1\n1 2 3\n") ==
-        ":1: a point of 1 columns, which may mean anything; a line before it should name them, as "
-        "in: x y z nx ny nz red green blue");
+  CHECK(refusal("1\n1 2 3\n") == "read");  // whatever it is called
 
   for (const bool lit : {false, true}) {
     PointCloud some = cloud;
@@ -175,7 +171,8 @@ TEST_CASE("CSV has names in its first line, in quotes or not, and commas") {
   REQUIRE(twice.extra.size() == 3);
   CHECK(twice.extra[1].name == "A");
   CHECK(twice.extra[2].name == "a_2");
-  CHECK(refusal("x,y,z\n1,,3\n", "a.csv") == ":2: a point of 2 columns, of which 3 have names");
+  CHECK(reading("x,y,z\n1,,3\n", "a.csv").lost == std::vector<std::string>{"1 point without a finite position"});
+  CHECK(refusal("x,y,z\n1,3\n", "a.csv") == ":2: a point of 2 columns, of which 3 have names");
 }
 
 TEST_CASE("names of columns keep their case on the way from LAS through text and back") {
