@@ -7,6 +7,7 @@
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/foreign_file.hpp"
 #include "engine/io/mesh_format.hpp"
 #include "engine/io/saving.hpp"
 
@@ -100,7 +101,7 @@ ConvertInput readInput(Context& context, const ConvertOptions& options, const Cl
 void convert(Context& context, const ConvertOptions& options) {
   // Says what it is not, before all else.
   checkRosHearing(options.network, options.input);
-  if (!isRosModel(options.input) && !isRgbdFolder(options.input)) cloudFormats().toRead(options.input);
+  if (!isRosModel(options.input)) refuseForeign(options.input);
   const CloudFormat& to = cloudFormats().toWrite(options.output);
   const double mm_per_unit = options.scale.given();
   checkTarget(options);

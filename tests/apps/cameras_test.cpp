@@ -154,7 +154,7 @@ TEST_CASE("the first frame of a recording is drawn with its camera") {
   CHECK(changed < with.rgb.size() / 4);
 }
 
-TEST_CASE("convert keeps all points of a COLMAP folder, info and render leave out the unreliable ones and say how many") {
+TEST_CASE("convert keeps all points of a COLMAP folder; info and render leave unreliable ones out and say so") {
   const ScratchFolder folder;
   WrittenColmap written = sheet();
   for (int k = 0; k < 50; ++k) written.points.push_back({.place = {0.1 * k, 0, 900}, .images = {7, 9, 11}});

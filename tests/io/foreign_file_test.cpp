@@ -39,7 +39,7 @@ TEST_CASE("what a file holds tells its format, whatever its ending") {
 
 TEST_CASE("a file of another kind says what it is, and what to do") {
   const std::string png = "\x89PNG\r\n\x1a\n";
-  for (const char* name : {"a.png", "a.ply", "a"}) {
+  for (const char* name : {"a.png", "a.ply", "a.xyzzy"}) {
     CAPTURE(name);
     CHECK(refusalOf(name, png + std::string(40, '\0')) == " is an image (PNG), not a 3D file");
   }

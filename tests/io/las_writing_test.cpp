@@ -94,7 +94,7 @@ TEST_CASE("what comes from other formats is written so that nothing changes, or 
   for (std::size_t i = 0; i < cloud.size(); ++i) CHECK(back.fileCoordinates(i) == cloud.fileCoordinates(i));
   CHECK(back.normals == cloud.normals);
   CHECK(back.colors == cloud.colors);
-  CHECK(valueOf(back, "intensity_2", 3) == 3.5);
+  CHECK(valueOf(back, "intensity", 3) == 3.5);
   CHECK(valueOf(back, "classification", 5) == 2);
   CHECK(valueOf(back, "gps_time", 5) == 5 * 1e-3);
   CHECK(isOurs(back.storedAs.comments));

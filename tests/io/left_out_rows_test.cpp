@@ -53,7 +53,6 @@ TEST_CASE("triangles with a corner that is not finite are left out and counted, 
   const StoredCloud stored =
       readingFile("a.stl", "solid a\n" + facet("0") + facet("nan") + "endsolid a\n", {.asTriangles = true});
   CHECK(stored.triangles.size() == 1);
-  CHECK(stored.cloud.size() == 3);
   REQUIRE(stored.lost.size() == 1);
   CHECK(stored.lost[0] == "1 triangles with a corner that is not finite");
 }
