@@ -127,7 +127,6 @@ TEST_CASE("each number of a brush takes effect with its own stroke, whatever bru
   };
   checkTakesEffect([](pp_brush& b) { b.radius_mm = 6; });
   checkTakesEffect([](pp_brush& b) { b.tau_mm = 1; });
-  checkTakesEffect([](pp_brush& b) { b.beta = 0.1; });
   checkTakesEffect([](pp_brush& b) { b.keeps_density = 0; });
   checkTakesEffect([](pp_brush& b) {
     b.kind = "inflate";

@@ -445,6 +445,6 @@ def test_cameras_are_shown_to_who_has_joined_whether_or_not_it_is_sculpted(ball)
             anna.hide_camera()
             assert until(lambda: ben.cameras == [])
     with pp.Session(ball, gpu="cpu") as own:
-        for ask in (lambda: own.cameras, lambda: own.show_camera((0, 0, 1), (0, 0, 0, 1)), own.hide_camera):
+        for ask in (lambda: own.show_camera((0, 0, 1), (0, 0, 0, 1)), own.hide_camera):
             with pytest.raises(pp.Error, match="not joined"):
                 ask()

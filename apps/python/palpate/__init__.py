@@ -19,10 +19,11 @@ from typing import TYPE_CHECKING, Any
 from . import _palpate
 from . import _words as _words  # before all that takes what is bound
 from ._errors import ArgumentTypeError, ClosedError, Error, UnknownAttributeError, UnknownNameError, UsageError
+from ._live import Live
 from ._logs import Log, Replay, read_log, replay
 from ._matter import Matter, Parameter, PortEnergy
 from ._palpate import Cloud, Frame, LawInput, Mesh, can_share, formats_read, formats_written, gpus, read, write
-from ._session import Hand, Live, Session
+from ._session import Hand, Session
 from ._sharing import Join, Network, OtherCamera, OtherHand, SeenSession, Server, Sharing, serve, sessions
 
 __all__ = [

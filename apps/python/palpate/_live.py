@@ -1,0 +1,165 @@
+"""Sessions that run against the clock, on palpate's own servo thread."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+import weakref
+from typing import TYPE_CHECKING, Any, Callable
+
+from ._errors import Error, refuse_attribute
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from numpy.typing import NDArray
+
+    from ._session import Session
+
+_alive: weakref.WeakSet[Live] = weakref.WeakSet()
+
+
+class Live:
+    """A session that runs against the clock, until stop(), or for as long as a `with` lasts."""
+
+    def __init__(
+        self, session: Session, on_ticks: Callable[[NDArray[Any]], object] | None, interval_s: float
+    ) -> None:
+        self._session = session
+        self._on_ticks = on_ticks
+        self._interval_s = interval_s
+        self._over = threading.Event()
+        self._lock = threading.Lock()  # of _ended
+        self._ended = False  # somebody has stopped the ticks, or is about to
+        self._stopped = threading.Event()  # and they have
+        self._takes_rest = True
+        self._failure: BaseException | None = None
+        self._failed = False
+        self._diverged: str | None = None
+        self._thread: threading.Thread | None = None
+        _alive.add(self)
+        if on_ticks is not None or session._is_joined:  # whose strokes the others wait for
+            self._thread = threading.Thread(target=self._follow, name="palpate ticks", daemon=True)
+            self._thread.start()
+
+    def take(self) -> NDArray[Any]:
+        """The ticks since the last call; requires that live() got no on_ticks. Raises what ended the session."""
+        if self._on_ticks is not None:
+            raise Error("the ticks go to on_ticks", status="state")
+        ticks = self._session._live_take()
+        self._look_at_scene()
+        return ticks
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Waits until the session ends, at most so long. True if it has ended. Raises errors of it and of on_ticks."""
+        end = None if seconds is None else time.monotonic() + seconds
+        while self.running and (end is None or time.monotonic() < end):
+            left = self._interval_s if end is None else min(self._interval_s, max(0.0, end - time.monotonic()))
+            if self._over.wait(left):
+                break
+            self._look_at_scene()
+            if self._diverged:
+                break
+        self._raise()
+        return not self.running
+
+    def stop(self) -> None:
+        """Waits for the tick under way; the device has no force then. Raises what went wrong on_ticks. From any thread,
+        on_ticks included, which hears of the last ticks behind it.
+        """
+        self._end()
+        self._raise()
+
+    @property
+    def running(self) -> bool:
+        """False once it has ended, or was stopped."""
+        return not self._over.is_set() and self._session._live_running()
+
+    @property
+    def late_laws(self) -> int:
+        """Ticks that a force law in Python was too late for."""
+        return self._session._live_late()
+
+    @property
+    def missed(self) -> int:
+        """Ticks whose time had passed, of those before the last one taken."""
+        return self._session._live_missed()
+
+    def set_forces(self, on: bool) -> None:
+        """No force while they are off; a ramp when they are on again."""
+        self._session._live_forces(on)
+
+    __setattr__ = refuse_attribute
+
+    def __enter__(self) -> Live:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._end()
+        if kind is None:
+            self._raise()
+
+    def __repr__(self) -> str:
+        return f"<palpate.Live, {'running' if self.running else 'ended'}>"
+
+    def _follow(self) -> None:
+        try:
+            while not self._over.wait(self._interval_s):
+                self._pass_on()
+            self._stopped.wait()
+            if self._on_ticks is not None and self._takes_rest:
+                self._pass_on()  # the last of them
+        except BaseException as failure:  # told in wait() and stop(), by the thread that asks
+            self._failure, self._failed = failure, True
+            self._over.set()
+
+    def _look_at_scene(self) -> None:
+        if self._session._is_scene:
+            self._diverged = self._session.failure
+
+    def _pass_on(self) -> None:
+        if self._on_ticks is None:
+            self._session._follow()
+            return
+        ticks = self._session._live_take()
+        self._look_at_scene()
+        if len(ticks):
+            self._on_ticks(ticks)
+
+    def _end(self, closing: bool = False) -> None:
+        """Of any thread, on_ticks included: its own thread takes the last ticks, unless that one closes the session."""
+        is_own = self._thread is threading.current_thread()
+        with self._lock:
+            first, self._ended = not self._ended, True
+        if first:
+            self._takes_rest = not (closing and is_own)
+            self._over.set()
+            try:
+                self._look_at_scene()
+                self._session._live_stop()
+            finally:
+                self._stopped.set()
+        if self._thread is not None and not is_own:
+            self._thread.join()
+        if not is_own:
+            _alive.discard(self)
+
+    def _raise(self) -> None:
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+        self._session._live_raise()
+        if self._diverged:
+            raise Error(f"the simulation {self._diverged}", status="simulation")
+
+
+def end_live() -> None:
+    """Ends all that are live, before the interpreter does."""
+    for live in list(_alive):
+        live._end()
+
+
+os.register_at_fork(after_in_child=_alive.clear)  # what is live stays with the parent
