@@ -86,7 +86,7 @@ void parse(CLI::App& app, std::vector<std::string> arguments) {
   } catch (const CLI::ParseError& error) {
     // `palpate MODEL` is `palpate view MODEL`, and `palpate` the window with nothing in it.
     const std::string word = firstUnexpected(app);
-    const bool isAlone = dynamic_cast<const CLI::RequiredError*>(&error) && word.empty();
+    const bool isAlone = word.empty() && error.get_exit_code() == static_cast<int>(CLI::ExitCodes::RequiredError);
     if (!app.get_subcommands().empty() || !(isAlone || isModel(word))) throw;
     arguments.emplace_back("view");
     app.parse(std::move(arguments));
