@@ -9,7 +9,10 @@
 #include <stdexcept>
 #include <type_traits>
 
-#undef near  // windows.h defines it as nothing
+#ifdef _WIN32
+#include <windows.h>  // which would otherwise come later, and defines it as nothing
+#undef near
+#endif
 
 namespace palpate {
 
