@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "apps/cli/suggestion.hpp"
 #include "engine/core/error.hpp"
@@ -20,8 +21,8 @@ void addOptionNames(const CLI::App& app, std::vector<std::string>& names) {
 }
 
 std::vector<std::string> namesOf(const std::vector<const CLI::App*>& apps) {
-  std::vector<std::string> names;
-  for (const CLI::App* app : apps) names.push_back(app->get_name());
+  std::vector<std::string> names(apps.size());
+  std::ranges::transform(apps, names.begin(), [](const CLI::App* app) { return app->get_name(); });
   return names;
 }
 
