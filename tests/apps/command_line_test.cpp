@@ -38,7 +38,7 @@ TEST_CASE("the overview is readable, and the options of touch stand under headin
   const Outcome overview = palpate("--help");
   CHECK(overview.code == 0);
   CHECK(std::ranges::count(overview.text, '\n') < 50);
-  CHECK(says(overview.text, "palpate MODEL... opens the window"));
+  CHECK(says(overview.text, "palpate and palpate MODEL... open the window"));
   for (const char* command :
        {"view", "touch", "render", "mesh", "info", "make", "simulate", "convert", "replay", "bench", "doctor"})
     CHECK_MESSAGE(says(overview.text, std::string("\n  ") + command + " "), command);

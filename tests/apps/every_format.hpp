@@ -35,8 +35,15 @@ inline std::map<std::string, std::filesystem::path> filesOfAllFormats(const std:
     format.write(file, format.ofTriangles ? rings : ball, {.triangles = format.ofTriangles ? &triangles : nullptr});
     files[std::string(format.name)] = file;
   }
-  const std::map<std::string, std::string> names{
-      {"copc", "COPC"}, {"e57", "E57"}, {"gltf", "glTF"}, {"colmap", "COLMAP"}, {"colmap-dense", "COLMAP dense"}};
+  const std::map<std::string, std::string> names{{"copc", "COPC"},
+                                                 {"e57", "E57"},
+                                                 {"gltf", "glTF"},
+                                                 {"colmap", "COLMAP"},
+                                                 {"colmap-dense", "COLMAP dense"},
+                                                 {"ptx", "PTX"},
+                                                 {"splat", "splat"},
+                                                 {"spz", "SPZ"},
+                                                 {"compressed-3dgs", "compressed 3DGS"}};
   for (const test::Specimen& specimen : test::specimens()) {
     const auto name = names.find(specimen.format);
     if (name == names.end() || files.contains(name->second)) continue;
