@@ -172,7 +172,7 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
   if (status.session) {
     ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model.c_str());
-    ImGui::TextDisabled("%zu points", status.session->model().cloud.size());
+    ImGui::TextDisabled("%zu points", status.session->journal().present());
     const Model& model = status.session->model();
     const double side = (model.container ? *model.container : status.session->bounds()).longestSide();
     std::string scale = touchScaleText(model.scale, side, status.unit);
@@ -258,7 +258,8 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   ImGui::EndDisabled();
   help("Ctrl+Shift+Z");
   ImGui::SameLine();
-  ImGui::TextDisabled("%llu stroke%s", static_cast<unsigned long long>(counts.strokes), counts.strokes == 1 ? "" : "s");
+  const auto strokes = static_cast<unsigned long long>(counts.undoable);
+  ImGui::TextDisabled("%llu stroke%s", strokes, strokes == 1 ? "" : "s");
 }
 
 void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn) {

@@ -69,6 +69,8 @@ class Panels {
   void scrollTo(const std::string& name);
   /// Looks for a file: beside the model, or where it is saved.
   void browse(FileTask task, const ViewStatus& status);
+  /// No file is looked for any more.
+  void closeFiles() { files_.reset(); }
   /// The least width of a window that has room for the panel, the curves and a model between them, pixels.
   double roomyWidth_px() const { return double{em(56)}; }
   /// Whether the panel leaves a model room in a window of that width.

@@ -196,6 +196,7 @@ void Viewer::welcome() {
   session.setForces(settings_.forcesOn);
   if (!panels_.hasRoomBeside(window_.size_px().x)) settings_.view.panels = false;
   fitCamera();
+  panels_.closeFiles();  // which are those of the model before
   measure_.belongTo(session.file());
   if (const auto distance = measure_.distance())
     messages_.say(fmt::format("touch scale: what is measured, {}, is {:.6g} mm long in the hand",

@@ -45,7 +45,7 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   const BrushSettings& brush = session.brushSettings();
   state["model"] = document.file();
   state["mm_per_unit"] = session.model().scale.mm_per_unit;
-  state["points"] = std::ranges::count_if(journal.points(), [](const PointState& point) { return !point.gone(); });
+  state["points"] = journal.present();
   state["tool"] = brush.kind ? nameIn(kBrushKinds, *brush.kind) : "feel";
   state["surface"] = nameIn(kSurfaceKinds, session.feel().surface);
   state["up"] = nameOf(view.upOf(session.model()));

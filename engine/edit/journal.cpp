@@ -8,7 +8,10 @@
 namespace palpate {
 
 Journal::Journal(const PointCloud& file, std::uint64_t budget_bytes)
-    : budget_(budget_bytes), points_(statesOf(file)), slot_(budget_bytes ? points_.size() : 0) {}
+    : budget_(budget_bytes),
+      points_(statesOf(file)),
+      present_(points_.size()),
+      slot_(budget_bytes ? points_.size() : 0) {}
 
 void Journal::follow(const EditBatch& batch) {
   const std::span<const PointState> all = batch.points;
@@ -49,8 +52,15 @@ void Journal::set(std::span<const PointState> states) {
   for (const PointState& state : states) {
     const std::uint32_t point = state.number();
     if (point >= points_.size()) growTo(point);
-    points_[point] = state;
+    put(state);
   }
+}
+
+void Journal::put(const PointState& state) {
+  PointState& point = points_[state.number()];
+  present_ += point.gone();
+  present_ -= state.gone();
+  point = state;
 }
 
 void Journal::receive(std::span<const PointState> states) {
@@ -85,7 +95,7 @@ void Journal::addToStroke(std::span<const PointState> states) {
     const std::uint32_t point = states[i].number();
     if (point >= points_.size()) growTo(point);
     if (!isInStroke(point)) keepBefore(point);
-    points_[point] = states[i];
+    put(states[i]);
   }
 }
 
@@ -141,9 +151,10 @@ std::vector<PointChange> Journal::cross(Stroke& stroke) {
   changes.reserve(stroke.points.size());
   std::swap(version_, stroke.version);
   for (PointState& other : stroke.points) {
-    PointState& present = points_[other.number()];
+    const PointState present = points_[other.number()];
     changes.push_back({.from = present, .to = other});
-    std::swap(present, other);
+    put(other);
+    other = present;
   }
   return changes;
 }

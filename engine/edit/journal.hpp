@@ -29,6 +29,8 @@ class Journal {
 
   /// All points as they are, by id; those that came later stand behind the file's.
   std::span<const PointState> points() const { return points_; }
+  /// Of them, those that are there.
+  std::size_t present() const { return present_; }
 
   /// What takes the last stroke back, each point once; nothing where there is none. Hand it to the back end's change(),
   /// and what that tells of it to follow(), before any other edit. Only between strokes: when every edit so far has
@@ -63,6 +65,7 @@ class Journal {
   }
 
   void set(std::span<const PointState> states);
+  void put(const PointState& state);
   void receive(std::span<const PointState> states);
   void addToStroke(std::span<const PointState> states);
   void endStroke();
@@ -80,6 +83,7 @@ class Journal {
 
   std::uint64_t budget_;
   std::vector<PointState> points_;
+  std::size_t present_;
   std::vector<std::uint32_t> slot_;  // by point: where it stands in open_, if it is there
   std::deque<Stroke> done_;
   std::vector<Stroke> undone_;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <ranges>
 
 #include "engine/cloud/view_normals.hpp"
 #include "engine/core/error.hpp"
@@ -73,8 +72,8 @@ class PointsOfModel {
     PointCloud cloud = vertices_.finish(log);
     const std::vector<double> weights = weightsOf(errors_, tracks_);
     for (std::size_t i = 0; i < sights_.size(); ++i) sights_[i].weight = weights[i];
-    for (const std::uint64_t row : vertices_.leftOut() | std::views::reverse)
-      sights_.erase(sights_.begin() + static_cast<std::ptrdiff_t>(row));
+    std::uint64_t row = 0;
+    std::erase_if(sights_, [&](const PointSight&) { return std::ranges::binary_search(vertices_.leftOut(), row++); });
     normalsFromViews(cloud, sights_);
     return cloud;
   }

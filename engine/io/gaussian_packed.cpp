@@ -219,11 +219,11 @@ StoredCloud readSplat(const std::filesystem::path& path, Log* log, const CloudRe
     const auto byte = [&](std::size_t k) { return static_cast<float>(std::to_integer<unsigned>(row[24 + k])); };
     for (int k = 0; k < 3; ++k) {
       scene.centers[i][k] = numbers[static_cast<std::size_t>(k)];
-      scene.logScales[i][k] = std::log(numbers[static_cast<std::size_t>(3 + k)]);
+      scene.logScales[i][k] = std::log(numbers[3 + static_cast<std::size_t>(k)]);
       scene.colorHarmonics[i][k] = (byte(static_cast<std::size_t>(k)) / 255 - 0.5f) / kHarmonic;
     }
     scene.opacityLogits[i] = logitOf(byte(3) / 255);
-    for (int k = 0; k < 4; ++k) scene.rotations[i][k] = (byte(static_cast<std::size_t>(4 + k)) - 128) / 128;
+    for (int k = 0; k < 4; ++k) scene.rotations[i][k] = (byte(4 + static_cast<std::size_t>(k)) - 128) / 128;
     file.consume(kSplatBytes);
   }
   return surface(path, std::move(scene), log, options);

@@ -23,7 +23,10 @@ std::string backendOf(const MatterScene& scene, const pp_matter_options& options
 
 MatterScene sceneNamed(const std::string& name) {
   if (const auto scene = matterScene(name)) return *scene;
-  throw UsageError("scene: '{}' is neither a JSON file nor one of {}", name, builtInScenes());
+  std::error_code ignored;
+  const bool isThere = std::filesystem::exists(name, ignored);
+  throw UsageError("scene: '{}' is neither a JSON file nor one of {}{}", name, builtInScenes(),
+                   isThere ? "; where it is the file of a cloud, read that first" : "");
 }
 
 pp_parameter parameterOf(const SimulationParameter& parameter) {

@@ -58,8 +58,10 @@ LeftStrokes readFolder(std::unique_ptr<StrokeFolder> folder) {
   best.end.emplace();  // that it did not come to its end is no news
   left.lacks = whatIsMissing(best);
   left.edits = std::move(best.edits);
+  const std::vector<EditMark>& marks = left.edits.marks;
+  const bool isUnderWay = left.edits.points.size() > (marks.empty() ? 0 : marks.back().at);
   left.strokes =
-      static_cast<std::size_t>(std::ranges::count(left.edits.marks, EditMark::Kind::stroke, &EditMark::kind));
+      static_cast<std::size_t>(std::ranges::count(marks, EditMark::Kind::stroke, &EditMark::kind)) + isUnderWay;
   std::error_code ignored;
   left.made = std::filesystem::last_write_time(log, ignored);
   left.folder = std::move(folder);

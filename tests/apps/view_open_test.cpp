@@ -1,6 +1,7 @@
 // Opening and saving in the window: what cannot be opened leaves everything as it was, and what is saved is what is
 // open from then on.
 #include "engine/io/ply_reader.hpp"
+#include "tests/apps/program.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/says.hpp"
 
@@ -146,6 +147,27 @@ TEST_CASE("behind a question no stroke goes on") {
     CHECK(played->state(name)["contact"] == false);
     CHECK(played->state(name)["edits"] == played->state("asked.json")["edits"]);
   }
+}
+
+TEST_CASE("a file that was chosen to save a model in is not overwritten by the next one that is opened") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 480x360 --rate 250", R"(
+0.1 key ctrl+shift+s
+0.4 drop %/other.ply
+1.2 click Replace
+1.6 state %/state.json
+1.7 quit
+)",
+                           "", [](const auto& folder) {
+                             makeSphere(folder, 2000);
+                             works("--quiet make cube -n 500 -o " + (folder / "other.ply").string());
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto state = played->state("state.json");
+  CHECK(state["points"] == 500);
+  CHECK(says(std::string(state["last_message"]), "'Replace' cannot be clicked"));
+  CHECK(readPly(played->folder.path() / "sphere.ply").size() == 2000);
 }
 
 }  // namespace palpate::view_open_test

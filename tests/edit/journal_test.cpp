@@ -141,6 +141,7 @@ TEST_CASE("undo and redo walk through random strokes of every kind and meet each
       CHECK_FALSE(journal.inStroke());
       CHECK(journal.undoable() == at);
       REQUIRE(differences(journal.points(), states[at]) == 0);
+      CHECK(journal.present() == states[at].size() - std::ranges::count_if(states[at], &PointState::gone));
       REQUIRE(differences(editor.points(), states[at]) == 0);
       if (versions[at]) {
         CHECK(journal.version() == *versions[at]);

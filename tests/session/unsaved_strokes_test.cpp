@@ -79,6 +79,18 @@ TEST_CASE("strokes that were not saved come back as they were, with what was und
   CHECK(again.points()[2].position == Vec3(4));
 }
 
+TEST_CASE("a stroke that was under way is counted among those that are left") {
+  const ScratchFolder folder;
+  {
+    Sculpted sculpted(folder.path());
+    sculpted.stroke({0}, 3);
+    sculpted.take({.points = {{.position = Vec3(4), .id = 1, .normal = {0, 0, 1}, .parent = 1}}});
+  }
+  const auto left = leftIn(folder.path());
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].strokes == 2);
+}
+
 TEST_CASE("what was saved is not left, and strokes behind it are relative to the model's file as it was") {
   const ScratchFolder folder;
   std::ofstream(folder / "model.ply") << "as it was";
