@@ -85,8 +85,7 @@ std::vector<std::string> subcommandNames(const CLI::App& command) {
 std::vector<std::string> beginningWith(const std::string& begin, std::vector<std::string> words) {
   std::erase_if(words, [&](const std::string& word) { return !word.starts_with(begin); });
   std::ranges::sort(words);
-  const auto twice = std::ranges::unique(words);
-  words.erase(twice.begin(), twice.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
   return words;
 }
 

@@ -216,9 +216,9 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
     const std::string touch =
         "touch --join felt" + domain() + " --backend cpu --realtime --path builtin:press --duration ";
     RunningProgram bert(
-        touch + "600 --near --as Bert --second-device path --second-path builtin:slide --json " + in("t.json"),
+        touch + "200 --near --as Bert --second-device path --second-path builtin:slide --json " + in("t.json"),
         folder / "bert.said");
-    RunningProgram carla(touch + "600 --as Carla --json " + in("c.json"), folder / "carla.said");
+    RunningProgram carla(touch + "200 --as Carla --json " + in("c.json"), folder / "carla.said");
     const auto areNear = [&] {
       const std::string said = contentOf(folder / "said"), part = "feels the points around its hands";
       const std::size_t first = said.find(part);
