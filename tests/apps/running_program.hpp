@@ -1,8 +1,6 @@
 // The program while it runs: started beside the test, met by a signal when its session is under way.
 #pragma once
 
-#include <csignal>
-
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,7 +18,7 @@ class RunningProgram {
   /// What it prints goes to `said`.
   RunningProgram(const std::string& arguments, const std::filesystem::path& said) : child_(::fork()) {
     if (child_ == 0) {
-      std::signal(SIGINT, SIG_DFL);  // which std::system() has this program ignore while another thread is in it
+      ::signal(SIGINT, SIG_DFL);  // which std::system() has this program ignore while another thread is in it
       // The shell becomes the program, so that a signal meets the program itself.
       const std::string command = "exec " + program() + " " + arguments + " >'" + said.string() + "' 2>&1";
       ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
