@@ -9,10 +9,11 @@ namespace {
 std::atomic<bool> stopRequested = false;  // what a signal handler may touch
 std::atomic<int> whichSignal = SIGINT;
 
-// One that whoever started the program has it ignore, as nohup does, stays ignored.
+// SIGHUP stays ignored where it is, as under nohup. SIGINT does not: shells have what a script starts in the background
+// ignore it (POSIX, 2.11), and a script that sends it to a server means it.
 void handle(void (*handler)(int)) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
-    if (std::signal(signal, handler) == SIG_IGN) std::signal(signal, SIG_IGN);
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, handler);
+  if (std::signal(SIGHUP, handler) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ class RunningProgram {
   /// What it prints goes to `said`.
   RunningProgram(const std::string& arguments, const std::filesystem::path& said) : child_(::fork()) {
     if (child_ == 0) {
-      ::signal(SIGINT, SIG_DFL);  // which std::system() has this program ignore while another thread is in it
+      ::signal(SIGINT, SIG_IGN);  // as for what a script starts in the background
       // The shell becomes the program, so that a signal meets the program itself.
       const std::string command = "exec " + program() + " " + arguments + " >'" + said.string() + "' 2>&1";
       ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);

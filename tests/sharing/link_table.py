@@ -115,7 +115,7 @@ def measure(palpate, folder, trip_ms, loss, jitter_ms, presses, duration_s):
                  "0.1", "--duration", str(duration_s + 4 * cell.trip_s), said="other.log")
         time.sleep(1 + 2 * cell.trip_s)  # the last of it is on its way
         hand.send_signal(signal.SIGINT)
-        if hand.wait() != 1 or "interrupted after" not in (folder / "hand.log").read_text(encoding="utf-8"):
+        if hand.wait() != 128 + signal.SIGINT or "interrupted after" not in (folder / "hand.log").read_text(encoding="utf-8"):
             raise RuntimeError((folder / "hand.log").read_text(encoding="utf-8"))
     finally:
         frames = cell.close()
