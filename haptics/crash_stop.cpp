@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 // A handler has no arguments of its own choosing, so what it needs has to stand where it can find it.
-std::array<std::atomic<HapticDevice*>, CrashStop::kMostDevices> devices;
+std::array<std::atomic<HapticDevice*>, CrashStop::kMaxDevices> devices;
 std::mutex installation;  // for putting handlers in place and back; never held by one
 int guarded = 0;
 
@@ -26,8 +26,8 @@ void stopGuardedDevices() noexcept {
 
 CrashStop::CrashStop(HapticDevice& device) {
   const std::scoped_lock lock(installation);
-  while (slot_ < kMostDevices && devices[slot_].load()) ++slot_;
-  if (slot_ == kMostDevices) throw Error("{} devices have a force already, and there may be no more", kMostDevices);
+  while (slot_ < kMaxDevices && devices[slot_].load()) ++slot_;
+  if (slot_ == kMaxDevices) throw Error("{} devices have a force already, and there may be no more", kMaxDevices);
   devices[slot_].store(&device);
   if (guarded++ == 0) putCrashHandlersInPlace();
 }

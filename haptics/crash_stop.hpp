@@ -13,13 +13,13 @@ namespace palpate {
 /// console or a user's session that is closed; a program that is ended from the task manager is not asked.
 class CrashStop {
  public:
-  /// Throws Error where kMostDevices are guarded already.
+  /// Throws Error where kMaxDevices are guarded already.
   explicit CrashStop(HapticDevice& device);
   ~CrashStop();
   CrashStop(const CrashStop&) = delete;
   CrashStop& operator=(const CrashStop&) = delete;
 
-  static constexpr int kMostDevices = static_cast<int>(kMostHands);
+  static constexpr int kMaxDevices = static_cast<int>(kMaxHands);
 
  private:
   int slot_ = 0;

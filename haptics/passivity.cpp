@@ -25,7 +25,7 @@ Passivity::Passivity(PassivityMode mode, const DeviceLimits& limits, double stif
     : mode_(mode),
       stiffness_N_per_mm_(std::max(stiffness_N_per_mm, kSoftest_N_per_mm)),
       mostDamping_N_s_per_mm_(limits.mostDamping_N_s_per_mm),
-      delay_(static_cast<std::size_t>(std::clamp(limits.forceDelay_ticks, 0, static_cast<int>(kMostDelay)))) {}
+      delay_(static_cast<std::size_t>(std::clamp(limits.forceDelay_ticks, 0, static_cast<int>(kMaxDelay)))) {}
 
 // Under a zero-order hold the energy between two reads is exactly the held force times the way between them, whatever
 // the velocity did in between (Stramigioli et al. 2005), so no velocity has to be estimated to observe it.

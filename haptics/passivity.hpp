@@ -64,7 +64,7 @@ class Passivity {
   double leastEnergy_mJ() const noexcept { return leastEnergy_mJ_; }
 
  private:
-  static constexpr std::size_t kMostDelay = 3;
+  static constexpr std::size_t kMaxDelay = 3;
 
   DVec3 braked(const DVec3& wanted_N, const DVec3& way_mm, double dt_s) const noexcept;
   DVec3 withinMeans(const DVec3& force_N, const DVec3& way_mm, const DVec3& change_mm, double dt_s) const noexcept;
@@ -76,7 +76,7 @@ class Passivity {
   double stiffness_N_per_mm_;
   double mostDamping_N_s_per_mm_;
   std::size_t delay_;
-  std::array<DVec3, kMostDelay + 1> forces_N_{};  ///< written at the last tick, the one before it, ...
+  std::array<DVec3, kMaxDelay + 1> forces_N_{};  ///< written at the last tick, the one before it, ...
   DVec3 position_mm_{0};
   DVec3 lastWay_mm_{0};  ///< in the tick before
   bool known_ = false;   ///< position_mm_ is that of the last tick

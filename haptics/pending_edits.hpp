@@ -22,7 +22,7 @@ class PendingEdits {
   std::uint64_t take(EditBatch& edits);
 
  private:
-  static constexpr std::size_t kMostStates = 1 << 20;
+  static constexpr std::size_t kMaxStates = 1 << 20;
 
   mutable std::mutex lock_;
   EditBatch edits_;

@@ -21,13 +21,13 @@ class RateEstimate {
   bool isKnown() const noexcept { return count_ > 0; }
 
  private:
-  static constexpr std::size_t kMost = 16;  // ticks in a difference: a millisecond up to 16 kHz
+  static constexpr std::size_t kMax = 16;  // ticks in a difference: a millisecond up to 16 kHz
 
   struct Sample {
     DVec3 value;
     double dt_s;  ///< since the one before
   };
-  std::array<Sample, kMost + 1> samples_{};
+  std::array<Sample, kMax + 1> samples_{};
   std::size_t newest_ = 0, count_ = 0;
 };
 

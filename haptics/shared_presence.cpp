@@ -6,11 +6,11 @@
 namespace palpate {
 
 bool isCamera(const CameraPlace& camera) {
-  constexpr double kUnit = 1e-3, kLeastAspect = 1e-3, kMostAspect = 1e3;
+  constexpr double kUnit = 1e-3, kMinAspect = 1e-3, kMaxAspect = 1e3;
   const DVec3& at = camera.position;
   return std::isfinite(at.x) && std::isfinite(at.y) && std::isfinite(at.z) &&
          std::abs(glm::length(camera.turn) - 1) < kUnit && camera.fovY_rad > 0 && camera.fovY_rad < std::numbers::pi &&
-         camera.aspect >= kLeastAspect && camera.aspect <= kMostAspect;
+         camera.aspect >= kMinAspect && camera.aspect <= kMaxAspect;
 }
 
 CameraFrustum frustumOf(const CameraPlace& camera) {

@@ -23,8 +23,8 @@ struct HandPlace {
 
 /// Those of one program, at the same moment.
 struct HandPlaces {
-  std::uint32_t count = 0;  ///< at most kMostHands
-  std::array<HandPlace, kMostHands> hands{};
+  std::uint32_t count = 0;  ///< at most kMaxHands
+  std::array<HandPlace, kMaxHands> hands{};
 };
 
 /// Somebody else's hand, as it was heard last.

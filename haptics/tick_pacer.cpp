@@ -11,15 +11,15 @@ namespace palpate {
 namespace {
 
 constexpr double kHighestRate_Hz = 100'000;
-constexpr double kMostTicks = 50'000'000;  // 14 hours at 1 kHz; their rows take about 10 GB
+constexpr double kMaxTicks = 50'000'000;  // 14 hours at 1 kHz; their rows take about 10 GB
 
 /// Spinning for as long as waking up takes the system keeps a tick to the microsecond; a longer spin only burns a core.
-constexpr double kMostOfPeriod = 0.5;  // at most this share is spun, so that the core is left to others every tick
+constexpr double kMaxOfPeriod = 0.5;  // at most this share is spun, so that the core is left to others every tick
 /// Without real-time priority a thread that sleeps at all is now and then woken a whole tick late.
 constexpr double kSpinWithoutPriority_ns = 1'000'000;
 
 constexpr double kSmallestBudget_us = 20;  // a budget of 0 would mean to wait as long as it takes
-constexpr double kMostReserve = 0.2;       // of a tick
+constexpr double kMaxReserve = 0.2;        // of a tick
 
 }  // namespace
 
@@ -27,8 +27,8 @@ std::uint64_t plannedTicks(double rate_Hz, double duration_s) {
   if (!(rate_Hz > 0 && rate_Hz <= kHighestRate_Hz))
     throw UsageError("rate {} Hz: it must be above 0 and at most {}", rate_Hz, kHighestRate_Hz);
   const double ticks = duration_s * rate_Hz;
-  if (!(duration_s >= 0 && ticks <= kMostTicks))
-    throw UsageError("{} s at {} Hz: a session has at most {} ticks; make it shorter", duration_s, rate_Hz, kMostTicks);
+  if (!(duration_s >= 0 && ticks <= kMaxTicks))
+    throw UsageError("{} s at {} Hz: a session has at most {} ticks; make it shorter", duration_s, rate_Hz, kMaxTicks);
   return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(ticks)));
 }
 
@@ -37,7 +37,7 @@ TickPacer::TickPacer(double rate_Hz, bool wakesInTime, SessionClock* clock) noex
       period_ns_(1e9 / rate_Hz),
       spin_ns_(clock || coresToUse() < kCoresToSpin ? 0
                : wakesInTime ? std::llround(std::min(static_cast<double>(RealtimePriority::wakesWithin_ns()),
-                                                     kMostOfPeriod * period_ns_))
+                                                     kMaxOfPeriod * period_ns_))
                              : std::llround(std::min(kSpinWithoutPriority_ns, period_ns_))),
       start_ns_(clock_.now_ns()) {}
 
@@ -64,7 +64,7 @@ double TickPacer::remaining_us(std::uint64_t index) const noexcept {
 }
 
 double TickPacer::budget_us(std::uint64_t index, double reserve_us) const noexcept {
-  return std::max(remaining_us(index + 1) - std::min(reserve_us, kMostReserve * 1e-3 * period_ns_), kSmallestBudget_us);
+  return std::max(remaining_us(index + 1) - std::min(reserve_us, kMaxReserve * 1e-3 * period_ns_), kSmallestBudget_us);
 }
 
 }  // namespace palpate

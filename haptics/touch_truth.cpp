@@ -44,11 +44,11 @@ void GodObject::step(const DVec3& hip) {
 // Towards the HIP in the tangent plane and back onto the surface. Where the surface is hollow a step goes too far, by
 // the depth over the radius of curvature; halving the next ones when they turn back makes it arrive all the same.
 void GodObject::slide(const DVec3& hip) {
-  constexpr int kMostSteps = 200;
+  constexpr int kMaxSteps = 200;
   const double arrived = 2e-5 * longestStep_;
   DVec3 last(0);
   double share = 1;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const DVec3 toHip = hip - contact_.position;
     const DVec3 aside = toHip - glm::dot(toHip, contact_.normal) * contact_.normal;
     if (glm::dot(aside, last) < 0) share *= 0.5;

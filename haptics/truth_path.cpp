@@ -10,7 +10,7 @@ constexpr double kApproach_mm_per_s = 25, kRest_s = 0.05, kHold_s = 0.25;
 constexpr double kStep_mm = 0.1;      // along a slide
 constexpr double kEdgeCosine = 0.9;   // between the normals of neighbouring steps; below it the surface has an edge
 constexpr double kNearEnough = 0.98;  // of the depth that is meant: the true one where the surface does not jump
-constexpr double kLeastDepth = 0.4;   // of the depth that is meant: in less, a force's direction means little
+constexpr double kMinDepth = 0.4;     // of the depth that is meant: in less, a force's direction means little
 constexpr double kGivingWay = 0.5;    // most change of depth along the way, as a slope
 constexpr int kTaps = 5;
 
@@ -43,7 +43,7 @@ DVec3 unitTangent(const DVec3& direction, const DVec3& normal) {
 // Shallower where another place of the surface would be nearer, with neither jumps nor kinks in between.
 void giveWay(const TouchTruth& truth, const std::vector<SurfacePoint>& spots, double mostChange,
              std::vector<double>& depths) {
-  const double least = kLeastDepth * depths.front();
+  const double least = kMinDepth * depths.front();
   for (std::size_t k = 0; k < spots.size(); ++k)
     while (depths[k] > least && -truth.signedDistance(above(spots[k], -depths[k])) < kNearEnough * depths[k])
       depths[k] *= 0.9;

@@ -24,7 +24,7 @@ namespace palpate {
 
 namespace {
 
-constexpr unsigned kMostForWords_s = 60;  // a debugger that stands still itself
+constexpr unsigned kMaxForWords_s = 60;  // a debugger that stands still itself
 
 pid_t ours = 0;
 std::atomic<const char*> caseName = nullptr, caseFile = nullptr;
@@ -107,7 +107,7 @@ void endThoseBegun() {
 extern "C" void sayThenGo(int signal) {
   if (::getpid() == ours) {
     std::signal(SIGALRM, SIG_DFL);
-    ::alarm(kMostForWords_s);
+    ::alarm(kMaxForWords_s);
     say("\nThis test program is ended by ");
     say(signal == SIGALRM ? "the clock: it took longer than it may" : ::sigdescr_np(signal));
     sayWhere();

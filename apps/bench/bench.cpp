@@ -53,7 +53,7 @@ void addMethodsOption(Options& bench, BenchOptions& options, const std::string& 
 
 void addRepeatOptions(Options& bench, BenchOptions& options) {
   bench.add("--repeat", options.repeat, "repetitions of each measurement")
-      .check(wholeBetween(1, bounds::kMostCount))
+      .check(wholeBetween(1, bounds::kMaxCount))
       .showDefault();
   bench.add("--limit", options.limit_s, "s that one measurement may take, 5 repetitions at least; 0: no limit")
       .check(between(0, bounds::kLongest_s))
@@ -66,7 +66,7 @@ void addRateOption(Options& bench, BenchOptions& options) {
 
 void addFrictionOption(Options& bench, BenchOptions& options) {
   bench.add("--friction", options.backend.friction, "coefficient of a proxy that slides")
-      .check(between(0, bounds::kMostFriction))
+      .check(between(0, bounds::kMaxFriction))
       .showDefault();
 }
 

@@ -20,12 +20,12 @@ constexpr double kAbove_mm = 3, kDown_mm_per_s = 25, kAlong_mm_per_s = 50;
 constexpr double kQuerySlide_mm = 20, kQueryStep_mm = 0.5;
 constexpr int kDirections = 8;
 constexpr double kTau_mm = 0.5, kBeta = 0.1, kStrength = 0.5;  // as in touch
-constexpr double kDepthSlack_mm = 0.4, kMostRaised_mm = 0.3;
+constexpr double kDepthSlack_mm = 0.4, kMaxRaised_mm = 0.3;
 // Support radii: the tool's axis and the surface over the hand are found here by other means than in the session.
 constexpr double kWaySlack = 0.12;
 constexpr std::size_t kIdleTicks = 100;
 constexpr double kIdleDeeper_mm = 1;  // than the stroke, so that the brush acts in what that has left
-constexpr std::size_t kMostSettling = 400, kQuiet = 24, kDrain = 8;  // ticks
+constexpr std::size_t kMaxSettling = 400, kQuiet = 24, kDrain = 8;  // ticks
 constexpr std::int64_t kUsualPoints = 15'000;
 
 struct LocalityBenchOptions : BenchOptions {
@@ -196,7 +196,7 @@ class Play {
   /// Lifts the hand to `hip` and waits until nothing changes any more: how many ticks that took, and whether it came.
   std::pair<std::size_t, bool> settle(const DVec3& hip) {
     std::size_t last = 0;
-    for (std::size_t ticks = 0; ticks < kMostSettling; ticks += kDrain) {
+    for (std::size_t ticks = 0; ticks < kMaxSettling; ticks += kDrain) {
       if (ticks - last >= kQuiet) return {last, true};
       std::size_t states = 0;
       for (std::size_t k = 0; k < kDrain; ++k) states += tick({hip, hip, DVec3(0)});
@@ -297,7 +297,7 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
                    .depth = presses && subject.isDeep ? std::optional(model.scale.toUnits(options.depth_mm - kTau_mm))
                                                       : std::nullopt,
                    .depthSlack = model.scale.toUnits(kDepthSlack_mm),
-                   .mostRaised = presses ? std::optional(model.scale.toUnits(kMostRaised_mm)) : std::nullopt});
+                   .mostRaised = presses ? std::optional(model.scale.toUnits(kMaxRaised_mm)) : std::nullopt});
   record.deepest_mm = model.scale.toMm(record.verdict.deepest);
   record.highest_mm = model.scale.toMm(record.verdict.highest);
   record.after = pressIdly(play, subject, idle, options.depth_mm + kIdleDeeper_mm);

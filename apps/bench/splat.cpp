@@ -357,7 +357,7 @@ void addOptions(Options& bench, SplatBenchOptions& options) {
       .separatedBy(',')
       .typeName("N,...");
   bench.add("--smooth", options.smooths_px, "pixels to each side over which depth is smoothed; several are judged")
-      .check(inRange(0u, shared::kMostSmooth_px / 2))
+      .check(inRange(0u, shared::kMaxSmooth_px / 2))
       .separatedBy(',')
       .showDefault();
   for (const std::string_view shape : kShapes) options.shapes.emplace_back(shape);

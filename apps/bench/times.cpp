@@ -110,7 +110,7 @@ void addOptions(Options& bench, TimeBenchOptions& options) {
   bench
       .add("--tool-points", options.toolPoints,
            "at rest with tools of so many points, too, by the method fused and the CPU")
-      .check(wholeBetween(1, static_cast<double>(kMostToolPoints)))
+      .check(wholeBetween(1, static_cast<double>(kMaxToolPoints)))
       .separatedBy(',')
       .typeName("N,...");
   bench.add("--tool", options.tool, "which tool").check(oneOf({"pad", "ball", "spatula"})).showDefault();

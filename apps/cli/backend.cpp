@@ -66,7 +66,7 @@ void addSurfaceOptions(Options& sub, BackendOptions& options) {
           "three times the time (cuda has average alone)")
       .check(oneOf(namesOf(kSurfaceKinds)));
   sub.add("--friction", options.friction, "coefficient of a proxy that slides; 0 is none")
-      .check(between(0, bounds::kMostFriction))
+      .check(between(0, bounds::kMaxFriction))
       .showDefault();
   addRadiusOption(sub, options);
 }
@@ -97,7 +97,7 @@ void addIndexOptions(Options& sub, BackendOptions& options) {
   const Option cell = sub.add("--cell", options.cell_mm, "edge of a hash cell, mm (default: the support radius)")
                           .check(between(bounds::kShortest_mm, bounds::kLongest_mm));
   sub.add("--grid", options.grid, "hash cells along the longest side, instead of --cell")
-      .check(between(1, bounds::kMostCells))
+      .check(between(1, bounds::kMaxCells))
       .excludes(cell);
 }
 
@@ -110,7 +110,7 @@ void addToolOptions(Options& sub, BackendOptions& options) {
       .showDefault();
   sub.add("--tool-points", options.toolPoints,
           fmt::format("of a pad, ball or spatula (default {})", ToolConfig{}.points))
-      .check(wholeBetween(1, static_cast<double>(kMostToolPoints)))
+      .check(wholeBetween(1, static_cast<double>(kMaxToolPoints)))
       .typeName("N");
   sub.add("--tool-size", options.toolSize_mm,
           fmt::format("diameter of a pad or ball, length of a spatula, mm (default {})", ToolConfig{}.size_mm))

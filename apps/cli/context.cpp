@@ -34,7 +34,7 @@ void Context::addOptions(Options& app) {
       .typeName("FILE|-")
       .check({[](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; }});
   app.add("--threads", threads_, "CPU threads for loading and making clouds, and for --backend cpu (0: one per core)")
-      .check(wholeBetween(0, bounds::kMostThreads));
+      .check(wholeBetween(0, bounds::kMaxThreads));
   app.addFlag("--quiet", quiet_, "no remarks and no progress; results are still printed");
 }
 

@@ -41,9 +41,9 @@ void addHandOptions(Options& sub, HandChoices& options) {
       .check(oneOf({"fit", "identity"}))
       .showDefault();
   sub.add("--hand-stiffness", options.handStiffness_N_per_mm, "of the simulated hand, N/mm (default 0.4)")
-      .check(between(bounds::kLeastStiffness_N_per_mm, bounds::kMostStiffness_N_per_mm));
+      .check(between(bounds::kMinStiffness_N_per_mm, bounds::kMaxStiffness_N_per_mm));
   sub.add("--hand-damping", options.handDamping_N_s_per_mm, "of the simulated hand, N s/mm (default 0.002)")
-      .check(between(1e-9, bounds::kMostDamping_N_s_per_mm));
+      .check(between(1e-9, bounds::kMaxDamping_N_s_per_mm));
   sub.add("--passivity", options.passivity,
           "what to do when the surface gives more energy than it took: on, brake; observe, count only; off "
           "(default: on where a hand yields to the force, off for a script, which cannot be braked)")

@@ -93,10 +93,10 @@ std::vector<Tick> ticksOf(const HeightRange& heights) {
   if (!(step > 0)) return {{heights.low, lengthText(heights.low)}};
   std::vector<Tick> ticks;
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
-  constexpr int kMostDecimals = 9;
+  constexpr int kMaxDecimals = 9;
   for (double n = std::ceil(heights.low / step - 1e-9); n * step <= heights.high + 1e-9 * extent; ++n) {
     const double height = n * step + 0.0;  // no negative zero
-    ticks.push_back({height, decimals > kMostDecimals ? lengthText(height) : fmt::format("{:.{}f}", height, decimals)});
+    ticks.push_back({height, decimals > kMaxDecimals ? lengthText(height) : fmt::format("{:.{}f}", height, decimals)});
   }
   return ticks;
 }

@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr std::int64_t kDefaultPoints = 500'000;
-constexpr double kMostPoints = 2'000'000'000;
+constexpr double kMaxPoints = 2'000'000'000;
 constexpr double kSmallestSize = 1e-12, kLargestSize = 1e15;  // model units
 constexpr double kFarthest = 1e28;                            // from the origin, model units
 
@@ -52,12 +52,12 @@ void addMake(Options& app, Context& context, Command& command) {
   std::string names;
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub.add("shape", options->shape, "one of " + names).required().typeName("SHAPE");
-  sub.add("-n,--points", options->count, "number of points").check(wholeBetween(0, kMostPoints)).showDefault();
+  sub.add("-n,--points", options->count, "number of points").check(wholeBetween(0, kMaxPoints)).showDefault();
   sub.add("-o,--output", options->output, "file to write: " + cloudFormats().endingsWritten())
       .required()
       .typeName("FILE");
   sub.add("--seed", options->seed, "turns the sampling and picks the noise; same seed, same bytes")
-      .check(wholeBetween(0, bounds::kMostSeed))
+      .check(wholeBetween(0, bounds::kMaxSeed))
       .showDefault();
   sub.add("--noise", options->noise, "deviation of the positions from the surface along each axis, model units")
       .check(between(0, kLargestSize))

@@ -34,7 +34,7 @@ void addScaleOptions(Options& command, ScaleOptions& options) {
       .add("--mm-per-unit", options.mm_per_unit,
            "millimetres per model unit (default: what a comment of the file says, mm_per_unit, or the longest side "
            "becomes 100 mm)")
-      .check(between(bounds::kLeastScale, bounds::kMostScale));
+      .check(between(bounds::kMinScale, bounds::kMaxScale));
   command
       .add("--scale-from", options.from,
            "the same by two places of the model, in its units, and how many mm they are apart: \"0,0,0:1.5,0,2=340\"")
@@ -62,9 +62,9 @@ double ScaleOptions::given() const {
   const double apart_mm = parseList<double, 1>(from.substr(equals + 1), ',', "--scale-from", kWanted)[0];
   const double scale = apart_mm / apart;
   if (!(apart > 0)) throw UsageError("--scale-from: both places are the same one");
-  if (!(scale >= bounds::kLeastScale && scale <= bounds::kMostScale))
+  if (!(scale >= bounds::kMinScale && scale <= bounds::kMaxScale))
     throw UsageError("--scale-from: {} mm for {} units are {} mm per unit, which is not between {} and {}", apart_mm,
-                     apart, scale, bounds::kLeastScale, bounds::kMostScale);
+                     apart, scale, bounds::kMinScale, bounds::kMaxScale);
   return scale;
 }
 

@@ -20,7 +20,7 @@ void addMotionOptions(Options& command, MotionOptions& options) {
       .showDefault();
   command
       .add("--motion-frequency", options.frequency_Hz, "oscillate, turn: times to and fro, or about, in a second, Hz")
-      .check(between(0, bounds::kMostRate_Hz))
+      .check(between(0, bounds::kMaxRate_Hz))
       .showDefault();
   command.add("--motion-speed", options.speed_mm_per_s, "drift, mm/s")
       .check(between(0, bounds::kLongest_mm))

@@ -88,7 +88,7 @@ void addPictureOptions(Options& command, PictureOptions& options) {
       .add("--smooth", options.smooth_px,
            "smooth depth within the surface, pixels to each side, and take normals from it; 0: blend those of "
            "the points")
-      .check(inRange(0u, shared::kMostSmooth_px / 2))
+      .check(inRange(0u, shared::kMaxSmooth_px / 2))
       .showDefault();
   addSamplesOption(command, options.samples);
   command.addFlag("--every-point", options.everyPoint,

@@ -128,7 +128,7 @@ void addRosOptions(Options& command, RosOptions& options) {
            "network of --interface, --peer, --domain and --security, else on this machine alone")
       .typeName("NAME");
   command.add("--ros-rate", options.rate_Hz, "Hz; ticks in between are left out")
-      .check(between(1, bounds::kMostRate_Hz))
+      .check(between(1, bounds::kMaxRate_Hz))
       .showDefault();
   addRosParentOptions(command, options);
 }

@@ -19,7 +19,7 @@ void addDepthOptions(Options& command, StreamOptions& options) {
   command
       .add("--depth-scale", options.depthScale,
            "depth values per metre (default: as the intrinsics say, or 5000 of a TUM folder and 1000 of others)")
-      .check(between(bounds::kLeastDepthScale, bounds::kMostDepthScale));
+      .check(between(bounds::kMinDepthScale, bounds::kMaxDepthScale));
 }
 
 void addStreamOptions(Options& command, StreamOptions& options) {
@@ -33,7 +33,7 @@ void addStreamOptions(Options& command, StreamOptions& options) {
           "frames, each a line 'frame TIME_S [16 numbers, camera to world]' and its bytes")
       .typeName("DEVICE|ros:TOPIC|-");
   command.add("--speed", options.speed, "of a recording: its seconds in one second")
-      .check(between(bounds::kLeastSpeed, bounds::kMostSpeed))
+      .check(between(bounds::kMinSpeed, bounds::kMaxSpeed))
       .showDefault();
   command.addFlag("--loop", options.loop, "a recording begins again after its last frame");
   command

@@ -12,16 +12,16 @@ namespace {
 
 void addForceOptions(Options& sub, ForceOptions& force) {
   sub.add("--stiffness", force.stiffness_N_per_mm, "N/mm")
-      .check(between(0, bounds::kMostStiffness_N_per_mm))
+      .check(between(0, bounds::kMaxStiffness_N_per_mm))
       .showDefault();
   sub.add("--damping", force.damping_N_s_per_mm, "N s/mm")
-      .check(between(0, bounds::kMostDamping_N_s_per_mm))
+      .check(between(0, bounds::kMaxDamping_N_s_per_mm))
       .showDefault();
   sub.add("--max-force", force.maxForce_N, "N; no force is ever larger (nor does it grow or turn faster than 600 N/s)")
-      .check(between(0, bounds::kMostForce_N))
+      .check(between(0, bounds::kMaxForce_N))
       .showDefault();
   sub.add("--max-surface-power", force.maxSurfacePower_W, "W; what a surface that moves by itself may do to the hand")
-      .check(between(1e-6, bounds::kMostSurfacePower_W))
+      .check(between(1e-6, bounds::kMaxSurfacePower_W))
       .showDefault();
 }
 
@@ -50,7 +50,7 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--falloff", options.falloff,
           "inflate, smooth, flatten, grab, paint: how the strength falls off, (1 - r^2)^F at r tool radii from the "
           "place over the hand; a whole number, 0 to 16")
-      .check(wholeBetween(0, kMostFalloff))
+      .check(wholeBetween(0, kMaxFalloff))
       .typeName("F")
       .showDefault();
   sub.add("--paint-color", options.paintColor, "R,G,B, 0 to 255").showDefault();
@@ -63,12 +63,12 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--undo", options.undo,
           "take the last N strokes back once the path has ended; a stroke is all that is done in one contact, with "
           "gaps of up to 0.3 s")
-      .check(wholeBetween(0, bounds::kMostCount))
+      .check(wholeBetween(0, bounds::kMaxCount))
       .typeName("N");
-  sub.add("--redo", options.redo, "and do M of them again").check(wholeBetween(0, bounds::kMostCount)).typeName("M");
+  sub.add("--redo", options.redo, "and do M of them again").check(wholeBetween(0, bounds::kMaxCount)).typeName("M");
   sub.add("--undo-memory", options.undoMemory_MiB,
           "for the strokes that can be taken back, MiB; past it the oldest are forgotten")
-      .check(between(bounds::kLeastMemory_MiB, bounds::kMostMemory_MiB))
+      .check(between(bounds::kMinMemory_MiB, bounds::kMaxMemory_MiB))
       .showDefault();
 }
 
@@ -82,7 +82,7 @@ void addPathOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--penetration", options.penetration_mm, "how deep builtin:press goes, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
-  sub.add("--rate", options.rate_Hz, "ticks per second").check(between(1, bounds::kMostRate_Hz)).showDefault();
+  sub.add("--rate", options.rate_Hz, "ticks per second").check(between(1, bounds::kMaxRate_Hz)).showDefault();
   sub.addFlag("--realtime", options.realtime, "against the wall clock (default: virtual time, as fast as it goes)");
   sub.add("--duration", options.hand.duration_s, "of the session, s (default: as long as the path)")
       .check(between(bounds::kShortest_s, bounds::kLongest_s));

@@ -31,13 +31,13 @@ PointCloud pointsIn(const PointCloud& cloud, const Bounds& box) {
 
 ContactError contactError(const Trace& trace, const Model& model, const SurfaceOptions& surface,
                           std::optional<double> firstEditTime_s, const std::optional<RigidMotion>& motion) {
-  constexpr std::size_t kMostTicks = 200;
+  constexpr std::size_t kMaxTicks = 200;
   std::vector<const TraceRow*> rows;
   for (const TraceRow& row : trace.rows)
     if (row.contact && row.fresh && (!firstEditTime_s || row.time_s <= *firstEditTime_s)) rows.push_back(&row);
   ContactError error;
   if (rows.empty()) return error;
-  const std::size_t stride = (rows.size() + kMostTicks - 1) / kMostTicks;
+  const std::size_t stride = (rows.size() + kMaxTicks - 1) / kMaxTicks;
   struct Felt {
     DVec3 proxy, normal;
   };

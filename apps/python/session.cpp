@@ -290,10 +290,10 @@ void PySession::raiseOfLaw() {
 }
 
 py::array PySession::takeTicks() {
-  constexpr std::size_t kMost = 1 << 15;
-  auto ticks = std::make_unique<pp_tick[]>(kMost);
+  constexpr std::size_t kMax = 1 << 15;
+  auto ticks = std::make_unique<pp_tick[]>(kMax);
   std::uint64_t count = 0;
-  with([&](pp::Session& session) { pp::check(pp_live_take(session.handle(), ticks.get(), kMost, &count)); });
+  with([&](pp::Session& session) { pp::check(pp_live_take(session.handle(), ticks.get(), kMax, &count)); });
   std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(count / hands_)};
   if (hands_ > 1) shape.push_back(hands_);
   return rowsOf({ticks.get(), count}, shape);

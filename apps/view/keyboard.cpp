@@ -12,8 +12,8 @@ namespace {
 
 // Of the brush, for one press of [ or ].
 void resize(double& radius_mm, double factor) {
-  constexpr double kLeast_mm = 0.5, kMost_mm = 30;
-  radius_mm = std::clamp(radius_mm * factor, kLeast_mm, kMost_mm);
+  constexpr double kMin_mm = 0.5, kMax_mm = 30;
+  radius_mm = std::clamp(radius_mm * factor, kMin_mm, kMax_mm);
 }
 
 }  // namespace

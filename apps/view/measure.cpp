@@ -37,9 +37,9 @@ double Measure::scaleFor(const std::string& text) const {
   const double units = distance().value_or(0);
   if (!(units > 0)) throw Error("nothing is measured: click two different places of the model first");
   const double scale = true_mm / units;
-  if (!(scale >= bounds::kLeastScale && scale <= bounds::kMostScale))
+  if (!(scale >= bounds::kMinScale && scale <= bounds::kMaxScale))
     throw Error("{} mm for {:.6g} units are {} mm per unit, which is not between {} and {}", true_mm, units, scale,
-                bounds::kLeastScale, bounds::kMostScale);
+                bounds::kMinScale, bounds::kMaxScale);
   return scale;
 }
 

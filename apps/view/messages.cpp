@@ -8,18 +8,18 @@
 namespace palpate {
 
 void Messages::say(const std::string& text) {
-  constexpr std::size_t kMost = 5;
+  constexpr std::size_t kMax = 5;
   add(text);
-  if (remarks_.size() > kMost) remarks_.pop_front();
+  if (remarks_.size() > kMax) remarks_.pop_front();
   log_.say("{}", text);
 }
 
 void Messages::sayError(const std::string& text) {
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMax = 3;
   last_ = text;
   std::erase(errors_, text);
   errors_.push_back(text);
-  if (errors_.size() > kMost) errors_.erase(errors_.begin());
+  if (errors_.size() > kMax) errors_.erase(errors_.begin());
   log_.say("{}", text);
 }
 

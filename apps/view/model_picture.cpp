@@ -25,10 +25,10 @@ ModelPicture::ModelPicture(Device& sight)
 
 void ModelPicture::choosePace(bool still) {
   constexpr double kSlow_ms = 90;
-  constexpr std::uint32_t kMostShrunk = 3;
+  constexpr std::uint32_t kMaxShrunk = 3;
   if (still)
     shrink_ = 1;
-  else if (time_ms_ > kSlow_ms && shrink_ < kMostShrunk)
+  else if (time_ms_ > kSlow_ms && shrink_ < kMaxShrunk)
     ++shrink_;
 }
 

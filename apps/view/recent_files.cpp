@@ -32,7 +32,7 @@ std::string lastingName(const std::string& model) {
 
 RecentFiles::RecentFiles() : store_(storePath()) {
   std::ifstream in(store_);
-  for (std::string line; files_.size() + gone_.size() < kMost && std::getline(in, line);)
+  for (std::string line; files_.size() + gone_.size() < kMax && std::getline(in, line);)
     if (!line.empty()) (lastingName(line).empty() ? gone_ : files_).push_back(line);
 }
 
@@ -42,8 +42,8 @@ void RecentFiles::add(const std::string& model) {
   std::erase(files_, name);
   std::erase(gone_, name);
   files_.insert(files_.begin(), name);
-  if (files_.size() > kMost) files_.resize(kMost);
-  gone_.resize(std::min(gone_.size(), kMost - files_.size()));
+  if (files_.size() > kMax) files_.resize(kMax);
+  gone_.resize(std::min(gone_.size(), kMax - files_.size()));
   store();
 }
 

@@ -11,7 +11,7 @@ namespace palpate {
 /// Where that cannot be read or written they last as long as the program.
 class RecentFiles {
  public:
-  static constexpr std::size_t kMost = 10;
+  static constexpr std::size_t kMax = 10;
 
   RecentFiles();
   const std::vector<std::string>& files() const { return files_; }

@@ -38,9 +38,9 @@ DVec3 normalAt(const Pick& pick, const Camera& camera, const DVec2& size_px) {
   const double length = glm::length(normal);
   if (!(length > 0)) return toEye;
   // What is seen from the side alone is seen badly.
-  constexpr double kLeastTowardsEye = 0.3;
+  constexpr double kMinTowardsEye = 0.3;
   const DVec3 facing = (glm::dot(normal, toEye) < 0 ? -1.0 : 1.0) / length * normal;
-  return glm::dot(facing, toEye) < kLeastTowardsEye ? toEye : facing;
+  return glm::dot(facing, toEye) < kMinTowardsEye ? toEye : facing;
 }
 
 void StylusHand::hold(bool on) {

@@ -176,9 +176,9 @@ void addView(Options& app, Context& context, Command& command) {
           "of the triangles (M), cells along the longest side; coarse ones come sooner on a slow GPU")
       .check(oneOf({"32", "64", "128", "256", "512"}))
       .showDefault();
-  sub.add("--rate", options->rate_Hz, "ticks per second").check(between(1, bounds::kMostRate_Hz)).showDefault();
+  sub.add("--rate", options->rate_Hz, "ticks per second").check(between(1, bounds::kMaxRate_Hz)).showDefault();
   sub.add("--undo-memory", options->undoMemory_MiB, "for strokes that can be taken back, MiB")
-      .check(between(bounds::kLeastMemory_MiB, bounds::kMostMemory_MiB))
+      .check(between(bounds::kMinMemory_MiB, bounds::kMaxMemory_MiB))
       .showDefault();
   sub.heading("A session of others");
   addJoinOptions(sub, options->join, JoinAs::hand);

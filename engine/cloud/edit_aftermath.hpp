@@ -13,9 +13,9 @@ namespace palpate {
 
 /// Points of a PointTree, the nearest first.
 struct NearestPoints {
-  static constexpr std::size_t kMost = 48;  ///< of which those of one sheet are taken
-  std::array<std::uint32_t, kMost> points;
-  std::array<double, kMost> squared;  ///< distances, model units squared
+  static constexpr std::size_t kMax = 48;  ///< of which those of one sheet are taken
+  std::array<std::uint32_t, kMax> points;
+  std::array<double, kMax> squared;  ///< distances, model units squared
   std::size_t count = 0;
 };
 NearestPoints nearestTo(const PointTree& tree, const DVec3& place);

@@ -259,13 +259,13 @@ std::vector<std::string_view> EditVerdict::broken(bool carves, bool strict) cons
   std::vector<std::string_view> broken;
   if (farthestMoved > reach) broken.emplace_back("moves far");
   if (inserted > 0 && farthestInserted > 1 + reach) broken.emplace_back("inserts far");
-  if (nearest < EditTolerance::kNearest || tooMany(crowded, inserted, EditTolerance::kMostCrowded))
+  if (nearest < EditTolerance::kNearest || tooMany(crowded, inserted, EditTolerance::kMaxCrowded))
     broken.emplace_back("crowds");
-  if (carves && tooMany(outside, inserted, EditTolerance::kMostOutside)) broken.emplace_back("grows");
-  if (tooMany(turned, sided, EditTolerance::kMostTurned)) broken.emplace_back("turns normals");
+  if (carves && tooMany(outside, inserted, EditTolerance::kMaxOutside)) broken.emplace_back("grows");
+  if (tooMany(turned, sided, EditTolerance::kMaxTurned)) broken.emplace_back("turns normals");
   if (wrongDepth) broken.emplace_back("wrong depth");
   if (raised) broken.emplace_back("raises");
-  if (tooMany(doubled, changed, EditTolerance::kMostDoubled)) broken.emplace_back("second layer");
+  if (tooMany(doubled, changed, EditTolerance::kMaxDoubled)) broken.emplace_back("second layer");
   if (turnedAtRest > 0) broken.emplace_back("turns normals at rest");
   return broken;
 }

@@ -29,16 +29,16 @@ struct BrushPath {
 
 /// What is allowed for: the judge measures spacings and heights of places anew, from few points, and errs.
 struct EditTolerance {
-  static constexpr double kReach = 0.01;        ///< support radii that a point may be farther away
-  static constexpr double kCrowded = 0.4;       ///< spacings of its place that a new point keeps from others
-  static constexpr double kMostCrowded = 0.02;  ///< share of the new points that may be nearer
-  static constexpr double kNearest = 0.25;      ///< spacings that none may be nearer: of an uneven place two measures
-                                                ///< differ by a half
-  static constexpr double kOutside = 0.5;  ///< spacings of its place that a new point may stand off the old surface
-  static constexpr double kMostOutside = 0.01;  ///< share of the new points that may: noisy scans have no one surface
-  static constexpr double kDepth = 0.25;        ///< share of the depth that a stroke may be off
-  static constexpr double kMostDoubled = 0.01;  ///< share of the changed points that may lie on another layer of them
-  static constexpr double kMostTurned = 0.01;   ///< share of the changed points whose normals may face the other way
+  static constexpr double kReach = 0.01;       ///< support radii that a point may be farther away
+  static constexpr double kCrowded = 0.4;      ///< spacings of its place that a new point keeps from others
+  static constexpr double kMaxCrowded = 0.02;  ///< share of the new points that may be nearer
+  static constexpr double kNearest = 0.25;     ///< spacings that none may be nearer: of an uneven place two measures
+                                               ///< differ by a half
+  static constexpr double kOutside = 0.5;      ///< spacings of its place that a new point may stand off the old surface
+  static constexpr double kMaxOutside = 0.01;  ///< share of the new points that may: noisy scans have no one surface
+  static constexpr double kDepth = 0.25;       ///< share of the depth that a stroke may be off
+  static constexpr double kMaxDoubled = 0.01;  ///< share of the changed points that may lie on another layer of them
+  static constexpr double kMaxTurned = 0.01;   ///< share of the changed points whose normals may face the other way
 };
 
 /// Counts points; a point that came and went again counts as nothing.

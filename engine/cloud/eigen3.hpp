@@ -39,8 +39,8 @@ inline Eigen3 eigenSymmetric(const SymmetricMatrix3& matrix) {
     for (double& entry : row) entry = std::scalbn(entry, -exponent);
 
   std::array<DVec3, 3> columns{DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(0, 0, 1)};
-  constexpr int kMostSweeps = 32;  // six are enough in practice; convergence is quadratic
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+  constexpr int kMaxSweeps = 32;  // six are enough in practice; convergence is quadratic
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     const double offDiagonal = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
     if (offDiagonal < 1e-40) break;
     for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {

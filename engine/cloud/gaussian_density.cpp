@@ -24,11 +24,11 @@ namespace {
 /// e^(-x / 2) for x >= 0 to 4e-6 of itself, e^-40 from 80 on: without a branch, a call or a comparison of floats, so
 /// that compilers let lanes go together.
 PALPATE_INTO_CALLER inline float fallingExp(float x) {
-  constexpr float kHalfLog2E = 0.72134752f, kMost = 80;
+  constexpr float kHalfLog2E = 0.72134752f, kMax = 80;
   constexpr float kWhole =
       12582912 + 127;  // floats of this size are whole; their last bits become those of an exponent
   // Positive numbers are in the order of their bits.
-  const float most = std::bit_cast<float>(std::min(std::bit_cast<std::int32_t>(x), std::bit_cast<std::int32_t>(kMost)));
+  const float most = std::bit_cast<float>(std::min(std::bit_cast<std::int32_t>(x), std::bit_cast<std::int32_t>(kMax)));
   const float power = -kHalfLog2E * most, shifted = power + kWhole;
   const float y = power - (shifted - kWhole);  // in [-0.5, 0.5]
   const float series = 1 + y * (0.693124193f + y * (0.240240986f + y * (0.055906425f + y * 0.009582853f)));

@@ -18,7 +18,7 @@ constexpr float kOversized = 10;                       // usual radii, of the lo
 constexpr float kFarthest = 5e5f;                      // usual radii: single precision tells a tenth of one there
 constexpr float kLargestLog = 60;                      // of deviations: beyond, their squares leave single precision
 constexpr float kThinnest = 0.2f, kThickest = 1;       // usual radii
-constexpr double kMostMeanArea = 2;                    // of the usual one
+constexpr double kMaxMeanArea = 2;                     // of the usual one
 constexpr float kZeroHarmonic = 0.28209479177387814f;  // 1 / (2 sqrt(pi))
 constexpr std::size_t kSample = 20'000;
 
@@ -103,7 +103,7 @@ double usualRadiusOf(const BareVector<Size>& sizes, unsigned threads) {
   });
   double area = 0, weight = 0;
   for (const Share& share : shares) area += share.area, weight += share.weight;  // in one order, to be the same always
-  return weight > 0 ? median * std::max(1.0, std::sqrt(area / weight / kMostMeanArea)) : median;
+  return weight > 0 ? median * std::max(1.0, std::sqrt(area / weight / kMaxMeanArea)) : median;
 }
 
 /// The median of each coordinate, of a sample.

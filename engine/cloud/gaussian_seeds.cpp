@@ -16,11 +16,10 @@ namespace palpate {
 
 namespace {
 
-constexpr float kSeedArea = 0.8f;  // of the discs, for each seed
-constexpr float kRim = 1.1f;       // deviations that a disc is covered to
-constexpr int kFinestLevel = 2;    // cells of four voxels: about as wide as what is felt in them reaches
-constexpr std::uint64_t kMostCellsOfDisc =
-    1000;  // on average, so that many large discs cost no more than coarser cells
+constexpr float kSeedArea = 0.8f;                // of the discs, for each seed
+constexpr float kRim = 1.1f;                     // deviations that a disc is covered to
+constexpr int kFinestLevel = 2;                  // cells of four voxels: about as wide as what is felt in them reaches
+constexpr std::uint64_t kMaxCellsOfDisc = 1000;  // on average, so that many large discs cost no more than coarser cells
 
 std::size_t seedsOfDisc(const GaussianDisc& disc, std::size_t i) {
   constexpr std::uint64_t kStream = 1;  // of random numbers
@@ -117,7 +116,7 @@ int SeedCells::finestLevel(std::span<const GaussianDisc> discs, unsigned threads
     return parallelReduce(discs.size(), threads, std::uint64_t{0}, cellsOf, std::plus<>());
   };
   int level = kFinestLevel;
-  while (level < kMortonBits && cellsOfDiscs(level) > kMostCellsOfDisc * discs.size()) ++level;
+  while (level < kMortonBits && cellsOfDiscs(level) > kMaxCellsOfDisc * discs.size()) ++level;
   return level;
 }
 

@@ -16,8 +16,8 @@ namespace palpate {
 
 namespace {
 
-constexpr float kLeastDensity = 0.05f;  // that of the faintest disc
-constexpr std::size_t kMostPlaces = 200'000;
+constexpr float kMinDensity = 0.05f;  // that of the faintest disc
+constexpr std::size_t kMaxPlaces = 200'000;
 constexpr std::size_t kNeighbours = 10;
 constexpr float kApart = 2.5;  // sides of a place's cell, between sheets that do not hang together
 constexpr std::size_t kFewestGaussians = 8;
@@ -53,7 +53,7 @@ DVec3 steepestOf(const SymmetricMatrix3& a) {
 
 GaussianSheet sheetAt(const GaussianDensity& density, const Vec3& place) {
   const GaussianDensity::Curvature curvature = density.curvatureAt(place);
-  if (!(curvature.density > kLeastDensity)) return {};
+  if (!(curvature.density > kMinDensity)) return {};
   const SymmetricMatrix3& a = curvature.downwards;
   const DVec3 n = steepestOf(a);
   const double sharpness = a.xx * n.x * n.x + a.yy * n.y * n.y + a.zz * n.z * n.z +
@@ -102,7 +102,7 @@ SheetPlaces placesOf(std::span<const GaussianSeed> seeds, std::span<const Gaussi
   };
   int level = kFinest;
   auto begins = cellsOf(level);
-  while (begins.size() - 1 > kMostPlaces) begins = cellsOf(++level);
+  while (begins.size() - 1 > kMaxPlaces) begins = cellsOf(++level);
 
   SheetPlaces places;
   places.side = kSeedVoxel * static_cast<float>(1 << level);

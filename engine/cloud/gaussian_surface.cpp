@@ -15,15 +15,15 @@ namespace palpate {
 
 namespace {
 
-constexpr float kShareOfUsual = 0.3f, kLeastLevel = 0.2f, kMostLevel = 1;  // densities
-constexpr float kLongestStep = 0.7f, kLastStep = 0.05f;                    // usual radii
-constexpr float kMostToMiddle = 1, kMostToFace = 2;  // usual radii that the first guess may be off the seed
-constexpr float kFacing = 0.3f;                      // cosine between the sheet's normal and the level's
-constexpr float kNearest = 0.75f;                    // usual radii between points
-constexpr float kCompanyWithin = 2;                  // usual radii
-constexpr std::size_t kLeastCompany = 4;             // of some twelve on an even surface
-constexpr float kSmoothWithin = 2.25f;               // usual radii
-constexpr float kClear = 1.5f;                       // usual radii in front of a face where there is none
+constexpr float kShareOfUsual = 0.3f, kMinLevel = 0.2f, kMaxLevel = 1;  // densities
+constexpr float kLongestStep = 0.7f, kLastStep = 0.05f;                 // usual radii
+constexpr float kMaxToMiddle = 1, kMaxToFace = 2;  // usual radii that the first guess may be off the seed
+constexpr float kFacing = 0.3f;                    // cosine between the sheet's normal and the level's
+constexpr float kNearest = 0.75f;                  // usual radii between points
+constexpr float kCompanyWithin = 2;                // usual radii
+constexpr std::size_t kMinCompany = 4;             // of some twelve on an even surface
+constexpr float kSmoothWithin = 2.25f;             // usual radii
+constexpr float kClear = 1.5f;                     // usual radii in front of a face where there is none
 
 /// How far seeds go to the level. What is thick asks for more, and costs more; where hardly any of it is, it is inside.
 struct Walk {
@@ -39,9 +39,9 @@ float levelOf(std::span<const GaussianSheet> sheets, unsigned threads) {
   const auto densities = parallelCollect(
       sheets.size(), threads, [&](std::size_t i) { return sheets[i].exists(); },
       [&](std::size_t i) { return sheets[i].logDensity; });
-  if (densities.empty()) return kLeastLevel;
+  if (densities.empty()) return kMinLevel;
   const float median = parallelNth(densities, densities.size() / 2, threads);
-  return std::clamp(kShareOfUsual * std::exp(median), kLeastLevel, kMostLevel);
+  return std::clamp(kShareOfUsual * std::exp(median), kMinLevel, kMaxLevel);
 }
 
 struct SurfacePlace {
@@ -54,9 +54,9 @@ enum class Arrival { face, farther, none };
 Arrival findFace(const GaussianDensity& density, const Vec3& seed, const GaussianSheet& sheet, float level,
                  const Walk& walk, SurfacePlace& face) {
   const float logLevel = std::log(level);
-  const float toMiddle = std::clamp(sheet.toMiddle, -kMostToMiddle, kMostToMiddle);
+  const float toMiddle = std::clamp(sheet.toMiddle, -kMaxToMiddle, kMaxToMiddle);
   const float above = sheet.logDensity + 0.5f * sheet.sharpness * toMiddle * toMiddle - logLevel;
-  const float toFace = std::min(std::sqrt(2 * std::max(above, 0.0f) / sheet.sharpness), kMostToFace);
+  const float toFace = std::min(std::sqrt(2 * std::max(above, 0.0f) / sheet.sharpness), kMaxToFace);
   Vec3 place = seed + (toMiddle + toFace) * sheet.normal;
   for (int step = 0; step < walk.mostSteps; ++step) {
     const auto [value, gradient] = density.slopeAt(place);
@@ -155,7 +155,7 @@ BareVector<SurfacePlace> evened(BareVector<SurfacePlace> places, unsigned thread
   };
   divide();
   keepOnly(evenlySpaced(points, normals, kNearest, threads));
-  const BareVector<std::uint32_t> left = inCompany(points, normals, kCompanyWithin, kLeastCompany, threads);
+  const BareVector<std::uint32_t> left = inCompany(points, normals, kCompanyWithin, kMinCompany, threads);
   if (!left.empty()) keepOnly(left);
   normals = smoothedNormals(points, normals, kSmoothWithin, threads);
   parallelFor(places.size(), threads, [&](std::size_t begin, std::size_t end) {

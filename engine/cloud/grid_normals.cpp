@@ -11,8 +11,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kSteepest = 10;     // tangent of the angle at which a surface is seen that is worth a normal
-constexpr double kLeastJump = 0.01;  // of the distance
+constexpr double kSteepest = 10;   // tangent of the angle at which a surface is seen that is worth a normal
+constexpr double kMinJump = 0.01;  // of the distance
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 class Grid {
@@ -42,7 +42,7 @@ class Grid {
     const double far = glm::length(place), otherFar = glm::length(other);
     if (!(far > 0) || !(otherFar > 0)) return false;
     const double step = glm::distance(place / far, other / otherFar);
-    return std::abs(otherFar - far) <= std::max(kLeastJump, kSteepest * step) * far;
+    return std::abs(otherFar - far) <= std::max(kMinJump, kSteepest * step) * far;
   }
   // From the ray before to the one behind, where they see the same surface.
   std::optional<DVec3> way(const DVec3& place, std::uint32_t before, std::uint32_t behind) const {

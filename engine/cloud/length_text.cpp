@@ -32,10 +32,10 @@ double resolutionOf(const Bounds& box) {
 }
 
 std::string coordinateText(double coordinate, double resolution) {
-  constexpr int kMostDecimals = 15;
+  constexpr int kMaxDecimals = 15;
   constexpr double kDoubles = 1e15;
   if (!(resolution > 0) || !(std::abs(coordinate) < kDoubles)) return fmt::format("{:.15g}", coordinate);
-  const int decimals = std::clamp(static_cast<int>(std::floor(-std::log10(resolution))), 0, kMostDecimals);
+  const int decimals = std::clamp(static_cast<int>(std::floor(-std::log10(resolution))), 0, kMaxDecimals);
   std::string text = fmt::format("{:.{}f}", coordinate, decimals);
   if (decimals > 0) text.erase(text.find_last_not_of('0') + 1);
   if (text.ends_with('.')) text.pop_back();

@@ -33,7 +33,7 @@ constexpr double kEdgeFrom = 0.12, kEdgeSurely = 0.2, kEdgeOfNoise = 6;
 constexpr double kOwnFlatness = 0.06, kOwnFlatnessOfNoise = 0.5;
 constexpr double kOwnHeight = 0.08, kOwnHeightOfNoise = 3;
 constexpr double kSameFace = 0.9;  // cosine between normals of one face
-constexpr double kLeastWeight = 1e-6;
+constexpr double kMinWeight = 1e-6;
 constexpr std::size_t kAroundEdge = 50;  // points, four spacings wide
 
 struct PlaneFit {
@@ -117,7 +117,7 @@ std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const Fitted
                      std::exp(-(other.off - flattest) / flatness - over * over / height);
         if (weights[n] > weights[best]) best = n;
       }
-      if (!(weights[best] >= kLeastWeight)) continue;
+      if (!(weights[best] >= kMinWeight)) continue;
       DVec3 sum(0);
       for (std::size_t n = 0; n < found; ++n)
         if (glm::dot(likes[n], likes[best]) > kSameFace) sum += weights[n] * likes[n];

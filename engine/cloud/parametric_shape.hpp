@@ -103,10 +103,10 @@ class ParametricShape final : public AnalyticShape {
   /// Newton's method on half the squared distance to `p`, halving a step that does not lead down. Where the Hessian is
   /// not positive (p lies beyond a centre of curvature) the metric alone takes its place, which still leads down.
   Descent descend(Site site, const DVec3& p) const {
-    constexpr int kMostSteps = 60;
+    constexpr int kMaxSteps = 60;
     JetVec3 surface = form_.at(site);
     double squared = glm::dot(surface.value() - p, surface.value() - p);
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMaxSteps; ++step) {
       DVec2 change = newtonStep(surface, p);
       bool lower = false;
       for (int halving = 0; halving < 12 && !lower; ++halving, change *= 0.5) {

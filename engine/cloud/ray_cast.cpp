@@ -7,7 +7,7 @@ namespace palpate {
 namespace {
 
 constexpr double kClose = 1e-6;  // of the size: a hit
-constexpr int kMostSteps = 2000;
+constexpr int kMaxSteps = 2000;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::optional<RayHit> castRay(const TracedSurface& surface, const Ray& ray) {
   if (rest <= 0) return std::nullopt;
   double depth = std::max(0.0, along - std::sqrt(rest));
   const double end = along + std::sqrt(rest);
-  for (int step = 0; step < kMostSteps && depth < end; ++step) {
+  for (int step = 0; step < kMaxSteps && depth < end; ++step) {
     const DVec3 place = ray.from + depth * direction;
     const SurfacePoint closest = surface.closest(place);
     const double distance = glm::distance(place, closest.position);

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kMostProbes = 2000;
+constexpr std::size_t kMaxProbes = 2000;
 // The neighbour counts whose discs are averaged. On a lattice neighbours come in rings, so that the disc to any one of
 // them is up to a tenth too large or too small; over this range the spacing comes out within two per cent on square,
 // hexagonal, Fibonacci and random samplings alike.
@@ -73,7 +73,7 @@ SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
       keep < 1 ? distinctPlaces(thinned(cloud.positions, keep, threads)) : distinctPlaces(cloud.positions);
   if (places.positions.size() < 2) return {};
   const PointTree tree(places.positions);
-  std::vector<Around> probes(std::min(kMostProbes, places.positions.size()));
+  std::vector<Around> probes(std::min(kMaxProbes, places.positions.size()));
   parallelFor(probes.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n)
       probes[n] = lookAround(tree, places.positions, places.positions[n * places.positions.size() / probes.size()]);

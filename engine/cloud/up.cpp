@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kFewest = 100;  // places: fewer are no shape
 constexpr double kFlat = 0.005;       // of the longest side: a sheet as flat as that may hang or lie
 constexpr double kThin = 0.35;        // of the next longer side: a sheet may be ground
-constexpr double kMostLayers = 1.4;   // of a sheet, along its thin side
+constexpr double kMaxLayers = 1.4;    // of a sheet, along its thin side
 constexpr double kOneSided = 0.2;     // mean of the normals, along the thin side
 constexpr double kTail = 0.005;       // of the places, at each end of a height
 constexpr double kBase = 0.02;        // of the height: what stands, stands on that
@@ -29,7 +29,7 @@ constexpr double kSteady = 0.15;      // tangent of the tilt at which it would f
 constexpr double kOpenBelow = 1.5;    // how much the mean of the normals counts: what is open is open below
 constexpr double kOneView = 0.55;     // mean of the normals towards the only side from which a thing was seen
 constexpr double kFacing = 0.85;      // cosine of 32 degrees: a place faces a direction
-constexpr double kLeast = 0.12;       // score of what stands at all
+constexpr double kMin = 0.12;         // score of what stands at all
 constexpr double kClearly = 1.15;     // better than y, or it stays y
 constexpr double kAlike = 0.03;       // share of the places in which a shape differs from itself upside down
 constexpr double kLikelyY = 1.0, kLikelyZ = 0.97, kUnlikely = 0.9;  // how files mostly are
@@ -218,16 +218,16 @@ class Shape {
   /// The share of places in the rim where a plane across an axis cuts the shape, if one does: that runs all round at
   /// the low end of a direction and faces aside, where a base faces down. 0 without one.
   double cutBelow(UpAxis up) const {
-    constexpr double kAside = 0.5;       // mean size of the cosine between normals and axis, at most
-    constexpr double kLeastRim = 0.007;  // share of the places
-    constexpr double kWide = 0.1;        // area of the rim, of the outline
-    constexpr double kAllRound = 0.8;    // of the sectors around the middle
+    constexpr double kAside = 0.5;     // mean size of the cosine between normals and axis, at most
+    constexpr double kMinRim = 0.007;  // share of the places
+    constexpr double kWide = 0.1;      // area of the rim, of the outline
+    constexpr double kAllRound = 0.8;  // of the sectors around the middle
     constexpr unsigned kNeighbours = 12;
     constexpr std::size_t kSectors = 24, kFewestPlaces = 40;
     const Sides sides = sidesOf(up);
     const std::vector<std::uint32_t> lowest = lowestPlaces(up);
     const double share = static_cast<double>(lowest.size()) / static_cast<double>(sample_.places.size());
-    if (lowest.size() < kFewestPlaces || share < kLeastRim) return 0;
+    if (lowest.size() < kFewestPlaces || share < kMinRim) return 0;
     std::vector<DVec2> rim, all;
     for (const std::uint32_t i : lowest) rim.push_back(flat(sample_.places[i], sides));
     for (const Vec3& place : sample_.places) all.push_back(flat(place, sides));
@@ -259,7 +259,7 @@ class Shape {
   /// slopes of ground face anywhere.
   bool isFacade(int thin) const {
     constexpr double kAside = 0.85, kAligned = 0.966;  // cosines of 32 and 15 degrees
-    constexpr double kMostly = 0.65, kEnough = 0.03;
+    constexpr double kMaxly = 0.65, kEnough = 0.03;
     std::size_t flanks = 0, aligned = 0;
     for (const Vec3& normal : sample_.normals) {
       const DVec3 n(normal);
@@ -269,7 +269,7 @@ class Shape {
       aligned += most > kAligned * std::sqrt(1 - n[thin] * n[thin]);
     }
     return static_cast<double>(flanks) > kEnough * static_cast<double>(sample_.normals.size()) &&
-           static_cast<double>(aligned) > kMostly * static_cast<double>(flanks);
+           static_cast<double>(aligned) > kMaxly * static_cast<double>(flanks);
   }
 
  private:
@@ -319,7 +319,7 @@ std::optional<Upright> asSheet(const Shape& shape) {
   const double next = std::min(extent[(thin + 1) % 3], extent[(thin + 2) % 3]);
   if (extent[thin] > kThin * next) return std::nullopt;
   if (extent[thin] < kFlat * next) return Upright{UpAxis::y, "a flat sheet, which says nothing"};
-  if (shape.layers(thin) > kMostLayers) return std::nullopt;
+  if (shape.layers(thin) > kMaxLayers) return std::nullopt;
   if (shape.isFacade(thin)) return Upright{thin == 1 ? UpAxis::z : UpAxis::y, "a wall with straight openings"};
   const auto positive = static_cast<UpAxis>(thin);
   const bool fromBelow = shape.meanNormal(positive) < -kOneSided;
@@ -436,7 +436,7 @@ std::optional<Upright> asCameraView(const PointCloud& cloud, const VoxelSample& 
     columns[{cell(0), cell(1)}].push_back(std::log(depths[i]));
   }
   for (auto& [cell, heights] : columns) std::ranges::sort(heights);
-  if (layersOf(columns, width) > kMostLayers) return std::nullopt;
+  if (layersOf(columns, width) > kMaxLayers) return std::nullopt;
   return Upright{ahead > 0 ? UpAxis::minusY : UpAxis::y, "the view of a camera at the origin"};
 }
 
@@ -471,7 +471,7 @@ Upright byStand(const Shape& shape) {
   for (const auto& [name, up] : kUpAxes)
     if (scoreOf(up) > scoreOf(best)) best = up;
   const auto number = [](UpAxis up) { return static_cast<std::size_t>(up); };
-  if (scoreOf(best) < kLeast) return {UpAxis::y, "nothing in the shape says otherwise"};
+  if (scoreOf(best) < kMin) return {UpAxis::y, "nothing in the shape says otherwise"};
   if (shape.isSymmetric(static_cast<int>(best) % 3)) return {UpAxis::y, "the shape is the same upside down"};
   if (best != UpAxis::y && scoreOf(best) < kClearly * scoreOf(UpAxis::y))
     return {UpAxis::y, "the shape stands as well one way as another"};

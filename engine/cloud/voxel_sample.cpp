@@ -10,21 +10,21 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kMostSamples = 1 << 15;
+constexpr std::size_t kMaxSamples = 1 << 15;
 constexpr double kSampleTail = 0.02;  // of the points, that may lie anywhere at each end of an axis
 constexpr double kBeyond = 1.0;       // of the extent between the tails: farther out nothing belongs to the shape
 constexpr double kFineCells = 64;     // along the longest side, for the places
 // Cells in which company is counted are so large that a surface has about as many points in each.
-constexpr double kPointsInCell = 12, kFewestCells = 4, kMostCells = 32;
+constexpr double kPointsInCell = 12, kFewestCells = 4, kMaxCells = 32;
 // A cell is alone where it and those around it have less than this share of what is usual.
 constexpr double kCompany = 0.05;
 constexpr double kPlacesCompany = 0.3;      // the same for places, which are as dense everywhere
 constexpr std::size_t kEnoughToTell = 256;  // points: with fewer, none can be called an outlier
-constexpr double kMostOutliers = 0.02;      // of the points: more are a part of the model, and so is
+constexpr double kMaxOutliers = 0.02;       // of the points: more are a part of the model, and so is
 constexpr double kMuchLarger = 1.25;        // what makes the box larger by less
 
 std::vector<std::uint32_t> sampled(const PointCloud& cloud) {
-  const std::size_t count = std::min(cloud.size(), kMostSamples);
+  const std::size_t count = std::min(cloud.size(), kMaxSamples);
   std::vector<std::uint32_t> sample(count);
   for (std::size_t i = 0; i < count; ++i)
     sample[i] = static_cast<std::uint32_t>((2 * i + 1) * cloud.size() / (2 * count));
@@ -125,7 +125,7 @@ std::vector<std::uint32_t> inCompany(const Cells& cells, double least) {
 std::vector<std::uint32_t> withoutOutliers(const PointCloud& cloud, const std::vector<std::uint32_t>& sample,
                                            const Bounds& window) {
   const double count = static_cast<double>(sample.size());
-  const double across = std::clamp(std::sqrt(count / kPointsInCell), kFewestCells, kMostCells);
+  const double across = std::clamp(std::sqrt(count / kPointsInCell), kFewestCells, kMaxCells);
   // The window is longer than what is in it.
   const double side = window.longestSide() / (1 + 2 * kBeyond) / across;
   if (sample.size() < kEnoughToTell || !(side > 0)) return sample;
@@ -182,9 +182,9 @@ Bounds coreBoundsOf(const PointCloud& cloud) {
   const double outliers = 1 - static_cast<double>(kept.size()) / static_cast<double>(sample.size());
   const Bounds core = boxOf(cloud, kept);
   const bool widen = all.longestSide() > kMuchLarger * core.longestSide();
-  if (!widen || outliers > kMostOutliers || !(core.longestSide() > 0)) return all;
+  if (!widen || outliers > kMaxOutliers || !(core.longestSide() > 0)) return all;
   // The sample need not have the outermost points.
-  const double slack = core.longestSide() / kMostCells;
+  const double slack = core.longestSide() / kMaxCells;
   return {glm::max(all.min, core.min - slack), glm::min(all.max, core.max + slack)};
 }
 

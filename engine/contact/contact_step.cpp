@@ -16,7 +16,7 @@ namespace {
 
 // Of so many points of a patch those that a workgroup does not share.
 std::uint64_t spilledPoints(std::uint64_t points, std::uint32_t held) {
-  const std::uint64_t most = std::min<std::uint64_t>(points, shared::kMostPatchPoints);
+  const std::uint64_t most = std::min<std::uint64_t>(points, shared::kMaxPatchPoints);
   return most - std::min<std::uint64_t>(most, held);
 }
 
@@ -26,7 +26,7 @@ std::uint32_t sharedPatch(const Device& device, bool pointsMove) {
   constexpr std::uint32_t kPointBytes = 24, kIdBytes = 4, kElse = 6 * 1024, kStep = 128;
   const std::uint32_t bytes = kPointBytes + (pointsMove ? kIdBytes : 0);
   const std::uint32_t room = (sharedBytes(device) - kElse) / bytes / kStep * kStep;
-  return std::min(room, shared::kMostSharedPatch);
+  return std::min(room, shared::kMaxSharedPatch);
 }
 
 // How often a step that waits polls for its question: some 20 ms on a GPU. A software driver needs our cores for it,
@@ -176,7 +176,7 @@ void ContactStep::recordSolve(CommandList& commands, const shared::ContactStepAr
 
 std::uint64_t ContactStep::predictedBytes(std::uint64_t points) {
   constexpr std::uint64_t kPerPoint = 2 * sizeof(Vec4);  // place and normal
-  return kPerPoint * (spilledPoints(points, shared::kMostSharedPatch) + shared::kPatchRoundCandidates);
+  return kPerPoint * (spilledPoints(points, shared::kMaxSharedPatch) + shared::kPatchRoundCandidates);
 }
 
 shared::ContactSample ContactStep::sample(std::uint32_t probe) const {

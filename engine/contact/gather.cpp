@@ -58,7 +58,7 @@ std::unique_ptr<Gather> makeGather(Device& device, QueryMethod method, const sha
 }
 
 Buffer makeGatheredPatch(Device& device, std::uint64_t slots) {
-  constexpr std::uint64_t kHead = sizeof(shared::GatherHeader) + shared::kMostSegments * sizeof(UVec2);
+  constexpr std::uint64_t kHead = sizeof(shared::GatherHeader) + shared::kMaxSegments * sizeof(UVec2);
   Buffer patch(device, kHead + 2 * sizeof(Vec4) * slots, Memory::device, "gathered patch");
   upload(device, patch, std::vector<shared::GatherHeader>(1));
   return patch;

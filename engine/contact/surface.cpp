@@ -21,10 +21,10 @@ SurfaceSample SurfaceSums::sample() const {
 // Positions that are off by `noise_spacings` leave a ripple of 1.05 noise / (R / spacing) spacings: the sum of the
 // squared weights is 0.222 (R / spacing)^2 on an even plane, that of the weights pi / 7 of it.
 double wideningFor(double noise_spacings) {
-  constexpr double kRipple = 1.05, kMostRipple_spacings = 0.035, kMost = 2;
+  constexpr double kRipple = 1.05, kMaxRipple_spacings = 0.035, kMax = 2;
   if (!(noise_spacings > 0)) return 1;
-  const double spacings = kRipple * noise_spacings / kMostRipple_spacings;
-  return std::clamp(spacings / static_cast<double>(shared::kSupportSpacings), 1.0, kMost);
+  const double spacings = kRipple * noise_spacings / kMaxRipple_spacings;
+  return std::clamp(spacings / static_cast<double>(shared::kSupportSpacings), 1.0, kMax);
 }
 
 double averageSurfaceBias(double radius, double sphereRadius) { return 0.0694 * radius * radius / sphereRadius; }

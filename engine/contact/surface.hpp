@@ -78,7 +78,7 @@ SurfaceSample surfaceOf(const SurfaceOptions& options, const DVec3& facing, ForE
   double radius = largest;
   if (options.localRadius) {
     // Twice, since the first pass averages the density over the largest radius; the second may only widen.
-    double smallest = static_cast<double>(shared::kLeastLocalRadius) * largest;
+    double smallest = static_cast<double>(shared::kMinLocalRadius) * largest;
     for (int pass = 0; pass < 2; ++pass) {
       double weights = 0;
       forEachNear(radius, [&](const DVec3& offset, const Vec3&) { weights += wendland(glm::length(offset) / radius); });

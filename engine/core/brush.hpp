@@ -45,13 +45,13 @@ struct BrushOptions {
   /// the surface is raised by as much as the hand presses, for paint the colour.
   double strength = 0.5;
   /// All but push and carve: how the effect falls off towards the rim, (1 - r^2)^falloff, r the distance in
-  /// brush radii; a whole number, so that every processor computes the same; 0 is a hard rim, kMostFalloff the most.
+  /// brush radii; a whole number, so that every processor computes the same; 0 is a hard rim, kMaxFalloff the most.
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 4> color{255, 0, 0, 255};  ///< paint: RGBA, 0 to 255
   bool keepsDensity = true;  ///< points are put in where the surface is stretched, and merge where it is crowded
 
   bool operator==(const BrushOptions&) const = default;
 };
-constexpr std::uint32_t kMostFalloff = 16;
+constexpr std::uint32_t kMaxFalloff = 16;
 
 }  // namespace palpate

@@ -13,9 +13,9 @@ namespace palpate {
 
 namespace {
 
-constexpr double kGap_s = 0.3;     // without contact, in one stroke
-constexpr double kTick_s = 1e-3;   // in which a brush has its share of the whole effect
-constexpr double kMostTicks = 16;  // that one edit makes up for
+constexpr double kGap_s = 0.3;    // without contact, in one stroke
+constexpr double kTick_s = 1e-3;  // in which a brush has its share of the whole effect
+constexpr double kMaxTicks = 16;  // that one edit makes up for
 constexpr double kWithdrawing =
     0.5;  // cosine between the motion of a hand and the way to its proxy, from which on it withdraws
 // Of the brush's radius: how far the tool goes on between two edits at most, and how far apart places of its way are
@@ -27,19 +27,19 @@ constexpr double kDecays = 1.5;
 // between.
 constexpr double kJump = 0.5;
 constexpr double kShaftMargin = 0.25;  // of the brush's radius, over the surface as it was found
-constexpr double kMostShaft = 2;       // radii of the brush
+constexpr double kMaxShaft = 2;        // radii of the brush
 // Radii of the brush: how far the ends of what the tool reaches are apart, but for the ball at each of them.
-constexpr double kMostLength = 2.9;
+constexpr double kMaxLength = 2.9;
 // Points in a ball as large as the brush's, so many of its radii over the hand, are asked how the surface lies; those
 // that were found no further from the hand than so many times its depth say so.
 constexpr double kHeardOver = 1.0 / 3, kHearing = 1.3;
 // Of the brush's radius: inflate hears no further than it must, since a wide piece of a bent surface lies lower than
 // its middle, by which the height counts.
 constexpr double kInflateHears = 0.5;
-constexpr double kMostHeld = 1.9, kMostHeldAside = 0.5;  // radii of the brush: how far grab takes what it holds
-constexpr double kMostRaised = 0.9;   // of the brush's radius, or it would raise points out of its reach
-constexpr double kLeastLength = 0.3;  // of a mean normal that says anything
-constexpr double kMostMeasured = 8192;
+constexpr double kMaxHeld = 1.9, kMaxHeldAside = 0.5;  // radii of the brush: how far grab takes what it holds
+constexpr double kMaxRaised = 0.9;  // of the brush's radius, or it would raise points out of its reach
+constexpr double kMinLength = 0.3;  // of a mean normal that says anything
+constexpr double kMaxMeasured = 8192;
 
 // Of the surface that a hand has met. Felt from behind, it is the hand's own side.
 DVec3 outwardOf(const Contact& contact, const DVec3& spring) {
@@ -73,7 +73,7 @@ shared::BrushOf<double> brushOf(const BrushOptions& options, double support) {
   PALPATE_CHECK_LT(0.0, options.radius);
   PALPATE_CHECK_LE(0.0, options.strength);
   PALPATE_CHECK_LE(options.strength, 1.0);
-  PALPATE_CHECK_LE(options.falloff, kMostFalloff);
+  PALPATE_CHECK_LE(options.falloff, kMaxFalloff);
   PALPATE_CHECK_LT(0.0, support);
   return {.kind = static_cast<shared::uint>(options.kind),
           .falloff = options.falloff,
@@ -169,7 +169,7 @@ void BrushStroke::begin(const Place& place) {
 }
 
 void BrushStroke::goOnTo(const Place& place) {
-  const auto at = [&](std::size_t k) -> Place& { return way_[(wayFirst_ + k) % kMostWay]; };
+  const auto at = [&](std::size_t k) -> Place& { return way_[(wayFirst_ + k) % kMaxWay]; };
   const auto hipAt = [&](std::size_t back) { return wayCount_ < back ? place_ : at(wayCount_ - back).hip; };
   const bool isFar = std::exchange(isLifted_, false) || glm::distance(hipAt(1), place.hip) > kJump * brush_.radius;
   const bool jumps = place.jumps && brush_.kind != BrushKind::grab && isFar;
@@ -178,8 +178,8 @@ void BrushStroke::goOnTo(const Place& place) {
     at(wayCount_ - 1).hip = place.hip;
     return;
   }
-  if (wayCount_ == kMostWay) {
-    wayFirst_ = (wayFirst_ + 1) % kMostWay;
+  if (wayCount_ == kMaxWay) {
+    wayFirst_ = (wayFirst_ + 1) % kMaxWay;
     --wayCount_;
   }
   at(wayCount_) = place;
@@ -211,14 +211,14 @@ void BrushStroke::advance(double most) {
       most -= length;
     }
     place_ = to.hip;
-    wayFirst_ = (wayFirst_ + 1) % kMostWay;
+    wayFirst_ = (wayFirst_ + 1) % kMaxWay;
     --wayCount_;
   }
 }
 
 std::uint32_t BrushStroke::sampling() const {
   const double across = static_cast<double>(shared::kSupportSpacings) * brush_.radius / support_;
-  return static_cast<std::uint32_t>(std::clamp(std::ceil(std::log2(3.2 * across * across / kMostMeasured)), 0.0, 31.0));
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(std::log2(3.2 * across * across / kMaxMeasured)), 0.0, 31.0));
 }
 
 const BrushStroke::Tool& BrushStroke::next(double time_s) {
@@ -227,7 +227,7 @@ const BrushStroke::Tool& BrushStroke::next(double time_s) {
   const double since_s = edited_ ? time_s - lastEdit_s_ : kTick_s;
   lastEdit_s_ = time_s;
   edited_ = true;
-  const double ticks = std::clamp(std::round(since_s / kTick_s), 1.0, kMostTicks);
+  const double ticks = std::clamp(std::round(since_s / kTick_s), 1.0, kMaxTicks);
   const bool inflates = brush_.kind == BrushKind::inflate;
   const double strength = brush_.kind == BrushKind::push ? brush_.beta : brush_.strength;
   tool_.share = inflates ? strength * ticks : 1 - std::pow(1 - strength, ticks);
@@ -242,8 +242,8 @@ DVec3 BrushStroke::held() const {
   const DVec3 way = place_ - heldFrom_;
   const double along = glm::dot(way, outward_);
   const DVec3 aside = way - along * outward_;
-  const double length = glm::length(aside), mostAside = kMostHeldAside * brush_.radius;
-  const double most = kMostHeld * brush_.radius;
+  const double length = glm::length(aside), mostAside = kMaxHeldAside * brush_.radius;
+  const double most = kMaxHeld * brush_.radius;
   return std::clamp(along, -most, most) * outward_ + (length > mostAside ? mostAside / length : 1.0) * aside;
 }
 
@@ -256,7 +256,7 @@ void BrushStroke::placeTool() {
   tool_.hand = place_;
   const double hears =
       brush_.kind == BrushKind::inflate ? std::clamp(support_, kInflateHears * radius, radius) : radius;
-  tool_.hearing = std::clamp(kHearing * height, hears, static_cast<double>(shared::kMostHeight) * radius);
+  tool_.hearing = std::clamp(kHearing * height, hears, static_cast<double>(shared::kMaxHeight) * radius);
   if (brush_.kind == BrushKind::grab) {
     tool_.center = heldAt_;
     tool_.motion = held();
@@ -269,11 +269,11 @@ void BrushStroke::placeTool() {
   double first = height;
   if (brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve) {
     first = brush_.tau + radius;
-    if (height > first) tool_.shaft = std::min(height - first + kShaftMargin * radius, kMostShaft * radius);
+    if (height > first) tool_.shaft = std::min(height - first + kShaftMargin * radius, kMaxShaft * radius);
   } else if (brush_.kind == BrushKind::inflate) {
-    tool_.height = std::clamp(height - brush_.tau, 0.0, kMostRaised * radius);
+    tool_.height = std::clamp(height - brush_.tau, 0.0, kMaxRaised * radius);
   }
-  const double longest = kMostLength * radius;
+  const double longest = kMaxLength * radius;
   first = std::clamp(first, heard - longest, heard + longest);
   const double last = std::min(first + tool_.shaft, heard + longest), low = std::min(first, heard);
   tool_.shaft = last - first;
@@ -290,7 +290,7 @@ void BrushStroke::note(const SurfaceMeasure& measure) {
   const double height = asSigned(measure.heights) / (weights * static_cast<double>(shared::kHeightSteps));
   // More than can be: the sums have run over.
   const double length = glm::length(mean);
-  if (!(length > kLeastLength && length < 1.01 && std::abs(height) <= static_cast<double>(shared::kMostHeight))) return;
+  if (!(length > kMinLength && length < 1.01 && std::abs(height) <= static_cast<double>(shared::kMaxHeight))) return;
   foundAt_ = tool_.hand + height * brush_.radius * tool_.outward;
   if (brush_.kind != BrushKind::grab) outward_ = mean / length;
 }

@@ -61,7 +61,7 @@ class BrushStroke {
   std::uint32_t number() const { return number_; }
 
  private:
-  static constexpr std::size_t kMostWay = 1024;
+  static constexpr std::size_t kMaxWay = 1024;
   struct Place {
     DVec3 hip{0};
     bool jumps = false;  // nothing yielded on the way here, and then
@@ -90,7 +90,7 @@ class BrushStroke {
   DVec3 place_{0};                 // of the hand, where the tool has come to
   DVec3 heldAt_{0}, heldFrom_{0};  // grab: where the surface was that it holds, and the hand
   // What is left of the way, a ring.
-  std::array<Place, kMostWay> way_;
+  std::array<Place, kMaxWay> way_;
   std::size_t wayFirst_ = 0, wayCount_ = 0;
   Tool tool_{};
 };

@@ -15,7 +15,7 @@
 namespace palpate {
 
 /// Hands that touch one cloud at the same time, at most.
-inline constexpr std::size_t kMostHands = 8;
+inline constexpr std::size_t kMaxHands = 8;
 
 /// Sizes of the force that an answer asked for and of that which the hand got, after all limits: all of it, where
 /// nobody says otherwise.

@@ -28,11 +28,11 @@ void Semaphore::take() { PALPATE_CHECK_EQ(::WaitForSingleObject(system_->semapho
 // The system waits in milliseconds, and may wake up one later: it is given those that are surely left, and for the rest
 // the core is offered to others, again and again.
 bool Semaphore::takeWithin(double budget_us) {
-  constexpr double kLongest_us = 1e12, kMost_ms = 1e9;
+  constexpr double kLongest_us = 1e12, kMax_ms = 1e9;
   const double budget = std::min(budget_us, kLongest_us);
   const Stopwatch since;
   for (double left_us = budget; left_us > 0; left_us = budget - since.elapsed_us()) {
-    const double asleep_ms = std::clamp(left_us * 1e-3 - 1, 0.0, kMost_ms);
+    const double asleep_ms = std::clamp(left_us * 1e-3 - 1, 0.0, kMax_ms);
     if (::WaitForSingleObject(system_->semaphore, static_cast<DWORD>(asleep_ms)) == WAIT_OBJECT_0) return true;
     if (asleep_ms < 1) ::SwitchToThread();
   }

@@ -17,7 +17,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;  // what the runtime's int can count
+constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;  // what the runtime's int can count
 
 }  // namespace
 
@@ -39,7 +39,7 @@ std::size_t readAt(std::FILE* file, std::uint64_t offset, std::span<std::byte> b
     place.Offset = static_cast<DWORD>(offset + got);
     place.OffsetHigh = static_cast<DWORD>((offset + got) >> 32);
     DWORD count = 0;
-    const auto most = static_cast<DWORD>(std::min(bytes.size() - got, kMostAtOnce));
+    const auto most = static_cast<DWORD>(std::min(bytes.size() - got, kMaxAtOnce));
     if (!::ReadFile(handle, bytes.data() + got, most, &count, &place) || count == 0) break;
     got += count;
   }
@@ -83,7 +83,7 @@ int UnbufferedFile::open(const std::filesystem::path& file) noexcept {
 
 int UnbufferedFile::write(std::span<const std::byte> bytes) noexcept {
   while (!bytes.empty()) {
-    const auto most = static_cast<unsigned>(std::min(bytes.size(), kMostAtOnce));
+    const auto most = static_cast<unsigned>(std::min(bytes.size(), kMaxAtOnce));
     const int count = ::_write(descriptor_, bytes.data(), most);
     if (count < 0) return errno;
     bytes = bytes.subspan(static_cast<std::size_t>(count));

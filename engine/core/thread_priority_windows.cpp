@@ -50,9 +50,9 @@ void RunningThreads::laterOnesGiveWay() const noexcept {
 }
 
 AwayFromCore::AwayFromCore(int core) noexcept {
-  constexpr int kMostCores = 64;  // of a group, in which a thread stays
+  constexpr int kMaxCores = 64;  // of a group, in which a thread stays
   DWORD_PTR allowed = 0, there = 0;
-  if (core < 0 || core >= kMostCores || !::GetProcessAffinityMask(::GetCurrentProcess(), &allowed, &there)) return;
+  if (core < 0 || core >= kMaxCores || !::GetProcessAffinityMask(::GetCurrentProcess(), &allowed, &there)) return;
   const DWORD_PTR others = allowed & ~(DWORD_PTR{1} << core);
   before_[0] = others ? ::SetThreadAffinityMask(::GetCurrentThread(), others) : 0;
   away_ = before_[0] != 0;

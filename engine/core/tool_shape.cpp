@@ -80,8 +80,8 @@ std::vector<ToolPoint> spatulaPoints(std::size_t count, double size) {
 }  // namespace
 
 ToolShape makeTool(ToolKind kind, std::size_t points, double size) {
-  if (points < 1 || points > kMostToolPoints)
-    throw UsageError("a tool of {} points: it has 1 to {}", points, kMostToolPoints);
+  if (points < 1 || points > kMaxToolPoints)
+    throw UsageError("a tool of {} points: it has 1 to {}", points, kMaxToolPoints);
   if (!(size > 0) || !std::isfinite(size))
     throw UsageError("a tool of size {}: it must be finite and above zero", size);
   if (points == 1 || kind == ToolKind::point) {

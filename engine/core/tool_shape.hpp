@@ -12,7 +12,7 @@
 namespace palpate {
 
 /// Points of a tool, at most.
-inline constexpr std::size_t kMostToolPoints = 64;
+inline constexpr std::size_t kMaxToolPoints = 64;
 
 enum class ToolKind {
   point,   ///< the HIP itself

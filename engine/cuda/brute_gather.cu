@@ -43,7 +43,7 @@ __global__ void __launch_bounds__(kStepThreads) fillNear(const __grid_constant__
   uint place, sum;
   blockExclusiveScan(before, place);
   blockExclusiveScan(total, sum);
-  const uint stride = max(1u, sum / kMostSlots + (sum % kMostSlots != 0));
+  const uint stride = max(1u, sum / kMaxSlots + (sum % kMaxSlots != 0));
   if (plans && threadIdx.x == 0) {
     gather.slots = sum / stride + (sum % stride != 0);
     gather.thinned = stride > 1 ? 1 : 0;

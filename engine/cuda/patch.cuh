@@ -8,8 +8,8 @@ namespace palpate::cu {
 
 /// The part of a patch that one block keeps in shared memory.
 struct SharedPatch {
-  float3 positions[kMostSharedPatch];  // relative to the patch's centre
-  float3 normals[kMostSharedPatch];
+  float3 positions[kMaxSharedPatch];  // relative to the patch's centre
+  float3 normals[kMaxSharedPatch];
   uint cellStart[kStepThreads];  // candidates before this cell's, in this round
   uint cellFirst[kStepThreads];  // its first point
 };
@@ -24,12 +24,12 @@ class Patch {
   __device__ bool thinned() const { return thinned_; }
   __device__ const vec3& centre() const { return centre_; }  ///< relative to the HIP
   __device__ vec3 position(uint i) const {
-    if (i >= kMostSharedPatch) return xyz(spill_[2 * (i - kMostSharedPatch)]);
+    if (i >= kMaxSharedPatch) return xyz(spill_[2 * (i - kMaxSharedPatch)]);
     const float3 p = memory_.positions[i];
     return {p.x, p.y, p.z};
   }
   __device__ vec3 normal(uint i) const {
-    if (i >= kMostSharedPatch) return xyz(spill_[2 * (i - kMostSharedPatch) + 1]);
+    if (i >= kMaxSharedPatch) return xyz(spill_[2 * (i - kMaxSharedPatch) + 1]);
     const float3 n = memory_.normals[i];
     return {n.x, n.y, n.z};
   }
@@ -92,12 +92,12 @@ class Patch {
   __device__ void append(bool keep, const vec3& position, const vec3& normal) {
     uint kept;
     const uint place = count_ + blockExclusiveScan(keep ? 1 : 0, kept);
-    if (keep && place < kMostSharedPatch) {
+    if (keep && place < kMaxSharedPatch) {
       memory_.positions[place] = make_float3(position.x, position.y, position.z);
       memory_.normals[place] = make_float3(normal.x, normal.y, normal.z);
     } else if (keep) {
-      spill_[2 * (place - kMostSharedPatch)] = make_float4(position.x, position.y, position.z, 0);
-      spill_[2 * (place - kMostSharedPatch) + 1] = make_float4(normal.x, normal.y, normal.z, 0);
+      spill_[2 * (place - kMaxSharedPatch)] = make_float4(position.x, position.y, position.z, 0);
+      spill_[2 * (place - kMaxSharedPatch) + 1] = make_float4(normal.x, normal.y, normal.z, 0);
     }
     count_ += kept;
   }

@@ -15,8 +15,8 @@ StepBuffers::StepBuffers(const Stream& stream, double radius, double friction, s
       state_(1),
       gather_(1),
       runs_(shared::kPatchMaxCells),
-      slots_(2 * std::size_t{kMostSlots}),
-      spill_(2 * std::size_t{kMostSlots}),
+      slots_(2 * std::size_t{kMaxSlots}),
+      spill_(2 * std::size_t{kMaxSlots}),
       chunkCounts_(bruteChunks(points)) {
   state_.clear(stream);
   gather_.clear(stream);

@@ -11,7 +11,7 @@
 namespace palpate::cu {
 
 namespace {
-constexpr int kMostRevivals = 3;     // more for one query is no coincidence
+constexpr int kMaxRevivals = 3;      // more for one query is no coincidence
 constexpr double kLongestEnd_s = 2;  // a step takes some us, and an idle kernel ends after 50 ms
 }  // namespace
 
@@ -51,16 +51,16 @@ void ResidentMethod::begin() {
 }
 
 void ResidentMethod::revive() {
-  if (++revivals_ > kMostRevivals) throw CudaError("CUDA: the resident kernel ends without an answer");
+  if (++revivals_ > kMaxRevivals) throw CudaError("CUDA: the resident kernel ends without an answer");
   begin();
 }
 
 double ResidentMethod::time_us() {
   // The clock of the step is the processor's, whose rate changes; its mean rate so far comes from the wall's clock,
   // once that has ticked often enough.
-  constexpr std::uint64_t kLeast_ns = 100'000;
+  constexpr std::uint64_t kMin_ns = 100'000;
   const Answer& answer = buffers_.answer();
-  if (answer.alive_ns < kLeast_ns || answer.alive_clocks == 0) return 0;
+  if (answer.alive_ns < kMin_ns || answer.alive_clocks == 0) return 0;
   const double clocks_per_ns = static_cast<double>(answer.alive_clocks) / static_cast<double>(answer.alive_ns);
   return 1e-3 * static_cast<double>(answer.step_clocks) / clocks_per_ns;
 }

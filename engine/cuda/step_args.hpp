@@ -6,7 +6,7 @@
 namespace palpate::cu {
 
 /// Slots for candidates of one gather: as many as a gather visits.
-inline constexpr std::uint32_t kMostSlots = shared::kMostPatchPoints;
+inline constexpr std::uint32_t kMaxSlots = shared::kMaxPatchPoints;
 /// Points that one block of the brute force visits.
 inline constexpr std::uint32_t kBruteChunk = 4096;
 

@@ -15,9 +15,9 @@ namespace {
 constexpr std::size_t kBatch = 64;  // points that a thread takes at a time
 // Neighbours that a point examines before it decides to come or go. More are within its neighbourhood radius only where
 // heaps of points lie in one place: they are merged with the ones that are seen, and no new point is asked for.
-constexpr std::size_t kMostNeighbours = 2048;
+constexpr std::size_t kMaxNeighbours = 2048;
 // Points that get normals and come and go in an edit: so many, or this share of all, and the others with the next ones.
-constexpr std::size_t kMostAtOnce = 1024, kShareAtOnce = 16;
+constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
 
 // Calls body(i) for every i below `count`, on all threads.
 template <class Body>
@@ -60,13 +60,13 @@ double CpuSculpture::spacingAt(std::uint32_t point, std::span<const std::uint8_t
                                                 static_cast<float>(glm::dot(offset, frame.v)))];
     inSector = std::min(inSector, distance);
   });
-  return std::max(shared::spacingFrom(options_.radius, std::max(weights, static_cast<double>(shared::kLeastWeights))),
+  return std::max(shared::spacingFrom(options_.radius, std::max(weights, static_cast<double>(shared::kMinWeights))),
                   sectorSpacing(nearest));
 }
 
 void CpuSculpture::measureSpacings() {
-  const double least = static_cast<double>(shared::kLeastSpacing) * options_.radius;
-  const double most = static_cast<double>(shared::kMostSpacing) * options_.radius;
+  const double least = static_cast<double>(shared::kMinSpacing) * options_.radius;
+  const double most = static_cast<double>(shared::kMaxSpacing) * options_.radius;
   std::vector<std::uint8_t> counts(points_.size());  // not 0: the first point of its place
   forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
     counts[i] = 1;
@@ -201,7 +201,7 @@ void CpuSculpture::findUnsettled() {
   unsettled_.clear();
   for (std::uint32_t i = 0; i < points_.size(); ++i)
     if (points_.unsettled[i] && points_.there[i]) unsettled_.push_back(i);
-  const std::size_t most = std::max(kMostAtOnce, std::size_t{points_.fromFile} / kShareAtOnce);
+  const std::size_t most = std::max(kMaxAtOnce, std::size_t{points_.fromFile} / kShareAtOnce);
   someWait_ = unsettled_.size() > most;
   if (!someWait_) return;
   // Those that have waited longest: around all of them in the order of their numbers.
@@ -264,7 +264,7 @@ ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbo
   bool complete = true;
   grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
     if (near.number == point) return;
-    if (neighbours.size() < kMostNeighbours)
+    if (neighbours.size() < kMaxNeighbours)
       neighbours.push_back(seen(near.number, DVec3(near.position) - place));
     else
       complete = false;

@@ -11,13 +11,13 @@ namespace {
 
 // A buffer of at most 4 GiB less a little, which is all that some drivers give at a time. An edit that may write more
 // is left out: it would have to touch more than a sixteenth of a cloud of more points than that.
-constexpr std::uint64_t kMostEntries = std::bit_floor((std::uint64_t{4094} << 20) / sizeof(shared::EditEntry));
+constexpr std::uint64_t kMaxEntries = std::bit_floor((std::uint64_t{4094} << 20) / sizeof(shared::EditEntry));
 
 }  // namespace
 
 std::uint64_t EditLog::capacityFor(std::uint64_t points, std::uint64_t slack) {
   if (points == 0) return 1;  // nobody edits
-  return std::min(std::bit_ceil(points + std::max(points, slack)), kMostEntries);
+  return std::min(std::bit_ceil(points + std::max(points, slack)), kMaxEntries);
 }
 
 EditLog::EditLog(Device& device, std::uint64_t points, std::uint64_t slack)
@@ -79,7 +79,7 @@ EditLog::Reader::Reader(EditLog& log)
           seat.taken.store(true, std::memory_order_release);
           return seat;
         }
-        stopOnBug(__FILE__, __LINE__, "a free seat", fmt::format(" ({} readers)", kMostReaders));
+        stopOnBug(__FILE__, __LINE__, "a free seat", fmt::format(" ({} readers)", kMaxReaders));
       }()) {}
 
 EditLog::Reader::~Reader() { seat_.taken.store(false, std::memory_order_release); }

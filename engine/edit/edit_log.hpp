@@ -32,13 +32,13 @@ class EditLog {
  public:
   /// States kept beside a tick that edits the whole cloud, at least: a reader at 30 Hz may fall a frame behind a brush
   /// at 1 kHz.
-  static constexpr std::uint64_t kLeastSlack = 1 << 18;
+  static constexpr std::uint64_t kMinSlack = 1 << 18;
 
   /// Holds at least twice `points` states, so that a tick that edits the whole cloud fits beside what a reader that is
   /// a little behind has not seen yet; at most as many as one buffer can (capacityFor()).
-  EditLog(Device& device, std::uint64_t points, std::uint64_t slack = kLeastSlack);
+  EditLog(Device& device, std::uint64_t points, std::uint64_t slack = kMinSlack);
   /// Entries that a log for so many points holds.
-  static std::uint64_t capacityFor(std::uint64_t points, std::uint64_t slack = kLeastSlack);
+  static std::uint64_t capacityFor(std::uint64_t points, std::uint64_t slack = kMinSlack);
 
   DeviceAddress entries() const { return entries_.address(); }
   const Buffer& entriesBuffer() const { return entries_; }
@@ -73,7 +73,7 @@ class EditLog {
   class Reader;
 
  private:
-  static constexpr std::size_t kMostReaders = 4;
+  static constexpr std::size_t kMaxReaders = 4;
   static constexpr std::uint64_t kMarks = 1024, kMarksPerTick = 4;  // two of a stroke and a change, two of an offer
 
   struct Seat {
@@ -89,7 +89,7 @@ class EditLog {
   std::atomic<std::uint64_t> published_ = 0;
   std::array<EditMark, kMarks> marks_;  // `at` is a position in the log
   std::atomic<std::uint64_t> marked_ = 0;
-  std::array<Seat, kMostReaders> seats_;
+  std::array<Seat, kMaxReaders> seats_;
 };
 
 class EditLog::Reader {

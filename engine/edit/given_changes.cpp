@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kMostChanges = 1 << 16;
+constexpr std::uint32_t kMaxChanges = 1 << 16;
 
 static_assert(sizeof(shared::EditEntry) == sizeof(PointState));
 static_assert(shared::kPointGone == PointState::kGone);
@@ -23,7 +23,7 @@ shared::EditEntry entryOf(const PointState& point) { return std::bit_cast<shared
 GivenChanges::GivenChanges(Device& device, const HashUpdate& update)
     : update_(update),
       subgroupSize_(device.subgroupSize()),
-      most_(std::min(kMostChanges, update.mostMoves())),
+      most_(std::min(kMaxChanges, update.mostMoves())),
       restore_(device, shader_code::edit_restore,
                {.workgroupSize = shared::kUpdateWorkgroup,
                 .pushBytes = sizeof(shared::RestoreArgs),
@@ -55,7 +55,7 @@ void GivenChanges::record(CommandList& list, const Io& io, std::uint32_t flags) 
 }
 
 std::uint64_t GivenChanges::predictedBytes(std::uint64_t points) {
-  return std::min<std::uint64_t>(kMostChanges, HashUpdate::defaultMoves(points)) * sizeof(shared::GivenChange);
+  return std::min<std::uint64_t>(kMaxChanges, HashUpdate::defaultMoves(points)) * sizeof(shared::GivenChange);
 }
 
 }  // namespace palpate

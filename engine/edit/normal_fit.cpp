@@ -17,8 +17,8 @@ NormalFit::Result NormalFit::normal(const DVec3& old) const {
                                 .yz = squares_.yz / weights_ - mean.y * mean.z};
   const Eigen3 eigen = eigenSymmetric(spread);
   // Points on a line, or all in one place, leave more than one direction of least spread.
-  constexpr double kLeastGap = 1e-5;
-  if (eigen.values[1] - eigen.values[0] <= kLeastGap * (eigen.values[2] - eigen.values[0])) return {.normal = old};
+  constexpr double kMinGap = 1e-5;
+  if (eigen.values[1] - eigen.values[0] <= kMinGap * (eigen.values[2] - eigen.values[0])) return {.normal = old};
   const DVec3 normal = eigen.vectors[0];
   return {.normal = glm::dot(normal, old) < 0 ? -normal : normal,
           .flatness = std::max(0.0, eigen.values[0] / eigen.values[1])};

@@ -164,7 +164,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
     if (gap <= static_cast<double>(shared::kWidestGap) * spacing || !torn(self, other)) continue;
     const DVec3 place = shared::halfWay(other.offset, self.normal, other.normal);
     if (glm::length(place) > view.reach) continue;
-    const double clearance = static_cast<double>(shared::kLeastClearance) * spacing;
+    const double clearance = static_cast<double>(shared::kMinClearance) * spacing;
     // Nor may the new point crowd one with a wider target, or one of another sheet that may prove to be its own, or it
     // would go again.
     const DVec3 facing = self.normal + other.normal;
@@ -187,7 +187,7 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
 
 InsertionClaims::InsertionClaims(double spacing)
     : grid_(shared::claimGrid(static_cast<float>(spacing))),
-      clearance_(shared::kLeastClearance * static_cast<float>(spacing)),
+      clearance_(shared::kMinClearance * static_cast<float>(spacing)),
       slots_(shared::kClaimSlots) {}
 
 void InsertionClaims::clear() { std::ranges::fill(slots_, Slot()); }

@@ -179,7 +179,7 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
   PALPATE_CHECK_EQ(images != VK_NULL_HANDLE, pipeline.imageLayout() != VK_NULL_HANDLE);
   const std::uint64_t size = pipeline.workgroupSize(), groups = (threads + size - 1) / size;
   const std::uint32_t largestAxis = device_.properties().limits.maxComputeWorkGroupCount[0];
-  const std::uint64_t slice = std::max(pipeline.sliceThreads() / size, (groups + kMostSlices - 1) / kMostSlices);
+  const std::uint64_t slice = std::max(pipeline.sliceThreads() / size, (groups + kMaxSlices - 1) / kMaxSlices);
   const bool slices =
       givesWay_ && device_.hasUrgentWork() && independent_ == Overlap::no && groups > slice && slice <= largestAxis;
   const GroupGrid grid =

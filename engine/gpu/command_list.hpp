@@ -122,7 +122,7 @@ class CommandList {
 
  private:
   // Of one dispatch of a list that gives way, one after another.
-  static constexpr std::uint64_t kMostSlices = 1024;
+  static constexpr std::uint64_t kMaxSlices = 1024;
 
   enum class Overlap { no, first, yes };
   enum class Size { known, inMemory };  // of a pass, while it is recorded

@@ -140,7 +140,7 @@ std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {
   const VkPhysicalDeviceLimits& limits = properties.properties.limits;
   atLeast("maxComputeWorkGroupInvocations", limits.maxComputeWorkGroupInvocations, kFewestInvocations);
   atLeast("maxComputeWorkGroupSize[0]", limits.maxComputeWorkGroupSize[0], kFewestInvocations);
-  atLeast("maxComputeSharedMemorySize", limits.maxComputeSharedMemorySize, kLeastSharedBytes);
+  atLeast("maxComputeSharedMemorySize", limits.maxComputeSharedMemorySize, kMinSharedBytes);
   states.push_back({fmt::format("subgroupSize from 4 to 128 (it is {})", subgroup.subgroupSize),
                     subgroup.subgroupSize >= 4 && subgroup.subgroupSize <= 128});
   return states;

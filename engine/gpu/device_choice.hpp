@@ -70,7 +70,7 @@ struct FamilyQueues {
 std::vector<FamilyQueues> queuesFor(const QueueRoles& roles, QueueArrangement arrangement);
 
 /// The least that every pipeline fits into, or is made to fit: Vulkan itself promises 128 invocations.
-inline constexpr std::uint32_t kFewestInvocations = 256, kLeastSharedBytes = 16 * 1024;
+inline constexpr std::uint32_t kFewestInvocations = 256, kMinSharedBytes = 16 * 1024;
 
 /// A feature or a limit that palpate cannot do without, and whether the device has it.
 struct FeatureState {

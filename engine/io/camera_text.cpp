@@ -80,9 +80,9 @@ CameraText parseCamera(std::string_view json) {
   if (!parsed.is_object()) throw Error("is no JSON object");
   CameraText text{
       .camera = cameraIn(parsed), .depthScale = numberIn(parsed, "depth_scale"), .rate_Hz = numberIn(parsed, "fps")};
-  if (text.depthScale && !(*text.depthScale >= kLeastDepthScale && *text.depthScale <= kMostDepthScale))
+  if (text.depthScale && !(*text.depthScale >= kMinDepthScale && *text.depthScale <= kMaxDepthScale))
     throw Error("\"depth_scale\" is {}; it says how many values a metre has, {} to {}", *text.depthScale,
-                kLeastDepthScale, kMostDepthScale);
+                kMinDepthScale, kMaxDepthScale);
   if (text.rate_Hz && !(*text.rate_Hz > 0)) throw Error("\"fps\" is {}; it is above 0", *text.rate_Hz);
   if (const auto format = parsed.find("format"); format != parsed.end()) {
     if (!format->is_string()) failType("format", *format);

@@ -13,7 +13,7 @@ namespace palpate {
 /// What depth is where nobody says it: millimetres.
 inline constexpr double kMillimetreDepth = 1000;
 /// Of depth: values per metre.
-inline constexpr double kLeastDepthScale = 1, kMostDepthScale = 1e6;
+inline constexpr double kMinDepthScale = 1, kMaxDepthScale = 1e6;
 
 struct CameraText {
   DepthCamera camera;

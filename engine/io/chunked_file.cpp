@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 20;
-constexpr std::size_t kLeastRoom = 64;  // of the buffer, for what is read next
+constexpr std::size_t kMinRoom = 64;  // of the buffer, for what is read next
 
 }  // namespace
 
@@ -52,7 +52,7 @@ void ChunkedFile::fill(std::size_t wanted) {
   fillTogether(wanted);
   while (end_ < wanted && !atEnd_) {
     // Doubling keeps a long line linear; it grows only after the buffer is full of bytes that were really there.
-    if (buffer_.size() - end_ < kLeastRoom) buffer_.resize(2 * buffer_.size());
+    if (buffer_.size() - end_ < kMinRoom) buffer_.resize(2 * buffer_.size());
     const std::size_t got = readRaw(buffer_.data() + end_, buffer_.size() - end_);
     if (got == 0) {
       if (std::ferror(file_))

@@ -42,7 +42,7 @@ float numberAt(const NumberRows& rows, const std::byte* row, std::size_t column)
 
 /// Colours as floats of 0 to 1, as the greatest of all tells: above 1 they are numbers of 0 to 255.
 std::vector<float> colorsOf(const Group& group, std::uint64_t count) {
-  constexpr float kMostByte = 255, kRounded = 1e-3f;  // by which the greatest of 0 to 1 may be above 1
+  constexpr float kMaxByte = 255, kRounded = 1e-3f;  // by which the greatest of 0 to 1 may be above 1
   std::vector<float> colors;
   colors.reserve(3 * count);
   float most = 0;
@@ -50,13 +50,13 @@ std::vector<float> colorsOf(const Group& group, std::uint64_t count) {
     for (std::size_t k = 0; k < 3; ++k) {
       const float color = numberAt(*group.rows, group.row(i), k);
       if (!std::isfinite(color)) throw UsageError("colors: row {}: {} is {}", i, group.names[k], color);
-      if (color < 0 || color > kMostByte + kRounded)
+      if (color < 0 || color > kMaxByte + kRounded)
         throw UsageError("colors: row {}: {} is {}; floats are 0 to 1, or 0 to 255", i, group.names[k], color);
       colors.push_back(color);
       most = std::max(most, color);
     }
   if (most > 1 + kRounded)
-    for (float& color : colors) color /= kMostByte;
+    for (float& color : colors) color /= kMaxByte;
   return colors;
 }
 

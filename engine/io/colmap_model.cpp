@@ -127,9 +127,9 @@ class BinaryModelRows final : public Rows {
     return name;
   }
   void skipObservations() override {
-    constexpr std::uint64_t kBytes = 24, kMost = std::numeric_limits<std::uint64_t>::max() / kBytes;
+    constexpr std::uint64_t kBytes = 24, kMax = std::numeric_limits<std::uint64_t>::max() / kBytes;
     const auto count = take<std::uint64_t>("the number of observations");
-    if (count > kMost || !file_.skip(kBytes * count))
+    if (count > kMax || !file_.skip(kBytes * count))
       fail(fmt::format("the file ends within the {} observations of an image", count));
   }
   std::uint64_t track() override { return take<std::uint64_t>("the length of a track"); }
@@ -350,12 +350,12 @@ std::vector<ColmapCamera> readCameras(const std::filesystem::path& folder, std::
 
 /// Nothing where there are models of which nobody knows how many parameters they have.
 std::optional<std::vector<ColmapCamera>> readCameras(const std::filesystem::path& folder) {
-  constexpr std::size_t kMostParameters = 32;
+  constexpr std::size_t kMaxParameters = 32;
   try {
     return readCameras(folder, kUnknownCount);
   } catch (const UnknownModel&) {  // then the number with which the file comes out even
   }
-  for (std::size_t parameters = 0; parameters <= kMostParameters; ++parameters) try {
+  for (std::size_t parameters = 0; parameters <= kMaxParameters; ++parameters) try {
       return readCameras(folder, parameters);
     } catch (const FileError&) {  // it is another one
     }

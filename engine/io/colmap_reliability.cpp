@@ -11,15 +11,15 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kLeastViews = 3;
-constexpr double kMostError_px = 4;
-constexpr double kLeastAngle_deg = 1.5;
+constexpr std::size_t kMinViews = 3;
+constexpr double kMaxError_px = 4;
+constexpr double kMinAngle_deg = 1.5;
 // Each pair of rays is looked at; of a longer track every n-th view stands for those about it.
-constexpr std::size_t kMostRays = 512;
+constexpr std::size_t kMaxRays = 512;
 
 std::vector<DVec3> raysOf(const ColmapPoint& point, const ColmapModel& model) {
   std::vector<DVec3> rays;
-  const std::size_t step = (point.images.size() + kMostRays - 1) / kMostRays;
+  const std::size_t step = (point.images.size() + kMaxRays - 1) / kMaxRays;
   for (std::size_t k = 0; k < point.images.size(); k += step) {
     const DVec3 way = point.position - model.images[point.images[k]].center;
     const double length = glm::length(way);
@@ -39,9 +39,9 @@ bool spread(const std::vector<DVec3>& rays, double leastSine) {
 }  // namespace
 
 Reliability reliabilityOf(const ColmapPoint& point, const ColmapModel& model) {
-  static const double leastSine = std::sin(kLeastAngle_deg * std::numbers::pi / 180);
-  if (point.images.size() < kLeastViews) return Reliability::fewViews;
-  if (point.error > kMostError_px) return Reliability::largeError;
+  static const double leastSine = std::sin(kMinAngle_deg * std::numbers::pi / 180);
+  if (point.images.size() < kMinViews) return Reliability::fewViews;
+  if (point.error > kMaxError_px) return Reliability::largeError;
   return spread(raysOf(point, model), leastSine) ? Reliability::reliable : Reliability::smallAngle;
 }
 
@@ -59,9 +59,9 @@ std::string ReliabilityCounts::sentence() const {
   const auto add = [&](Reliability reliability, const std::string& what) {
     if (of(reliability) > 0) why.push_back(fmt::format("{} {}", of(reliability), what));
   };
-  add(Reliability::smallAngle, fmt::format("with rays that meet at less than {} degrees", kLeastAngle_deg));
-  add(Reliability::largeError, fmt::format("with errors of more than {} pixels", kMostError_px));
-  add(Reliability::fewViews, fmt::format("that fewer than {} images saw", kLeastViews));
+  add(Reliability::smallAngle, fmt::format("with rays that meet at less than {} degrees", kMinAngle_deg));
+  add(Reliability::largeError, fmt::format("with errors of more than {} pixels", kMaxError_px));
+  add(Reliability::fewViews, fmt::format("that fewer than {} images saw", kMinViews));
   return fmt::format("{} of {} points, which are unreliable: {}", leftOut(), all(), fmt::join(why, ", "));
 }
 

@@ -152,9 +152,9 @@ void VideoDepthStream::requireCapture() {
 }
 
 std::string VideoDepthStream::formats() {
-  constexpr std::uint32_t kMost = 32;
+  constexpr std::uint32_t kMax = 32;
   std::string names;
-  for (std::uint32_t index = 0; index < kMost; ++index) {
+  for (std::uint32_t index = 0; index < kMax; ++index) {
     v4l2_fmtdesc format{};
     format.index = index;
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;

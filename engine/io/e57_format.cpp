@@ -280,12 +280,12 @@ FileContents contentsOfE57(const std::filesystem::path& file) {
 }
 
 StoredCloud readE57(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
-  constexpr std::size_t kMostScans = 65535;
+  constexpr std::size_t kMaxScans = 65535;
   const E57Pages pages(file, log);
   const E57Contents contents = readE57Contents(pages);
   const std::string name = file.filename().string();
-  if (contents.scans.size() > kMostScans)
-    throw FileError(file, fmt::format("{} scans; at most {} are read", contents.scans.size(), kMostScans));
+  if (contents.scans.size() > kMaxScans)
+    throw FileError(file, fmt::format("{} scans; at most {} are read", contents.scans.size(), kMaxScans));
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", name);
   StoredCloud stored;
   E57Cloud cloud(pages, contents.scans, stored.lost);

@@ -300,7 +300,7 @@ Vec4 spzRotation(const SpzHeader& head, const std::byte* at) {
 }
 
 GaussianScene spzScene(const SpzHeader& head, std::span<const std::byte> bytes) {
-  constexpr float kColorScale = 0.15f, kScaleSteps = 16, kLeastScale = -10;
+  constexpr float kColorScale = 0.15f, kScaleSteps = 16, kMinScale = -10;
   GaussianScene scene;
   const std::size_t count = head.count;
   resize(scene, count);
@@ -317,7 +317,7 @@ GaussianScene spzScene(const SpzHeader& head, std::span<const std::byte> bytes) 
       const int axis = static_cast<int>(k);
       scene.centers[i][axis] = std::ldexp(static_cast<double>(fixed), -static_cast<int>(head.fractionBits));
       scene.colorHarmonics[i][axis] = (value(colors + 3 * i + k) / 255 - 0.5f) / kColorScale;
-      scene.logScales[i][axis] = value(scales + 3 * i + k) / kScaleSteps + kLeastScale;
+      scene.logScales[i][axis] = value(scales + 3 * i + k) / kScaleSteps + kMinScale;
     }
     scene.opacityLogits[i] = logitOf(value(opacities + i) / 255);
     scene.rotations[i] = spzRotation(head, rotations + head.rotationBytes() * i);

@@ -63,8 +63,8 @@ GaussianRows::GaussianRows(const std::filesystem::path& file, const PlyElement& 
 }
 
 void GaussianRows::reserve(std::uint64_t promised) {
-  constexpr std::uint64_t kMostRows = std::uint64_t{1} << 27;  // a sparse file is long without holding anything
-  const auto rows = static_cast<std::size_t>(std::min(promised, kMostRows));
+  constexpr std::uint64_t kMaxRows = std::uint64_t{1} << 27;  // a sparse file is long without holding anything
+  const auto rows = static_cast<std::size_t>(std::min(promised, kMaxRows));
   scene_.centers.reserve(rows);
   scene_.logScales.reserve(rows);
   scene_.rotations.reserve(rows);

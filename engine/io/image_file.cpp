@@ -27,10 +27,10 @@ namespace {
 
 static_assert(STBI_MAX_DIMENSIONS == kLongestImageSide);
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 29;  // of a file: four bytes for each pixel of the largest picture
+constexpr std::size_t kMaxBytes = std::size_t{1} << 29;  // of a file: four bytes for each pixel of the largest picture
 // No picture packs more pixels into a byte: deflate's longest runs (1032 bytes) of pixels of one bit, and a JPEG has a
 // bit for 64 pixels at least.
-constexpr std::uint64_t kMostPixelsPerByte = std::uint64_t{8} * 1032;
+constexpr std::uint64_t kMaxPixelsPerByte = std::uint64_t{8} * 1032;
 
 using Bytes = std::vector<std::byte>;
 using Pixels = std::unique_ptr<void, decltype(&std::free)>;
@@ -46,8 +46,8 @@ Bytes readWhole(const std::filesystem::path& path) {
   ChunkedFile file(path);
   Bytes bytes;
   for (std::span<const std::byte> piece = file.peek(1); !piece.empty(); piece = file.peek(1)) {
-    if (bytes.size() + piece.size() > kMostBytes)
-      throw FileError(path, fmt::format("has more than {} bytes; no picture that is read here is so long", kMostBytes));
+    if (bytes.size() + piece.size() > kMaxBytes)
+      throw FileError(path, fmt::format("has more than {} bytes; no picture that is read here is so long", kMaxBytes));
     bytes.insert(bytes.end(), piece.begin(), piece.end());
     file.consume(piece.size());
   }
@@ -121,7 +121,7 @@ Head headOf(const std::filesystem::path& file, const Bytes& bytes) {
   head.size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
   if (std::max(head.size.width, head.size.height) > kLongestImageSide)
     throw FileError(file, fmt::format("has {} x {} pixels; sides go up to {}", width, height, kLongestImageSide));
-  if (std::uint64_t{head.size.width} * head.size.height > kMostPixelsPerByte * bytes.size())
+  if (std::uint64_t{head.size.width} * head.size.height > kMaxPixelsPerByte * bytes.size())
     throw FileError(file, fmt::format("says that it has {} x {} pixels, and ends after {} bytes; copy it again", width,
                                       height, bytes.size()));
   return head;

@@ -43,7 +43,7 @@ class IntegerModel {
     } else if (number.length == 0) {
       number.place = coder.bit(zeroOrOne_, number.place == 0) ? 0 : 0u - 1u;
     } else {
-      number.place = kLeast;
+      number.place = kMin;
     }
   }
   /// The number. Of 32 bits it wraps around; of 16 it comes out of the decoder as 0 to 65535.
@@ -76,7 +76,7 @@ class IntegerModel {
 
  private:
   static constexpr unsigned kUpperBits = 8;
-  static constexpr std::uint32_t kLeast = 0x7fffffffu;  // the place of the only number of length 32
+  static constexpr std::uint32_t kMin = 0x7fffffffu;  // the place of the only number of length 32
 
   std::int32_t difference(std::int32_t value, std::int32_t expected) const {
     const std::uint32_t off = static_cast<std::uint32_t>(value) - static_cast<std::uint32_t>(expected);

@@ -15,7 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr DWORD kLook_ms = 2;  // between two looks at a pipe: a wait for one cannot be ended
-constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;
+constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ std::size_t InterruptibleInput::read(std::span<std::byte> bytes) {
     ::Sleep(kLook_ms);
   }
   if (stopped_) return 0;
-  const int count = ::_read(descriptor_, bytes.data(), static_cast<unsigned>(std::min(bytes.size(), kMostAtOnce)));
+  const int count = ::_read(descriptor_, bytes.data(), static_cast<unsigned>(std::min(bytes.size(), kMaxAtOnce)));
   if (count < 0) throw Error("cannot be read: {}", std::strerror(errno));
   return static_cast<std::size_t>(count);
 }

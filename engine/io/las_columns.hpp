@@ -50,9 +50,9 @@ class LasColumns {
   };
   /// Of the numbers of places.
   struct Range {
-    static constexpr std::int32_t kLeast = std::numeric_limits<std::int32_t>::min();
-    static constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
-    std::array<std::int32_t, 3> least{kMost, kMost, kMost}, most{kLeast, kLeast, kLeast};
+    static constexpr std::int32_t kMin = std::numeric_limits<std::int32_t>::min();
+    static constexpr std::int32_t kMax = std::numeric_limits<std::int32_t>::max();
+    std::array<std::int32_t, 3> least{kMax, kMax, kMax}, most{kMin, kMin, kMin};
     void include(const Range& other);
   };
   /// Whether there is a normal that is no vector; that is zero; that is as good as of unit length, but not exactly.

@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
+constexpr double kMin = std::numeric_limits<std::int32_t>::min();
 constexpr double kMaxSteps = std::numeric_limits<std::int32_t>::max();
 
 Bounds boxInFile(const PointCloud& cloud) {
@@ -38,7 +38,7 @@ double largest(const DVec3& v) { return std::max({std::abs(v.x), std::abs(v.y), 
 bool fits(const CoordinateGrid& grid, const Bounds& box) {
   for (const DVec3& corner : {grid.nearest(box.min), grid.nearest(box.max)})
     for (int k = 0; k < 3; ++k)
-      if (!(corner[k] >= kLeast && corner[k] <= kMaxSteps)) return false;
+      if (!(corner[k] >= kMin && corner[k] <= kMaxSteps)) return false;
   return true;
 }
 
@@ -58,9 +58,9 @@ bool allOn(const CoordinateGrid& grid, const PointCloud& cloud, double beside) {
 
 /// As many halvings as 32 bits leave room for, and float32 can use.
 CoordinateGrid refined(const CoordinateGrid& grid, const Bounds& box) {
-  constexpr int kMostHalvings = 20;
+  constexpr int kMaxHalvings = 20;
   CoordinateGrid finer = grid;
-  for (int k = 0; k < kMostHalvings; ++k) {
+  for (int k = 0; k < kMaxHalvings; ++k) {
     CoordinateGrid next = finer;
     next.step *= 0.5;
     if (!fits(next, box)) break;

@@ -51,7 +51,7 @@ CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::
 }
 
 // Real files have some tens of them; each is an attribute with a name.
-constexpr std::size_t kMostExtraBytes = 4096;
+constexpr std::size_t kMaxExtraBytes = 4096;
 
 void checkPointBytes(const std::filesystem::path& file, const LasHeader& header) {
   const std::size_t least = lasPointFormat(header.format).bytes;
@@ -59,10 +59,10 @@ void checkPointBytes(const std::filesystem::path& file, const LasHeader& header)
     throw FileError::atByte(file, 105,
                             fmt::format("points of {} bytes; those of format {} have at least {}", header.pointBytes,
                                         header.format, least));
-  if (header.pointBytes > least + kMostExtraBytes)
+  if (header.pointBytes > least + kMaxExtraBytes)
     throw FileError::atByte(file, 105,
                             fmt::format("points of {} bytes; of format {} at most {} are read", header.pointBytes,
-                                        header.format, least + kMostExtraBytes));
+                                        header.format, least + kMaxExtraBytes));
 }
 
 void checkPlaces(const std::filesystem::path& file, const LasHeader& header) {

@@ -21,10 +21,10 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBlock = 4096;                         // points that one thread takes at a time
-constexpr std::size_t kSlab = std::size_t{1} << 30;          // bytes of points that threads read before they meet
-constexpr std::size_t kLessSlab = std::size_t{1} << 27;      // as kSlab, where they are in memory all at once
-constexpr std::size_t kMostReserved = std::size_t{1} << 27;  // points: a sparse file is long without holding any
+constexpr std::size_t kBlock = 4096;                        // points that one thread takes at a time
+constexpr std::size_t kSlab = std::size_t{1} << 30;         // bytes of points that threads read before they meet
+constexpr std::size_t kLessSlab = std::size_t{1} << 27;     // as kSlab, where they are in memory all at once
+constexpr std::size_t kMaxReserved = std::size_t{1} << 27;  // points: a sparse file is long without holding any
 
 std::string textOfField(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -127,7 +127,7 @@ LasReader::Tail LasReader::readPlain(LasColumns& columns, unsigned threads) {
   const bool known = file_.remaining().has_value();
   const std::size_t rowBytes = header.pointBytes;
   const std::size_t slab = std::max<std::size_t>(1, (known ? kSlab : kLessSlab) / rowBytes);
-  columns.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(known ? header.points : 0, kMostReserved)));
+  columns.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(known ? header.points : 0, kMaxReserved)));
   for (std::size_t done = 0; done < header.points;) {
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(slab, header.points - done));
     if (known) {

@@ -61,7 +61,7 @@ class LazChunkDecoder::Pointwise final : public Rows {
     using Decoder = RangeDecoderOf<false>;
     Decoder first(decoder_), second(other.decoder_);
     const LazLayout layout = layout_;
-    const std::size_t rowBytes = layout.rowBytes, most = Decoder::kMostBytes * (row_.mostCalls() + 1);
+    const std::size_t rowBytes = layout.rowBytes, most = Decoder::kMaxBytes * (row_.mostCalls() + 1);
     std::size_t done = 0;
     for (; done < count && first.left() >= most && second.left() >= most; ++done) {
       LazRow10::Lane<Decoder> a{row_, first, rows + done * rowBytes};

@@ -143,7 +143,7 @@ class LazTimes {
     if (step.kind == Kind::begins) return begin(off, coder.bits(32, static_cast<std::uint32_t>(step.time)));
     if (step.symbol == 1 || step.kind == Kind::second) now.extremes = 0;
     if (step.kind == Kind::second) now.step = off;
-    if (step.kind == Kind::multiple && isExtreme(step.symbol) && ++now.extremes > kMostExtremes) {
+    if (step.kind == Kind::multiple && isExtreme(step.symbol) && ++now.extremes > kMaxExtremes) {
       now.step = off;
       now.extremes = 0;
     }
@@ -161,8 +161,8 @@ class LazTimes {
   }
 
  private:
-  static constexpr unsigned kMostTimes = 500, kMostBack = 10, kOwn = kMostTimes + kMostBack + 1;
-  static constexpr int kMostExtremes = 3;  // steps that fit no multiple: then the step is a new one
+  static constexpr unsigned kMaxTimes = 500, kMaxBack = 10, kOwn = kMaxTimes + kMaxBack + 1;
+  static constexpr int kMaxExtremes = 3;  // steps that fit no multiple: then the step is a new one
 
   struct Sequence {
     std::int64_t time = 0;
@@ -195,8 +195,8 @@ class LazTimes {
   }
   static unsigned multipleFor(std::int64_t off, std::int32_t step) {
     const double times = std::round(static_cast<double>(off) / step);
-    if (times >= 0) return static_cast<unsigned>(std::min(times, double{kMostTimes}));
-    return kMostTimes + static_cast<unsigned>(std::min(-times, double{kMostBack}));
+    if (times >= 0) return static_cast<unsigned>(std::min(times, double{kMaxTimes}));
+    return kMaxTimes + static_cast<unsigned>(std::min(-times, double{kMaxBack}));
   }
 
   static std::int32_t upper(std::int64_t time) {
@@ -204,20 +204,20 @@ class LazTimes {
   }
   static std::int32_t timesOf(unsigned symbol) {
     const auto times = static_cast<std::int32_t>(symbol);
-    return symbol > kMostTimes ? static_cast<std::int32_t>(kMostTimes) - times : times;
+    return symbol > kMaxTimes ? static_cast<std::int32_t>(kMaxTimes) - times : times;
   }
   static bool isExtreme(unsigned symbol) {
-    return symbol == 0 || symbol == kMostTimes || symbol == kMostTimes + kMostBack;
+    return symbol == 0 || symbol == kMaxTimes || symbol == kMaxTimes + kMaxBack;
   }
   /// How large a multiple of the step is.
   static unsigned contextOf(unsigned symbol) {
-    return symbol == 0                        ? 7u
-           : symbol == 1                      ? 1u
-           : symbol < 10                      ? 2u
-           : symbol < kMostTimes              ? 3u
-           : symbol == kMostTimes             ? 4u
-           : symbol == kMostTimes + kMostBack ? 6u
-                                              : 5u;
+    return symbol == 0                      ? 7u
+           : symbol == 1                    ? 1u
+           : symbol < 10                    ? 2u
+           : symbol < kMaxTimes             ? 3u
+           : symbol == kMaxTimes            ? 4u
+           : symbol == kMaxTimes + kMaxBack ? 6u
+                                            : 5u;
   }
 
   std::int64_t begin(std::int32_t high, std::uint32_t low) {
@@ -343,7 +343,7 @@ class LazInfrared {
 /// Where the waves of a point are, and how it lies in them: 29 bytes. Packets mostly follow one another.
 class LazWaves {
  public:
-  static constexpr std::size_t kMostCalls = 26;  // to a coder
+  static constexpr std::size_t kMaxCalls = 26;  // to a coder
 
   explicit LazWaves(const std::byte* first) { last_ = load(first); }
 

@@ -180,7 +180,7 @@ class LazRow10 {
   };
 
   /// Calls to a coder for a row, at most.
-  std::size_t mostCalls() const { return 40 + (layout_.wavesAt ? LazWaves::kMostCalls : 0) + layout_.extraBytes; }
+  std::size_t mostCalls() const { return 40 + (layout_.wavesAt ? LazWaves::kMaxCalls : 0) + layout_.extraBytes; }
 
   /// The next row of each lane, all of one layout. What a lane's coder does next waits for what it does now; so each
   /// step is taken in all lanes in turn, and the processor has work of the others meanwhile.

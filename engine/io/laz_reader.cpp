@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kRowBlock = 1024;  // rows that stay near the processor
 constexpr std::uint64_t kTogether = std::uint64_t{1} << 25, kSlice = std::uint64_t{1} << 18;  // points
-constexpr std::uint64_t kMostFromByte = 64;  // points that room is made for at once; more are rare
+constexpr std::uint64_t kMaxFromByte = 64;  // points that room is made for at once; more are rare
 
 /// Unpacks the next `count` points of a chunk, which are from number `base` on.
 void take(LazChunkDecoder& decoder, std::size_t rowBytes, std::size_t base, std::size_t count, LasColumns& columns) {
@@ -56,7 +56,7 @@ struct ChunkGroup {
 
 std::vector<ChunkGroup> groupsOf(std::span<const LazChunk> chunks) {
   const auto isUnlikely = [](const LazChunk& chunk) {
-    return chunk.points > kTogether || chunk.points > chunk.bytes * kMostFromByte;
+    return chunk.points > kTogether || chunk.points > chunk.bytes * kMaxFromByte;
   };
   std::vector<ChunkGroup> groups;
   std::uint64_t base = 0;
@@ -77,7 +77,7 @@ void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, s
                    std::span<const std::byte> body, std::uint64_t bodyAt, LasColumns& columns, Log* log) {
   const std::vector<ChunkGroup> groups = groupsOf(chunks);
   const std::uint64_t points = groups.empty() ? 0 : groups.back().to;
-  columns.reserve(std::min<std::uint64_t>(points, body.size() * kMostFromByte));
+  columns.reserve(std::min<std::uint64_t>(points, body.size() * kMaxFromByte));
   std::atomic<std::size_t> odd = 0;
   const auto open = [&](const LazChunk& chunk) {
     return LazChunkDecoder(file, layout, chunk, body.subspan(chunk.at - bodyAt, chunk.bytes));

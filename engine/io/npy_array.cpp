@@ -15,7 +15,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kMostColumns = 4096;
+constexpr std::size_t kMaxColumns = 4096;
 
 /// A literal of Python, of the kinds that a header has.
 struct Literal {
@@ -144,8 +144,8 @@ Number numberOf(const std::string& code, const LiteralText& text) {
 
 /// Throws where a product is more than any file.
 std::uint64_t product(std::uint64_t a, std::uint64_t b, const LiteralText& text) {
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
-  if (b > 0 && a > kMost / b) text.fail("more numbers than can be");
+  constexpr std::uint64_t kMax = std::uint64_t{1} << 60;
+  if (b > 0 && a > kMax / b) text.fail("more numbers than can be");
   return a * b;
 }
 
@@ -178,7 +178,7 @@ std::uint64_t addFields(const Literal& fields, NpyArray& array, const LiteralTex
     if (!known) text.fail("a field that is not a name and a type");
     const Number number = numberOf(field.items[1].text, text);
     const std::uint64_t elements = field.items.size() > 2 ? elementsOf(field.items[2], text) : 1;
-    if (!number.padding && array.columns.size() + elements > kMostColumns) text.fail("too many fields");
+    if (!number.padding && array.columns.size() + elements > kMaxColumns) text.fail("too many fields");
     for (std::uint64_t k = 0; !number.padding && k < elements; ++k) {
       NpyColumn& column = array.columns.emplace_back(number.column);
       column.name = elementName(field.items[0].text, k, elements);
@@ -196,7 +196,7 @@ std::uint64_t addNumbers(const std::string& code, bool fortran, NpyArray& array,
   const bool flat = array.shape.size() < 2;
   const std::uint64_t columns = flat ? 1 : array.shape.back();
   if (number.padding || number.bytes == 0) text.fail("no numbers");
-  if (columns > kMostColumns) text.fail(fmt::format("rows of {} numbers", columns));
+  if (columns > kMaxColumns) text.fail(fmt::format("rows of {} numbers", columns));
   if (fortran && array.shape.size() > 2) text.fail("more than two sides in Fortran order, which is not read");
   if (!flat) array.rows = columns > 0 ? array.rows / columns : 0;
   for (std::uint64_t k = 0; k < columns; ++k) {

@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxPcdHeaderLine = std::size_t{1} << 16;
-constexpr std::size_t kMostNumbers = 4096;  // of one point
+constexpr std::size_t kMaxNumbers = 4096;  // of one point
 
 std::vector<std::string> pcdWordsOf(std::string_view line) {
   std::vector<std::string> words;
@@ -107,7 +107,7 @@ class PcdHeaderLines {
         continue;
       }
       const auto value = textNumber<std::uint32_t>(word);
-      if (!value || *value > kMostNumbers)
+      if (!value || *value > kMaxNumbers)
         fail(fmt::format("{} of {} is {}", words[0], inQuotes(field.name), inQuotes(word)));
       (words[0] == "SIZE" ? field.bytes : field.count) = *value;
     }
@@ -123,7 +123,7 @@ class PcdHeaderLines {
       if (!known && field.name != "_")
         fail(fmt::format("field {} has numbers {} of {} bytes", inQuotes(field.name), field.type, field.bytes));
     }
-    if (numbers > kMostNumbers) fail(fmt::format("more than {} numbers a point", kMostNumbers));
+    if (numbers > kMaxNumbers) fail(fmt::format("more than {} numbers a point", kMaxNumbers));
     if (header_.width > 0 && header_.height > ~std::uint64_t{0} / header_.width) fail("more points than can be");
     const std::uint64_t grid = header_.width * header_.height;
     if (!hasPoints_) header_.points = grid;

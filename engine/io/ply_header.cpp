@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kLongestHeaderLine = std::size_t{1} << 16;
 constexpr std::uint64_t kLongestHeader = std::uint64_t{1} << 20;
-constexpr std::size_t kMostNames = 1024;  // elements, and properties of one element; names are compared pairwise
+constexpr std::size_t kMaxNames = 1024;  // elements, and properties of one element; names are compared pairwise
 constexpr std::string_view kBlank = " \t\v\f\r";
 
 std::vector<std::string_view> wordsOf(std::string_view line) {
@@ -81,7 +81,7 @@ class HeaderParser {
       fail("the count of element {} is {}; expected a whole number from 0 to 2^64 - 1", inQuotes(words[1]),
            inQuotes(words[2]));
     }
-    if (info_.elements.size() == kMostNames) fail("more than {} elements", kMostNames);
+    if (info_.elements.size() == kMaxNames) fail("more than {} elements", kMaxNames);
     info_.elements.push_back(std::move(element));
   }
 
@@ -104,7 +104,7 @@ class HeaderParser {
     if (std::any_of(properties.begin(), properties.end(), sameName)) {
       fail("a second property {} in element {}", inQuotes(property.name), inQuotes(info_.elements.back().name));
     }
-    if (properties.size() == kMostNames) fail("more than {} properties in one element", kMostNames);
+    if (properties.size() == kMaxNames) fail("more than {} properties in one element", kMaxNames);
     properties.push_back(std::move(property));
   }
 

@@ -98,8 +98,8 @@ bool PlyVertices::assignGroup(Role role, std::initializer_list<std::string_view>
 }
 
 void PlyVertices::reserve(std::uint64_t promised) {
-  constexpr std::uint64_t kMostRows = std::uint64_t{1} << 27;  // a sparse file is long without holding anything
-  const auto rows = static_cast<std::size_t>(std::min(promised, kMostRows));
+  constexpr std::uint64_t kMaxRows = std::uint64_t{1} << 27;  // a sparse file is long without holding anything
+  const auto rows = static_cast<std::size_t>(std::min(promised, kMaxRows));
   if (wide_) cloud_.exactPositions.reserve(rows);
   if (!wide_) cloud_.positions.reserve(rows);
   if (hasNormals_) cloud_.normals.reserve(rows);

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMaxPtxLine = std::size_t{1} << 16;
 constexpr std::size_t kPlain = 4, kColored = 7;  // numbers of a point
-constexpr std::uint64_t kMostScans = 65535;
+constexpr std::uint64_t kMaxScans = 65535;
 
 /// Where a scan puts its points: the rows of its matrix, of which the last one moves.
 using PtxPlace = std::array<DVec3, 4>;
@@ -38,7 +38,7 @@ class PtxScans {
   /// To the next scan; how many points it promises, or nothing at the end of the file.
   std::optional<std::uint64_t> next() {
     if (!line()) return std::nullopt;
-    if (++scans_ > kMostScans) fail(fmt::format("more than {} scans", kMostScans));
+    if (++scans_ > kMaxScans) fail(fmt::format("more than {} scans", kMaxScans));
     const std::uint64_t columns = count("how many columns the scan has");
     need("how many rows the scan has");
     const std::uint64_t rows = count("how many rows the scan has");

@@ -20,9 +20,9 @@ void fillCells(std::uint16_t* cells, std::uint32_t shares) {
 }  // namespace
 
 void BitModel::update() {
-  constexpr std::uint32_t kMostCounted = 1u << 13, kLongestCycle = 64;
+  constexpr std::uint32_t kMaxCounted = 1u << 13, kLongestCycle = 64;
   all_ += cycle_;
-  if (all_ > kMostCounted) {  // what is long past counts half
+  if (all_ > kMaxCounted) {  // what is long past counts half
     all_ = (all_ + 1) / 2;
     zeros_ = (zeros_ + 1) / 2;
     if (zeros_ == all_) ++all_;
@@ -51,11 +51,11 @@ SymbolModel::SymbolModel(unsigned symbols) {
 }
 
 void SymbolModel::update() {
-  constexpr std::uint32_t kMostCounted = 1u << 15;
+  constexpr std::uint32_t kMaxCounted = 1u << 15;
   const std::uint32_t symbols = last_ + 1u;
   std::uint16_t *const cells = words_.data(), *const sums = cells + sharesAt_, *const counts = cells + countsAt_;
   all_ += cycle_;
-  if (all_ > kMostCounted) {
+  if (all_ > kMaxCounted) {
     all_ = 0;
     for (std::uint32_t k = 0; k < symbols; ++k) {
       counts[k] = static_cast<std::uint16_t>((counts[k] + 1) / 2);

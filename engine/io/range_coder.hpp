@@ -75,17 +75,16 @@ class SymbolModel {
 class RangeCoder {
  protected:
   static constexpr std::uint32_t kShortest = 1u << 24;  // of the interval: shorter ones get a byte more
-  static constexpr unsigned kMostBits = 19;             // that are coded at a time without a model
+  static constexpr unsigned kMaxBits = 19;              // that are coded at a time without a model
 };
 
 /// Reads beyond its bytes as if zeros followed, and says so. `mayEnd`: false where whoever decodes has seen to it that
-/// so many bytes are left() as can be needed, kMostBytes for each call; what is decoded is the same, sooner.
+/// so many bytes are left() as can be needed, kMaxBytes for each call; what is decoded is the same, sooner.
 template <bool mayEnd>
 class RangeDecoderOf : RangeCoder {
  public:
   static constexpr bool kEncodes = false;
-  static constexpr std::size_t kMostBytes =
-      6;  ///< that a call takes in, and looks ahead; a little more at the last one
+  static constexpr std::size_t kMaxBytes = 6;  ///< that a call takes in, and looks ahead; a little more at the last one
 
   explicit RangeDecoderOf(std::span<const std::byte> bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {
     for (int k = 0; k < 4; ++k) value_ = value_ << 8 | next();
@@ -139,7 +138,7 @@ class RangeDecoderOf : RangeCoder {
   }
   /// `count`: at most 32.
   [[gnu::always_inline]] std::uint32_t bits(unsigned count, std::uint32_t = 0) {
-    if (count <= kMostBits) return fewBits(count);
+    if (count <= kMaxBits) return fewBits(count);
     const std::uint32_t low = fewBits(16);
     return fewBits(count - 16) << 16 | low;
   }
@@ -200,7 +199,7 @@ class RangeEncoder : RangeCoder {
     return value;
   }
   std::uint32_t bits(unsigned count, std::uint32_t value) {
-    if (count > kMostBits) {
+    if (count > kMaxBits) {
       bits(16, value & 0xffffu);
       bits(count - 16, value >> 16);
       return value;

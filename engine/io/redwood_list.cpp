@@ -15,7 +15,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxLogLine = std::size_t{1} << 16;
-constexpr std::uint64_t kMostNumber = 100'000'000;  // of a frame: months at 30 Hz
+constexpr std::uint64_t kMaxNumber = 100'000'000;  // of a frame: months at 30 Hz
 
 using Pictures = std::map<std::uint64_t, std::filesystem::path>;  // by number
 struct LoggedPose {
@@ -50,10 +50,10 @@ Pictures picturesIn(const std::filesystem::path& folder) {
        !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     if (!isPicture(entry->path())) continue;
     const auto number = numberIn(entry->path().stem().string());
-    if (!number || *number > kMostNumber)
+    if (!number || *number > kMaxNumber)
       throw FileError(entry->path(), fmt::format("has no number up to {} in its name; pictures are in the order of "
                                                  "their numbers",
-                                                 kMostNumber));
+                                                 kMaxNumber));
     const auto [found, isNew] = pictures.emplace(*number, entry->path());
     if (!isNew)
       throw FileError(entry->path(),
@@ -76,9 +76,9 @@ Poses readLog(const std::filesystem::path& path) {
   while (const auto head = next()) {
     const std::uint64_t line = file.line();
     const auto ids = numbersIn<3>(*head);
-    if (!ids || !((*ids)[0] >= 0 && (*ids)[0] <= static_cast<double>(kMostNumber)))
+    if (!ids || !((*ids)[0] >= 0 && (*ids)[0] <= static_cast<double>(kMaxNumber)))
       fail(fmt::format("found {}, expected the number of a frame up to {} in front of its pose, as in \"0 0 1\"",
-                       inQuotes(*head), kMostNumber));
+                       inQuotes(*head), kMaxNumber));
     std::array<double, 16> rows{};
     for (std::size_t row = 0; row < 4; ++row) {
       const auto text = next();

@@ -131,8 +131,8 @@ std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<c
 
 std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive,
                                  const ZipMember& member) {
-  constexpr std::uint64_t kMostPerByte = 1032,
-                          kMost = std::numeric_limits<int>::max() - 2;  // deflate's; what is unpacked at once
+  constexpr std::uint64_t kMaxPerByte = 1032,
+                          kMax = std::numeric_limits<int>::max() - 2;  // deflate's; what is unpacked at once
   const auto packed = archive.subspan(member.at, member.packed);
   const auto damaged = [&](std::string_view what) {
     return FileError::atByte(file, member.at, fmt::format("{} {}", inQuotes(member.name), what));
@@ -142,9 +142,9 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
     if (member.bytes != member.packed) throw damaged("is said to be of two sizes");
     bytes.assign(packed.begin(), packed.end());
   } else {
-    if (member.bytes > kMost || member.packed > kMost)
+    if (member.bytes > kMax || member.packed > kMax)
       throw damaged("is packed and larger than 2 GiB, which is not read");
-    if (member.bytes / kMostPerByte > member.packed) throw damaged("cannot be as long as it is said to be");
+    if (member.bytes / kMaxPerByte > member.packed) throw damaged("cannot be as long as it is said to be");
     bytes.resize(member.bytes);
     // It wants to look two bytes beyond the last code, where an archive has its list of members.
     const auto beyond =
@@ -160,7 +160,7 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
 
 std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<const std::byte> packed) {
   constexpr std::size_t kHead = 10, kTail = 8;
-  constexpr std::uint64_t kMostPerByte = 1032, kMost = std::numeric_limits<int>::max() - 2;
+  constexpr std::uint64_t kMaxPerByte = 1032, kMax = std::numeric_limits<int>::max() - 2;
   constexpr unsigned kChecked = 2, kExtra = 4, kNamed = 8, kRemarked = 16;
   const auto fail = [&](std::size_t at, std::string_view what) { throw FileError::atByte(file, at, what); };
   const auto byte = [&](std::size_t k) { return std::to_integer<unsigned>(packed[k]); };
@@ -179,8 +179,8 @@ std::vector<std::byte> unpackGzip(const std::filesystem::path& file, std::span<c
   if (at >= end) fail(packed.size(), "ends within its header");
   const auto checksum = loadScalar<std::uint32_t>(packed.data() + end),
              size = loadScalar<std::uint32_t>(packed.data() + end + 4);
-  if (size > kMost || packed.size() > kMost) fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
-  if (size / kMostPerByte > packed.size()) fail(end + 4, "cannot be as long as it is said to be");
+  if (size > kMax || packed.size() > kMax) fail(end + 4, "is larger than 2 GiB, which is not unpacked here");
+  if (size / kMaxPerByte > packed.size()) fail(end + 4, "cannot be as long as it is said to be");
   std::vector<std::byte> bytes(size);
   const int got = stbi_zlib_decode_noheader_buffer(reinterpret_cast<char*>(bytes.data()), static_cast<int>(size),
                                                    reinterpret_cast<const char*>(packed.data() + at),

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint32_t kEndOfArchive = 0x06054b50, kWideEnd = 0x06064b50, kWideLocator = 0x07064b50,
                         kEntry = 0x02014b50, kLocalHead = 0x04034b50;
-constexpr std::uint64_t kMost32 = 0xffffffff, kMost16 = 0xffff;
+constexpr std::uint64_t kMax32 = 0xffffffff, kMax16 = 0xffff;
 constexpr std::uint16_t kVersion = 20, kWideVersion = 45, kUtf8 = 1 << 11, kDeflate = 8;
 constexpr std::uint16_t kFirstDay = 1 << 5 | 1;  // of January 1980: the same bytes in each run
 
@@ -33,8 +33,8 @@ void number(std::string& out, std::uint64_t value, unsigned bytes) {
 /// What stands between the two bytes before and the four bytes behind that deflated data have in a file of their own;
 /// nothing where that is no smaller.
 std::string deflated(std::span<const std::byte> bytes) {
-  constexpr std::size_t kMost = std::size_t{1} << 30, kBefore = 2, kBehind = 4;
-  if (bytes.empty() || bytes.size() > kMost) return {};
+  constexpr std::size_t kMax = std::size_t{1} << 30, kBefore = 2, kBehind = 4;
+  if (bytes.empty() || bytes.size() > kMax) return {};
   constexpr int kQuality = 8;
   int length = 0;
   // It only reads them.
@@ -57,7 +57,7 @@ void ZipOutput::put(const std::string& bytes) {
 void ZipOutput::add(const std::string& name, std::span<const std::byte> bytes) {
   const std::string packed = deflated(bytes);
   const std::uint64_t size = packed.empty() ? bytes.size() : packed.size(), local = at_;
-  const bool wide = std::max<std::uint64_t>(size, bytes.size()) >= kMost32, far = local >= kMost32;
+  const bool wide = std::max<std::uint64_t>(size, bytes.size()) >= kMax32, far = local >= kMax32;
   std::string sizes;  // of 64 bits
   if (wide) number(sizes, bytes.size(), 8), number(sizes, size, 8);
   const auto common = [&](std::string& out, std::size_t extra) {
@@ -66,7 +66,7 @@ void ZipOutput::add(const std::string& name, std::span<const std::byte> bytes) {
     number(out, packed.empty() ? 0 : kDeflate, 2);
     number(out, 0, 2), number(out, kFirstDay, 2);
     number(out, zipChecksum(bytes), 4);
-    number(out, wide ? kMost32 : size, 4), number(out, wide ? kMost32 : bytes.size(), 4);
+    number(out, wide ? kMax32 : size, 4), number(out, wide ? kMax32 : bytes.size(), 4);
     number(out, name.size(), 2), number(out, extra, 2);
   };
   std::string head;
@@ -87,7 +87,7 @@ void ZipOutput::add(const std::string& name, std::span<const std::byte> bytes) {
   number(list_, wide || far ? kWideVersion : kVersion, 2);
   common(list_, sizes.empty() ? 0 : 4 + sizes.size());
   number(list_, 0, 2), number(list_, 0, 2), number(list_, 0, 2), number(list_, 0, 4);  // no remark, disk or attributes
-  number(list_, far ? kMost32 : local, 4);
+  number(list_, far ? kMax32 : local, 4);
   list_ += name;
   if (!sizes.empty()) number(list_, 1, 2), number(list_, sizes.size(), 2), list_ += sizes;
   ++members_;
@@ -97,7 +97,7 @@ void ZipOutput::finish(std::filesystem::path* keptAs) {
   const std::uint64_t listAt = at_, listBytes = list_.size();
   put(list_);
   std::string end;
-  if (listAt >= kMost32 || listBytes >= kMost32 || members_ >= kMost16) {
+  if (listAt >= kMax32 || listBytes >= kMax32 || members_ >= kMax16) {
     const std::uint64_t wideAt = at_;
     number(end, kWideEnd, 4), number(end, 44, 8);
     number(end, kWideVersion, 2), number(end, kWideVersion, 2);
@@ -107,8 +107,8 @@ void ZipOutput::finish(std::filesystem::path* keptAs) {
     number(end, kWideLocator, 4), number(end, 0, 4), number(end, wideAt, 8), number(end, 1, 4);
   }
   number(end, kEndOfArchive, 4), number(end, 0, 2), number(end, 0, 2);
-  number(end, std::min(members_, kMost16), 2), number(end, std::min(members_, kMost16), 2);
-  number(end, std::min(listBytes, kMost32), 4), number(end, std::min(listAt, kMost32), 4);
+  number(end, std::min(members_, kMax16), 2), number(end, std::min(members_, kMax16), 2);
+  number(end, std::min(listBytes, kMax32), 4), number(end, std::min(listAt, kMax32), 4);
   number(end, 0, 2);
   put(end);
   if (keptAs)

@@ -15,7 +15,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kMostListedInWater = 128, kMostListedInSand = 64;
+constexpr std::uint32_t kMaxListedInWater = 128, kMaxListedInSand = 64;
 constexpr const char* kMatterStep = "step";
 constexpr std::uint32_t kSwiftSteps = 16;  // that follow the beginning, and a step which needed lists at least twice
 
@@ -40,7 +40,7 @@ MatterSizes sizesOf(const MatterSimulation& world, const BoundaryBody& ball, std
           .bodyCells = static_cast<std::uint32_t>(countOf(ball.grid().cells())),
           .modelNodes = world.model() != nullptr ? static_cast<std::uint32_t>(world.model()->nodes().size()) : 0,
           .substeps = world.plan().substeps,
-          .mostListed = world.scene().matter == Matter::sand ? kMostListedInSand : kMostListedInWater,
+          .mostListed = world.scene().matter == Matter::sand ? kMaxListedInSand : kMaxListedInWater,
           .remembers = world.scene().matter == Matter::sand};
 }
 

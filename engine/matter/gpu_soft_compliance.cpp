@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint32_t kRoundsAtOnce = 20;  // even, so that a list can follow itself
-constexpr std::uint32_t kMostRounds = 300;
+constexpr std::uint32_t kMaxRounds = 300;
 constexpr double kLeft = 1e-3;  // of the residual; the compliance is as exact as the square of that
 
 double sumOf(const Buffer& read, std::uint32_t row, std::uint32_t blocks) {
@@ -96,7 +96,7 @@ double GpuSoftCompliance::give(const std::vector<Vec4>& load) {
   const double begin = sumOf(sumsRead_, shared::kLeftRow, blocks);
   if (!(begin > 0)) return 0;
   double left = begin;
-  for (std::uint32_t done = 0; done < kMostRounds && left > kLeft * kLeft * begin; done += kRoundsAtOnce) {
+  for (std::uint32_t done = 0; done < kMaxRounds && left > kLeft * kLeft * begin; done += kRoundsAtOnce) {
     queue_.run(rounds_);
     left = sumOf(sumsRead_, shared::kLeftRow, blocks);
   }

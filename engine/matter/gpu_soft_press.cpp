@@ -66,11 +66,11 @@ GpuSoftPress::GpuSoftPress(Device& device, const SoftMemory& memory, const SoftS
                               "soft boxes")),
       blockBoxes_(Buffer::of<Vec4>(device, std::uint64_t{shared::kBoxVec4s} * sizes.nodeBlocks(),
                                    palpate::Memory::device, "soft block boxes")),
-      coupling_(Buffer::of<float>(device, std::uint64_t{shared::kMostPresses} * shared::kMostPresses,
+      coupling_(Buffer::of<float>(device, std::uint64_t{shared::kMaxPresses} * shared::kMaxPresses,
                                   palpate::Memory::device, "soft coupling")) {}
 
 bool GpuSoftPress::begin(std::span<const SurfacePress> presses, double duration_s) {
-  PALPATE_CHECK_LE(presses.size(), std::size_t{shared::kMostPresses});
+  PALPATE_CHECK_LE(presses.size(), std::size_t{shared::kMaxPresses});
   const std::vector<PressReport> before = std::exchange(reports_, std::vector<PressReport>(presses.size()));
   const bool grows = !presses.empty() && (!memory_ || memory_->most < presses.size());
   if (grows) memory_.emplace(device_, sizes_, std::bit_ceil(static_cast<std::uint32_t>(presses.size())));
@@ -91,7 +91,7 @@ bool GpuSoftPress::begin(std::span<const SurfacePress> presses, double duration_
 // higher than there were ever presses.
 void GpuSoftPress::findRows(std::span<const SurfacePress> presses) {
   const std::vector<Row> before = std::exchange(rows_, std::vector<Row>(presses.size()));
-  std::array<bool, shared::kMostPresses> isTaken{};
+  std::array<bool, shared::kMaxPresses> isTaken{};
   for (std::size_t i = 0; i < presses.size(); ++i) {
     const auto old = std::ranges::find(presses_, presses[i].touch, &SurfacePress::touch);
     const auto number = static_cast<std::size_t>(old - presses_.begin());

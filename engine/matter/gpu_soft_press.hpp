@@ -22,7 +22,7 @@ class GpuSoftPress {
   /// `memory` must outlive it. Throws OutOfGpuMemory.
   GpuSoftPress(Device& device, const SoftMemory& memory, const SoftSizes& sizes);
 
-  /// From now on these press, at most shared::kMostPresses, for a step of that length. True where lists that were
+  /// From now on these press, at most shared::kMaxPresses, for a step of that length. True where lists that were
   /// recorded before are to be recorded again: there are more presses than ever.
   bool begin(std::span<const SurfacePress> presses, double duration_s);
   /// Before the first substep; then in each one between cells and nodes; and at the end.

@@ -22,7 +22,7 @@ std::uint64_t rowsOfSums(const MatterSizes& sizes) {
 }
 
 std::uint64_t contactsOf(const MatterSizes& sizes) {
-  return sizes.remembers ? std::uint64_t{2} * sizes.particles * shared::kMostContacts : 0;
+  return sizes.remembers ? std::uint64_t{2} * sizes.particles * shared::kMaxContacts : 0;
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ std::uint32_t MatterSizes::tiles() const { return cells / shared::kScanTile + 1;
 
 MatterMemory::MatterMemory(Device& device, const MatterSizes& sizes)
     : setting(Buffer::of<shared::MatterSetting>(device, 1, Memory::upload, "matter setting")),
-      hands(Buffer::of<shared::HandStep>(device, std::uint64_t{kMostSubsteps} * sizes.tools, Memory::upload,
+      hands(Buffer::of<shared::HandStep>(device, std::uint64_t{kMaxSubsteps} * sizes.tools, Memory::upload,
                                          "matter hands")),
       state(device, stateBytes(sizes), Memory::device, "matter state"),
       stateRead(device, stateBytes(sizes), Memory::readback, "matter state read"),

@@ -18,7 +18,7 @@ constexpr double kNodesInSpacing = 2;
 constexpr int kNodesInSupport = static_cast<int>(kNodesInSpacing * kSupport_spacings);
 constexpr std::size_t kOfBlock = 256;
 // Points of a built-in model in a square of a spacing, on each of the six sides of its box.
-constexpr double kPointsInSquare = 30, kMostPoints = 4e5;
+constexpr double kPointsInSquare = 30, kMaxPoints = 4e5;
 
 // Nodes beyond the outermost cell: as far as weights reach into it, and the middle of a ball that touches it.
 int nodesBeyond(const MatterScene& scene) {
@@ -143,7 +143,7 @@ PointCloud builtInModel(const MatterScene& scene, unsigned threads) {
   const auto shape = makeShape(std::string_view(scene.model).substr(kBuiltInModel.size()), size);
   const double points = 6 * kPointsInSquare * std::pow(size / scene.spacing_mm, 2);
   return sampleShape(*shape,
-                     {.count = static_cast<std::size_t>(std::clamp(points, 2e4, kMostPoints)), .threads = threads});
+                     {.count = static_cast<std::size_t>(std::clamp(points, 2e4, kMaxPoints)), .threads = threads});
 }
 
 }  // namespace palpate

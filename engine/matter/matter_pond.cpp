@@ -12,7 +12,7 @@ namespace {
 // Velocities that are known are not taken: each particle trembles with some of its own, by more than water can be
 // compressed.
 constexpr float kComes_s = 0.02f, kFollows_s = 0.0005f;
-constexpr std::uint32_t kMostBetweenNews = 50;  // steps
+constexpr std::uint32_t kMaxBetweenNews = 50;  // steps
 // News that was held up on its way comes with the next one. What has moved meanwhile does not leap there in one step,
 // which would press grains into one another.
 constexpr std::uint32_t kFewestBetweenNews = 8;
@@ -93,7 +93,7 @@ void MatterPond::hear() {
   if (isNew) {
     ++counts_.news;
     for (PondMember& member : members_) member.heldAt = glm::mix(member.heldAt, member.knownPlace, gone());
-    betweenNews_ = std::clamp(sinceNews_, kFewestBetweenNews, kMostBetweenNews);
+    betweenNews_ = std::clamp(sinceNews_, kFewestBetweenNews, kMaxBetweenNews);
     sinceNews_ = 0;
     knownAt_s_ = known_.time_s;
     if (isElsewhere()) empty();

@@ -57,7 +57,7 @@ bool isAtWall(const MatterScene& scene, const Vec3& place) {
 
 double waterPressure(const MatterScene& scene, const MatterPlan& plan, const std::vector<Vec4>& particles,
                      const DVec3& place) {
-  constexpr double kWeightAtWall = 1e-4, kLeastSlope = 1e-4;
+  constexpr double kWeightAtWall = 1e-4, kMinSlope = 1e-4;
   const shared::WaterRules rules = waterRules(scene, plan);
   const double radius = kRadius_spacings * plan.spacing_m, gravity = glm::length(scene.gravity_m_s2);
   const Vec3 down = gravity > 0 ? scene.gravity_m_s2 / gravity : DVec3(0);
@@ -76,7 +76,7 @@ double waterPressure(const MatterScene& scene, const MatterPlan& plan, const std
   }
   const double weights = normal[0][0];
   if (!(weights > 0)) return 0;
-  for (int k = 1; k < 4; ++k) normal[k][k] += kLeastSlope * weights;
+  for (int k = 1; k < 4; ++k) normal[k][k] += kMinSlope * weights;
   return std::max((glm::inverse(normal) * right).x, 0.0);
 }
 

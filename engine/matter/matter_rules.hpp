@@ -15,7 +15,7 @@ inline constexpr double kReach_spacings = kSupport_spacings + kListedFarther_spa
 /// above sqrt(4 / 3), which is at 0.98 for weights of this radius.
 inline constexpr double kStiffness = 0.7;
 /// Kinematic viscosity in spacings^2 a substep: above 0.35 an explicit substep overshoots.
-inline constexpr double kMostDiffusion = 0.2;
+inline constexpr double kMaxDiffusion = 0.2;
 
 /// Of what is wrong with a contact of two grains, what each of them puts right in a substep: a grain may have 12
 /// contacts, and all of them together must not overshoot.

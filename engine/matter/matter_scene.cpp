@@ -14,25 +14,25 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLeastSpacing_mm = 0.01, kMostSpacing_mm = 1e4;
-constexpr double kMostBox_mm = 1e6;
-constexpr double kMostCells = 64e6;        // of the grid, whose memory grows with the box
+constexpr double kMinSpacing_mm = 0.01, kMaxSpacing_mm = 1e4;
+constexpr double kMaxBox_mm = 1e6;
+constexpr double kMaxCells = 64e6;         // of the grid, whose memory grows with the box
 constexpr double kBytesOfParticle = 1600;  // with its neighbours
 constexpr double kBytesOfCell = 4;
 constexpr double kBytesOfNode = 200;  // of the field about a model, while it is filled
-constexpr double kLeastModel_spacings = 4;
-constexpr std::uint64_t kMostParticles = 1 << 27;  // as neighbours are numbered
+constexpr double kMinModel_spacings = 4;
+constexpr std::uint64_t kMaxParticles = 1 << 27;  // as neighbours are numbered
 // A particle that falls through the whole box goes so many spacings in a substep at most.
-constexpr double kMostWay_spacings = 0.5;
+constexpr double kMaxWay_spacings = 0.5;
 
 void requireFields(const MatterScene& scene) {
-  requireBetween("spacing_mm", scene.spacing_mm, kLeastSpacing_mm, kMostSpacing_mm);
-  requireBetween("box_mm", scene.box_mm, scene.spacing_mm, kMostBox_mm);
-  requireBetween("fill_mm", scene.fill_mm, 0, kMostBox_mm);
+  requireBetween("spacing_mm", scene.spacing_mm, kMinSpacing_mm, kMaxSpacing_mm);
+  requireBetween("box_mm", scene.box_mm, scene.spacing_mm, kMaxBox_mm);
+  requireBetween("fill_mm", scene.fill_mm, 0, kMaxBox_mm);
   for (int k = 0; k < 3; ++k)
     if (!(scene.fill_mm[k] <= scene.box_mm[k]))
       throw Error("fill_mm: is {} along {}, where the box is {}", scene.fill_mm[k], "xyz"[k], scene.box_mm[k]);
-  requireBetween("fill_at_mm", scene.fill_at_mm, 0, kMostBox_mm);
+  requireBetween("fill_at_mm", scene.fill_at_mm, 0, kMaxBox_mm);
   for (int k = 0; k < 3; ++k)
     if (!(scene.fill_at_mm[k] + scene.fill_mm[k] <= scene.box_mm[k] * (1 + 1e-9)))
       throw Error("fill_at_mm: puts the fill up to {:g} along {}, where the box is {:g}",
@@ -43,7 +43,7 @@ void requireFields(const MatterScene& scene) {
   requireBetween("friction", scene.friction, 0, 10);
   requireBetween("gravity_m_s2", scene.gravity_m_s2, -1000, 1000);
   requireBetween("gain", scene.gain, 0, 1e4);
-  requireBetween("substeps", scene.substeps, 0, kMostSubsteps);
+  requireBetween("substeps", scene.substeps, 0, kMaxSubsteps);
 }
 
 double displaced_kg(const MatterScene& scene, double radius_mm) {
@@ -52,7 +52,7 @@ double displaced_kg(const MatterScene& scene, double radius_mm) {
 
 void requireTool(const MatterScene& scene) {
   const auto& [radius, mass] = scene.tool;
-  requireBetween("tool.radius_mm", radius, 0, kMostBox_mm);
+  requireBetween("tool.radius_mm", radius, 0, kMaxBox_mm);
   requireBetween("tool.mass_kg", mass, 0, 1e6);
   if (radius == 0) return;
   if (radius < scene.spacing_mm)
@@ -81,9 +81,9 @@ void requireModel(const MatterScene& scene) {
   if (scene.model_mm != DVec3(0)) requireBetween("model_mm", scene.model_mm, scene.spacing_mm, scene.box_mm);
   const auto [low, high] = modelBox_mm(scene);
   const DVec3 sides = high - low;
-  if (const double longest = std::max({sides.x, sides.y, sides.z}); longest < kLeastModel_spacings * scene.spacing_mm)
+  if (const double longest = std::max({sides.x, sides.y, sides.z}); longest < kMinModel_spacings * scene.spacing_mm)
     throw Error("model_mm: is {:g} on its longest side, which is {:g} spacings at least; take a smaller spacing_mm",
-                longest, kLeastModel_spacings);
+                longest, kMinModel_spacings);
   for (int k = 0; k < 3; ++k)
     if (!(low[k] >= 0 && high[k] <= scene.box_mm[k] * (1 + 1e-9)))
       throw Error("model_at_mm: puts the model from {:g} to {:g} along {}, where the box is {:g}", low[k], high[k],
@@ -113,18 +113,18 @@ double neededSubsteps(const MatterScene& scene, double spacing_m) {
                              ? kMatterStep_s / grainSubstep(scene, spacing_m)
                              : kMatterStep_s * neededSpeedOfSound(scene, spacing_m) / (kStiffness * spacing_m);
   const double fall_m_s = std::sqrt(2 * glm::length(scene.gravity_m_s2) * glm::length(scene.box_mm) * 1e-3);
-  const double byFall = kMatterStep_s * fall_m_s / (kMostWay_spacings * spacing_m);
+  const double byFall = kMatterStep_s * fall_m_s / (kMaxWay_spacings * spacing_m);
   const double viscosity_m2_s = scene.matter == Matter::water ? scene.viscosity_Pa_s / scene.density_kg_m3 : 0;
-  const double byViscosity = kMatterStep_s * viscosity_m2_s / (kMostDiffusion * spacing_m * spacing_m);
+  const double byViscosity = kMatterStep_s * viscosity_m2_s / (kMaxDiffusion * spacing_m * spacing_m);
   return std::max({1.0, bySound, byFall, byViscosity});
 }
 
 void requireMemory(const MatterPlan& plan, double cells, std::uint64_t memory_bytes) {
-  if (cells > kMostCells)
+  if (cells > kMaxCells)
     throw Error("spacing_mm: is so small that the box has {:.3g} cells, {:g} at most; take a larger one", cells,
-                kMostCells);
-  if (plan.particles > kMostParticles)
-    throw Error("spacing_mm: makes {} particles, {} at most; take a larger one", plan.particles, kMostParticles);
+                kMaxCells);
+  if (plan.particles > kMaxParticles)
+    throw Error("spacing_mm: makes {} particles, {} at most; take a larger one", plan.particles, kMaxParticles);
   if (plan.bytes > memory_bytes)
     throw Error("spacing_mm: makes {} particles, which take about {} MiB of {}; take a larger one", plan.particles,
                 plan.bytes >> 20, memory_bytes >> 20);
@@ -140,9 +140,9 @@ std::array<DVec3, 2> modelBox_mm(const MatterScene& scene) {
 }
 
 MatterTool usualTool(const MatterScene& scene) {
-  constexpr double kRadius_spacings = 3, kMostOfBox = 0.4;
+  constexpr double kRadius_spacings = 3, kMaxOfBox = 0.4;
   const double narrowest_mm = std::min({scene.box_mm.x, scene.box_mm.y, scene.box_mm.z});
-  const double radius_mm = std::min(kRadius_spacings * scene.spacing_mm, kMostOfBox * narrowest_mm);
+  const double radius_mm = std::min(kRadius_spacings * scene.spacing_mm, kMaxOfBox * narrowest_mm);
   return {.radius_mm = radius_mm, .mass_kg = displaced_kg(scene, radius_mm)};
 }
 

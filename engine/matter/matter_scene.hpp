@@ -98,7 +98,7 @@ double particleSpacing_mm(const MatterScene& scene);
 /// Length of a step.
 inline constexpr double kMatterStep_s = 1e-3;
 
-inline constexpr std::uint32_t kMostSubsteps = 1000;
+inline constexpr std::uint32_t kMaxSubsteps = 1000;
 
 /// Memory of a machine that is not known yet: a scene is planned as if there were any.
 inline constexpr std::uint64_t kAnyMemory = ~std::uint64_t{0};

@@ -19,7 +19,7 @@ void NeighbourLists::buildBlock(const CellGrid& grid, std::span<const Vec4> plac
   made.crowded = false;
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
-    const std::size_t most = count + kMostNeighbours;
+    const std::size_t most = count + kMaxNeighbours;
     const Vec3 place(places[i]);
     grid.forEachRun(place, [&](std::uint32_t from, std::uint32_t to, std::uint32_t image) {
       const Vec3 seenFrom = place - grid.shiftOf(image);

@@ -21,7 +21,7 @@ struct Neighbour {
 };
 
 /// More within the reach of one particle are a state that no simulation comes to which is still one.
-inline constexpr std::size_t kMostNeighbours = 1000;
+inline constexpr std::size_t kMaxNeighbours = 1000;
 
 /// Lists are filled up to a multiple of it, so that so many can be taken at once.
 inline constexpr std::size_t kListedTogether = 4;
@@ -31,7 +31,7 @@ class NeighbourLists {
   /// `reach`: m.
   explicit NeighbourLists(float reach) : reach_(reach) {}
 
-  /// For places in the order of `grid`, which was sorted by them. False where a particle has more than kMostNeighbours,
+  /// For places in the order of `grid`, which was sorted by them. False where a particle has more than kMaxNeighbours,
   /// of which the list holds no more.
   bool build(const CellGrid& grid, std::span<const Vec4> places, WorkerTeam& team);
 

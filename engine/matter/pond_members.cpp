@@ -30,7 +30,7 @@ constexpr double kMisfit = 0.02;
 // So far they stay who have been here, in distances of the end.
 constexpr float kLeaves = 1.03f;
 // Of what is at rest: more in a place is no matter.
-constexpr double kMostDense = 1.5;
+constexpr double kMaxDense = 1.5;
 
 std::size_t nearestOf(const Vec3& place, std::span<const DVec3> balls) {
   std::size_t nearest = 0;
@@ -147,7 +147,7 @@ bool PondMembers::renew(const KnownMatter& known, std::span<const DVec3> balls, 
   const std::vector<Known> near = this->near(known, balls);
   const double room =
       4.0 / 3 * std::numbers::pi * std::pow(space_.reach.end / space_.spacing_m, 3) * static_cast<double>(balls.size());
-  if (static_cast<double>(near.size()) > kMostDense * room) return false;
+  if (static_cast<double>(near.size()) > kMaxDense * room) return false;
   std::vector<std::uint8_t> exchanged(balls.size());
   for (std::size_t k = 0; k < balls.size(); ++k) exchanged[k] = rests[k] && differs(near, members, balls, k);
 

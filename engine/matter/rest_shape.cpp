@@ -8,10 +8,10 @@ namespace palpate {
 namespace {
 
 // Of the volume that a corner of a cell spans in the lattice: less at rest, and points in it would lie upon each other.
-constexpr double kLeastCorner = 0.1;
+constexpr double kMinCorner = 0.1;
 // Of a cube's stiffness for its mass: more would ask for many more substeps.
-constexpr double kMostStiffness = 4;
-constexpr double kMostVolume = 8;
+constexpr double kMaxStiffness = 4;
+constexpr double kMaxVolume = 8;
 
 const shared::CellRest kCube{
     .inverse = glm::mat3(1), .bent = {Vec3(0), Vec3(0), Vec3(0), Vec3(0)}, .volume = 1, .bend = 1};
@@ -93,11 +93,11 @@ bool RestShape::holds(std::size_t cell) const {
     const auto edge = [&](unsigned axis) {
       return ((corner & axis) != 0 ? -1.0 : 1.0) * (at(corner ^ axis) - at(corner));
     };
-    if (!(glm::dot(edge(1), glm::cross(edge(2), edge(4))) >= kLeastCorner)) return false;
+    if (!(glm::dot(edge(1), glm::cross(edge(2), edge(4))) >= kMinCorner)) return false;
   }
   const CellNow now = cellNow(cell);
-  return static_cast<double>(now.stiffness) <= kMostStiffness && static_cast<double>(now.rest.volume) <= kMostVolume &&
-         static_cast<double>(now.rest.volume) >= kLeastCorner;
+  return static_cast<double>(now.stiffness) <= kMaxStiffness && static_cast<double>(now.rest.volume) <= kMaxVolume &&
+         static_cast<double>(now.rest.volume) >= kMinCorner;
 }
 
 std::size_t RestShape::yield(std::span<const RestPlace> places) {

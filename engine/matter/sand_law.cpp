@@ -13,12 +13,12 @@ namespace palpate {
 
 namespace {
 
-using shared::kMostContacts;
+using shared::kMaxContacts;
 
 // Of a grain: with whom, by ids, and how far it was displaced.
 struct Contacts {
-  std::array<std::uint32_t, kMostContacts> with;
-  std::array<Vec3, kMostContacts> slip;
+  std::array<std::uint32_t, kMaxContacts> with;
+  std::array<Vec3, kMaxContacts> slip;
   std::uint32_t count = 0;
 
   // Nothing where they did not touch.
@@ -38,7 +38,7 @@ struct Contacts {
     return now;
   }
   void add(std::uint32_t other, const Vec3& displaced) {
-    if (count == kMostContacts) return;
+    if (count == kMaxContacts) return;
     with[count] = other;
     slip[count++] = displaced;
   }

@@ -61,20 +61,20 @@ DQuat bestTurnOf(const glm::dmat3& now) {
 // The same, by Newton's method from a turn that is near: where what it solves is positive definite there is no other
 // such rotation. Otherwise, as where a region is inside out, all of them are looked through.
 DQuat bestTurn(const glm::dmat3& now, DQuat turn) {
-  constexpr int kMostSteps = 6;
-  constexpr double kLeastTurn = 1e-10, kMostTurn = 0.5, kLeastShare = 1e-3;
-  for (int step = 0; step < kMostSteps; ++step) {
+  constexpr int kMaxSteps = 6;
+  constexpr double kMinTurn = 1e-10, kMaxTurn = 0.5, kMinShare = 1e-3;
+  for (int step = 0; step < kMaxSteps; ++step) {
     const glm::dmat3 along = now * glm::transpose(glm::mat3_cast(turn));
     const double trace = along[0][0] + along[1][1] + along[2][2];
     const glm::dmat3 bends = trace * glm::dmat3(1) - 0.5 * (along + glm::transpose(along));
-    const double least = kLeastShare * trace, second = bends[0][0] * bends[1][1] - bends[1][0] * bends[1][0];
+    const double least = kMinShare * trace, second = bends[0][0] * bends[1][1] - bends[1][0] * bends[1][0];
     const double third = glm::determinant(bends);
     if (!(trace > 0 && bends[0][0] > least && second > least * least && third > least * least * least)) break;
     const DVec3 torque(along[1][2] - along[2][1], along[2][0] - along[0][2], along[0][1] - along[1][0]);
     const DVec3 more = glm::inverse(bends) * torque;
     const double angle = glm::length(more);
-    if (!(angle < kMostTurn)) break;
-    if (angle < kLeastTurn) return turn;
+    if (!(angle < kMaxTurn)) break;
+    if (angle < kMinTurn) return turn;
     turn = glm::normalize(glm::angleAxis(angle, more / angle) * turn);
   }
   return bestTurnOf(now);
@@ -182,7 +182,7 @@ void ShapeMatching::place(Region& region, std::span<const Vec3> displacements) c
 // How it moves as a rigid body: with its own momentum and angular momentum.
 void ShapeMatching::follow(Region& region, std::span<const Vec3> displacements,
                            std::span<const Vec3> velocities) const {
-  constexpr double kLeastInertia = 1e-9;  // of the largest: about an axis on which all lies nothing turns
+  constexpr double kMinInertia = 1e-9;  // of the largest: about an axis on which all lies nothing turns
   double mass = 0;
   DVec3 momentum(0), angular(0);
   glm::dmat3 inertia(0);
@@ -197,7 +197,7 @@ void ShapeMatching::follow(Region& region, std::span<const Vec3> displacements,
     inertia += members_[k].mass * (glm::dot(arm, arm) * glm::dmat3(1) - glm::outerProduct(arm, arm));
   }
   const double size = inertia[0][0] + inertia[1][1] + inertia[2][2];
-  region.spin = size > 0 ? glm::inverse(inertia + kLeastInertia * size * glm::dmat3(1)) * angular : DVec3(0);
+  region.spin = size > 0 ? glm::inverse(inertia + kMinInertia * size * glm::dmat3(1)) * angular : DVec3(0);
 }
 
 void ShapeMatching::push(std::span<const Vec3> displacements, std::span<const Vec3> velocities, WorkerTeam& team) {

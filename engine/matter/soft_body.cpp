@@ -82,15 +82,15 @@ void SoftBody::reset() {
 }
 
 std::size_t SoftBody::yield(std::span<const RestPlace> ways) {
-  constexpr float kMostCrushed = 0.1f, kMostDrawn = 4;  // beyond that what is strained says nothing of what rests
+  constexpr float kMaxCrushed = 0.1f, kMaxDrawn = 4;  // beyond that what is strained says nothing of what rests
   std::vector<RestPlace> places;
   std::vector<Vec3> before;
   for (const RestPlace& way : ways) {
     if (isPinned(way.node)) continue;
     const glm::mat3 elastic = elasticAt(way.node);
-    if (!(glm::determinant(elastic) > kMostCrushed)) continue;
+    if (!(glm::determinant(elastic) > kMaxCrushed)) continue;
     const Vec3 atRest = glm::inverse(elastic) * way.moved;
-    if (!(glm::length(atRest) <= kMostDrawn * glm::length(way.moved))) continue;
+    if (!(glm::length(atRest) <= kMaxDrawn * glm::length(way.moved))) continue;
     before.push_back(rest_.displacements()[way.node]);
     places.push_back({.node = way.node, .moved = before.back() + atRest});
   }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr double kMaxBoxCells = 64e6;  // of the box
-constexpr float kLeastFilled = 0.2f;
+constexpr float kMinFilled = 0.2f;
 constexpr int kFarthestCell = 8;  // from a place that is embedded
 // Along each axis, where a cell is looked at that the surface of a ball may go through.
 constexpr int kBallSamples = 6;
@@ -57,7 +57,7 @@ SoftLattice::SoftLattice(LatticeBox box, std::span<const std::size_t> kept) : bo
     volume_m3_ += cube * static_cast<double>(box_.filled[c]);
     if (cellAt_[c] == kNone && !(box_.filled[c] > 0)) continue;
     cellAt_[c] = static_cast<std::uint32_t>(filled_.size());
-    filled_.push_back(std::max(box_.filled[c], kLeastFilled));
+    filled_.push_back(std::max(box_.filled[c], kMinFilled));
     for (int k = 0; k < 8; ++k) nodeAt[nodeBox.numberOf(box_.cellOf(c) + cornerOf(k))] = 0;
   }
   for (std::size_t n = 0; n < nodeAt.size(); ++n) {

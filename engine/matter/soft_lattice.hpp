@@ -53,7 +53,7 @@ class SoftLattice {
   using Corners = std::array<std::uint32_t, 8>;
 
   /// Of all cells that are not empty, and of those in `kept`, by their numbers: places to embed lie there. A cell that
-  /// is nearly empty is taken to be as full as kLeastFilled says, so that its nodes weigh something.
+  /// is nearly empty is taken to be as full as kMinFilled says, so that its nodes weigh something.
   explicit SoftLattice(LatticeBox box, std::span<const std::size_t> kept = {});
 
   std::size_t nodes() const { return rest_.size(); }

@@ -33,7 +33,7 @@ std::uint32_t SoftSizes::nodeBlocks() const { return blocksOf(nodes); }
 
 SoftMemory::SoftMemory(Device& device, const SoftSizes& sizes)
     : setting(Buffer::of<shared::SoftSetting>(device, 1, Memory::upload, "soft setting")),
-      hands(Buffer::of<shared::HandStep>(device, std::uint64_t{kMostSubsteps} * sizes.tools, Memory::upload,
+      hands(Buffer::of<shared::HandStep>(device, std::uint64_t{kMaxSubsteps} * sizes.tools, Memory::upload,
                                          "soft hands")),
       state(device, stateBytes(sizes), Memory::device, "soft state"),
       stateRead(device, stateBytes(sizes), Memory::readback, "soft state read"),

@@ -15,14 +15,14 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kLeastPoints = 100;
+constexpr std::size_t kMinPoints = 100;
 constexpr std::size_t kNeighbours = 8;  // by whose distance a point has its area
 constexpr double kInside = 0.5;         // winding number from which on a place is inside
 constexpr int kCellSamples = 4;         // along each axis of a cell that the surface may go through
 constexpr double kWidestHole_spacings = 3;
 constexpr double kWidestHole_points = 3;  // in spacings of the points
 // Share of a closed surface that is there, of points of the surface at most that are asked, one after another.
-constexpr double kLeastShare = 0.44;
+constexpr double kMinShare = 0.44;
 constexpr std::size_t kAskedPoints = 4096;
 constexpr std::size_t kScanBlock = 256;  // points or cells that one thread works on at a time
 
@@ -115,8 +115,8 @@ double shareOfClosed(std::span<const OrientedArea> areas, const WindingNumber& w
 void requireInside(const Filling& filling) {
   const float most = std::ranges::max(filling.windings);
   if (static_cast<double>(most) > kInside) return;
-  if (filling.share < -kLeastShare) throw Error("model: its normals point inwards; turn them round");
-  if (filling.share < kLeastShare) refuseOpen(filling);
+  if (filling.share < -kMinShare) throw Error("model: its normals point inwards; turn them round");
+  if (filling.share < kMinShare) refuseOpen(filling);
   throw Error("model: encloses nothing that is {:g} mm wide; a body needs a closed surface",
               filling.box.spacing_m * 1e3);
 }
@@ -206,8 +206,8 @@ std::vector<SurfacePlace> thinned(std::span<const SurfacePlace> points, const La
 }  // namespace
 
 std::vector<SurfacePlace> placeScan(PointCloud cloud, const MatterScene& scene, unsigned threads) {
-  if (cloud.size() < kLeastPoints)
-    throw Error("model: has {} points; a body needs a surface of at least {}", cloud.size(), kLeastPoints);
+  if (cloud.size() < kMinPoints)
+    throw Error("model: has {} points; a body needs a surface of at least {}", cloud.size(), kMinPoints);
   if (!cloud.hasNormals()) estimateNormals(cloud, 16, threads);
   const Bounds bounds = boundsOf(cloud);
   const auto [low, high] = standOf(scene);
@@ -247,7 +247,7 @@ FilledScan fillScan(std::span<const SurfacePlace> points, double spacing_m, doub
   requireInside(filling);
   requireClosed(filling);
   // A sheet of few, uneven points is inside of itself here and there, and no hole is far from all of them.
-  if (filling.share < kLeastShare) refuseOpen(filling);
+  if (filling.share < kMinShare) refuseOpen(filling);
   fill(filling);
   return {.box = std::move(filling.box), .kept = std::move(filling.kept)};
 }

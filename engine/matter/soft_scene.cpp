@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kBytesOfSoftNode = 400;  // with its cell
 constexpr double kBytesOfSoftCell = 60;   // of the box about the body, while it is filled
-constexpr double kMostNodes = 1 << 27;    // as corners of cells are numbered
+constexpr double kMaxNodes = 1 << 27;     // as corners of cells are numbered
 
 void requireMaterial(const MatterScene& scene) {
   requireBetween("young_Pa", scene.young_Pa, 1, 1e9);
@@ -93,8 +93,8 @@ MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes) {
   }
   plan.particles = static_cast<std::uint64_t>(std::min(nodes, 1e18));
   plan.bytes = static_cast<std::uint64_t>(std::min(nodes * kBytesOfSoftNode + cells * kBytesOfSoftCell, 1e18));
-  if (nodes > kMostNodes)
-    throw Error("spacing_mm: makes {} nodes, {:.0f} at most; take a larger one", plan.particles, kMostNodes);
+  if (nodes > kMaxNodes)
+    throw Error("spacing_mm: makes {} nodes, {:.0f} at most; take a larger one", plan.particles, kMaxNodes);
   if (plan.bytes > memory_bytes)
     throw Error("spacing_mm: makes {} nodes, which take about {} MiB of {}; take a larger one", plan.particles,
                 plan.bytes >> 20, memory_bytes >> 20);

@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 // Of all strokes that can be taken back: a node of one takes 32 bytes.
-constexpr std::size_t kMostKept = std::size_t{1} << 23;
+constexpr std::size_t kMaxKept = std::size_t{1} << 23;
 
 // Places on a plane as far apart as a surface's have so much weight together.
 double weightOfPlane(double reach_spacings) {
@@ -90,7 +90,7 @@ void SoftSculpture::endStroke() {
 }
 
 void SoftSculpture::forget() {
-  for (; kept_ > kMostKept && !strokes_.empty(); ++dropped_) {
+  for (; kept_ > kMaxKept && !strokes_.empty(); ++dropped_) {
     kept_ -= strokes_.front().before.size();
     strokes_.pop_front();
   }

@@ -126,7 +126,7 @@ MatterObservation SoftWorld::observe() const {
 }
 
 double SoftWorld::localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) {
-  constexpr int kMostRounds = 300;
+  constexpr int kMaxRounds = 300;
   constexpr double kLeft = 1e-3;  // of the residual; the compliance is as exact as the square of that
   std::vector<DVec3> residual = surface_.spread(body_, place_m, radius_m, direction);
   for (std::size_t i = 0; i < residual.size(); ++i)
@@ -135,7 +135,7 @@ double SoftWorld::localCompliance_m_N(const DVec3& place_m, double radius_m, con
   std::vector<DVec3> moved(residual.size(), DVec3(0)), way = residual, force;
   const double begin = dotOf(residual, residual);
   double left = begin;
-  for (int k = 0; k < kMostRounds && left > kLeft * kLeft * begin; ++k) {
+  for (int k = 0; k < kMaxRounds && left > kLeft * kLeft * begin; ++k) {
     body_.stiffnessTimes(way, force, team_);
     contact_.addWallStiffness(body_, way, force);
     for (std::size_t i = 0; i < way.size(); ++i)

@@ -12,9 +12,9 @@ namespace palpate {
 
 namespace {
 
-constexpr double kMostBlocks = 1u << 26;
+constexpr double kMaxBlocks = 1u << 26;
 // More spacings within a support radius give no better surface, only more points to visit.
-constexpr double kMostSpacings = 5;
+constexpr double kMaxSpacings = 5;
 constexpr std::uint64_t kChoice = 0x6d657368;  // which points a share takes
 
 }  // namespace
@@ -29,7 +29,7 @@ MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& optio
   const double wanted = options.radius > 0 ? options.radius : static_cast<double>(shared::kSupportSpacings) * spacing;
   // A cloud without extent has one place, and any cell will do.
   const double cell = side > 0 ? side / options.lattice : wanted > 0 ? wanted / 4 : 1.0;
-  const double radius = std::max(wanted, kLeastRadius_cells * cell);
+  const double radius = std::max(wanted, kMinRadius_cells * cell);
   // The skin of the density lies anywhere within the radius, so cells are needed one further out.
   const double reach = radius + (options.surface == MeshSurface::density ? cell : 0);
 
@@ -38,11 +38,11 @@ MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& optio
   DVec3 blocks(0);
   for (int k = 0; k < 3; ++k)
     blocks[k] = std::ceil(((bounds.max[k] - bounds.min[k] + 2 * margin) / cell + 1) / shared::kMeshBlockSide);
-  if (!(blocks.x * blocks.y * blocks.z <= kMostBlocks))
+  if (!(blocks.x * blocks.y * blocks.z <= kMaxBlocks))
     throw Error(
         "a lattice of {} cells along the longest side is too fine for points that lie {:.3g} apart; take a coarser one",
         options.lattice, spacing);
-  if (spacing > 0) plan.share = std::min(1.0, std::pow(kMostSpacings * spacing / radius, 2));
+  if (spacing > 0) plan.share = std::min(1.0, std::pow(kMaxSpacings * spacing / radius, 2));
   const double usedSpacing = spacing > 0 ? spacing / std::sqrt(plan.share) : radius / 4;
   plan.lattice = {.origin = Vec3(bounds.min - margin),
                   .cell = static_cast<float>(cell),

@@ -32,12 +32,12 @@ inline constexpr std::array<std::pair<std::string_view, MeshSurface>, 4> kMeshSu
 inline constexpr std::uint32_t kFinestLattice = 2048;
 /// A support radius covers so many cells at least: all corners of a cell that the surface crosses then have neighbours,
 /// however far from a point the surface comes between points that are themselves dense enough.
-inline constexpr double kLeastRadius_cells = 2.5;
+inline constexpr double kMinRadius_cells = 2.5;
 
 struct MeshOptions {
   std::uint32_t lattice = 128;  ///< cells along the longest side of the cloud's box, 1 to kFinestLattice
   MeshSurface surface = MeshSurface::sphere;
-  double radius = 0;  ///< support radius, model units; 0: kSupportSpacings spacings; never below kLeastRadius_cells
+  double radius = 0;  ///< support radius, model units; 0: kSupportSpacings spacings; never below kMinRadius_cells
   double room = 0;    ///< how far points may leave the box in later edits, longest sides
 };
 

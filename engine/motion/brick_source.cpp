@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kMostBricks = 1 << 15;  // that a hand may reach at a tick
+constexpr double kMaxBricks = 1 << 15;  // that a hand may reach at a tick
 
 }  // namespace
 
@@ -33,7 +33,7 @@ std::uint64_t BrickSource::versionOf(double frame_s) const noexcept {
 bool BrickSource::covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept {
   const Made* const felt = madeFor(frame_s);
   const BrickBox box = grid_.boxOf(low, high);
-  if (!felt || !isFinite(low) || !isFinite(high) || box.count() > kMostBricks) return false;
+  if (!felt || !isFinite(low) || !isFinite(high) || box.count() > kMaxBricks) return false;
   bool all = true;
   box.forEach([&](const IVec3& brick) {
     all = all && std::binary_search(felt->keys.begin(), felt->keys.end(), BrickGrid::keyOf(brick));
@@ -45,7 +45,7 @@ bool BrickSource::knows(const HandReaches& hands) const {
   bool all = true;
   for (std::uint32_t i = 0; i < hands.count && all; ++i) {
     const BrickBox box = grid_.boxOf(hands.hands[i].low, hands.hands[i].high);
-    if (box.count() > kMostBricks) return false;
+    if (box.count() > kMaxBricks) return false;
     box.forEach([&](const IVec3& brick) { all = all && now_.bricks.contains(BrickGrid::keyOf(brick)); });
   }
   return all;
@@ -218,7 +218,7 @@ void BrickSource::makeFrame(double time_s, CloudFrame& frame) {
     frame.colors.push_back({rgba[0], rgba[1], rgba[2]});
   }
   frame.time_s = frameTime(time_s, true_s);
-  frame.goOn_s = kMostPointsAge_s;
+  frame.goOn_s = kMaxPointsAge_s;
   made.time_s.store(frame.time_s, std::memory_order_release);
 }
 

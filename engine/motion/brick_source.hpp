@@ -47,7 +47,7 @@ struct HandReaches {
   double steady_s = 0;  ///< when they were there
   std::uint32_t count = 0;
   bool sculpts = false;  ///< the first one has a brush
-  std::array<HandReach, kMostHands> hands{};
+  std::array<HandReach, kMaxHands> hands{};
 };
 
 /// Bricks as they have come, in frames: the points of all known bricks in the order of the whole cloud, so that sums

@@ -13,10 +13,10 @@ namespace palpate {
 
 namespace {
 
-constexpr double kFastest_m_s = 1;    // of a surface that is followed, towards the camera or away
-constexpr double kLeastWay = 0.01;    // in depths: what noise alone lets it move
-constexpr double kLeastFacing = 0.2;  // of normals, one to the other, that a surface has turned between
-constexpr double kSameDepth = 0.02;   // in depths: pixels side by side that see one surface
+constexpr double kFastest_m_s = 1;   // of a surface that is followed, towards the camera or away
+constexpr double kMinWay = 0.01;     // in depths: what noise alone lets it move
+constexpr double kMinFacing = 0.2;   // of normals, one to the other, that a surface has turned between
+constexpr double kSameDepth = 0.02;  // in depths: pixels side by side that see one surface
 
 struct Seen {
   DVec3 place;  // in the world
@@ -36,7 +36,7 @@ class SeenFrame {
     const std::optional<DVec2> at = placeWithin(camera_.pixelOf(inCamera));
     if (!at) return std::nullopt;
     const double depth = depthAt(*at);
-    const double most = std::max(kLeastWay * inCamera.z, kFastest_m_s * between_s);
+    const double most = std::max(kMinWay * inCamera.z, kFastest_m_s * between_s);
     if (!(depth > 0) || !(std::abs(depth - inCamera.z) <= most)) return std::nullopt;
     return Seen{.place = axes_.toWorld(camera_.placeAt(at->x, at->y, depth)),
                 .pixel = pixelAt(at->x + 0.5, at->y + 0.5)};
@@ -89,7 +89,7 @@ class SeenPoints {
   std::optional<Seen> before(const DVec3& place, std::size_t ray, double between_s) const {
     if (at_[ray] == kNone) return std::nullopt;
     const DVec3& there = points_.places[at_[ray]];
-    const double most = std::max(kLeastWay * glm::length(there), kFastest_m_s * between_s);
+    const double most = std::max(kMinWay * glm::length(there), kFastest_m_s * between_s);
     const DVec3 seen = axes_.toWorld(there);
     if (!(glm::distance(place, seen) <= most)) return std::nullopt;
     return Seen{.place = seen, .pixel = ray};
@@ -106,7 +106,7 @@ class SeenPoints {
 /// faces away from it.
 DVec3 turnTo(const DVec3& normal, const DVec3& before, const DVec3& late) {
   const DVec3 from = shared::normalAfter(before, late, -1.0);
-  return glm::dot(from, normal) > kLeastFacing ? normal - from : DVec3(0);
+  return glm::dot(from, normal) > kMinFacing ? normal - from : DVec3(0);
 }
 
 }  // namespace
@@ -120,7 +120,7 @@ bool DepthBlend::canFollow(const DepthFrame& before, const DepthFrame& frame) {
 void DepthBlend::begin(CloudFrame& points) {
   points.velocities.clear();
   points.turns.clear();
-  points.goOn_s = kMostPointsAge_s;
+  points.goOn_s = kMaxPointsAge_s;
   ways_.clear();
 }
 

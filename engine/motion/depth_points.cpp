@@ -13,8 +13,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kSteepest = 10;     // tangent of the angle at which a surface is seen that is worth a normal
-constexpr double kLeastJump = 0.01;  // of the depth: what a structured-light camera rounds to at four metres
+constexpr double kSteepest = 10;   // tangent of the angle at which a surface is seen that is worth a normal
+constexpr double kMinJump = 0.01;  // of the depth: what a structured-light camera rounds to at four metres
 constexpr double kFarthest_m = 1e5;
 
 /// What the pixels of a frame see, in the camera's axes.
@@ -25,7 +25,7 @@ class DepthGrid {
         width_(camera.width),
         height_(camera.height),
         sensor_(sensorOf(camera, {})),
-        jump_(std::max(kLeastJump, kSteepest / std::min(camera.fx, camera.fy))) {
+        jump_(std::max(kMinJump, kSteepest / std::min(camera.fx, camera.fy))) {
     for (std::uint32_t column = 0; column < width_; ++column) across_.push_back(camera.placeAt(column, 0, 1).x);
     for (std::uint32_t row = 0; row < height_; ++row) down_.push_back(camera.placeAt(0, row, 1).y);
   }

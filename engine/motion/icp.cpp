@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 // Below this mean square of the normals' share a direction of motion is not known, even without noise.
-constexpr double kLeastShare = 2e-3;
+constexpr double kMinShare = 2e-3;
 // Times what noise feigns on average, for chance.
 constexpr double kFeignedMargin = 1.5;
 constexpr double kSmallStep_m = 1e-5;
@@ -88,7 +88,7 @@ double judge(const IcpSums& sums, IcpResult& result) {
   const double weights = sums.equations.weights;
   result.weakest = eigenSymmetric(sums.equations.matrix).values[0] / weights;
   result.feigned = sums.feigned / weights;
-  return (kLeastShare + kFeignedMargin * result.feigned) * weights;
+  return (kMinShare + kFeignedMargin * result.feigned) * weights;
 }
 
 }  // namespace

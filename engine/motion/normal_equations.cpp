@@ -63,8 +63,8 @@ Eigen6 eigenSymmetric(Matrix a) {
     columns[k][k] = 1;
     trace += std::fabs(a[k][k]);
   }
-  constexpr int kMostSweeps = 32;
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+  constexpr int kMaxSweeps = 32;
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     double offDiagonal = 0;
     for (std::size_t p = 0; p < kN; ++p)
       for (std::size_t q = p + 1; q < kN; ++q) offDiagonal += std::fabs(a[p][q]);

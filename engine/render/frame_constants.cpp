@@ -189,7 +189,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .occlusionRadius = static_cast<float>(kOcclusionRadius * shown.longestSide()),
                             .backgroundBottom = kBackgroundBottom,
                             .holeReach_px = 0,
-                            .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMostSmooth_px)};
+                            .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMaxSmooth_px)};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

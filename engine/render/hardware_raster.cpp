@@ -114,7 +114,7 @@ void HardwareRaster::record(CommandList& list, const DrawnCloud& cloud, const Ra
       .nearDepth = frame.view.nearDepth,
       .depthScale = std::ldexp(1.0f, -exponent),
       .lead = 0,
-      .leastWeight = std::min(static_cast<float>(shared::kLeastWeight) / shared::kFinestSum, shared::kRimWeight),
+      .leastWeight = std::min(static_cast<float>(shared::kMinWeight) / shared::kFinestSum, shared::kRimWeight),
       .count = frame.count,
       .largestPoint_px = largestPoint_px,
       .tiles = tiles};

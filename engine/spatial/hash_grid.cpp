@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kPointsPerBucket = 4;
 constexpr std::uint64_t kFewestBuckets = 1u << 8;
-constexpr std::uint64_t kMostBuckets = 1u << 24;
+constexpr std::uint64_t kMaxBuckets = 1u << 24;
 // Blocks of eight cells a side hold some 64 occupied cells of a surface: a few pages of memory for a whole query.
 constexpr std::uint32_t kMortonBlockBits = 3;
 
@@ -23,7 +23,7 @@ std::uint32_t bucketBits(const HashGrid& grid) { return static_cast<std::uint32_
 
 HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, BucketKey key) {
   PALPATE_CHECK_LT(0.0, cell);
-  const std::uint64_t buckets = std::clamp(std::bit_ceil(count / kPointsPerBucket), kFewestBuckets, kMostBuckets);
+  const std::uint64_t buckets = std::clamp(std::bit_ceil(count / kPointsPerBucket), kFewestBuckets, kMaxBuckets);
   return {.origin = origin,
           .inverseCell = static_cast<float>(1.0 / cell),
           .bucketMask = static_cast<std::uint32_t>(buckets - 1),

@@ -14,7 +14,7 @@ namespace {
 // Of the points: slots to spare, and moves in one update. More slots put off compactions, more moves put off the point
 // from which an edit rebuilds; both cost memory.
 constexpr std::uint64_t kSpareShare = 10, kMovesShare = 16;
-constexpr std::uint64_t kLeastSpare = 1 << 14, kLeastMoves = 1 << 14;
+constexpr std::uint64_t kMinSpare = 1 << 14, kMinMoves = 1 << 14;
 // Buckets that may change while a compaction runs, of those that one update may touch.
 constexpr std::uint64_t kDirtyPerMove = 4;
 
@@ -40,11 +40,11 @@ std::uint64_t dirtyWords(std::uint64_t moves, const HashGrid& grid) {
 }  // namespace
 
 std::uint32_t HashUpdate::spareSlots(std::uint64_t points) {
-  return static_cast<std::uint32_t>(std::max(kLeastSpare, points / kSpareShare));
+  return static_cast<std::uint32_t>(std::max(kMinSpare, points / kSpareShare));
 }
 
 std::uint32_t HashUpdate::defaultMoves(std::uint64_t points) {
-  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(points / kMovesShare, kLeastMoves, shared::kMarkMove));
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(points / kMovesShare, kMinMoves, shared::kMarkMove));
 }
 
 HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud& live)

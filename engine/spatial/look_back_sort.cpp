@@ -40,8 +40,8 @@ PipelineOptions histogramOptions(std::uint32_t keyBits) {
   const auto passes = static_cast<std::uint32_t>(std::max<std::size_t>(1, digits.size()));
   const std::uint32_t mostBits = digits.empty() ? 1 : digits.front().bits;  // the longer ones come first
   // Two workgroups fill a processor with invocations, so that each may have half of its shared memory.
-  constexpr std::uint32_t kMostCounters = kHistogramBytes / kCounterBytes;
-  const std::uint32_t copies = std::min(32u, std::bit_floor((kMostCounters / passes) >> mostBits));
+  constexpr std::uint32_t kMaxCounters = kHistogramBytes / kCounterBytes;
+  const std::uint32_t copies = std::min(32u, std::bit_floor((kMaxCounters / passes) >> mostBits));
   return {.workgroupSize = kHistogramWorkgroup,
           .pushBytes = sizeof(shared::RadixHistogramArgs),
           .constants = {keyBits, passes, mostBits, copies}};

@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kMostLowBits = 12;   // of a bucket number: the counters of a group then fit the first cache
+constexpr std::uint32_t kMaxLowBits = 12;    // of a bucket number: the counters of a group then fit the first cache
 constexpr std::size_t kSmallestPart = 8192;  // points; below this a thread costs more than it saves
 constexpr std::size_t kGroupsPerThread = 8;  // taken at a time, so that full groups do not leave threads idle
 
@@ -17,7 +17,7 @@ constexpr std::size_t kGroupsPerThread = 8;  // taken at a time, so that full gr
 
 SortedGrid::SortedGrid(const HashGrid& grid, unsigned threads)
     : grid_(grid), team_(threads), lowBits_((bucketBits(grid) + 1) / 2), groups_((grid.bucketMask >> lowBits_) + 1) {
-  PALPATE_CHECK_LE(lowBits_, kMostLowBits);
+  PALPATE_CHECK_LE(lowBits_, kMaxLowBits);
   parts_.resize(team_.size());
   for (Part& part : parts_) part.next.resize(groups_);
   grouped_.resize(groups_ + 1);
@@ -80,7 +80,7 @@ void SortedGrid::scatterToGroups(Part& part) {
 }
 
 void SortedGrid::sortGroup(std::size_t group) {
-  std::array<std::uint32_t, 1u << kMostLowBits> next;
+  std::array<std::uint32_t, 1u << kMaxLowBits> next;
   const std::uint32_t buckets = 1u << lowBits_, begin = grouped_[group], end = grouped_[group + 1];
   std::fill_n(next.begin(), buckets, 0);
   for (std::uint32_t place = begin; place < end; ++place) ++next[halfwayLow_[place]];

@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLeastTurn = 0.9;  // cosine of a normal and the one of the tick before, where the surface goes on
+constexpr double kMinTurn = 0.9;  // cosine of a normal and the one of the tick before, where the surface goes on
 constexpr double kLongestGuess_s = 0.02;  // for which a place goes on with its velocity
 constexpr double kMillisecond_s = 1e-3;
 // Of the support radius:
@@ -42,7 +42,7 @@ void ContactKeeper::begin(const Contact& felt, const Tick& tick, double allowed)
 bool ContactKeeper::goesOn(const Contact& felt, const DVec3& expected, double allowed) const {
   const DVec3 apart = felt.proxy - expected;
   const double along = std::min(glm::length(acrossOf(apart, last_.normal)), allowed + kSlideOfWay * way_);
-  return glm::dot(felt.normal, last_.normal) > kLeastTurn && std::abs(glm::dot(apart, last_.normal)) <= allowed + along;
+  return glm::dot(felt.normal, last_.normal) > kMinTurn && std::abs(glm::dot(apart, last_.normal)) <= allowed + along;
 }
 
 Contact ContactKeeper::follow(const Contact& felt, const PressedPlace& pressed, const Tick& tick) {
@@ -102,7 +102,7 @@ ContactKeeper::Depths ContactKeeper::depthsBelow(const Contact& felt, const Pres
   if (pressed.isAlone) return {.pressed = least, .felt = least};
   // Back to the surface of points, where that is near.
   const double ofPoints = glm::dot(felt.proxy - tick.hip, normal);
-  if (felt.touching && glm::dot(felt.normal, normal) > kLeastTurn && std::abs(ofPoints - there) < kNear * tick.radius)
+  if (felt.touching && glm::dot(felt.normal, normal) > kMinTurn && std::abs(ofPoints - there) < kNear * tick.radius)
     there = std::clamp(ofPoints, there - allowed, there + allowed);
   return {.pressed = there, .felt = std::clamp(there, least, most)};
 }

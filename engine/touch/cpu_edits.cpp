@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kMostOffered = 1 << 16;  // changes: the index is built anew behind them, however few they are
+constexpr std::size_t kMaxOffered = 1 << 16;  // changes: the index is built anew behind them, however few they are
 
 }  // namespace
 
@@ -22,7 +22,7 @@ CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& b
       origin_(origin),
       stroke_(radius),
       pace_(kStalest_s),
-      offered_(brush && !brush->keepsDensity ? kMostOffered : 0) {
+      offered_(brush && !brush->keepsDensity ? kMaxOffered : 0) {
   if (!brush) return;
   stroke_.setBrush(*brush);
   statistics_.editTimes_us.reserve(kEditTimesKept);

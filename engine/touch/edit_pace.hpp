@@ -20,12 +20,12 @@ class EditPace {
   bool mayEdit(double time_s) const { return time_s >= restUntil_s_; }
   /// The edit that began at `time_s` took `duration_s`.
   void took(double time_s, double duration_s) {
-    rest_s_ = duration_s > longest_s_ ? std::clamp(2 * rest_s_, duration_s, kMostRests * duration_s) : 0;
+    rest_s_ = duration_s > longest_s_ ? std::clamp(2 * rest_s_, duration_s, kMaxRests * duration_s) : 0;
     restUntil_s_ = time_s + rest_s_;
   }
 
  private:
-  static constexpr double kMostRests = 10;
+  static constexpr double kMaxRests = 10;
 
   double longest_s_;
   double rest_s_ = 0, restUntil_s_ = 0;

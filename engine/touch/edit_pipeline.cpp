@@ -16,10 +16,10 @@ namespace {
 
 // Of the points: an edit that touches more is followed by a full build, which then takes less time.
 constexpr double kLargeEdit = 1.0 / 16;
-constexpr std::size_t kMostOffered = 1 << 14;  // changes: they come between two ticks
+constexpr std::size_t kMaxOffered = 1 << 14;  // changes: they come between two ticks
 
 std::size_t mostOffered(const EditPass& pass) {
-  return pass.brush().keepsDensity ? 0 : std::min<std::size_t>(kMostOffered, pass.mostChanges());
+  return pass.brush().keepsDensity ? 0 : std::min<std::size_t>(kMaxOffered, pass.mostChanges());
 }
 
 }  // namespace

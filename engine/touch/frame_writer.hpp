@@ -38,7 +38,7 @@ class FrameWriter {
   virtual bool turnsNormals() const { return false; }
   /// Of what was made last: CloudFrame's times, and whether the normals' fourth words have colours.
   virtual double time_s() const = 0;
-  virtual double goOn_s() const { return kMostPointsAge_s; }
+  virtual double goOn_s() const { return kMaxPointsAge_s; }
   virtual double comes_s() const { return 0; }
   virtual bool isColored() const = 0;
   /// Whether make() looks at the points so far: it runs then only once the frame before has become them.

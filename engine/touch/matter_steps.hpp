@@ -17,9 +17,9 @@ namespace palpate {
 /// Where hands are at a time.
 struct MatterQuestion {
   double time_s = 0;
-  std::array<HandPose, kMostHands> hands;
+  std::array<HandPose, kMaxHands> hands;
   /// How often each was put down elsewhere: its ball stands where it is, then, however it came there.
-  std::array<std::uint32_t, kMostHands> putDown{};
+  std::array<std::uint32_t, kMaxHands> putDown{};
 };
 
 /// What they get.
@@ -28,7 +28,7 @@ struct MatterAnswer {
   bool moves = true;  ///< false: it is held, and nobody feels anything
   MatterState state = MatterState::running;
   std::optional<double> known_s;  ///< MatterSimulation::knownAt_s()
-  std::array<ToolAnswer, kMostHands> hands;
+  std::array<ToolAnswer, kMaxHands> hands;
 };
 
 /// The particles at some time, by id.
@@ -69,8 +69,8 @@ class MatterSteps final : public SteppedControl {
   std::size_t tools_;
   std::vector<HandPose> hands_;  // of the last question
   std::vector<HandPose> between_;
-  std::array<std::uint32_t, kMostHands> putDown_{};  // of the last question
-  std::optional<double> unshown_s_;                  // time of the last question, where it moved what is not shown yet
+  std::array<std::uint32_t, kMaxHands> putDown_{};  // of the last question
+  std::optional<double> unshown_s_;                 // time of the last question, where it moved what is not shown yet
   std::atomic<bool> faulty_ = false;
   std::exception_ptr fault_;         // written before the flag
   std::atomic<bool> wanted_ = true;  // somebody would take what is shown

@@ -15,9 +15,9 @@ namespace {
 constexpr std::array<std::uint8_t, 4> kWaterColor{86, 140, 196, 255}, kSandColor{198, 168, 118, 255},
     kModelColor{206, 202, 194, 255};
 // Against the clock: what it has missed beyond that it does not make up for, as its answers would only come later.
-constexpr std::uint32_t kMostAtOnce = 2;
+constexpr std::uint32_t kMaxAtOnce = 2;
 // A hand feels no less than that; a ball beside the matter answers nothing.
-constexpr double kLeastForce_N = 1e-6;
+constexpr double kMinForce_N = 1e-6;
 
 Vec3 upOf(const MatterScene& scene) {
   const double gravity = glm::length(scene.gravity_m_s2);
@@ -48,7 +48,7 @@ MatterTouch::MatterTouch(std::unique_ptr<MatterSimulation> simulation, const Mat
     : up_(upOf(simulation->scene())),
       varies_(options.varies),
       machine_(options.machine),
-      steps_(std::move(simulation), options.hands, kMostAtOnce),
+      steps_(std::move(simulation), options.hands, kMaxAtOnce),
       answers_(options.hands),
       surface_(boxOf(steps_.world().scene()), steps_.world().plan().spacing_m, options.threads) {
   if (const MatterModel* const model = steps_.world().model()) addModel(*model, still_.positions, still_.normals);
@@ -98,7 +98,7 @@ Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, con
                   .dataTime_s = answer.question.time_s};
   const bool isPlaced = answer.question.putDown[hand] == putDown_[hand];  // or it was elsewhere then
   if (!contact.valid || !answer.moves || !isPlaced || left <= 0 ||
-      !(glm::length(tool.reaction_N) + glm::length(tool.byModel_N) > kLeastForce_N))
+      !(glm::length(tool.reaction_N) + glm::length(tool.byModel_N) > kMinForce_N))
     return contact;
   // The ball goes on as it did, and its spring is stretched by what the hand has moved meanwhile, less that.
   const DVec3 went_m = age_s * tool.velocity_m_s;
@@ -107,7 +107,7 @@ Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, con
   const double size_N = glm::length(force_N);
   contact.force_N = force_N;
   contact.torque_mNm = left * 1e3 * tool.torque_Nm;
-  contact.touching = size_N > kLeastForce_N;
+  contact.touching = size_N > kMinForce_N;
   if (!contact.touching) return contact;
   contact.normal = force_N / size_N;
   contact.proxy = (tool.place_m + went_m) / kMatterUnit_m;

@@ -52,7 +52,7 @@ class MatterTouch final : public TouchBackend {
   void keepEdits() override {}
   void takeEdits(EditBatch&) override {}
   EditScope editScope() const override {
-    return {.edits = false, .paints = false, .newPoints = varies_ ? kMostVarying : 0};
+    return {.edits = false, .paints = false, .newPoints = varies_ ? kMaxVarying : 0};
   }
   void setBrush(const std::optional<BrushOptions>& brush) override;
 
@@ -65,7 +65,7 @@ class MatterTouch final : public TouchBackend {
   double cell() const override { return 0; }
 
  private:
-  static constexpr std::uint32_t kMostVarying = 1 << 18;
+  static constexpr std::uint32_t kMaxVarying = 1 << 18;
   void color(CloudFrame& frame) const;
   std::size_t bring(std::span<const Vec3> places, PointCloud& cloud) const;
   Contact contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept;
@@ -77,7 +77,7 @@ class MatterTouch final : public TouchBackend {
   double buildTime_us_ = 0;
   MatterSteps steps_;
   std::vector<Contact> answers_;
-  std::array<std::uint32_t, kMostHands> putDown_{};
+  std::array<std::uint32_t, kMaxHands> putDown_{};
   std::vector<double> noTimes_;
   TouchShortfalls shortfalls_;
   mutable MatterSurface surface_;  // of the one who shows it

@@ -10,12 +10,12 @@ namespace palpate {
 
 PatchContact::PatchContact(const SurfaceOptions& surface, double friction, const DVec3& origin)
     : surface_(surface), radius_(surface.radius), origin_(origin), tracker_(surface.radius, friction) {
-  points_.reserve(shared::kMostCarriedPoints);
-  near_.reserve(shared::kMostCarriedPoints);
+  points_.reserve(shared::kMaxCarriedPoints);
+  near_.reserve(shared::kMaxCarriedPoints);
 }
 
 void PatchContact::take(const CarriedPatch& patch, std::optional<double> missingSince_s, const PointsTime& time) {
-  const std::size_t count = std::min<std::size_t>(patch.points.size() / 2, shared::kMostCarriedPoints);
+  const std::size_t count = std::min<std::size_t>(patch.points.size() / 2, shared::kMaxCarriedPoints);
   points_.clear();
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 position(patch.points[2 * i]), normal(patch.points[2 * i + 1]);
@@ -69,8 +69,8 @@ Contact PatchContact::answer(const Pose& pose) noexcept {
 }
 
 double PatchContact::trust(double time_s) const {
-  const double edits = missingSince_s_ ? shareLeft(time_s - *missingSince_s_, kOutdated_s, kMostOutdated_s) : 1;
-  return std::min(edits, shareLeft(time_s - heard_s_, kSilent_s, kMostSilent_s));
+  const double edits = missingSince_s_ ? shareLeft(time_s - *missingSince_s_, kOutdated_s, kMaxOutdated_s) : 1;
+  return std::min(edits, shareLeft(time_s - heard_s_, kSilent_s, kMaxSilent_s));
 }
 
 SurfaceSample PatchContact::surface(const DVec3& x, const DVec3& facing) const {

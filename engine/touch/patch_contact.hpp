@@ -14,16 +14,16 @@ struct CarriedPatch;
 // A patch is trusted in full for the first of two times and not at all after the second.
 /// Since an edit that it knows nothing of, which moves a point by a quarter of a support radius at most. An edit in
 /// real time takes no longer than the first (EditPace), or others wait.
-constexpr double kOutdated_s = 0.02, kMostOutdated_s = 0.04;
+constexpr double kOutdated_s = 0.02, kMaxOutdated_s = 0.04;
 /// Since the last word from whoever holds the cloud. An unedited cloud does not change: this is for a GPU that hangs.
-constexpr double kSilent_s = 0.1, kMostSilent_s = 0.2;
+constexpr double kSilent_s = 0.1, kMaxSilent_s = 0.2;
 
 /// Answers poses on the CPU from the last patch of points, in double precision: the same surface and the same proxy as
 /// the GPU's, going on from the GPU's last answer. For a tick whose own answer is late. Allocates nothing after it was
 /// made.
 ///
 /// Force ends softly where the patch does: past its border on the tangent plane of the last proxy within (heldContact),
-/// kOutdated_s to kMostOutdated_s after an edit that it knows nothing of, and kSilent_s to kMostSilent_s after the last
+/// kOutdated_s to kMaxOutdated_s after an edit that it knows nothing of, and kSilent_s to kMaxSilent_s after the last
 /// word.
 class PatchContact final : private SurfaceField {
  public:

@@ -21,8 +21,8 @@ ProbeGroup::ProbeGroup(const ToolShape& shape) {
     points_.push_back({.share = point.share});
     shares += point.share;
   }
-  if (points_.size() > kMostToolPoints)
-    throw UsageError("a tool of {} points: it has 1 to {}", points_.size(), kMostToolPoints);
+  if (points_.size() > kMaxToolPoints)
+    throw UsageError("a tool of {} points: it has 1 to {}", points_.size(), kMaxToolPoints);
   if (!(std::abs(shares - 1) < kRounding))
     throw UsageError("a tool whose points have {} of its stiffness; together they must have all of it, 1", shares);
   last_ = points_;
@@ -99,8 +99,8 @@ void ProbeGroup::forget() {
 }
 
 std::vector<ProbeGroup> makeProbeGroups(std::span<const ToolShape> tools) {
-  if (tools.empty() || tools.size() > kMostHands)
-    throw UsageError("{} hands: there are 1 to {}", tools.size(), kMostHands);
+  if (tools.empty() || tools.size() > kMaxHands)
+    throw UsageError("{} hands: there are 1 to {}", tools.size(), kMaxHands);
   std::vector<ProbeGroup> groups;
   for (const ToolShape& tool : tools) groups.emplace_back(tool);
   return groups;

@@ -80,7 +80,7 @@ class ProbeGroup {
   Contact answer_;
 };
 
-/// One for each hand's tool. Throws UsageError for no hand, for more than kMostHands, and as ProbeGroup does.
+/// One for each hand's tool. Throws UsageError for no hand, for more than kMaxHands, and as ProbeGroup does.
 std::vector<ProbeGroup> makeProbeGroups(std::span<const ToolShape> tools);
 
 }  // namespace palpate

@@ -34,7 +34,7 @@ struct Question {
   bool timed = true;        ///< on the GPU; a driver that needs our cores may wait for all its work to tell a time
   Stopwatch since;          ///< it was asked
   double gpu_us = 0;        ///< of the lists that have run; once it is answered, what is reported of them
-  std::bitset<kMostHands> dropped;  ///< hands that have begun anew since
+  std::bitset<kMaxHands> dropped;  ///< hands that have begun anew since
 };
 
 /// Asks the GPU and takes its answers: ahead of the poses or with them, in time or late. One question at a time;

@@ -40,7 +40,7 @@ SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSource
       world_(std::move(world)),
       options_(options),
       stroke_(options.radius),
-      slots_(kMostTouches) {
+      slots_(kMaxTouches) {
   PALPATE_CHECK(world_->hasSurface());
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, options_.toolReach);
   for (std::atomic<double>& compliance : compliances_)

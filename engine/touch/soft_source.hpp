@@ -20,7 +20,7 @@
 namespace palpate {
 
 /// Hands, and points of the first one's tool, at most.
-inline constexpr std::size_t kMostTouches = kMostToolPoints + kMostHands;
+inline constexpr std::size_t kMaxTouches = kMaxToolPoints + kMaxHands;
 
 /// A hand, or a point of its tool, at the surface: what it felt at one tick, and where it is at the next. Model units.
 struct SurfaceTouch {
@@ -51,11 +51,11 @@ struct SurfaceQuestion {
   bool goesOn = false;  ///< a tick was later than the points that it felt: somebody asks for compliances
   SurfaceBrush brush;
   std::uint32_t count = 0;
-  std::array<SurfaceTouch, kMostTouches> touches;
+  std::array<SurfaceTouch, kMaxTouches> touches;
 };
 
 /// For each touch where it presses.
-using PressedPlaces = std::array<PressedPlace, kMostTouches>;
+using PressedPlaces = std::array<PressedPlace, kMaxTouches>;
 
 struct SoftSourceOptions {
   std::size_t points = 0;  ///< of the surface
@@ -138,10 +138,10 @@ class SoftSource final : public CloudSource, public SteppedControl {
   BrushStroke stroke_;
   std::vector<Slot> slots_;
   std::vector<SurfacePress> presses_;
-  std::vector<std::size_t> pressing_;            // of which touch each press is
-  std::array<double, kMostHands> energies_J_{};  // that hands have put in since the beginning
-  double bodyTime_s_ = 0;                        // the questions' time for which the body is as it is
-  std::array<std::atomic<double>, kMostHands> compliances_;
+  std::vector<std::size_t> pressing_;           // of which touch each press is
+  std::array<double, kMaxHands> energies_J_{};  // that hands have put in since the beginning
+  double bodyTime_s_ = 0;                       // the questions' time for which the body is as it is
+  std::array<std::atomic<double>, kMaxHands> compliances_;
   std::atomic<std::uint32_t> beginnings_ = 0;
   std::atomic<std::uint64_t> keptTicks_ = 0, gaveWayTicks_ = 0;
   double pace_ = 1;  // of the body's time against that of the hands, in the last steps: less where some were left out

@@ -14,7 +14,7 @@ namespace {
 constexpr double kNoAge_s = 1e-6;     // up to which points are of the tick itself
 constexpr double kQuiet_s = 0.02;     // after the scene has begun anew, where its surface may yet have to come
 constexpr double kSlack_N_ms = 0.06;  // by which a force comes or goes where a contact is kept, whatever the body does
-constexpr double kLeastStiffness = 1e-6;
+constexpr double kMinStiffness = 1e-6;
 constexpr double kForVelocity_s = 2e-3;  // over which the velocity of a hand is taken
 
 }  // namespace
@@ -102,7 +102,7 @@ void SoftTouch::keep(std::span<const Pose> poses, std::span<const Contact> answe
     ContactKeeper::Tick tick{.hip = poses[i].hip,
                              .time_s = poses[i].time_s,
                              .friction = question_.friction,
-                             .slack = kSlack_N_ms / std::max(kLeastStiffness, hand.spring.stiffness_N_per_unit),
+                             .slack = kSlack_N_ms / std::max(kMinStiffness, hand.spring.stiffness_N_per_unit),
                              .radius = source_->radius()};
     for (std::size_t k = 0; k < hand.keepers.size(); ++k, ++touch) {
       if (!points.empty()) tick.hip = points[k].hip;

@@ -65,7 +65,7 @@ class SteppedControl : public SimulationControl {
   struct Meter {
     std::atomic<double> now_J = 0, least_J = 0;
   };
-  std::array<Meter, kMostHands> meters_;
+  std::array<Meter, kMaxHands> meters_;
   std::size_t hands_;
   std::uint64_t memory_bytes_;  // that the simulation may take
   mutable std::mutex mutex_;    // of what follows

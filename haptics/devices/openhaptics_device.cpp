@@ -34,10 +34,10 @@ constexpr std::uint32_t kFrozenTicks = 100;
 constexpr double kHot = 0.95, kCooled = 0.85;
 constexpr std::uint32_t kTicksBetweenChecks = 100;
 constexpr std::uint32_t kPausedTicks = 1000;  // after each complaint, where the driver does not tell the heat
-constexpr int kMostComplaints = 32;           // that are read at a time: the stack must not hold a tick up
+constexpr int kMaxComplaints = 32;            // that are read at a time: the stack must not hold a tick up
 constexpr double kStall_s = 1;                // without a call, after which the driver's scheduler is taken for dead
 constexpr double kZeroWait_us = 5000;
-constexpr std::size_t kMostMotors = 8;
+constexpr std::size_t kMaxMotors = 8;
 constexpr double kDriverRate_Hz = 1000;
 
 VendorLibrary loadedHd() {
@@ -67,7 +67,7 @@ std::string textOf(const char* text) { return text ? text : ""; }
 
 std::uint32_t newestError(const Api& hd) {
   std::uint32_t newest = 0;
-  for (int i = 0; i < kMostComplaints; ++i) {
+  for (int i = 0; i < kMaxComplaints; ++i) {
     const std::uint32_t code = hd.getError().code;
     if (code == 0) break;
     if (newest == 0) newest = code;
@@ -175,7 +175,7 @@ void OpenHapticsDevice::learnFacts() {
 void OpenHapticsDevice::learnLimits() {
   const auto model = std::ranges::find_if(
       kHdModels, [&](const HdModel& limits) { return facts_.model.find(limits.name) != std::string::npos; });
-  double peak_N = 0, continuous_N = 0, heat[kMostMotors]{};
+  double peak_N = 0, continuous_N = 0, heat[kMaxMotors]{};
   hd_.getDoublev(kMaxForce, &peak_N);
   hd_.getDoublev(kMaxContinuousForce, &continuous_N);
   newestError(hd_);
@@ -340,7 +340,7 @@ void OpenHapticsDevice::sendInFrame(const DVec3& force_N) noexcept {
 
 Severity OpenHapticsDevice::complaints() noexcept {
   Severity worst = Severity::none;
-  for (int i = 0; i < kMostComplaints; ++i) {
+  for (int i = 0; i < kMaxComplaints; ++i) {
     const std::uint32_t code = hd_.getError().code;
     if (code == 0) break;
     const ErrorMeaning& meaning = meaningOf(code);
@@ -353,7 +353,7 @@ Severity OpenHapticsDevice::complaints() noexcept {
 void OpenHapticsDevice::watchMotors() noexcept {
   if (!tellsHeat_ || ticksToCheck_-- > 0) return;
   ticksToCheck_ = kTicksBetweenChecks;
-  double heat[kMostMotors]{};
+  double heat[kMaxMotors]{};
   hd_.getDoublev(kMotorTemperature, heat);
   const double warmest = *std::ranges::max_element(heat);
   temperature_.store(warmest, std::memory_order_relaxed);

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kTouches_N = 0.05, kLeaves_N = 0.02;  // apart, so that a light touch is no rattle
 constexpr double kTap_s = 0.05;                        // the light motor needs 20 ms to be felt
-constexpr int kLeastTap = 130, kMostTap = 255;
-constexpr int kLeastHum = 24, kMostHum = 200, kHumStep = 8;  // below the least the heavy motor does not turn
+constexpr int kMinTap = 130, kMaxTap = 255;
+constexpr int kMinHum = 24, kMaxHum = 200, kHumStep = 8;  // below the least the heavy motor does not turn
 constexpr double kSmallestShare = 0.01;
 constexpr auto kPeriod = std::chrono::milliseconds(10);
 constexpr double kForceTimeout_s = 0.1;  // no servo loop pauses so long
@@ -27,10 +27,10 @@ RumbleMotors RumbleShape::at(double time_s, double share, std::uint32_t contacts
   RumbleMotors motors;
   if (contacts != contacts_ && time_s >= tapUntil_s_) tapUntil_s_ = time_s + kTap_s;
   contacts_ = contacts;
-  if (time_s < tapUntil_s_) motors.weak = static_cast<std::uint8_t>(kLeastTap + share * (kMostTap - kLeastTap));
+  if (time_s < tapUntil_s_) motors.weak = static_cast<std::uint8_t>(kMinTap + share * (kMaxTap - kMinTap));
   if (share > kSmallestShare) {
-    const int steps = static_cast<int>(share * (kMostHum - kLeastHum) / kHumStep);
-    motors.strong = static_cast<std::uint8_t>(kLeastHum + kHumStep * steps);
+    const int steps = static_cast<int>(share * (kMaxHum - kMinHum) / kHumStep);
+    motors.strong = static_cast<std::uint8_t>(kMinHum + kHumStep * steps);
   }
   return motors;
 }

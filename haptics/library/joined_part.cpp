@@ -12,9 +12,9 @@ namespace palpate::library {
 
 NetworkConfig networkFrom(const pp_network* given) {
   const pp_network network = optionsFrom(given, "network");
-  constexpr std::uint64_t kMostPeers = 1000;
-  if (network.peer_count > kMostPeers)
-    throw UsageError("network.peers: {} are more than {}", network.peer_count, kMostPeers);
+  constexpr std::uint64_t kMaxPeers = 1000;
+  if (network.peer_count > kMaxPeers)
+    throw UsageError("network.peers: {} are more than {}", network.peer_count, kMaxPeers);
   NetworkConfig config{
       .interface = textOf(network.interface_name), .domain = network.domain, .security = textOf(network.security)};
   if (network.peer_count > 0) required(network.peers, "network.peers");

@@ -50,7 +50,7 @@ void checkPath(const pp_path& path) {
 }  // namespace
 
 void checkSize(std::uint32_t size, std::size_t known, std::string_view name) {
-  if (size >= kLeastSize && size <= known) return;
+  if (size >= kMinSize && size <= known) return;
   throw UsageError("{}: its size is {}, and this palpate, {}, knows {} bytes; fill it by its pp_default function", name,
                    size, PALPATE_VERSION, known);
 }

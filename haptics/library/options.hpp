@@ -27,7 +27,7 @@ T& required(T* given, std::string_view name) {
   return *given;
 }
 
-constexpr std::size_t kLeastSize = 8;  ///< of any struct that begins with its size
+constexpr std::size_t kMinSize = 8;  ///< of any struct that begins with its size
 
 /// Throws UsageError for a size that no palpate up to this one has had. The first field of any such struct is its size.
 void checkSize(std::uint32_t size, std::size_t known, std::string_view name);
@@ -56,7 +56,7 @@ void giveInfo(Info* to, Info value, std::string_view name) {
 template <class Out>
 void clear(Out* to) {
   if constexpr (requires { to->size; }) {
-    if (to && to->size >= kLeastSize && to->size <= sizeof(Out)) giveInfo(to, usual<Out>(), {});
+    if (to && to->size >= kMinSize && to->size <= sizeof(Out)) giveInfo(to, usual<Out>(), {});
   } else {
     if (to) *to = Out{};
   }

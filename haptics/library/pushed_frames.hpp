@@ -12,7 +12,7 @@ namespace palpate::library {
 /// At a time the newest frame whose time has come is felt; those before it are forgotten. push() is for any thread.
 class PushedFrames final : public CloudSource {
  public:
-  static constexpr std::size_t kMostWaiting = 1024;
+  static constexpr std::size_t kMaxWaiting = 1024;
 
   /// Begins with the points of `first`, which stand still. `most`: points of a frame. `keeps`: each has its place in
   /// all frames.

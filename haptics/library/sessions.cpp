@@ -221,9 +221,9 @@ pp_status pp_image_write(const char* file, const uint8_t* rgba, uint32_t width, 
   return guarded([&] {
     const std::string name = &required(file, "file");
     required(rgba, "rgba");
-    constexpr std::uint32_t kMost = 1 << 16;
-    if (width == 0 || height == 0 || width > kMost || height > kMost)
-      throw UsageError("size: {} x {} pixels are not between 1 and {} each way", width, height, kMost);
+    constexpr std::uint32_t kMax = 1 << 16;
+    if (width == 0 || height == 0 || width > kMax || height > kMax)
+      throw UsageError("size: {} x {} pixels are not between 1 and {} each way", width, height, kMax);
     Image image{.width = width, .height = height, .rgba = {}};
     image.rgba.resize(std::size_t{width} * height);
     std::memcpy(image.rgba.data(), rgba, 4 * image.rgba.size());

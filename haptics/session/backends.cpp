@@ -90,7 +90,7 @@ std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& req
 
 std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& request) const {
   // Against the clock: what it has missed beyond that it does not make up for, as its answers would only come later.
-  constexpr std::uint32_t kMostAtOnce = 4;
+  constexpr std::uint32_t kMaxAtOnce = 4;
   MatterOptions options{.threads = request.threads};
   options.soft = request.model.soft;
   double reach = 0;
@@ -105,7 +105,7 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
                                                                                  .hands = request.tools.size(),
                                                                                  .radius = request.surface.radius,
                                                                                  .toolReach = reach,
-                                                                                 .mostAtOnce = kMostAtOnce});
+                                                                                 .mostAtOnce = kMaxAtOnce});
   BackendRequest felt = request;
   felt.source = source.get();
   felt.brush.reset();  // the body has it, and its points follow

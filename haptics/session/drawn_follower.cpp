@@ -9,9 +9,9 @@ namespace palpate {
 DrawnFollower::DrawnFollower(Device& sight, const Model& model, TouchBackend& backend)
     : backend_(backend), sameGpu_(backend.framesOn(sight)) {
   // Where new points are numbered without end, so many of them are seen.
-  constexpr std::size_t kLeastNew = 1 << 16;
+  constexpr std::size_t kMinNew = 1 << 16;
   const EditScope scope = backend.editScope();
-  const auto most = static_cast<std::uint32_t>(std::max(kLeastNew, model.cloud.size()));
+  const auto most = static_cast<std::uint32_t>(std::max(kMinNew, model.cloud.size()));
   drawn_.emplace(sight, model.cloud,
                  DrawnOptions{.spare = scope.newPoints.value_or(most),
                               .painted = scope.paints,

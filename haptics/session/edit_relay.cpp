@@ -8,7 +8,7 @@ namespace palpate {
 namespace {
 
 constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
-constexpr std::size_t kMostWaitingEdits = 1 << 18;
+constexpr std::size_t kMaxWaitingEdits = 1 << 18;
 constexpr double kBetweenChecks_s = 1.0 / 240;  // whether the back end's log of edits fills up faster than usual
 
 }  // namespace
@@ -55,7 +55,7 @@ bool EditRelay::isHalfFull() const {
 void EditRelay::observe(const TraceRow& row) {
   SessionWriter* const log = options_.log;
   const bool flushes =
-      log && (row.time_s >= lastFlush_s_ + kBetweenFlushes_s || log->waitingEdits() > kMostWaitingEdits);
+      log && (row.time_s >= lastFlush_s_ + kBetweenFlushes_s || log->waitingEdits() > kMaxWaitingEdits);
   if (++ticks_ % period_ == 0 || flushes || isNearlyFull()) catchUp();
   if (!flushes) return;
   log->flush();

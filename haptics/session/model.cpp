@@ -46,7 +46,7 @@ void measure(Model& model, const ModelConfig& config, unsigned threads) {
 std::optional<ModelScale> knownScaleOf(const PointCloud& cloud, double mm_per_unit) {
   if (mm_per_unit > 0) return ModelScale{mm_per_unit};
   const auto said = scaleSaidIn(cloud.storedAs.comments);
-  if (said && *said >= bounds::kLeastScale && *said <= bounds::kMostScale) return ModelScale{*said};
+  if (said && *said >= bounds::kMinScale && *said <= bounds::kMaxScale) return ModelScale{*said};
   return std::nullopt;
 }
 

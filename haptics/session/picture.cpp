@@ -23,9 +23,9 @@ Image SessionPicture::draw(const Model& model, const Journal* journal, const Pic
   Frame::checkSize(request.width, request.height);
   if (drawn_ && journal && journal->points().size() > drawn_->count()) drawn_.reset();
   if (!drawn_) {
-    constexpr std::size_t kLeastNew = 1 << 16;
+    constexpr std::size_t kMinNew = 1 << 16;
     const std::size_t present = journal ? journal->points().size() : model.cloud.size();
-    const std::size_t spare = journal ? std::max(kLeastNew, 2 * present - model.cloud.size()) : 0;
+    const std::size_t spare = journal ? std::max(kMinNew, 2 * present - model.cloud.size()) : 0;
     drawn_.emplace(sight_, model.cloud,
                    DrawnOptions{.spare = static_cast<std::uint32_t>(spare),
                                 .painted = journal != nullptr,

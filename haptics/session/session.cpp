@@ -57,8 +57,8 @@ std::unique_ptr<TouchBackend> makePond(const SessionConfig& config, const Model&
   const std::size_t hands = std::max<std::size_t>(1, config.hands.size());
   BrickSource& source = model.far->source();
   // Some thousand particles, twice a millisecond or more: threads that wait for one another need cores of their own.
-  constexpr unsigned kMostThreads = 4;
-  const unsigned threads = std::clamp(threadCount(parts.threads) / kMostThreads, 1U, kMostThreads);
+  constexpr unsigned kMaxThreads = 4;
+  const unsigned threads = std::clamp(threadCount(parts.threads) / kMaxThreads, 1U, kMaxThreads);
   constexpr std::uint64_t kMemory_bytes = std::uint64_t{1} << 32;  // whatever the scene of somebody else would take
   auto pond = std::make_unique<MatterPond>(
       scene, MatterOptions{.threads = threads, .tools = hands, .memory_bytes = kMemory_bytes, .model = model.standing},

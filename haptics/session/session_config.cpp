@@ -20,13 +20,13 @@ void inBoundsOrZero(std::string_view field, double value, double least, double m
 
 void validate(const IndexConfig& index) {
   inBoundsOrZero("index.cell_mm", index.cell_mm, bounds::kShortest_mm, bounds::kLongest_mm);
-  inBoundsOrZero("index.cells_along_side", index.cellsAlongSide, 1, bounds::kMostCells);
+  inBoundsOrZero("index.cells_along_side", index.cellsAlongSide, 1, bounds::kMaxCells);
   if (index.cell_mm != 0 && index.cellsAlongSide != 0)
     throw ConfigError("index.cells_along_side", "says what index.cell_mm says already; leave one of them 0");
 }
 
 void validate(const ToolConfig& tool) {
-  inBounds("tool.points", static_cast<double>(tool.points), 1, static_cast<double>(kMostToolPoints));
+  inBounds("tool.points", static_cast<double>(tool.points), 1, static_cast<double>(kMaxToolPoints));
   inBounds("tool.size_mm", tool.size_mm, bounds::kShortest_mm, bounds::kLongest_mm);
   if (!isFinite(tool.axis) || !(glm::length(tool.axis) > 0)) throw ConfigError("tool.axis", "is no direction");
 }
@@ -36,39 +36,39 @@ void validate(const BrushConfig& brush) {
   inBounds("brush.beta", brush.beta, 0, 1);
   inBounds("brush.radius_mm", brush.radius_mm, bounds::kShortest_mm, bounds::kLongest_mm);
   inBounds("brush.strength", brush.strength, 0, 1);
-  inBounds("brush.falloff", brush.falloff, 0, kMostFalloff);
+  inBounds("brush.falloff", brush.falloff, 0, kMaxFalloff);
 }
 
 void validate(const ForceOptions& force) {
-  inBounds("force.stiffness_N_per_mm", force.stiffness_N_per_mm, 0, bounds::kMostStiffness_N_per_mm);
-  inBounds("force.damping_N_s_per_mm", force.damping_N_s_per_mm, 0, bounds::kMostDamping_N_s_per_mm);
-  inBounds("force.max_N", force.maxForce_N, 0, bounds::kMostForce_N);
+  inBounds("force.stiffness_N_per_mm", force.stiffness_N_per_mm, 0, bounds::kMaxStiffness_N_per_mm);
+  inBounds("force.damping_N_s_per_mm", force.damping_N_s_per_mm, 0, bounds::kMaxDamping_N_s_per_mm);
+  inBounds("force.max_N", force.maxForce_N, 0, bounds::kMaxForce_N);
   if (!(force.maxRise_N_per_s > 0)) throw ConfigError("force.max_rise_N_per_s", "is not above 0");
-  if (!(force.maxSurfacePower_W > 0 && force.maxSurfacePower_W <= bounds::kMostSurfacePower_W))
+  if (!(force.maxSurfacePower_W > 0 && force.maxSurfacePower_W <= bounds::kMaxSurfacePower_W))
     throw ConfigError("force.max_surface_power_W", "is {}, not above 0 and at most {}", force.maxSurfacePower_W,
-                      bounds::kMostSurfacePower_W);
+                      bounds::kMaxSurfacePower_W);
 }
 
 void validate(const HandConfig& hand, std::size_t number) {
   const auto at = [&](std::string_view field) { return fmt::format("hands[{}].{}", number, field); };
   if (hand.device.empty()) throw ConfigError(at("device"), "is not named");
   inBounds(at("penetration_mm"), hand.penetration_mm, bounds::kShortest_mm, bounds::kLongest_mm);
-  inBoundsOrZero(at("stiffness_N_per_mm"), hand.stiffness_N_per_mm, bounds::kLeastStiffness_N_per_mm,
-                 bounds::kMostStiffness_N_per_mm);
-  inBoundsOrZero(at("damping_N_s_per_mm"), hand.damping_N_s_per_mm, bounds::kLeastDamping_N_s_per_mm,
-                 bounds::kMostDamping_N_s_per_mm);
+  inBoundsOrZero(at("stiffness_N_per_mm"), hand.stiffness_N_per_mm, bounds::kMinStiffness_N_per_mm,
+                 bounds::kMaxStiffness_N_per_mm);
+  inBoundsOrZero(at("damping_N_s_per_mm"), hand.damping_N_s_per_mm, bounds::kMinDamping_N_s_per_mm,
+                 bounds::kMaxDamping_N_s_per_mm);
 }
 
 void validate(const MotionConfig& motion) {
   if (!isFinite(motion.axis) || !(glm::length(motion.axis) > 0)) throw ConfigError("motion.axis", "is no direction");
   inBounds("motion.amplitude_mm", motion.amplitude_mm, 0, bounds::kLongest_mm);
-  inBounds("motion.frequency_Hz", motion.frequency_Hz, 0, bounds::kMostRate_Hz);
+  inBounds("motion.frequency_Hz", motion.frequency_Hz, 0, bounds::kMaxRate_Hz);
   inBounds("motion.speed_mm_per_s", motion.speed_mm_per_s, 0, bounds::kLongest_mm);
 }
 
 void validate(const StreamConfig& stream, const SessionConfig& config) {
-  inBounds("stream.speed", stream.speed, bounds::kLeastSpeed, bounds::kMostSpeed);
-  inBoundsOrZero("stream.depth_scale", stream.depthScale, bounds::kLeastDepthScale, bounds::kMostDepthScale);
+  inBounds("stream.speed", stream.speed, bounds::kMinSpeed, bounds::kMaxSpeed);
+  inBoundsOrZero("stream.depth_scale", stream.depthScale, bounds::kMinDepthScale, bounds::kMaxDepthScale);
   if (config.brush) throw ConfigError("brush.kind", "the frames of a depth camera cannot be sculpted");
   if (config.motion) throw ConfigError("motion.kind", "the frames of a depth camera move by themselves; leave it out");
   if (config.model.normals != NormalSource::keep)
@@ -130,17 +130,17 @@ void validate(const MatterScene& scene, const SessionConfig& config) {
 }  // namespace
 
 void validate(const SessionConfig& config) {
-  inBoundsOrZero("model.mm_per_unit", config.model.mm_per_unit, bounds::kLeastScale, bounds::kMostScale);
-  inBounds("surface.friction", config.surface.friction, 0, bounds::kMostFriction);
+  inBoundsOrZero("model.mm_per_unit", config.model.mm_per_unit, bounds::kMinScale, bounds::kMaxScale);
+  inBounds("surface.friction", config.surface.friction, 0, bounds::kMaxFriction);
   if (config.surface.radius_mm)
     inBounds("surface.radius_mm", *config.surface.radius_mm, bounds::kShortest_mm, bounds::kLongest_mm);
   validate(config.index);
   validate(config.tool);
   if (config.brush) validate(*config.brush);
   validate(config.force);
-  inBounds("undo.undo", static_cast<double>(config.undo.undo), 0, bounds::kMostCount);
-  inBounds("undo.redo", static_cast<double>(config.undo.redo), 0, bounds::kMostCount);
-  inBounds("undo.memory_MiB", config.undo.memory_MiB, bounds::kLeastMemory_MiB, bounds::kMostMemory_MiB);
+  inBounds("undo.undo", static_cast<double>(config.undo.undo), 0, bounds::kMaxCount);
+  inBounds("undo.redo", static_cast<double>(config.undo.redo), 0, bounds::kMaxCount);
+  inBounds("undo.memory_MiB", config.undo.memory_MiB, bounds::kMinMemory_MiB, bounds::kMaxMemory_MiB);
   if (config.motion) {
     validate(*config.motion);
     if (config.brush) throw ConfigError("brush.kind", "what moves (motion.kind) cannot be sculpted yet");
@@ -152,7 +152,7 @@ void validate(const SessionConfig& config) {
   if (config.matter) validate(*config.matter, config);
   for (std::size_t i = 0; i < config.hands.size(); ++i) validate(config.hands[i], i);
   inBoundsOrZero("duration_s", config.duration_s, bounds::kShortest_s, bounds::kLongest_s);
-  inBounds("rate_Hz", config.rate_Hz, 1, bounds::kMostRate_Hz);
+  inBounds("rate_Hz", config.rate_Hz, 1, bounds::kMaxRate_Hz);
 }
 
 BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale) {
@@ -174,8 +174,8 @@ ToolShape toolShape(const ToolConfig& tool, const ModelScale& scale) {
 }
 
 std::uint64_t undoBytes(const UndoConfig& undo) {
-  constexpr double kMiB = 1 << 20, kMost = 1e18;
-  return undo.undo > 0 ? static_cast<std::uint64_t>(std::min(kMost, undo.memory_MiB * kMiB)) : 0;
+  constexpr double kMiB = 1 << 20, kMax = 1e18;
+  return undo.undo > 0 ? static_cast<std::uint64_t>(std::min(kMax, undo.memory_MiB * kMiB)) : 0;
 }
 
 }  // namespace palpate

@@ -55,7 +55,7 @@ struct ModelConfig {
 /// What the points define, and how it is felt.
 struct SurfaceConfig {
   SurfaceKind kind = SurfaceKind::average;
-  double friction = 0;  ///< coefficient of a proxy that slides; 0 is none, bounds::kMostFriction the most
+  double friction = 0;  ///< coefficient of a proxy that slides; 0 is none, bounds::kMaxFriction the most
   /// Support radius, mm; nothing: four spacings, wider where points are noisy, place by place where spacings differ.
   std::optional<double> radius_mm;
 

@@ -19,7 +19,7 @@ constexpr double kFastest_mm_s = 2000;     // that a hand goes
 
 // Matter with as many hands as there can be.
 std::unique_ptr<TouchBackend> matterOf(SessionConfig config, const Model& model, const SteppedModel::Parts& parts) {
-  config.hands.assign(kMostHands, HandConfig{});
+  config.hands.assign(kMaxHands, HandConfig{});
   config.realtime = true;
   validate(config);
   parts.backend.check(config);
@@ -27,11 +27,11 @@ std::unique_ptr<TouchBackend> matterOf(SessionConfig config, const Model& model,
                                   .config = config,
                                   .surface = parts.backend.surface(model, config.surface),
                                   .brush = std::nullopt,
-                                  .tools = std::vector<ToolShape>(kMostHands),
+                                  .tools = std::vector<ToolShape>(kMaxHands),
                                   .threads = parts.threads,
                                   .source = nullptr,
                                   .fusion = std::nullopt});
-  body->setSprings(std::vector<HandSpring>(kMostHands, springOf(ForceLaw(config.force, model.scale))));
+  body->setSprings(std::vector<HandSpring>(kMaxHands, springOf(ForceLaw(config.force, model.scale))));
   body->setRealtime(true);
   return body;
 }
@@ -108,7 +108,7 @@ void SteppedModel::seat(std::span<const SeenHand> hands, double since_s) {
 void SteppedModel::move(double time_s, std::span<const SeenHand> hands) {
   seat(hands, last_s_ ? time_s - *last_s_ : 0);
   last_s_ = time_s;
-  std::array<Pose, kMostHands> poses;
+  std::array<Pose, kMaxHands> poses;
   for (std::size_t i = 0; i < slots_.size(); ++i) poses[i] = {.time_s = time_s, .hip = slots_[i].hip, .sculpts = false};
   if (const auto answers = matter_->ask(poses, kBudget_us); answers.front().lost) matter_->finish();
   matter_->prepare();

@@ -63,7 +63,7 @@ class SteppedModel {
   Stopwatch sinceRestart_;
   mutable std::mutex lock_;  // of the next one
   Restarts restarts_;
-  std::array<Slot, kMostHands> slots_;
+  std::array<Slot, kMaxHands> slots_;
   std::optional<double> last_s_, shown_s_;
   double frameTime_s_ = 0;
 };

@@ -19,7 +19,7 @@ namespace palpate {
 namespace {
 
 constexpr std::string_view kStandardInput = "-";
-constexpr int kMostSaid = 3;  // frames that are lost before the first good one: the others are not better
+constexpr int kMaxSaid = 3;  // frames that are lost before the first good one: the others are not better
 
 struct OpenedStream {
   std::shared_ptr<DepthStream> stream;
@@ -60,7 +60,7 @@ bool readFrame(DepthStream& stream, DepthFrame& frame, Log& log) {
     try {
       return stream.next(frame);
     } catch (const Error& error) {
-      if (++lost <= kMostSaid) log.say("{}", error.what());
+      if (++lost <= kMaxSaid) log.say("{}", error.what());
     }
   }
 }

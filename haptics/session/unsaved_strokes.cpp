@@ -15,7 +15,7 @@ namespace {
 constexpr double kBetweenWrites_s = 0.1;
 // So that a log does not grow without end: one that is longer than this, and than so many times the cloud, begins anew
 // with the points as they are.
-constexpr std::uint64_t kMostStates = 1 << 24, kMostClouds = 4;
+constexpr std::uint64_t kMaxStates = 1 << 24, kMaxClouds = 4;
 
 }  // namespace
 
@@ -28,8 +28,8 @@ StrokeFolder::StrokeFolder(const std::filesystem::path& root) {
     const bool isNew = std::filesystem::create_directory(path_, failed);
     if (failed) throw FileError(path_, "cannot be made: " + failed.message());
     if (isNew && lock_.take(path_ / "lock")) return;
-    constexpr int kMost = 1000;
-    if (number == kMost) throw FileError(path_, "cannot be held by one program alone");
+    constexpr int kMax = 1000;
+    if (number == kMax) throw FileError(path_, "cannot be held by one program alone");
   }
 }
 
@@ -133,7 +133,7 @@ void UnsavedStrokes::follow(const EditBatch& fresh, const Journal& journal) {
   }
   append(pending_, fresh);
   if (!writer_ || pending_.empty() || sinceWritten_.elapsed_s() < kBetweenWrites_s) return;
-  if (states_ > std::max(kMostStates, kMostClouds * model_.cloud.size())) return begin(snapshot(journal));
+  if (states_ > std::max(kMaxStates, kMaxClouds * model_.cloud.size())) return begin(snapshot(journal));
   writePending();
 }
 

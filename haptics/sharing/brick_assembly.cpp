@@ -9,7 +9,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostBricks = 200'000;  // that are known, or come, at once
+constexpr std::size_t kMaxBricks = 200'000;  // that are known, or come, at once
 
 }  // namespace
 
@@ -43,7 +43,7 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
     require(BrickGrid::isKey(part.key), "a brick has no such place");
     if (part.total == kBrickDropped) {
       next_.dropped.push_back(part.key);
-      require(next_.dropped.size() <= kMostBricks, "too many bricks");
+      require(next_.dropped.size() <= kMaxBricks, "too many bricks");
       continue;
     }
     require(part.count <= points - at, "points are missing");
@@ -61,7 +61,7 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
 
 void BrickAssembly::add(const BrickPart& part, const Bricks& sample, std::size_t at) {
   Coming& coming = coming_[part.key];
-  require(coming_.size() <= kMostBricks, "too many bricks");
+  require(coming_.size() <= kMaxBricks, "too many bricks");
   if (!coming.brick) coming = {.total = part.total, .brick = std::make_shared<Brick>()};
   Brick& brick = *coming.brick;
   require(part.total == coming.total && part.count <= part.total - brick.size(),
@@ -108,7 +108,7 @@ void BrickAssembly::finish(bool whole) {
     known_.erase(key);
     before_.erase(key);
   }
-  require(known_.size() <= kMostBricks, "too many bricks");
+  require(known_.size() <= kMaxBricks, "too many bricks");
   for (const auto& [key, brick] : next_.bricks) known_.insert(key);  // what is dropped and comes again is there
   ready_ = std::exchange(next_, {});
 }

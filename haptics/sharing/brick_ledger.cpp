@@ -8,15 +8,15 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kKeptRadii = 1.3;         // radii of a ball up to which a brick is kept that has come
-constexpr std::size_t kMostKept = 60'000;  // bricks; those that are wanted are fewer
+constexpr double kKeptRadii = 1.3;        // radii of a ball up to which a brick is kept that has come
+constexpr std::size_t kMaxKept = 60'000;  // bricks; those that are wanted are fewer
 
 }  // namespace
 
 std::vector<BrickKey> bricksIn(std::span<const Ball> balls, const BrickGrid& grid) {
   std::vector<std::pair<double, BrickKey>> found;
   for (const Ball& ball : balls) {
-    const double radius = std::min(ball.radius, kMostReach_edges * grid.edge());
+    const double radius = std::min(ball.radius, kMaxReach_edges * grid.edge());
     grid.boxOf(ball.center - radius, ball.center + radius).forEach([&](const IVec3& brick) {
       const double distance = grid.distance(brick, ball.center);
       if (distance <= radius) found.emplace_back(distance, BrickGrid::keyOf(brick));
@@ -72,15 +72,15 @@ void BrickLedger::dropFar(std::span<const Ball> balls, const ServedBricks& brick
   const BrickGrid& grid = bricks.grid();
   const auto isNear = [&](BrickKey key) {
     return std::ranges::any_of(balls, [&](const Ball& ball) {
-      const double radius = kKeptRadii * std::min(ball.radius, kMostReach_edges * grid.edge()) + grid.edge();
+      const double radius = kKeptRadii * std::min(ball.radius, kMaxReach_edges * grid.edge()) + grid.edge();
       return grid.distance(BrickGrid::brickOf(key), ball.center) <= radius;
     });
   };
   std::size_t kept = 0;
   for (const auto& [key, known] : known_) {
     if (known.wantedAt == steps_) continue;
-    const bool stays = known.version == bricks.versionOf(key) && kept + known.size <= room &&
-                       known_.size() <= kMostKept && isNear(key);
+    const bool stays =
+        known.version == bricks.versionOf(key) && kept + known.size <= room && known_.size() <= kMaxKept && isNear(key);
     if (stays)
       kept += known.size;
     else

@@ -19,9 +19,9 @@ struct Ball {
 };
 
 /// The longest radius that a client gets, in edges of a brick: whoever asks for more gets that.
-inline constexpr double kMostReach_edges = 14;
+inline constexpr double kMaxReach_edges = 14;
 /// Balls of a client at a time.
-inline constexpr std::size_t kMostBalls = kMostHands;
+inline constexpr std::size_t kMaxBalls = kMaxHands;
 
 /// The bricks that the balls reach, those first that are next to the middle of one; each once.
 std::vector<BrickKey> bricksIn(std::span<const Ball> balls, const BrickGrid& grid);

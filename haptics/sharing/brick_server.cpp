@@ -14,7 +14,7 @@ constexpr double kShowApart_s = 0.005;            // between two times that a fr
 constexpr double kClientTimeout_s = 30;           // a client that says nothing for so long is gone
 constexpr LedgerLimits kStillLimits{.known = 1 << 17, .atOnce = 1024};
 constexpr LedgerLimits kMovingLimits{.known = 1 << 13, .atOnce = 1 << 13};
-constexpr std::uint64_t kFewestSamples = 256, kMostSamples = 1024;  // on their way to a client
+constexpr std::uint64_t kFewestSamples = 256, kMaxSamplesUnderWay = 1024;  // on their way to a client
 constexpr double kProbe_s = 1;     // after which a client is shown that something has come before
 constexpr double kSoon_s = 0.002;  // a link that has no room
 constexpr double kIdle_s = 0.05;
@@ -63,7 +63,7 @@ void BrickServer::take() {
 bool BrickServer::isWhole(const Near& near) const {
   constexpr double kFarthest = 1e30;  // a place that float32 has
   const std::span<const palpate_sharing_Ball> balls(near.balls._buffer, near.balls._length);
-  return balls.size() <= kMostBalls && std::ranges::all_of(balls, [](const palpate_sharing_Ball& ball) {
+  return balls.size() <= kMaxBalls && std::ranges::all_of(balls, [](const palpate_sharing_Ball& ball) {
            return ball.radius >= 0 && ball.radius <= kFarthest &&
                   std::ranges::all_of(ball.center, [](double x) { return std::abs(x) <= kFarthest; });
          });
@@ -141,7 +141,7 @@ bool BrickServer::lookAround() {
 
 void BrickServer::acknowledge(Client& client, std::uint64_t taken) {
   if (taken <= client.taken || taken > client.sample) return;
-  client.window = std::min(kMostSamples, std::max(client.window, kFewestSamples) + taken - client.taken);
+  client.window = std::min(kMaxSamplesUnderWay, std::max(client.window, kFewestSamples) + taken - client.taken);
   client.taken = taken;
   client.progressed = {};
   while (!client.unacked.empty() && client.unacked.front().sample <= taken) {

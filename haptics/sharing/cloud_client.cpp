@@ -22,7 +22,7 @@ namespace {
 constexpr double kEndPoll_s = 0.05;      // how often an end that is asked for is seen
 constexpr double kAskAgain_s = 3;        // for what has not come; what is lost on the way DDS sends again by itself
 constexpr double kSecondServer_s = 0.3;  // in which another session of the same name is found, if there is one
-constexpr double kFewestAhead = 64, kMostAhead = 4096;  // blocks that are asked for and have not come
+constexpr double kFewestAhead = 64, kMaxAhead = 4096;  // blocks that are asked for and have not come
 
 /// Takes the points of a session, block by block.
 class Fetch {
@@ -117,7 +117,7 @@ class Fetch {
                            at);
     }
     came_[block.number] = 1;
-    ahead_ = std::min(kMostAhead, ahead_ + 1);  // twice as much with each round trip: a link is filled, and not flooded
+    ahead_ = std::min(kMaxAhead, ahead_ + 1);  // twice as much with each round trip: a link is filled, and not flooded
     taken_ += count;
     while (complete_ < came_.size() && came_[complete_]) ++complete_;
   }
@@ -179,10 +179,10 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
     throw NetworkError(
         "'{}' of {} is served by another version of palpate ({}, and this is {}); install the same one on both", name,
         found.host, found.version, kVersion);
-  constexpr std::uint64_t kMostPoints = std::uint64_t{1} << 32;
-  constexpr double kLeastScale = 1e-12, kMostScale = 1e12;  // mm per unit
-  if (!isFinite(found.origin) || !(found.mm_per_unit >= kLeastScale && found.mm_per_unit <= kMostScale) ||
-      found.points > kMostPoints)
+  constexpr std::uint64_t kMaxPoints = std::uint64_t{1} << 32;
+  constexpr double kMinScale = 1e-12, kMaxScale = 1e12;  // mm per unit
+  if (!isFinite(found.origin) || !(found.mm_per_unit >= kMinScale && found.mm_per_unit <= kMaxScale) ||
+      found.points > kMaxPoints)
     throw NetworkError("'{}' of {} announces what is no cloud", name, found.host);
   return found;
 }

@@ -48,9 +48,9 @@ FarFacts factsOf(const PointCloud& cloud, const CloudServer::Parts& parts) {
   }
   facts.extent = {.bounds = boundsOf(cloud), .points = cloud.size()};
   // Some hundred points of a surface, or some dozen particles; within so many of them everything is.
-  constexpr double kSpacings = 16, kSpacingsOfMatter = 4, kMostAlongSide = 1 << 18;
+  constexpr double kSpacings = 16, kSpacingsOfMatter = 4, kMaxAlongSide = 1 << 18;
   facts.edge = std::max((facts.matter.empty() ? kSpacings : kSpacingsOfMatter) * facts.spacing,
-                        facts.extent.bounds.longestSide() / kMostAlongSide);
+                        facts.extent.bounds.longestSide() / kMaxAlongSide);
   if (!(facts.edge > 0)) facts.edge = 1;
   facts.moves = static_cast<bool>(parts.motion);
   return facts;
@@ -173,7 +173,7 @@ struct CloudServer::Link {
     if (!isSame(request.session, session)) return;  // another server's
     const std::uint32_t every = std::max(1U, request.every);
     const std::uint64_t blocks = blocksOf((cloud.size() + every - 1) / every);
-    if (request.count == 0 || request.count > kMostRequested || request.first >= blocks ||
+    if (request.count == 0 || request.count > kMaxRequested || request.first >= blocks ||
         request.count > blocks - request.first) {
       ++counts.refused;
       return;
@@ -185,8 +185,8 @@ struct CloudServer::Link {
     }
     ++counts.requests;
     client->lastAsked = {};
-    constexpr std::size_t kMostRanges = 64;  // whoever asks for more before any has come gets the last ones
-    if (client->asked.size() >= kMostRanges) client->asked.pop_front();
+    constexpr std::size_t kMaxRanges = 64;  // whoever asks for more before any has come gets the last ones
+    if (client->asked.size() >= kMaxRanges) client->asked.pop_front();
     client->asked.push_back({request.first, request.first + request.count, every});
   }
 
@@ -270,8 +270,8 @@ CloudServer::CloudServer(const PointCloud& cloud, Parts parts) {
   if (parts.motion && parts.sculptable)
     throw UsageError("sculptable: what moves by itself cannot be sculpted by who joins it");
   PALPATE_CHECK(cloud.hasNormals() || cloud.empty());
-  constexpr std::uint64_t kMostPoints = std::uint64_t{0xffffffff} * kBlockPoints;
-  PALPATE_CHECK_LT(cloud.size(), kMostPoints);
+  constexpr std::uint64_t kMaxPoints = std::uint64_t{0xffffffff} * kBlockPoints;
+  PALPATE_CHECK_LT(cloud.size(), kMaxPoints);
   link_ = std::make_unique<Link>(cloud, std::move(parts));
   link_->announce();
 }

@@ -41,7 +41,7 @@ class CopySchedule {
   void add(Item item, std::size_t bytes, double now_s) {
     budget_.spend(bytes, now_s);
     entries_.push_back({std::move(item), bytes, now_s});
-    if (entries_.size() > kMost) entries_.pop_front();
+    if (entries_.size() > kMax) entries_.pop_front();
   }
   /// Those that were said are out of date.
   void clear() { entries_.clear(); }
@@ -68,7 +68,7 @@ class CopySchedule {
 
  private:
   static constexpr std::array<double, 4> kAfter_s{0, 0.010, 0.030, 0.070};  // apart, since losses come in bursts
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMax = 64;
   struct Entry {
     Item item;
     std::size_t bytes;

@@ -16,7 +16,7 @@ class EarlyCopies {
  public:
   /// `last`: the one up to which all have come.
   void keep(std::uint64_t number, std::uint64_t last, Item item) {
-    if (number > last && number - last <= kMost) waiting_.insert_or_assign(number, std::move(item));
+    if (number > last && number - last <= kMax) waiting_.insert_or_assign(number, std::move(item));
   }
   /// The one that follows; nothing where it has not come.
   std::optional<Item> takeAfter(std::uint64_t last) {
@@ -32,7 +32,7 @@ class EarlyCopies {
   std::size_t size() const { return waiting_.size(); }
 
  private:
-  static constexpr std::uint64_t kMost = 64;
+  static constexpr std::uint64_t kMax = 64;
   std::map<std::uint64_t, Item> waiting_;
 };
 

@@ -20,17 +20,17 @@ using namespace sharing;
 
 namespace {
 
-constexpr std::size_t kRoom = 1 << 18;   // points that are known at once, twice what a server gives
-constexpr double kHandPoll_s = 0.004;    // how often is looked where the hands are
-constexpr double kAsk_s = 0.05;          // between two questions where nothing is new
-constexpr double kNews_s = 0.005;        // and where something is
-constexpr double kServerTimeout_s = 3;   // after which another server of the same points is looked for
-constexpr double kStrokeTimeout_s = 5;   // after which strokes that were sent and not taken go again,
-constexpr int kMaxStrokeRetries = 12;    // so many times in a row, though the server is heard
-constexpr int kMostSpoilt = 100;         // samples that are none, before one step has come whole
-constexpr double kFirstTrip_s = 0.1;     // until one is known
-constexpr double kLeastSpeed_mm_s = 60;  // of a hand that may set out
-constexpr double kFastestOf_s = 5;       // how long the fastest way from the server counts
+constexpr std::size_t kRoom = 1 << 18;  // points that are known at once, twice what a server gives
+constexpr double kHandPoll_s = 0.004;   // how often is looked where the hands are
+constexpr double kAsk_s = 0.05;         // between two questions where nothing is new
+constexpr double kNews_s = 0.005;       // and where something is
+constexpr double kServerTimeout_s = 3;  // after which another server of the same points is looked for
+constexpr double kStrokeTimeout_s = 5;  // after which strokes that were sent and not taken go again,
+constexpr int kMaxStrokeRetries = 12;   // so many times in a row, though the server is heard
+constexpr int kMaxSpoilt = 100;         // samples that are none, before one step has come whole
+constexpr double kFirstTrip_s = 0.1;    // until one is known
+constexpr double kMinSpeed_mm_s = 60;   // of a hand that may set out
+constexpr double kFastestOf_s = 5;      // how long the fastest way from the server counts
 
 /// From the server's time to this machine's, by what has come fastest of late: what is felt is as old as that way.
 class FastestWay {
@@ -60,7 +60,7 @@ class FarLink final : public FarCloud {
         source_(
             {.edge = parts.facts.edge, .points = kRoom, .moves = parts.facts.moves, .colored = parts.notice.colored}),
         assembly_(parts.facts.edge, kRoom),
-        balls_(parts.facts.edge, kLeastSpeed_mm_s / parts.notice.mm_per_unit),
+        balls_(parts.facts.edge, kMinSpeed_mm_s / parts.notice.mm_per_unit),
         nears_(to_.participant, to_.topics.nears, bestEffortQos()),
         strokes_(to_),
         probe_(to_),
@@ -145,7 +145,7 @@ class FarLink final : public FarCloud {
         gap = !take(sample);
       } catch (const Error&) {
         // Damaged on the way, or another's: what it stood for comes anew, unless nothing else comes.
-        if (++spoilt_ > kMostSpoilt) throw;
+        if (++spoilt_ > kMaxSpoilt) throw;
         gap = true;
       }
     });
@@ -285,8 +285,8 @@ class FarLink final : public FarCloud {
   }
 
   void say(std::string what) {
-    constexpr std::size_t kMostSaid = 8;
-    if (said_.size() < kMostSaid) said_.push_back(what);
+    constexpr std::size_t kMaxSaid = 8;
+    if (said_.size() < kMaxSaid) said_.push_back(what);
     untold_.push_back(std::move(what));
   }
 

@@ -29,7 +29,7 @@ Ball HandBalls::ballOf(Hand& hand, const HandReach& reach, double steady_s, doub
 }
 
 const std::vector<Ball>& HandBalls::around(const HandReaches& hands, double trip_s) {
-  const double most = kMostReach_edges * edge_;
+  const double most = kMaxReach_edges * edge_;
   balls_.resize(hands.count);
   for (std::uint32_t i = 0; i < hands.count; ++i) {
     Ball next = ballOf(hands_[i], hands.hands[i], hands.steady_s, trip_s);

@@ -28,7 +28,7 @@ class HandBalls {
   Ball ballOf(Hand& hand, const HandReach& reach, double steady_s, double trip_s) const;
 
   double edge_, leastSpeed_;
-  std::array<Hand, kMostHands> hands_;
+  std::array<Hand, kMaxHands> hands_;
   std::vector<Ball> balls_;
 };
 

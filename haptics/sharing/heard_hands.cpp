@@ -17,7 +17,7 @@ PresenceRoom::PresenceRoom(const PointCloud& cloud)
 bool PresenceRoom::has(const DVec3& place) const { return glm::distance(place, middle_) < farthest_; }
 
 HeardHands::HeardHands(const Participant& participant, const Topics& topics, const PointCloud& cloud, double gone_s)
-    : room_(cloud), reader_(participant, topics.hands, keepingInstances(bestEffortQos(), kMostShown)), seen_(gone_s) {}
+    : room_(cloud), reader_(participant, topics.hands, keepingInstances(bestEffortQos(), kMaxShown)), seen_(gone_s) {}
 
 void HeardHands::hear(const Id& session, const std::optional<Id>& own) {
   seen_.forget();
@@ -31,7 +31,7 @@ void HeardHands::hear(const HandSample& hand) {
                         .proxy = DVec3(hand.proxy[0], hand.proxy[1], hand.proxy[2]),
                         .touching = hand.touching,
                         .sculpts = hand.sculpts};
-  if (hand.which >= kMostHands || !room_.has(place.position) || !room_.has(place.proxy)) return;
+  if (hand.which >= kMaxHands || !room_.has(place.position) || !room_.has(place.proxy)) return;
   std::string name = printable(hand.name);
   if (hand.which > 0) name += fmt::format(", hand {}", hand.which + 1);
   seen_.hear(idOf(hand.client), hand.which, hand.number, {.name = std::move(name), .place = place});

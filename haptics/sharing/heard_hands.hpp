@@ -12,7 +12,7 @@
 namespace palpate::sharing {
 
 /// Hands, or cameras, that wait to be heard, at most.
-inline constexpr std::int32_t kMostShown = 1024;
+inline constexpr std::int32_t kMaxShown = 1024;
 
 /// How far a hand or a camera can be from a cloud: farther nobody looks, and nothing that draws or computes has to.
 class PresenceRoom {

@@ -36,7 +36,7 @@ inline constexpr std::uint32_t kVersion = 4;
 /// Points of a block, which fits into one frame of Ethernet: of samples that are cut in pieces DDS mends one in each
 /// round trip, of whole ones all that are lost.
 inline constexpr std::uint32_t kBlockPoints = 45;
-inline constexpr std::uint32_t kMostRequested = 4096;  // blocks at a time
+inline constexpr std::uint32_t kMaxRequested = 4096;  // blocks at a time
 /// States of a stroke or a result, which fit into one frame, too.
 inline constexpr std::uint32_t kStates = 36;
 

@@ -43,7 +43,7 @@ class Presence final : public SharedPresence {
         handWriter_(session_->participant, session_->topics.hands, bestEffortQos()),
         hands_(session_->participant, session_->topics, cloud, kSeen_s),
         cameraWriter_(session_->participant, session_->topics.cameras, bestEffortQos()),
-        cameraReader_(session_->participant, session_->topics.cameras, keepingInstances(bestEffortQos(), kMostShown)),
+        cameraReader_(session_->participant, session_->topics.cameras, keepingInstances(bestEffortQos(), kMaxShown)),
         cameras_(kSeen_s),
         notices_(session_->participant, session_->topics),
         served_(session_->session),

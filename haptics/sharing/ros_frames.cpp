@@ -68,14 +68,14 @@ class ColorsBeside {
  private:
   static constexpr double kLook_s = 0.005;
   static constexpr std::int64_t kApart_ns = 50'000'000;  // that two pictures of one time are, at most
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMax = 8;
   struct Kept {
     std::int64_t stamp_ns = 0;
     std::vector<std::array<std::uint8_t, 3>> colors;
   };
 
   void keep(const RosImage& image, const DepthCamera& camera) {
-    Kept& kept = kept_[next_ % kMost];
+    Kept& kept = kept_[next_ % kMax];
     try {
       takeRosColors(pictureOf(image), camera, kept.colors);
       kept.stamp_ns = stampOf(image.header);
@@ -102,7 +102,7 @@ class ColorsBeside {
 
   std::string topic_;
   RosIntake<RosImage> intake_;
-  std::array<Kept, kMost> kept_;
+  std::array<Kept, kMax> kept_;
   std::size_t next_ = 0;
   std::string why_;  // the last one was none
 };
@@ -155,11 +155,11 @@ class FromPoints {
  private:
   // A sensor without rows, which sends what its rays have met, may meet more.
   void requireRoom(std::size_t points, const RosPointCloud2& message) {
-    constexpr std::uint64_t kLeast = 65'536, kMost = 100'000'000;
+    constexpr std::uint64_t kMin = 65'536, kMax = 100'000'000;
     if (camera_.width == 0 && points > 0) {
       const std::uint64_t first = std::uint64_t{message.width} * message.height;
       camera_.width =
-          static_cast<std::uint32_t>(std::min(message.height > 1 ? first : std::max(kLeast, 2 * first), kMost));
+          static_cast<std::uint32_t>(std::min(message.height > 1 ? first : std::max(kMin, 2 * first), kMax));
       camera_.height = 1;
     }
     if (points > camera_.width) throw NetworkError("has {} points, and there is room for {}", points, camera_.width);

@@ -30,8 +30,8 @@ template <class... Args>
 
 // What others have written stands in messages as a terminal shows it.
 std::string shown(std::string_view text) {
-  constexpr std::size_t kMost = 40;
-  std::string plain(text.substr(0, kMost));
+  constexpr std::size_t kMax = 40;
+  std::string plain(text.substr(0, kMax));
   for (char& c : plain)
     if (c < ' ' || c > '~') c = '?';
   return plain;
@@ -138,12 +138,12 @@ void takeRosColors(const RosPicture& picture, const DepthCamera& camera,
 }
 
 double RosFrameTimes::timeOf(std::int64_t stamp_ns, double arrived_s) {
-  constexpr double kMostLate_s = 0.5;  // between two frames, of what the network does to them
+  constexpr double kMaxLate_s = 0.5;  // between two frames, of what the network does to them
   const double waited_s = std::max(arrived_s - arrived_s_, 1e-6);
   // Of whole numbers, however far apart: stamps are of the wall clock, or of anything at all.
   const std::uint64_t step_ns = static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(stamp_ns_);
   const double step_s = stamp_ns > stamp_ns_ ? static_cast<double>(step_ns) * 1e-9 : 0;
-  if (hasBegun_) time_s_ += step_s > 0 && std::abs(step_s - waited_s) < kMostLate_s ? step_s : waited_s;
+  if (hasBegun_) time_s_ += step_s > 0 && std::abs(step_s - waited_s) < kMaxLate_s ? step_s : waited_s;
   hasBegun_ = true;
   stamp_ns_ = stamp_ns;
   arrived_s_ = arrived_s;

@@ -19,7 +19,7 @@ namespace {
 constexpr std::array<RosField, 7> kFields{
     {{"x", 0}, {"y", 4}, {"z", 8}, {"normal_x", 12}, {"normal_y", 16}, {"normal_z", 20}, {"rgb", 24}}};
 
-constexpr std::size_t kMostFields = 256;
+constexpr std::size_t kMaxFields = 256;
 
 ScalarType scalarOf(std::uint8_t type) { return static_cast<ScalarType>(type - RosField::i8); }
 
@@ -30,7 +30,7 @@ template <class... Args>
 
 // The message says of all of it where it is, and it is there.
 void requireWhole(const RosPoints& points) {
-  if (points.fields.size() > kMostFields) refusePoints("its points have {} fields", points.fields.size());
+  if (points.fields.size() > kMaxFields) refusePoints("its points have {} fields", points.fields.size());
   for (std::size_t i = 0; i < points.fields.size(); ++i) {
     const RosField& field = points.fields[i];
     if (field.type < RosField::i8 || field.type > RosField::f64)

@@ -11,7 +11,7 @@ namespace palpate::sharing {
 namespace {
 
 constexpr std::int32_t kWaiting = 1000;  // messages that nobody has looked at, as many as a robot sends in seconds
-constexpr std::uint32_t kMostOfMessage = 4096;  // transforms of one that are looked at
+constexpr std::uint32_t kMaxOfMessage = 4096;  // transforms of one that are looked at
 
 const std::string kMovingTopic = kRosTopics + "tf", kFixedTopic = kRosTopics + "tf_static";
 
@@ -49,7 +49,7 @@ void RosTransformIntake::take() {
   const auto from = [&](const std::vector<Reader<RosTFMessage>>& readers, bool isStatic) {
     for (const auto& reader : readers)
       reader.take([&](const RosTFMessage& message) {
-        for (std::uint32_t i = 0; i < std::min(message.transforms._length, kMostOfMessage); ++i)
+        for (std::uint32_t i = 0; i < std::min(message.transforms._length, kMaxOfMessage); ++i)
           hearing_->transforms.add(transformOf(message.transforms._buffer[i]), isStatic);
       });
   };

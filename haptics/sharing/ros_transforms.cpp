@@ -11,9 +11,9 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostAncestors = 256;
-constexpr double kBack_ns = 10e9;            // farther than this messages do not overtake one another
-constexpr std::size_t kMostPoses = 200'000;  // of all frames together, about: each has some
+constexpr std::size_t kMaxAncestors = 256;
+constexpr double kBack_ns = 10e9;           // farther than this messages do not overtake one another
+constexpr std::size_t kMaxPoses = 200'000;  // of all frames together, about: each has some
 constexpr std::size_t kFewestPoses = 10;
 
 bool isName(std::string_view name) { return !name.empty() && name.size() <= RosTransforms::kLongestName; }
@@ -44,7 +44,7 @@ bool RosTransforms::add(const RosTransform& transform, bool isStatic) {
   if (!isName(parent) || !isName(child) || parent == child || !isPose(transform)) return false;
   auto found = links_.find(child);
   if (found == links_.end()) {
-    if (links_.size() >= kMostFrames) return false;
+    if (links_.size() >= kMaxFrames) return false;
     found = links_.emplace(std::string(child), Link{}).first;
   }
   Link& link = found->second;
@@ -58,7 +58,7 @@ bool RosTransforms::add(const RosTransform& transform, bool isStatic) {
     link.poses.clear();
   link.poses[isStatic ? 0 : transform.stamp_ns] = {.turn = glm::normalize(transform.turn),
                                                    .centre = transform.translation};
-  const std::size_t kept = std::clamp(kMostPoses / links_.size(), kFewestPoses, kKept);
+  const std::size_t kept = std::clamp(kMaxPoses / links_.size(), kFewestPoses, kKept);
   while (link.poses.size() > kept) link.poses.erase(link.poses.begin());
   return true;
 }
@@ -100,16 +100,16 @@ CameraPose RosTransforms::find(std::string_view from, std::string_view to, std::
     }
   };
   std::vector<Ancestor> ancestors{{frame, {}}};
-  while (ancestors.back().name != target && ancestors.size() <= kMostAncestors) {
+  while (ancestors.back().name != target && ancestors.size() <= kMaxAncestors) {
     const auto next = above(ancestors.back());
     if (!next) break;
     ancestors.push_back(*next);
   }
-  if (ancestors.size() > kMostAncestors)
+  if (ancestors.size() > kMaxAncestors)
     throw NetworkError("the frames above '{}' lead in a circle, or are more than {}",
-                       printable(std::string(frame).c_str()), kMostAncestors);
+                       printable(std::string(frame).c_str()), kMaxAncestors);
   std::optional<Ancestor> up = Ancestor{target, {}};
-  for (std::size_t steps = 0; up && steps <= kMostAncestors; ++steps) {
+  for (std::size_t steps = 0; up && steps <= kMaxAncestors; ++steps) {
     const auto common = std::ranges::find(ancestors, up->name, &Ancestor::name);
     if (common != ancestors.end()) return composed(inverse(up->pose), common->pose);
     up = above(*up);

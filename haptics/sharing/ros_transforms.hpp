@@ -26,7 +26,7 @@ std::string_view rosFrameName(std::string_view name);
 /// foreign is looked at here: names and numbers, and no more is kept than there is room for.
 class RosTransforms {
  public:
-  static constexpr std::size_t kMostFrames = 4096, kLongestName = 256;
+  static constexpr std::size_t kMaxFrames = 4096, kLongestName = 256;
   static constexpr std::size_t kKept = 1000;  ///< of a frame that moves: ten seconds at 100 Hz
   static constexpr double kOldest_s = 1;      ///< that the transform of a frame that moves may be
 

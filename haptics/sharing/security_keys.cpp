@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kDay_s = 24 * 3600;
 constexpr std::int64_t kAuthorityDays = 3650;
-constexpr std::uint32_t kMostDays = 3650;
+constexpr std::uint32_t kMaxDays = 3650;
 constexpr const char* kAuthority = "authority";
 
 // All of an authority is encrypted for those who have keys of it, on every domain, and nobody else is heard. What finds
@@ -273,8 +273,8 @@ bool hasAuthority(const fs::path& folder) {
 MadeKeys makeKeys(const KeyRequest& request) {
   using namespace std::chrono;
   requireHolder(request.name);
-  if (request.days == 0 || request.days > kMostDays)
-    throw UsageError("days: is {}; there are 1 to {}", request.days, kMostDays);
+  if (request.days == 0 || request.days > kMaxDays)
+    throw UsageError("days: is {}; there are 1 to {}", request.days, kMaxDays);
   const std::int64_t now_s =
       request.now_s.value_or(duration_cast<seconds>(system_clock::now().time_since_epoch()).count());
   const fs::path authority = request.folder / kAuthority;

@@ -23,7 +23,7 @@ class SeenOthers {
   void hear(const Id& client, std::uint8_t hand, std::uint32_t count, Seen seen) {
     const std::pair key(client, hand);
     const auto known = others_.find(key);
-    if (known == others_.end() ? others_.size() >= kMost : known->second.count >= count) return;
+    if (known == others_.end() ? others_.size() >= kMax : known->second.count >= count) return;
     std::memcpy(&seen.number, client.data(), sizeof seen.number);
     seen.number += hand;
     others_[key] = {.seen = std::move(seen), .count = count, .since = {}};
@@ -45,7 +45,7 @@ class SeenOthers {
   }
 
  private:
-  static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kMax = 256;
   struct Other {
     Seen seen;
     std::uint32_t count = 0;

@@ -8,12 +8,12 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostKnown = 1000;  // whoever floods the network is not listened to any more
+constexpr std::size_t kMaxKnown = 1000;  // whoever floods the network is not listened to any more
 
 }  // namespace
 
 SessionNotices::SessionNotices(dds_entity_t participant, const Topics& topics)
-    : reader_(participant, topics.notices, keepingInstances(reliableQos(true), kMostKnown)), wait_(participant) {
+    : reader_(participant, topics.notices, keepingInstances(reliableQos(true), kMaxKnown)), wait_(participant) {
   wait_.attach(reader_);
 }
 
@@ -38,7 +38,7 @@ void SessionNotices::take() {
     const auto same = std::ranges::find(known_, known.session, &SessionNotice::session);
     if (same != known_.end())
       *same = std::move(known);
-    else if (known_.size() < kMostKnown)
+    else if (known_.size() < kMaxKnown)
       known_.push_back(std::move(known));
   });
 }

@@ -28,9 +28,9 @@ constexpr double kServerSilence_s = 3;  // after which the server is asked again
 constexpr double kPieceTimeout_s = 5;   // the same for pieces that were sent and not taken
 constexpr double kNear = 3;             // cells of the index from a proxy, within which a change may be felt there
 constexpr double kSettled_s = 0.3;      // at rest, before it is judged whether the points are the same
-constexpr int kMostDiffered = 3;
-constexpr std::int32_t kMostCopiesWaiting = 4096;  // which come the reliable way where they do not as copies
-constexpr int kMaxPieceRetries = 12;               // times in a row that nothing was taken, though the server is heard
+constexpr int kMaxDiffered = 3;
+constexpr std::int32_t kMaxCopiesWaiting = 4096;  // which come the reliable way where they do not as copies
+constexpr int kMaxPieceRetries = 12;              // times in a row that nothing was taken, though the server is heard
 
 class SharedEdits final : public SharedFollower {
  public:
@@ -52,7 +52,7 @@ class SharedEdits final : public SharedFollower {
     set(own, session_.client);
     results_ = Reader<Result>(session_.participant, session_.topics.results, reliableQos(false, partitionOf(own)));
     resultCopies_ = Reader<Result>(session_.participant, session_.topics.resultCopies,
-                                   keepingLast(bestEffortQos(partitionOf(own)), kMostCopiesWaiting));
+                                   keepingLast(bestEffortQos(partitionOf(own)), kMaxCopiesWaiting));
     wait_->attach(results_);
     wait_->attach(resultCopies_);
     probe_.attach(*wait_);
@@ -254,7 +254,7 @@ class SharedEdits final : public SharedFollower {
       return;
     }
     if (unequal_.elapsed_s() < kSettled_s) return;
-    if (++counts_.differed > kMostDiffered)
+    if (++counts_.differed > kMaxDiffered)
       return fail(fmt::format("'{}' of {}: the points here are not those of the server", session_.name, session_.host));
     resume(exchange_.resumeAll());
     unequal_ = {};
@@ -268,8 +268,8 @@ class SharedEdits final : public SharedFollower {
   }
 
   void say(std::string what) {
-    constexpr std::size_t kMostSaid = 8;
-    if (said_.size() < kMostSaid) said_.push_back(what);
+    constexpr std::size_t kMaxSaid = 8;
+    if (said_.size() < kMaxSaid) said_.push_back(what);
     untold_.push_back(std::move(what));
   }
 

@@ -9,7 +9,7 @@ namespace palpate::sharing {
 namespace {
 
 constexpr std::size_t kMaxPointClients = 4096;  // of whom it is known which of their pieces have been taken
-constexpr std::size_t kLeastOrder = 1 << 20;    // of the order that is kept
+constexpr std::size_t kMinOrder = 1 << 20;      // of the order that is kept
 constexpr float kLongestNormal = 1.01F;
 
 }  // namespace
@@ -21,7 +21,7 @@ bool isWhole(const PointState& state, std::size_t points) {
 SharedPoints::SharedPoints(std::vector<PointState> points)
     : points_(std::move(points)),
       last_(points_.size()),
-      mostOrder_(std::max(kLeastOrder, 2 * points_.size())),
+      mostOrder_(std::max(kMinOrder, 2 * points_.size())),
       digest_(points_) {}
 
 SharedPoints::Taken SharedPoints::take(const Id& client, std::uint64_t number, std::span<const PointState> states) {

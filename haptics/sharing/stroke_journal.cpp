@@ -31,7 +31,7 @@ struct Head {  // of a piece; its states follow
 static_assert(sizeof(Head) == 40);
 static_assert(sizeof(PointState) == 36);
 
-constexpr std::uint64_t kMostStates = 1024;  // of a piece
+constexpr std::uint64_t kMaxStates = 1024;  // of a piece
 
 std::uint64_t checksumOf(Head head, std::span<const PointState> states) {
   head.checksum = 0;
@@ -80,7 +80,7 @@ void StrokeJournal::goOn(std::uint64_t points, std::uint64_t checksum, const std
   while (size - at >= sizeof(Head)) {
     Head head;
     if (std::fread(&head, sizeof head, 1, stream) != 1) throw FileError::atByte(file_, at, "cannot be read");
-    if (head.states == 0 || head.states > kMostStates)
+    if (head.states == 0 || head.states > kMaxStates)
       throw FileError::atByte(file_, at, "is damaged: no piece of a stroke");
     const std::uint64_t bytes = head.states * sizeof(PointState);
     if (size - at - sizeof head < bytes) break;

@@ -7,13 +7,13 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMostFollowers = 64;    // at a time; one more takes the place of who was heard longest ago,
-constexpr double kWriterTimeout_s = 5;        // and so long ago: who follows pings
-constexpr std::int32_t kMaxSamples = 32'768;  // samples of each kind, of 1.4 KB; what is lost of them is sent again
-constexpr std::int32_t kMostCopiesWaiting = 4096;  // of strokes, which have to come the reliable way where these do not
-constexpr double kAllCopies_B_per_s = 4e6;         // of results, to all who follow
-constexpr std::uint32_t kMaxResults = 2048;        // results that are kept for one who may not have them yet
-constexpr double kApart_s = 0.008;                 // what is done within goes together, each point once
+constexpr std::size_t kMaxStrokeFollowers = 64;   // at a time; one more takes the place of who was heard longest ago,
+constexpr double kWriterTimeout_s = 5;            // and so long ago: who follows pings
+constexpr std::int32_t kMaxSamples = 32'768;      // samples of each kind, of 1.4 KB; what is lost of them is sent again
+constexpr std::int32_t kMaxCopiesWaiting = 4096;  // of strokes, which have to come the reliable way where these do not
+constexpr double kAllCopies_B_per_s = 4e6;        // of results, to all who follow
+constexpr std::uint32_t kMaxResults = 2048;       // results that are kept for one who may not have them yet
+constexpr double kApart_s = 0.008;                // what is done within goes together, each point once
 /// After which who follows hears that there is nothing. On a link that loses, each word that has to come again holds up
 /// those behind it for a round trip, so that there are few.
 constexpr double kSilence_s = 0.5;
@@ -24,7 +24,7 @@ constexpr int kInTurn = 64;  // results for one before it is the next one's turn
 StrokeServer::StrokeServer(const Parts& parts)
     : parts_(parts),
       strokes_(parts.participant, parts.topics.strokes, keepingLast(reliableQos(false), kMaxSamples)),
-      strokeCopies_(parts.participant, parts.topics.strokeCopies, keepingLast(bestEffortQos(), kMostCopiesWaiting)),
+      strokeCopies_(parts.participant, parts.topics.strokeCopies, keepingLast(bestEffortQos(), kMaxCopiesWaiting)),
       resumes_(parts.participant, parts.topics.resumes, keepingLast(reliableQos(false), kMaxSamples)) {
   counts_.sculptors = parts_.points.clients();
   counts_.states = parts_.points.head();
@@ -48,7 +48,7 @@ void StrokeServer::take(const ResumeRequest& request) {
   if (!isSame(request.session, parts_.session)) return;
   const Id client = idOf(request.client);
   if (!followers_.contains(client)) {
-    if (followers_.size() >= kMostFollowers) {
+    if (followers_.size() >= kMaxStrokeFollowers) {
       const auto last =
           std::ranges::max_element(followers_, {}, [](const auto& one) { return one.second.lastHeard.elapsed_s(); });
       if (last->second.lastHeard.elapsed_s() < kWriterTimeout_s) {

@@ -49,8 +49,8 @@ std::set<std::uint32_t> VersionWatch::fresh() {
     for (dds_return_t i = 0; i < count; ++i) {
       if (!about[i].valid_data) continue;
       const auto version = versionOf(*static_cast<const dds_builtintopic_participant_t*>(samples[i]));
-      constexpr std::size_t kMostKnown = 16;  // whoever makes up more of them is not listened to any more
-      if (version && *version != kVersion && known_.size() < kMostKnown && known_.insert(*version).second)
+      constexpr std::size_t kMaxKnown = 16;  // whoever makes up more of them is not listened to any more
+      if (version && *version != kVersion && known_.size() < kMaxKnown && known_.insert(*version).second)
         versions.insert(*version);
     }
     if (count > 0) dds_return_loan(reader_, samples, count);

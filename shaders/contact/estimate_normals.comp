@@ -75,7 +75,7 @@ void main() {
   Moments m;
   for (uint pass = 0; pass < kEstimatePasses; ++pass) {
     m = momentsAbout(point.xyz, radius, kAll, work);
-    const bool few = m.neighbours < kFewestEstimated, many = m.neighbours > kMostEstimated;
+    const bool few = m.neighbours < kFewestEstimated, many = m.neighbours > kMaxEstimated;
     if (pass + 1 == kEstimatePasses || work >= kEstimateWorkBudget || !few && !many) break;
     if (few && radius >= kWidestEstimate * args.radius) break;
     radius *= few ? 2.0 : sqrt(float(kWantedEstimated) / float(m.neighbours));

@@ -46,7 +46,7 @@ void main() {
   }
   memoryBarrierBuffer();
   barrier();
-  const uint stride = strideOf(near, kMostCarriedPoints);
+  const uint stride = strideOf(near, kMaxCarriedPoints);
   const uint count = takenOf(near, stride);
   for (uint i = scanIndex(); i < count; i += kContactWorkgroup) {
     const uint point = args.near.at[i * stride];

@@ -76,7 +76,7 @@ void main() {
   const float edge = smoothstep(from, surely, (fit.x - kEdgeOfNoise * around.flattest) / fit.y);
   if (edge <= 0.0 || around.most < 0.0) return;
   lookAround(point.xyz, plane.xyz, plane.w, fit.y, kBest, around);
-  if (around.most < kLeastEdgeWeight) return;
+  if (around.most < kMinEdgeWeight) return;
   lookAround(point.xyz, plane.xyz, plane.w, fit.y, kSum, around);
   args.normals.at[id].xyz = normalize(mix(plane.xyz, normalize(around.sum), edge));
 }

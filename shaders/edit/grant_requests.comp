@@ -9,8 +9,8 @@
 
 layout(push_constant, scalar) uniform Push { RequestArgs args; };
 
-shared uint requesters[kMostBirths];
-shared uint granted[kMostBirths];
+shared uint requesters[kMaxBirths];
+shared uint granted[kMaxBirths];
 
 // Another part of the points in each tick.
 bool isHeard(uint id) {
@@ -27,14 +27,14 @@ void grantRequests() {
     if (args.lists.requests[i].inserts == 0 || !isHeard(id)) continue;
     if (!claimStands(args.lists, grid, args.lists.requests[i].place, id, args.radius) || !subgroupElect()) continue;
     const uint birth = atomicAdd(args.lists.now.births, 1);
-    if (birth < kMostBirths) args.lists.births[birth] = i;
+    if (birth < kMaxBirths) args.lists.births[birth] = i;
   }
 }
 
 // One workgroup.
 void orderBirths() {
   const uint requested = args.lists.now.births;
-  const uint births = requested > kMostBirths ? 0 : requested;
+  const uint births = requested > kMaxBirths ? 0 : requested;
   for (uint i = gl_LocalInvocationIndex; i < births; i += gl_WorkGroupSize.x) {
     granted[i] = args.lists.births[i];
     requesters[i] = args.lists.requests[granted[i]].id;
@@ -49,7 +49,7 @@ void orderBirths() {
   if (gl_LocalInvocationIndex != 0) return;
   args.lists.now.births = births;
   const uint thinning = args.lists.now.thinning;
-  args.lists.now.thinning = requested > kMostBirths ? min(thinning + 1, 15) : thinning - min(thinning, 1);
+  args.lists.now.thinning = requested > kMaxBirths ? min(thinning + 1, 15) : thinning - min(thinning, 1);
 }
 
 void main() {

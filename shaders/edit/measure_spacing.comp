@@ -58,7 +58,7 @@ bool visitAll(vec3 center) {
   firstOfPlace = true;
   weights = 0.0;
   [[unroll]] for (uint s = 0; s < kGapSectors; ++s) nearest[s] = kFar;
-  visitNeighbours(center, radius, walkBudget(kMostExamined));
+  visitNeighbours(center, radius, walkBudget(kMaxExamined));
   return walkedAll();
 }
 
@@ -69,7 +69,7 @@ void main() {
   selfId = floatBitsToUint(position.w);
   if (selfId == kEmptySlot) return;
   selfNormal = args.cloud.normals.at[slot].xyz;
-  const float least = kLeastSpacing * args.radius;
+  const float least = kMinSpacing * args.radius;
   if (args.counts != 0) {
     radius = least;
     visitAll(position.xyz);
@@ -82,7 +82,7 @@ void main() {
   frameAround(selfNormal, axisU, axisV);
   radius = args.radius;
   while (!visitAll(position.xyz) && radius > 2.0 * least) radius *= 0.5;
-  const float spacing = max(spacingFrom(radius, max(subgroupAdd(weights), kLeastWeights)), sectorSpacing());
+  const float spacing = max(spacingFrom(radius, max(subgroupAdd(weights), kMinWeights)), sectorSpacing());
   if (subgroupElect())
-    args.tables.at[0].spacings.at[selfId] = clamp(spacing, least, kMostSpacing * args.radius);
+    args.tables.at[0].spacings.at[selfId] = clamp(spacing, least, kMaxSpacing * args.radius);
 }

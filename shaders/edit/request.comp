@@ -99,7 +99,7 @@ Seen seenAt(uint at, uint slot) {
 }
 
 // Nobody crowds another one from further away.
-float mostCrowded() { return kCrowded * kMostSpacing * args.radius; }
+float mostCrowded() { return kCrowded * kMaxSpacing * args.radius; }
 
 void noteCrowding(uint at, uint slot) {
   const Seen other = seenAt(at, slot);
@@ -186,7 +186,7 @@ void visitNeighbour(uint at) {
   if ((slot & kOtherSheet) != 0) return;
   if (walk == kWalkBlocks) {
     for (uint s = 0; s < kGapSectors; ++s)
-      if (nearer(d - sectors[sectorAt(s)].offset, kLeastClearance * sectors[sectorAt(s)].spacing)) blocked |= 1u << s;
+      if (nearer(d - sectors[sectorAt(s)].offset, kMinClearance * sectors[sectorAt(s)].spacing)) blocked |= 1u << s;
     return;
   }
   if (walk == kWalkAround && nearer(d, mostCrowded())) noteCrowding(at, slot);
@@ -263,7 +263,7 @@ bool placeInGaps() {
       sectors[at].spacing = spacing;
       if (uintBitsToFloat(sectors[at].distance) > kWidestGap * spacing && torn(sectors[at])) {
         const vec3 middle = halfWay(sectors[at].offset, self.normal, args.cloud.normals.at[sectors[at].slot].xyz);
-        if (!nearer(middle, kLeastClearance * spacing) && nearer(middle, reach)) place = middle;
+        if (!nearer(middle, kMinClearance * spacing) && nearer(middle, reach)) place = middle;
       }
     }
     sectors[sectorAt(s)].offset = place;
@@ -411,7 +411,7 @@ void requestForAll() {
     }
     begin();
     for (walk = kWalkAround; walk != kWalkNoMore; walk = nextWalk()) {
-      visitNeighbours(center, neighbourhoodRadius(self.spacing, args.radius), walkBudget(kMostExamined),
+      visitNeighbours(center, neighbourhoodRadius(self.spacing, args.radius), walkBudget(kMaxExamined),
                       walk != kWalkAround);
       subgroupShares();
     }

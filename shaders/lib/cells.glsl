@@ -33,11 +33,11 @@ ivec3 cellAt(CellBox box, uint c) {
 // Loads the round that begins with cell `first`: all invocations of a workgroup of kContactWorkgroup together. `count`:
 // candidates of this invocation's cell, the one at scanIndex(). Gives the candidates of the round.
 uint loadRound(CellBox box, uint first, out uint count) {
-  const uint kMostInCell = 1u << 22;  // keeps the sum within 32 bits
+  const uint kMaxInCell = 1u << 22;  // keeps the sum within 32 bits
   const uint lane = scanIndex();
   uvec2 range = uvec2(0);
   if (first + lane < box.cells) range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellAt(box, first + lane))];
-  count = min(range.y - range.x, kMostInCell);
+  count = min(range.y - range.x, kMaxInCell);
   uint total;
   cellStart[lane] = workgroupExclusiveScan(count, total);
   cellFirst[lane] = range.x;

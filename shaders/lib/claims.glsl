@@ -33,7 +33,7 @@ void confirmClaims(ResampleLists lists, uint most, float support, uint first, ui
 // The whole subgroup calls it together.
 bool claimStands(ResampleLists lists, HashGrid grid, vec3 place, uint id, float support) {
   const uint kCellsAbout = 27;
-  const float clearance = kLeastClearance * support / kSupportSpacings;
+  const float clearance = kMinClearance * support / kSupportSpacings;
   const ivec3 cell = cellOf(grid, place);
   bool stands = lists.claims[bucketOf(grid, cell)] == id;
   for (uint c = gl_SubgroupInvocationID; c < kCellsAbout; c += gl_SubgroupSize) {

@@ -25,7 +25,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer GatherCells
 // Written and read by different workgroups of one dispatch, where the gather is split.
 layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer GatheredPatch {
   GatherHeader header;
-  uvec2 segments[kMostSegments];
+  uvec2 segments[kMaxSegments];
   vec4 points[];
 };
 

@@ -23,7 +23,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DirtyBuckets
 layout(constant_id = 1) const uint kCountsGroups = 1;
 
 // Groups of `each` that hold so many.
-uint updateGroups(uint count, uint each) { return min((count + each - 1) / each, kMostUpdateGroups); }
+uint updateGroups(uint count, uint each) { return min((count + each - 1) / each, kMaxUpdateGroups); }
 
 // Places at the end of the list of moves for every invocation of the subgroup that wants one; all of it call together.
 uint nextMove(HashUpdates update, bool wants) {

@@ -52,7 +52,7 @@ uint arrive(UpdateLists lists, uint bucket, uint at) {
   const uvec2 range = args.cloud.ranges.at[bucket];
   uint before = 0;
   while (true) {
-    if (arrivalsOf(before) == kMostArrivals) {
+    if (arrivalsOf(before) == kMaxArrivals) {
       atomicOr(args.update.at[0].refused, kUpdateCrowded);
       return before;
     }

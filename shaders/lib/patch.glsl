@@ -7,7 +7,7 @@
 #include "shaders/lib/probe.glsl"
 #include "shaders/shared/motion.h"
 
-layout(constant_id = 6) const uint kSharedPatch = kMostSharedPatch;
+layout(constant_id = 6) const uint kSharedPatch = kMaxSharedPatch;
 layout(constant_id = 8) const bool kNormalsTurn = false;
 shared vec3 patchPositions[kSharedPatch];  // relative to patchCentre
 shared vec3 patchNormals[kSharedPatch];

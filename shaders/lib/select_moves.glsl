@@ -5,8 +5,8 @@
 #include "shaders/lib/brush_reach.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 
-shared uint cellStart[kMostSelectCells];  // points in the cells before
-shared uint cellFirst[kMostSelectCells];  // first slot
+shared uint cellStart[kMaxSelectCells];  // points in the cells before
+shared uint cellFirst[kMaxSelectCells];  // first slot
 
 // Whether the ball around the tool's reach goes into a cell; says so, too, where it misses by less than places are
 // rounded.
@@ -50,13 +50,13 @@ uint lookUpCells(uint group, uint groups) {
   const ivec3 low = cellOf(args.cloud.grid, tool.middle - tool.reach);
   const uint c = group + lane * groups;
   uvec2 range = uvec2(0);
-  if (lane < kMostSelectCells && c < side * side * side) {
+  if (lane < kMaxSelectCells && c < side * side * side) {
     const ivec3 cell = low + ivec3(c % side, c / side % side, c / (side * side));
     if (mayReach(args.cloud.grid, cell)) range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cell)];
   }
   uint total;
   const uint start = workgroupExclusiveScan(range.y - range.x, total);
-  if (lane < kMostSelectCells) {
+  if (lane < kMaxSelectCells) {
     cellStart[lane] = start;
     cellFirst[lane] = range.x;
   }
@@ -77,7 +77,7 @@ uint slotToLookAt(uint k, uint group, uint groups, out uint cell) {
   cell = kAnyCell;
   if (args.cells == 0) return args.firstSlot + group * gl_WorkGroupSize.x + k;
   uint owner = 0;
-  for (uint step = kMostSelectCells / 2; step > 0; step /= 2)
+  for (uint step = kMaxSelectCells / 2; step > 0; step /= 2)
     if (cellStart[owner + step] <= k) owner += step;
   cell = group + owner * groups;
   return cellFirst[owner] + k - cellStart[owner];

@@ -64,7 +64,7 @@ SurfaceSums sumOfAll(SurfaceSums sums) {
 // The support radius that holds kSupportSpacings local spacings, as far as `radius` reaches. Two passes, since the
 // first averages the density over the whole radius; the second may only widen.
 float localRadiusAt(SpilledPoints spill, vec3 x, float radius) {
-  float smallest = kLeastLocalRadius * radius;
+  float smallest = kMinLocalRadius * radius;
   float local = radius;
   for (uint pass = 0; pass < 2; ++pass) {
     SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));

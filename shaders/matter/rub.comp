@@ -41,7 +41,7 @@ vec3 meet(uint other, vec3 offset, float overlap, vec3 otherVelocity, vec3 fall)
   vec3 slip = vec3(0), left;
   if (wasThere(other, left)) slip = grainSlip(rules, left, moved, fall);
   const GrainContact contact = grainContact(rules, normalize(offset), overlap, moved, slip);
-  if (countAfter < kMostContacts) args.contacts.at[after + countAfter++] = uvec4(floatBitsToUint(contact.slip), other);
+  if (countAfter < kMaxContacts) args.contacts.at[after + countAfter++] = uvec4(floatBitsToUint(contact.slip), other);
   mostOverlap = max(mostOverlap, overlap);
   return contact.change;
 }
@@ -106,9 +106,9 @@ void main() {
     rules = grainRules();
     place = args.places.at[slot].xyz;
     velocity = velocityOf(slot);
-    before = (parity * args.particles + id) * kMostContacts;
+    before = (parity * args.particles + id) * kMaxContacts;
     countBefore = args.contactCounts.at[parity * args.particles + id];
-    after = ((1 - parity) * args.particles + id) * kMostContacts;
+    after = ((1 - parity) * args.particles + id) * kMaxContacts;
     expected = countAfter = 0;
     change = meetNeighbours(slot);
     byWalls = meetWalls();

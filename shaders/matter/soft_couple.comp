@@ -37,6 +37,6 @@ void main() {
       sum.x += share * (others / args.nodes.at[kNodeVec4s * node].w);
     }
     addUp(sum, none, false);
-    if (gl_LocalInvocationIndex == 0) args.coupling.at[press * kMostPresses + other] = sum.x;
+    if (gl_LocalInvocationIndex == 0) args.coupling.at[press * kMaxPresses + other] = sum.x;
   }
 }

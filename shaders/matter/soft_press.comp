@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push { SoftPressArgs args; };
 #include "shaders/lib/matter_sums.glsl"
 #include "shaders/lib/soft_forces.glsl"
 
-shared vec3 forces[kMostPresses];  // on the hands, N
+shared vec3 forces[kMaxPresses];  // on the hands, N
 shared vec3 change;                // of one of them
 
 // What the place of a press would have for a velocity at the end of the substep without any press: a part of it, from
@@ -30,7 +30,7 @@ vec3 freeVelocity(uint press) {
   return velocity;
 }
 
-float coupled(uint press, uint other) { return args.coupling.at[press * kMostPresses + other]; }
+float coupled(uint press, uint other) { return args.coupling.at[press * kMaxPresses + other]; }
 
 vec3 forceOnHand(uint press, vec3 velocity, vec3 before) {
   const float step = args.setting.now.step;

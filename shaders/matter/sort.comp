@@ -14,7 +14,7 @@ void main() {
   if (at >= args.particles || !needsLists()) return;
   const uint from = args.order.at[at], cell = args.cells.at[from];
   const uint begin = args.firsts.at[cell], end = args.firsts.at[cell + 1];
-  if (end - begin > kMostInCell) {
+  if (end - begin > kMaxInCell) {
     atomicOr(args.control.now.crowdedCell, 1);
     return;
   }

@@ -13,7 +13,7 @@ void main() {
   const float band = kDepthBand * splat.disc.radius;
   const float scale = args.counts.at[0].sumScale;
   // Where many points make units coarse, no more than a rim weighs.
-  const float leastWeight = min(kLeastWeight / scale, kRimWeight);
+  const float leastWeight = min(kMinWeight / scale, kRimWeight);
   const bool hasColors = args.frame.at[0].hasColors != 0;
   const vec3 color = hasColors ? unpackUnorm4x8(args.colors.at[splat.point]).rgb : vec3(0);
   const uint samples = view.size_px.x * view.size_px.y;

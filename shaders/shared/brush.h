@@ -31,13 +31,13 @@ const float kTurnedAway = -0.3f, kOtherSide = -0.8f;
 // Of what is measured: a weight, a normal and a height of one, as whole numbers, so that their sums do not depend on
 // the order in which they come.
 const float kWeightSteps = 63.0f, kNormalSteps = 511.0f, kHeightSteps = 255.0f;
-const float kMostHeight = 4.0f;  // radii of the brush
+const float kMaxHeight = 4.0f;  // radii of the brush
 // RGBA8, what paint finds where a point has no colour (0) yet: kUnpainted of engine/core/point_state.hpp.
 const uint kUnpainted = 0xff93aac8u;
 
 PALPATE_STRUCT(Brush) {
   uint kind;         // kBrush...
-  uint falloff;      // exponent of the weight, 0 to kMostFalloff
+  uint falloff;      // exponent of the weight, 0 to kMaxFalloff
   Real radius;       // model units
   Real longestMove;  // of one point in one edit, model units (kLongestMove)
   Real support;      // support radius, model units
@@ -103,7 +103,7 @@ PALPATE_FORMULA MeasuredPoint measured(PALPATE_OF(Brush) brush, PALPATE_OF(Brush
   point.weight = int(Real(kWeightSteps) * (near * near) + Real(0.5));
   point.normal = point.weight * ivec3(Real(kNormalSteps) * found.normal);
   const Real height = dot(offset, tool.outward) / brush.radius;
-  const Real heightInRadii = max(-Real(kMostHeight), min(Real(kMostHeight), height));
+  const Real heightInRadii = max(-Real(kMaxHeight), min(Real(kMaxHeight), height));
   point.height = point.weight * int(Real(kHeightSteps) * heightInRadii);
   return point;
 }

@@ -10,11 +10,11 @@ const uint kContactWorkgroup = 256;
 // The patch: points within (1 + kPatchSlack) support radii of its centre, gathered once and evaluated many times. More
 // slack means fewer gathers when the proxy travels, and more points to visit each time.
 const float kPatchSlack = 0.5f;
-const uint kMostSharedPatch = 768;  // points kept in shared memory, fewer on small GPUs; the rest spill to a buffer
+const uint kMaxSharedPatch = 768;  // points kept in shared memory, fewer on small GPUs; the rest spill to a buffer
 const uint kPatchRoundCandidates =
     16384;                         // visited for every kContactWorkgroup cells; denser places are thinned evenly
 const uint kPatchMaxCells = 2048;  // visited by one gather; SpatialHash cells must not be smaller than allows
-const uint kMostPatchPoints = kPatchMaxCells / kContactWorkgroup * kPatchRoundCandidates;
+const uint kMaxPatchPoints = kPatchMaxCells / kContactWorkgroup * kPatchRoundCandidates;
 
 // A first patch that is large is gathered by a few workgroups, which pays once they save more than they cost by
 // finishing one after the other.
@@ -22,8 +22,8 @@ const uint kSplitWorkgroups = 8;
 const uint kSplitNeighbours = 1024;  // of the last answer: from here on
 const uint kSplitCells = 257;        // that a gather may visit: from here on, whatever they hold
 
-const uint kMinNeighbours = 3;     // fewer points than this within the support radius are no surface
-const float kLeastNormal = 1e-4f;  // weighted normals that cancel below this (of 1) give no face, so no surface
+const uint kMinNeighbours = 3;   // fewer points than this within the support radius are no surface
+const float kMinNormal = 1e-4f;  // weighted normals that cancel below this (of 1) give no face, so no surface
 
 // What the points define around a place: SurfaceKind of engine/contact/surface_kind.hpp.
 const uint kSurfaceAverage = 0;
@@ -32,7 +32,7 @@ const uint kSurfaceSharp = 2;
 // The mean of the neighbours may lie so far aside of a place, in support radii. At a straight border it is 0.21; half a
 // radius past the last points everything lies further. Less cuts into rough sampling, more lets borders grow.
 const float kFurthestAside = 0.5f;
-const float kLeastSpread = 1e-4f;        // of R^2: neighbours closer together than this show no curvature
+const float kMinSpread = 1e-4f;          // of R^2: neighbours closer together than this show no curvature
 const float kStrongestCurvature = 1.0f;  // times R: spheres smaller than the support radius are taken for noise
 // Robust weights (Oztireli, Guennebaud, Gross 2009): how far a neighbour's normal may turn, as the length of the
 // difference, and its plane may stand off, in support radii. Less keeps sharper edges and listens to fewer points.
@@ -42,7 +42,7 @@ const float kSharpHeight = 0.5f;
 
 // The local support radius: so many local spacings, at most the given radius and at least this share of it.
 const float kSupportSpacings = 4.0f;
-const float kLeastLocalRadius = 0.125f;
+const float kMinLocalRadius = 0.125f;
 // A widened support radius averages noise out where the surface is flat, and shrinks back where it turns: by how much
 // shorter than 1 the mean normal is from which on it shrinks, and where it is back. (R / rho)^2 times 0.0694 on a
 // sphere of radius rho, 0.29 on an edge of 90 degrees. Less is wary of noisy normals, more rounds edges off and loses

@@ -23,7 +23,7 @@ const float kJumpDeviations = 4.0f;
 const float kOutlierDeviations = 3.0f;
 // The least cosine between a surface's normal and the way to the camera: 78 degrees. Beyond it depth hardly says where
 // the surface is.
-const float kLeastFacing = 0.2f;
+const float kMinFacing = 0.2f;
 
 // A camera without distortion; the middle of the first pixel is at (0, 0). Pixels.
 PALPATE_STRUCT(Pinhole) {
@@ -152,7 +152,7 @@ PALPATE_FORMULA PALPATE_OF(PixelSurface)
   const PALPATE_VEC3 away =
       PALPATE_VEC3(a * camera.fx, b * camera.fy, inverse - a * (pixel.x - camera.cx) - b * (pixel.y - camera.cy));
   const PALPATE_VEC3 normal = -normalize(away);
-  if (-dot(normal, normalize(rayThrough(camera, pixel))) < Real(kLeastFacing)) return none;
+  if (-dot(normal, normalize(rayThrough(camera, pixel))) < Real(kMinFacing)) return none;
   PALPATE_OF(PixelSurface) surface;
   surface.normal = normal;
   surface.depth = depth;

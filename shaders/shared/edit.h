@@ -15,12 +15,12 @@ const uint kNeighbourWorkBudget = 20000;
 // times: so many candidates at most, or cells, whatever the size of a subgroup. Past it points decide by what they have
 // seen, and no new one is requested: only where thousands share a place, and those are merged with the ones that are
 // seen.
-const uint kMostExamined = 8192;
+const uint kMaxExamined = 8192;
 
 // Cells that one workgroup searches for points that a brush reaches: as few as keep so many workgroups busy, within
 // these bounds. Fewer workgroups leave a GPU idle, more come and go for nothing.
 const uint kSelectWorkgroups = 528u;
-const uint kFewestSelectCells = 64u, kMostSelectCells = 256u;  // at most one an invocation
+const uint kFewestSelectCells = 64u, kMaxSelectCells = 256u;  // at most one an invocation
 
 // In the w of a normal between two ticks: the point is merged into a neighbour with the next edit.
 const float kMarkGoes = 3.0f;
@@ -30,9 +30,9 @@ const uint kNeverRested = 0xffffffffu;
 const float kNotExamined = -1.0f;
 // New points in one tick. They get their ids in the order of the points that request them, by comparing each with each.
 // Where more are requested none come, and in the next tick half of the requests count.
-const uint kMostBirths = 1024;
+const uint kMaxBirths = 1024;
 // In memory; no workgroup has an array of this length, to which glslang would give this one's layout.
-const uint kBirthSlots = kMostBirths + 2;
+const uint kBirthSlots = kMaxBirths + 2;
 
 // A point as the stroke found it that moved it last.
 struct Found {
@@ -114,7 +114,7 @@ PALPATE_SIZE(CollectArgs, 112);
 PALPATE_FUNCTION uint selectGroups(uint cells, uint slots) {
   if (cells == 0u) return (slots + kUpdateWorkgroup - 1u) / kUpdateWorkgroup;
   const uint all = cells * cells * cells;
-  const uint each = max(kFewestSelectCells, min(kMostSelectCells, all / kSelectWorkgroups));
+  const uint each = max(kFewestSelectCells, min(kMaxSelectCells, all / kSelectWorkgroups));
   return (all + each - 1u) / each;
 }
 

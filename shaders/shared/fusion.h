@@ -20,19 +20,19 @@ const float kFreeDeviations = 5.0f;
 const float kSameNormal = 0.5f;
 // The least cosine, of either sign, between a point's normal and the ray that sees through it: at the rim of a body a
 // pose that is a little off sees past it.
-const float kLeastFreeFacing = 0.1f;
+const float kMinFreeFacing = 0.1f;
 // A point that was measured so often is stable.
 const uint kStableCount = 4u;
-// Doubts about a point grow by these in each frame, go when it is measured, and end its life at kMostDoubts: a stable
+// Doubts about a point grow by these in each frame, go when it is measured, and end its life at kMaxDoubts: a stable
 // point is seen through in 4 frames, an unstable one in 2, or is looked for in vain in 30.
-const uint kMostDoubts = 60u;
+const uint kMaxDoubts = 60u;
 const uint kDoubtsStableFree = 15u;
 const uint kDoubtsUnstableFree = 30u;
 const uint kDoubtsUnstable = 2u;
 // Parts of a pixel along a side.
 const uint kPartsOfPixel = 4u;
 // The least share of a new colour: 8 bits would not take up a smaller one.
-const float kLeastColorShare = 0.125f;
+const float kMinColorShare = 0.125f;
 // RGBA8 of a point whose colour was never seen.
 const uint kUnseenColor = 0xffb0b0b0u;
 
@@ -153,7 +153,7 @@ PALPATE_FUNCTION Sight sightOf(FusionView view, Projection projection, vec3 norm
     sight.kind = kSightHidden;
     return sight;
   }
-  const bool edgeOn = abs(dot(normal, p)) < kLeastFreeFacing * length(p);
+  const bool edgeOn = abs(dot(normal, p)) < kMinFreeFacing * length(p);
   sight.kind = p.z < depth - kFreeDeviations * deviation && !edgeOn ? kSightFree : kSightUnclear;
   return sight;
 }
@@ -176,7 +176,7 @@ PALPATE_FUNCTION float weightAfter(float before, float measurement, float memory
 
 PALPATE_FUNCTION uint mixedColor(uint before, uint measured, float share) {
   if (before >> 24 == 0u) return measured;
-  const int part = int(max(share, kLeastColorShare) * 256.0f + 0.5f);
+  const int part = int(max(share, kMinColorShare) * 256.0f + 0.5f);
   uint mixed = 0xff000000u;
   for (uint shift = 0u; shift < 24u; shift += 8u) {
     const int old = int(before >> shift & 0xffu);
@@ -222,7 +222,7 @@ PALPATE_FUNCTION Surfel averaged(FusionView view, Surfel before, Measurement mea
   const float share = weight / (before.record.weight + weight);
   after.normal = normalize((1.0f - share) * before.normal + share * directionInMap(view, measured.surface.normal));
   const vec3 ray = normalize(before.place - view.centre);
-  const float facing = min(dot(after.normal, ray), -kLeastFacing);
+  const float facing = min(dot(after.normal, ray), -kMinFacing);
   const vec3 offset = placeInMap(view, placeOfPixel(view, measured.pixel, measured.depth)) - before.place;
   after.place = before.place + share * dot(after.normal, offset) / facing * ray;
   after.record.weight = weightAfter(before.record.weight, weight, view.memory);
@@ -252,7 +252,7 @@ PALPATE_FUNCTION SurfelRecord doubted(SurfelRecord record, uint sight) {
   record.counts += doubts << 16;
   return record;
 }
-PALPATE_FUNCTION bool isGivenUp(SurfelRecord record) { return doubtsOf(record) >= kMostDoubts; }
+PALPATE_FUNCTION bool isGivenUp(SurfelRecord record) { return doubtsOf(record) >= kMaxDoubts; }
 
 // Parts of a pixel, and of those beside it, in which a point of the map stands close to the pixel's middle: within it,
 // or by a quarter of a pixel beside it. Where one does, no new one is put.

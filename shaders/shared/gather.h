@@ -6,7 +6,7 @@ PALPATE_SHARED_BEGIN
 
 // One workgroup visits so many candidates of a bucket at once; each such chunk has slots of its own in the patch.
 const uint kGatherChunk = 64;
-const uint kMostSegments = kPatchMaxCells + kMostPatchPoints / kGatherChunk;
+const uint kMaxSegments = kPatchMaxCells + kMaxPatchPoints / kGatherChunk;
 
 // Points that one invocation of the brute gather visits. More make fewer counts to add up, and too few workgroups on
 // a small cloud.

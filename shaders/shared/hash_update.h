@@ -42,10 +42,10 @@ const uint kUpdateCrowded = 4;   // too many points arrive in one bucket
 const uint kUpdateUnknown = 8;   // a point is not where the edit says
 
 // Workgroups in the first axis of an indirect dispatch; loops cover what is beyond.
-const uint kMostUpdateGroups = 65535;
+const uint kMaxUpdateGroups = 65535;
 const uint kUpdateWorkgroup = 256;
 // Points that may arrive in one bucket in one tick. They are put into order by comparing each with each.
-const uint kMostArrivals = 255;
+const uint kMaxArrivals = 255;
 // A bucket that moves gets room for half as many points again as it then has, and a few.
 const uint kSpareInBucket = 8;
 PALPATE_FUNCTION uint roomToGrow(uint points) { return points + points / 2u + kSpareInBucket; }

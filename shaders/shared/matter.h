@@ -182,7 +182,7 @@ PALPATE_FORMULA PALPATE_OF(Settled)
 
 // Contacts that a grain remembers: balls of one size touch 12 of their kind at most; overlapping ones, walls and tools
 // may be a few more.
-const uint kMostContacts = 20u;
+const uint kMaxContacts = 20u;
 // With whom a contact is: a grain by its id, one of the six walls, the model, or a point of a body.
 const uint kFirstWall = 0x80000000u;
 const uint kModelContact = 0x80000008u;

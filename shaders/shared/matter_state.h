@@ -18,7 +18,7 @@ const uint kListedAtOnce = 4u;
 const uint kSlotBits = 27u;
 // Particles of a cell that can be put in order. A cell is no wider than lists reach, so that an eighth of it with more
 // than the longest list in it is crowded for sure.
-const uint kMostInCell = 1040u;
+const uint kMaxInCell = 1040u;
 // Lists that are to be good for some substeps are made as if particles went so much farther in them than they will at
 // their present velocities: these change.
 const float kForesight = 1.25f;

@@ -11,7 +11,7 @@ PALPATE_SHARED_BEGIN
 // A point's support radius holds so many neighbours: with fewer it is widened (at most kWidestEstimate times), with
 // more narrowed, so that one radius serves an uneven cloud.
 const uint kFewestEstimated = 8;
-const uint kMostEstimated = 200;
+const uint kMaxEstimated = 200;
 const uint kWantedEstimated = 50;  // an even surface holds them within kSupportSpacings
 const float kWidestEstimate = 4.0f;
 const uint kEstimatePasses = 5;
@@ -28,8 +28,8 @@ const float kOwnFlatness = 0.06f;
 const float kOwnFlatnessOfNoise = 0.5f;
 const float kOwnHeight = 0.08f;
 const float kOwnHeightOfNoise = 3.0f;
-const float kSameFace = 0.9f;          // cosine between normals of one face
-const float kLeastEdgeWeight = 1e-6f;  // of the neighbour that speaks the most for a face, below which none does
+const float kSameFace = 0.9f;        // cosine between normals of one face
+const float kMinEdgeWeight = 1e-6f;  // of the neighbour that speaks the most for a face, below which none does
 // Rounds of one point in one pass. Past it the point is left to the host; reached only where buckets are crowded.
 // Small, since a validated shader searches every buffer in each round, and one software driver stops a shader after
 // 65,535.

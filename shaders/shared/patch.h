@@ -8,7 +8,7 @@ PALPATE_SHARED_BEGIN
 // centre. A surface at a place takes one support radius of it, so the hand may move the rest before the border. More
 // reach costs points, less costs forces that end at the border.
 const float kCarriedReach = 2.5f;
-const uint kMostCarriedPoints = 2048;  // where more are in reach they are thinned evenly, and the patch says so
+const uint kMaxCarriedPoints = 2048;   // where more are in reach they are thinned evenly, and the patch says so
 const uint kCarriedCellsPerSide = 16;  // visited at most; smaller cells than allow for that make the reach smaller
 
 struct CarriedHead {

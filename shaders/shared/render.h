@@ -50,13 +50,13 @@ const float kHoleDepth = 1;
 // Largest gap that is closed: the trip count of an invocation is eight times this.
 const uint kMaxHoleReach_px = 24;
 // Largest window of the smoothing to each side, samples: its trip count is the square of twice this.
-const uint kMostSmooth_px = 16;
+const uint kMaxSmooth_px = 16;
 // Deviation in depth within which samples are smoothed together, in usual radii. Larger rounds steps off, smaller
 // leaves the discs' rims.
 const float kSmoothBand = 0.25f;
 // The least weight of a fragment, in units of the sums, so that a sample which only such fragments cover keeps its
 // normal and its colour.
-const uint kLeastWeight = 64;
+const uint kMinWeight = 64;
 // Units in a weight of 1, at most: where few fragments may meet in a sample.
 const uint kFinestSum = 1u << 16;
 // Depth of a pixel that nothing covers: the bits of +infinity, above those of every depth.

@@ -17,7 +17,7 @@ const float kTorn = 0.25f;
 // A new point stands at least so far from every other one: less than half a gap, or no gap could be filled, and enough
 // that no lattice of the target density has room for one (the middle of a rhombus with this clearance has its corners
 // nearer than a gap).
-const float kLeastClearance = 0.7f;
+const float kMinClearance = 0.7f;
 // Of two points nearer to one another than this, one goes. Well below the clearance, or points would come and go.
 const float kCrowded = 0.4f;
 // Two points of the file are crowded only where they have come nearer to one another than this share of their distance
@@ -27,7 +27,7 @@ const float kComeNearer = 0.75f, kSamePlace = 1e-3f;
 // Of the support radius. The neighbourhood of a point is no wider than this, or kNeighbourhoodSpacings of its own
 // target where that is more: far enough for what one tick may tear open, and on ground much denser than the radius is
 // made for not so far that its neighbours are too many to visit.
-const float kLeastNeighbourhood = 0.5f;
+const float kMinNeighbourhood = 0.5f;
 const float kNeighbourhoodSpacings = 8.0f;
 // Of the support radius: how far from a point that the brush has moved others may come because of it, from one to the
 // next. With the longest move it makes one support radius beyond the brush.
@@ -35,12 +35,12 @@ const float kReach = 0.75f;
 
 // Of the support radius: no target is smaller, and points nearer to one another than this count as one when the targets
 // are measured, so that a heap of points in one place does not ask for more of them all around.
-const float kLeastSpacing = 0.03125f;
+const float kMinSpacing = 0.03125f;
 // Of the support radius: no target is larger, or a gap could be wider than what a point sees.
-const float kMostSpacing = 0.5f;
+const float kMaxSpacing = 0.5f;
 
 // Of the weights that a place sums up: fewer are no surface to measure a target by.
-const float kLeastWeights = 0.1f;
+const float kMinWeights = 0.1f;
 
 // Directions in the tangent plane that are examined by themselves: each neighbour of an even lattice has its own.
 const uint kGapSectors = 6u;
@@ -116,7 +116,7 @@ PALPATE_FORMULA PALPATE_VEC3 halfWay(PALPATE_VEC3 offset, PALPATE_VEC3 normal, P
 
 // Radius of the neighbourhood that a point with this target examines, `radius` the support radius, model units.
 PALPATE_FUNCTION float neighbourhoodRadius(float target, float radius) {
-  return min(radius, max(kNeighbourhoodSpacings * target, kLeastNeighbourhood * radius));
+  return min(radius, max(kNeighbourhoodSpacings * target, kMinNeighbourhood * radius));
 }
 
 // In target spacings: the upper median of the distances to the nearest neighbours in those sectors that have one, on
@@ -130,7 +130,7 @@ const float kSectorSpacings = 1.15f;
 PALPATE_FUNCTION HashGrid claimGrid(float spacing) {
   HashGrid grid;
   grid.origin = vec3(0.0f);
-  grid.inverseCell = 1.0f / (kLeastClearance * spacing);
+  grid.inverseCell = 1.0f / (kMinClearance * spacing);
   grid.bucketMask = kClaimSlots - 1u;
   grid.blockBits = 0u;
   return grid;

@@ -7,7 +7,7 @@
 PALPATE_SHARED_BEGIN
 
 // Each has an invocation of one workgroup.
-const uint kMostPresses = kMatterBlock;
+const uint kMaxPresses = kMatterBlock;
 // vec4s of a box: its low end, its high end.
 const uint kBoxVec4s = 2u;
 
@@ -130,7 +130,7 @@ struct SoftCoupleArgs {
   PALPATE_ADDRESS(Uints) counts;
   PALPATE_ADDRESS(SoftHelds) held;
   PALPATE_ADDRESS(Vec4s) nodes;
-  PALPATE_ADDRESS(Floats) coupling;  // out: rows of kMostPresses
+  PALPATE_ADDRESS(Floats) coupling;  // out: rows of kMaxPresses
   uint heldStride;
   uint unused;
 };

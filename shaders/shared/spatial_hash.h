@@ -60,7 +60,7 @@ const uint kCrowdedBucket = 512;
 // there before the sort has changed. Each point visits all of its bucket, and validation on the GPU searches every
 // buffer at each access: a larger bucket would take it past the 65,535 rounds after which one software driver stops a
 // shader, and it would call good addresses bad.
-const uint kMostRanked = 1024;
+const uint kMaxRanked = 1024;
 
 struct HashCountArgs {
   PALPATE_ADDRESS(Vec4s) positions;

@@ -59,11 +59,11 @@ PALPATE_FORMULA void fitSphere(PALPATE_OF(SurfaceSums) sums, Real spread, Real t
   const Real weights = sums.offsets.w;
   const PALPATE_VEC3 offsets = PALPATE_VEC3(sums.offsets);
   const Real strongest = Real(0.5) * Real(kStrongestCurvature);
-  const Real u4 = clamp(Real(0.5) * turn / (spread + Real(kLeastSpread)), -strongest, strongest);
+  const Real u4 = clamp(Real(0.5) * turn / (spread + Real(kMinSpread)), -strongest, strongest);
   const PALPATE_VEC3 ul = (PALPATE_VEC3(sums.normals) - Real(2.0) * u4 * offsets) / weights;
   const Real u0 = -(dot(ul, offsets) + u4 * sums.products.x) / weights;
   const Real slope = length(ul);
-  surface.defined = slope > Real(kLeastNormal);
+  surface.defined = slope > Real(kMinNormal);
   if (!surface.defined) return;
   surface.normal = ul / slope;
   // The nearer root, in the form that does not cancel where the sphere is almost a plane.
@@ -81,7 +81,7 @@ PALPATE_FORMULA PALPATE_OF(Surface)
   none.ends = false;
   const Real normalLength = length(PALPATE_VEC3(sums.normals));
   // A NaN is no surface either.
-  if (none.neighbours < kMinNeighbours || !(normalLength > Real(kLeastNormal) * sums.offsets.w)) return none;
+  if (none.neighbours < kMinNeighbours || !(normalLength > Real(kMinNormal) * sums.offsets.w)) return none;
   PALPATE_OF(Surface) surface = none;
   const PALPATE_VEC3 mean = PALPATE_VEC3(sums.offsets) / sums.offsets.w;
   surface.defined = true;

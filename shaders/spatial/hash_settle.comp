@@ -17,7 +17,7 @@ void main() {
   const uint points = range.y - range.x;
   uint to = place;
   const bool empty = key == args.emptyBucket;  // such slots stand in any order
-  if (points <= kMostRanked && !empty) {
+  if (points <= kMaxRanked && !empty) {
     to = range.x;
     for (uint other = range.x; other < range.y; ++other) to += args.order.at[other] < from ? 1 : 0;
   }

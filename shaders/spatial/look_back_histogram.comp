@@ -10,12 +10,12 @@
 
 layout(constant_id = 1) const uint kKeyBits = 21;
 layout(constant_id = 2) const uint kPasses = 3;
-layout(constant_id = 3) const uint kMostBits = 7;  // of a digit
+layout(constant_id = 3) const uint kMaxBits = 7;  // of a digit
 layout(constant_id = 4) const uint kCopies = 16;   // a power of two
 
 layout(push_constant, scalar) uniform Push { RadixHistogramArgs args; };
 
-const uint kRadix = 1u << kMostBits;
+const uint kRadix = 1u << kMaxBits;
 const uint kBins = kPasses * kRadix;
 // Keys of an invocation that are on their way at once. More take registers, and then fewer workgroups run together.
 const uint kTogether = 8;

@@ -24,7 +24,7 @@ TEST_CASE("where doctor says yes to the least of GPUs, models are touched, sculp
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), saved = (folder / "dent.ply").string();
   works("make sphere -n 5000 -o " + model);
-  const LostGpuLayer layer(kLeastGpu);
+  const LostGpuLayer layer(kMinGpu);
   CHECK(says(palpate("doctor").text, "palpate runs on it"));
   for (const std::string& command :
        {"touch " + model + " --backend vulkan --path builtin:press --rate 250 --edit push --save " + saved,

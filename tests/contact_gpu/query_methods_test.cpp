@@ -193,7 +193,7 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
   const auto path = leapingPath(scene, 8, 0.2 * scene.radius);
   const Played fused = checkAllMethods(scene.cloud, path, {.radius = scene.radius});
   checkAgainstReference(scene, path, fused);
-  CHECK(std::ranges::max(fused.contacts, {}, &Contact::neighbours).neighbours > shared::kMostSharedPatch / 2);
+  CHECK(std::ranges::max(fused.contacts, {}, &Contact::neighbours).neighbours > shared::kMaxSharedPatch / 2);
 }
 
 TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,

@@ -42,14 +42,14 @@ TEST_CASE("values are sorted by the bits that are asked for, and equal ones stay
 }
 
 TEST_CASE("the value of a rank is the one that sorting puts there") {
-  constexpr float kMost = std::numeric_limits<float>::max(), kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kMax = std::numeric_limits<float>::max(), kInfinity = std::numeric_limits<float>::infinity();
   std::mt19937_64 random(6);
   std::normal_distribution<float> normal(0.5f, 2);
   for (const std::size_t size : kSizes) {
     std::vector<float> values(size);
     for (float& value : values) value = normal(random);
     for (std::size_t i = 0; i < size; i += 50) values[i] = 1;
-    if (size > 1000) values[3] = kMost, values[500] = -kMost, values[7] = -kInfinity, values[900] = kInfinity;
+    if (size > 1000) values[3] = kMax, values[500] = -kMax, values[7] = -kInfinity, values[900] = kInfinity;
     std::vector<float> sorted = values;
     std::ranges::sort(sorted);
     for (const unsigned threads : kThreads)

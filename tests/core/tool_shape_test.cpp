@@ -33,7 +33,7 @@ double leastDistance(const ToolShape& tool) {
 
 TEST_CASE("a tool has as many points as are asked for, and together they have the whole stiffness") {
   for (const ToolKind kind : kManyPointed)
-    for (std::size_t count = 1; count <= kMostToolPoints; ++count) {
+    for (std::size_t count = 1; count <= kMaxToolPoints; ++count) {
       CAPTURE(static_cast<int>(kind));
       CAPTURE(count);
       const ToolShape tool = makeTool(kind, count, 10);
@@ -59,7 +59,7 @@ TEST_CASE("one point is the HIP, whatever the tool") {
 }
 
 TEST_CASE("pads and spatulas are balanced on the HIP, look along -z and are as large as they should be") {
-  for (std::size_t count = 2; count <= kMostToolPoints; ++count) {
+  for (std::size_t count = 2; count <= kMaxToolPoints; ++count) {
     CAPTURE(count);
     const ToolShape pad = makeTool(ToolKind::pad, count, 10), spatula = makeTool(ToolKind::spatula, count, 10);
     CHECK(glm::length(DVec2(balance(pad))) < 1e-12);

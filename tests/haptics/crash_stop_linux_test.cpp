@@ -98,7 +98,7 @@ TEST_CASE("a program that crashes in the middle of a touch leaves no force behin
 }
 
 TEST_CASE("a crash takes the force from all hands") {
-  std::array<SharedNote, kMostHands> notes;
+  std::array<SharedNote, kMaxHands> notes;
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
@@ -160,7 +160,7 @@ TEST_CASE("more devices than can be guarded are an error, and those that are sta
   RecordingDevice device(*note);
   {
     std::list<CrashStop> guarded;
-    for (int i = 0; i < CrashStop::kMostDevices; ++i) guarded.emplace_back(device);
+    for (int i = 0; i < CrashStop::kMaxDevices; ++i) guarded.emplace_back(device);
     CHECK_THROWS_AS(guarded.emplace_back(device), Error);
     guarded.pop_back();
     guarded.emplace_back(device);

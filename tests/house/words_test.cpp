@@ -47,7 +47,7 @@ std::set<std::string> identifiersOf(std::string_view text) {
   return found;
 }
 
-// "kMostStrays_mm": most, strays, mm, after a k of its own.
+// "kMaxStrays_mm": most, strays, mm, after a k of its own.
 std::vector<std::string> wordsOf(std::string_view identifier) {
   std::vector<std::string> words;
   bool begins = true;
@@ -99,7 +99,7 @@ TEST_CASE("no identifier has a word that has given way to the field's own") {
 
 TEST_CASE("a word that has gone is found in an identifier, and not in a comment, a text or a longer word") {
   CHECK(hasGoneWord("parseWishes"));
-  CHECK(hasGoneWord("kMostStrays_mm"));
+  CHECK(hasGoneWord("kMaxStrays_mm"));
   CHECK(hasGoneWord("edits_built_anew"));
   CHECK_FALSE(hasGoneWord("history"));
   CHECK_FALSE(hasGoneWord("registers"));

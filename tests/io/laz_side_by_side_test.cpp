@@ -104,7 +104,7 @@ TEST_CASE("a decoder that is told how much is left decodes what the careful one 
              decoder.bits(1 + value % 32) == value >> (31 - value % 32);
     };
     RangeDecoderOf<false> told(careful);
-    if (told.left() >= 4 * RangeDecoderOf<false>::kMostBytes) {
+    if (told.left() >= 4 * RangeDecoderOf<false>::kMaxBytes) {
       decode(told);
       careful = RangeDecoder(told);
       ++quick;

@@ -8,11 +8,11 @@ namespace palpate::test {
 
 /// Packs what repeats the four bytes before it, and nothing else.
 inline std::string packedLzf(const std::string& bytes) {
-  constexpr std::size_t kBack = 4, kMostLiteral = 32, kMostRun = 264, kLeastRun = 9;
+  constexpr std::size_t kBack = 4, kMaxLiteral = 32, kMaxRun = 264, kMinRun = 9;
   std::string out, literal;
   const auto flush = [&] {
-    for (std::size_t at = 0; at < literal.size(); at += kMostLiteral) {
-      const std::string piece = literal.substr(at, kMostLiteral);
+    for (std::size_t at = 0; at < literal.size(); at += kMaxLiteral) {
+      const std::string piece = literal.substr(at, kMaxLiteral);
       out += static_cast<char>(piece.size() - 1);
       out += piece;
     }
@@ -20,15 +20,14 @@ inline std::string packedLzf(const std::string& bytes) {
   };
   for (std::size_t at = 0; at < bytes.size();) {
     std::size_t run = 0;
-    while (at >= kBack && at + run < bytes.size() && run < kMostRun && bytes[at + run] == bytes[at + run - kBack])
-      ++run;
-    if (run < kLeastRun) {
+    while (at >= kBack && at + run < bytes.size() && run < kMaxRun && bytes[at + run] == bytes[at + run - kBack]) ++run;
+    if (run < kMinRun) {
       literal += bytes[at++];
       continue;
     }
     flush();
     out += static_cast<char>(7 << 5);
-    out += static_cast<char>(run - kLeastRun);
+    out += static_cast<char>(run - kMinRun);
     out += static_cast<char>(kBack - 1);
     at += run;
   }

@@ -13,7 +13,7 @@ namespace palpate::matter_scene_file_test {
 
 namespace {
 
-constexpr const char* kLeast = R"("box_mm": [100, 80, 60], "fill_mm": [50, 40, 60], "spacing_mm": 5)";
+constexpr const char* kMin = R"("box_mm": [100, 80, 60], "fill_mm": [50, 40, 60], "spacing_mm": 5)";
 
 std::string refusal(const std::string& json) {
   try {
@@ -25,11 +25,11 @@ std::string refusal(const std::string& json) {
 }
 
 std::string waterWith(const std::string& more) {
-  return std::string(R"({"matter": "water", )") + kLeast + ", " + more + "}";
+  return std::string(R"({"matter": "water", )") + kMin + ", " + more + "}";
 }
 
 std::string softWith(const std::string& more) {
-  return std::string(R"({"matter": "soft", )") + kLeast + ", " + more + "}";
+  return std::string(R"({"matter": "soft", )") + kMin + ", " + more + "}";
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ TEST_CASE("a scene of matter is read with all that it says") {
                              .substeps = 9,
                              .tool = {.radius_mm = 12, .mass_kg = 0.2},
                              .gain = 40});
-  const MatterScene sand = parseMatterScene(std::string(R"({"friction": 0.3, "matter": "sand", )") + kLeast + "}");
+  const MatterScene sand = parseMatterScene(std::string(R"({"friction": 0.3, "matter": "sand", )") + kMin + "}");
   CHECK(sand.matter == Matter::sand);
   CHECK(sand.friction == 0.3);
   CHECK(sand.density_kg_m3 == MatterScene{}.density_kg_m3);
@@ -81,7 +81,7 @@ TEST_CASE("a scene of matter that says something wrong is refused with the field
   CHECK(says(refusal("[]"), "is no JSON object"));
   CHECK(says(refusal("{}"), "matter: is not there"));
   CHECK(says(refusal(R"({"matter": "water"})"), "box_mm: is not there"));
-  CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kLeast + "}"), "there are water, sand, soft"));
+  CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kMin + "}"), "there are water, sand, soft"));
   CHECK(says(refusal(waterWith(R"("colour": 1000)")), "'colour': is not known; there are matter, box_mm"));
   CHECK(says(refusal(waterWith(R"("young_Pa": 1000)")), "young_Pa: belongs to no scene of water"));
   CHECK(says(refusal(softWith(R"("young_Pa": "soft")")), "young_Pa: is"));
@@ -96,7 +96,7 @@ TEST_CASE("a scene of matter that says something wrong is refused with the field
   CHECK(says(refusal(waterWith(R"("preset": "elastic")")), "preset: belongs to no scene of water"));
   CHECK(says(refusal(softWith(R"("pinned_mm": [1, 2, 3])")), "pinned_mm: is no list of 2 corners of a box"));
   CHECK(says(refusal(softWith(R"("pinned_mm": [[0, 0, 0], [1, 2]])")), "pinned_mm: is no list of 3 numbers"));
-  CHECK(says(refusal(std::string(R"({"matter": "sand", "poisson": 0.3, )") + kLeast + "}"),
+  CHECK(says(refusal(std::string(R"({"matter": "sand", "poisson": 0.3, )") + kMin + "}"),
              "poisson: belongs to no scene of sand"));
   CHECK(says(refusal(waterWith(R"("friction": 0.5)")), "friction: belongs to no scene of water"));
   CHECK(says(refusal(waterWith(R"("gain": "much")")), "gain: is"));

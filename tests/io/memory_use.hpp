@@ -63,9 +63,9 @@ inline std::int64_t bytesAt(void* memory) {
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   using palpate::test::MemoryUse;
   // Before it is there, so that what is too much is never asked for.
-  constexpr auto kMost = static_cast<std::size_t>(MemoryUse::kNoBound / 2);
+  constexpr auto kMax = static_cast<std::size_t>(MemoryUse::kNoBound / 2);
   if (const std::int64_t bound = MemoryUse::bound;
-      bound != MemoryUse::kNoBound && MemoryUse::now + static_cast<std::int64_t>(std::min(size, kMost)) > bound) {
+      bound != MemoryUse::kNoBound && MemoryUse::now + static_cast<std::int64_t>(std::min(size, kMax)) > bound) {
     MemoryUse::refused = true;
     return nullptr;
   }

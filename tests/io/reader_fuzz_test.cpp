@@ -20,7 +20,7 @@ namespace palpate::test::reader_fuzz_test {
 namespace {
 
 /// Of files that are a few thousand bytes: what packs best is a thousand times larger, and nothing is held many times.
-constexpr std::int64_t kMostBytes = std::int64_t{128} << 20;
+constexpr std::int64_t kMaxBytes = std::int64_t{128} << 20;
 
 struct Tally {
   std::uint64_t read = 0, refused = 0;
@@ -41,7 +41,7 @@ void tryOne(const std::filesystem::path& folder, const Specimen& specimen, Damag
   put(file, specimen.dressed ? specimen.dressed(text) : text);
   const std::filesystem::path source = specimen.sourceIn(folder);
   const Stopwatch watch;
-  const MemoryBound bound(kMostBytes);
+  const MemoryBound bound(kMaxBytes);
   try {
     contentsOf(source);
     const StoredCloud stored = readCloud(source, nullptr, {.samples = 40});

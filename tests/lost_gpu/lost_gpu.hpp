@@ -15,7 +15,7 @@
 namespace palpate {
 
 /// The least GPU that palpate takes: wider workgroups than Vulkan promises, and the layout of C++.
-inline const std::string kLeastGpu =
+inline const std::string kMinGpu =
     "minimum:maxComputeWorkGroupInvocations=256,maxComputeWorkGroupSize=256,scalarBlockLayout=1";
 
 /// While it lives, new Vulkan instances of this process, and of programs that it starts, go through the layer. Ends the

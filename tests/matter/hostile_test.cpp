@@ -10,7 +10,7 @@ TEST_CASE("all particles on one place are simulated, or refused as a state with 
     for (const std::size_t count : {std::size_t{300}, std::size_t{3000}}) {
       MatterWorld world({.matter = matter}, {.threads = 2}, std::vector<Vec3>(count, Vec3(0.05f)));
       for (int k = 0; k < 20; ++k) world.step();
-      CHECK((world.state() == MatterState::crowded) == (count > kMostNeighbours));
+      CHECK((world.state() == MatterState::crowded) == (count > kMaxNeighbours));
       for (const Vec3& place : world.positionsById()) REQUIRE(isFinite(place));
     }
 }

@@ -12,7 +12,7 @@ TEST_SUITE_BEGIN(kPortable);
 TEST_CASE("a GPU whose workgroups are small makes the same mesh") {
   const MeshScene scene = meshScene("torus", 8000, {.lattice = 32});
   const Mesh expected = meshOnGpu(plainDevice(), scene);
-  const LostGpuLayer layer(kLeastGpu);
+  const LostGpuLayer layer(kMinGpu);
   Device small({.gpu = "", .validation = askedCoreValidation()});
   const Mesh mesh = meshOnGpu(small, scene);
   checkClosed(mesh);

@@ -186,7 +186,7 @@ TEST_CASE("the first frame does not move") {
   DepthPoints().make(camera, planeFrame(camera, {0, 0, 1}, 0.5), DVec3(0), points);
   blend.begin(points);
   CHECK(points.velocities.empty());
-  CHECK(points.goOn_s == kMostPointsAge_s);
+  CHECK(points.goOn_s == kMaxPointsAge_s);
 }
 
 }  // namespace palpate::depth_blend_test

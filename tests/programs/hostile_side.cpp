@@ -204,7 +204,7 @@ class HostileSide {
     put(request.host, "a flood");
     const std::uint32_t blocks = static_cast<std::uint32_t>(blocksOf(points_));
     request.first = roll() % 8 ? 0 : roll();
-    request.count = roll() % 8 ? std::min(blocks, kMostRequested) : roll();
+    request.count = roll() % 8 ? std::min(blocks, kMaxRequested) : roll();
     writers_.requests.write(request);
   }
 

@@ -34,7 +34,7 @@ TEST_CASE("a GPU whose workgroups are small draws the same picture") {
     return frame.readColor();
   };
   const Image expected = pictureOf(plainDevice());
-  const LostGpuLayer layer(kLeastGpu);
+  const LostGpuLayer layer(kMinGpu);
   Device small({.gpu = "", .validation = askedCoreValidation()});
   CHECK(pictureOf(small).rgba == expected.rgba);
   CHECK(small.instance().messages().take().empty());

@@ -56,7 +56,7 @@ class ForeignServer {
     std::optional<Writer<Block>> blocks;
     while (!ended) {
       requests_.take([&](const Request& request) {
-        CHECK(request.count <= kMostRequested);
+        CHECK(request.count <= kMaxRequested);
         if (!blocks) blocks.emplace(participant_, topics_.blocks, reliableQos(false, partitionOf(request.client)));
         for (std::uint32_t i = 0; i < request.count && given < most; ++i, ++given) {
           std::vector<Point> points(pointsIn(request.first + i, notice.points),
@@ -174,7 +174,7 @@ TEST_CASE("requests that no client of ours makes are counted, and the server goe
       if (status.current_count > 0) break;
     }
     for (const auto& [first, count] : std::vector<std::array<std::uint32_t, 2>>{{0, 0},
-                                                                                {0, kMostRequested + 1},
+                                                                                {0, kMaxRequested + 1},
                                                                                 {112, 1},
                                                                                 {0, 113},
                                                                                 {0xffffffff, 1},

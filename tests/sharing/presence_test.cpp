@@ -308,7 +308,7 @@ TEST_CASE(
   CHECK_FALSE(isSeen([&](HandSample& hand) { hand.proxy[2] = kNan; }, kShort_s));
   CHECK_FALSE(isSeen([](HandSample& hand) { hand.position[0] = 1e300; }, kShort_s));
   CHECK_FALSE(isSeen([](HandSample& hand) { hand.proxy[0] = 1e12; }, kShort_s));
-  CHECK_FALSE(isSeen([](HandSample& hand) { hand.which = kMostHands; }, kShort_s));
+  CHECK_FALSE(isSeen([](HandSample& hand) { hand.which = kMaxHands; }, kShort_s));
   CHECK_FALSE(isSeen([](HandSample& hand) { hand.session[3] ^= 1; }, kShort_s));
   // One that says the same for ever is there once, and gone when it ends.
   std::size_t most = 0;

@@ -101,12 +101,12 @@ TEST_CASE("a picture that contradicts itself, or the camera, is refused in words
     spoil(picture);
     return refusal([&] { picture.take(); });
   };
-  constexpr std::uint32_t kMost = 0xffffffffu;
+  constexpr std::uint32_t kMax = 0xffffffffu;
   CHECK(spoiled([](Picture& p) { p.data.pop_back(); }) ==
         "an Image contradicts itself: 14 bytes are announced, and 13 there");
   CHECK(spoiled([](Picture& p) { p.says.step = 5; }) == "an Image contradicts itself: a row of 3 pixels has 5 bytes");
-  CHECK(spoiled([](Picture& p) { p.says.step = kMost; }).find("bytes are announced") != std::string::npos);
-  CHECK(spoiled([](Picture& p) { p.says.width = kMost; }) ==
+  CHECK(spoiled([](Picture& p) { p.says.step = kMax; }).find("bytes are announced") != std::string::npos);
+  CHECK(spoiled([](Picture& p) { p.says.width = kMax; }) ==
         "an Image of 4294967295 x 2 pixels has come, and the camera has 3 x 2");
   CHECK(spoiled([](Picture& p) { p.says.height = 3; }) ==
         "an Image of 3 x 3 pixels has come, and the camera has 3 x 2");

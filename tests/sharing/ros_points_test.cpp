@@ -167,18 +167,18 @@ TEST_CASE("a message that contradicts itself is refused in words, and takes no m
     spoil(message);
     CHECK(refuses(message, words));
   };
-  constexpr std::uint32_t kMost = 0xffffffffu;
+  constexpr std::uint32_t kMax = 0xffffffffu;
   spoiled([](Message& m) { m.data.pop_back(); }, "48 bytes of points are announced, and 47 there");
-  spoiled([](Message& m) { m.says.height = kMost; }, "bytes of points are announced");
-  spoiled([](Message& m) { m.says.width = kMost; }, "a row of 4294967295 points");
-  spoiled([](Message& m) { m.says.width = m.says.height = m.says.rowStep = m.says.pointStep = kMost; }, "a row of");
-  spoiled([](Message& m) { m.says.width = 1, m.says.height = m.says.rowStep = m.says.pointStep = kMost; },
+  spoiled([](Message& m) { m.says.height = kMax; }, "bytes of points are announced");
+  spoiled([](Message& m) { m.says.width = kMax; }, "a row of 4294967295 points");
+  spoiled([](Message& m) { m.says.width = m.says.height = m.says.rowStep = m.says.pointStep = kMax; }, "a row of");
+  spoiled([](Message& m) { m.says.width = 1, m.says.height = m.says.rowStep = m.says.pointStep = kMax; },
           "are announced");
-  spoiled([](Message& m) { m.says.width = kMost, m.says.pointStep = 0, m.says.height = kMost; },
+  spoiled([](Message& m) { m.says.width = kMax, m.says.pointStep = 0, m.says.height = kMax; },
           "ends at byte 4 of points of 0");
   spoiled([](Message& m) { m.fields[2].offset = 9; }, "field 3 ends at byte 13 of points of 12");
-  spoiled([](Message& m) { m.fields[2].offset = kMost; }, "field 3 ends at byte");
-  spoiled([](Message& m) { m.fields[0].count = kMost; }, "field 1 ends at byte");
+  spoiled([](Message& m) { m.fields[2].offset = kMax; }, "field 3 ends at byte");
+  spoiled([](Message& m) { m.fields[0].count = kMax; }, "field 1 ends at byte");
   spoiled([](Message& m) { m.fields[1].type = 0; }, "field 2 has type 0");
   spoiled([](Message& m) { m.fields[1].type = 9; }, "field 2 has type 9");
   spoiled([](Message& m) { m.fields.resize(257); }, "257 fields");
@@ -189,7 +189,7 @@ TEST_CASE("a message that contradicts itself is refused in words, and takes no m
       [](Message& m) {
         m.fields.clear();
         m.says.pointStep = m.says.rowStep = 0;
-        m.says.width = m.says.height = kMost;
+        m.says.width = m.says.height = kMax;
       },
       "without places");
 }

@@ -134,7 +134,7 @@ TEST_CASE("transforms that are none are not taken, and no more frames than there
   CHECK(tree.add(transform("a", "b"), true));
   std::size_t taken = 0;
   for (int i = 0; i < 10'000; ++i) taken += tree.add(transform("a", fmt::format("f{}", i)), false);
-  CHECK(taken == RosTransforms::kMostFrames - 1);
+  CHECK(taken == RosTransforms::kMaxFrames - 1);
   CHECK(tree.add(transform("a", "b", {1, 0, 0}), true));  // one that is known goes on
   CHECK(tree.find("b", "a", 0).centre.x == 1);
 }

@@ -206,7 +206,7 @@ inline void checkStoppedFrames(const MakeTouch& make) {
   const auto touch = make(scene, source, 0);
   touch->query({.time_s = 0, .hip = {0, 0, 1}}, 0);
   touch->prepare();
-  const double until_s = kMostPointsAge_s;
+  const double until_s = kMaxPointsAge_s;
   for (int i = 1; i < 200; ++i) {
     const double time_s = kTick_s * i;
     const Contact contact = touch->query({.time_s = time_s, .hip = {0, 0, -2}}, 0);

@@ -117,12 +117,12 @@ TEST_CASE_FIXTURE(PressedSphere, "an edit that the patch has not seen, or silenc
     patch.edited(0.5);
     patch.edited(0.51);  // the first one counts
     full_s = 0.5 + kOutdated_s;
-    end_s = 0.5 + kMostOutdated_s;
+    end_s = 0.5 + kMaxOutdated_s;
   }
   SUBCASE("silence") {
     patch.heard(0.5);
     full_s = 0.5 + kSilent_s;
-    end_s = 0.5 + kMostSilent_s;
+    end_s = 0.5 + kMaxSilent_s;
   }
   patch.heard(end_s > 0.6 ? 0.5 : 0.55);
   const auto shareAt = [&](double time_s) {

@@ -37,7 +37,7 @@ struct Pressed {
   std::string failure;
 };
 
-constexpr double kStiffness_N_mm = 0.5, kMost_N = 5;
+constexpr double kStiffness_N_mm = 0.5, kMax_N = 5;
 
 // The force of the spring alone: what the surface does, and not how fast.
 double forceOf(SoftTouch& touch, std::span<const Contact> answers, const Pose& pose) {
@@ -45,7 +45,7 @@ double forceOf(SoftTouch& touch, std::span<const Contact> answers, const Pose& p
   if (touch.points(0).empty() && answers[0].touching) sum = kStiffness_N_mm * (answers[0].proxy - pose.hip);
   for (const PointContact& point : touch.points(0))
     if (point.contact.touching) sum += point.share * kStiffness_N_mm * (point.contact.proxy - point.hip);
-  return std::min(kMost_N, glm::length(sum));
+  return std::min(kMax_N, glm::length(sum));
 }
 
 Pressed pressed(const Press& press) {
@@ -55,7 +55,7 @@ Pressed pressed(const Press& press) {
   scene.spacing_mm = press.spacing_mm;
   SoftTouching options;
   options.threads = 1;
-  options.spring = {.stiffness_N_per_unit = kStiffness_N_mm, .damping_N_s_per_unit = 0.002, .most_N = kMost_N};
+  options.spring = {.stiffness_N_per_unit = kStiffness_N_mm, .damping_N_s_per_unit = 0.002, .most_N = kMax_N};
   options.touch.friction = press.friction;
   if (press.plate > 0) options.touch.tools = {flatPlate(press.plate, 10)};
   options.touch.tools.resize(static_cast<std::size_t>(press.hands));

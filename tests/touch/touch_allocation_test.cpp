@@ -51,7 +51,7 @@ TEST_CASE("no tick on the CPU allocates memory on the thread that asks, whether 
 TEST_CASE("no answer from a patch allocates memory, nor does taking one") {
   const Scene scene = makeScene("sphere", 30'000);
   std::vector<Vec4> points;
-  for (std::size_t i = 0; i < scene.cloud.size() && points.size() < 2 * shared::kMostCarriedPoints; ++i) {
+  for (std::size_t i = 0; i < scene.cloud.size() && points.size() < 2 * shared::kMaxCarriedPoints; ++i) {
     if (scene.cloud.positions[i].z < 47) continue;
     points.emplace_back(scene.cloud.positions[i], 0);
     points.emplace_back(scene.cloud.normals[i], 0);

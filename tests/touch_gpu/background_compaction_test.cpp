@@ -23,7 +23,7 @@ constexpr std::chrono::milliseconds kTick(1);       // in real time, at least
 // Between poses. After a slow edit others rest, twice as long after each that is slow again: not even a thousand of
 // them on end reach the next pose, so that on the slowest machine all edits are made.
 constexpr double kApart_s = 1e303;
-constexpr std::uint32_t kLittleSpare = 1'200, kLeastSpare = 320;
+constexpr std::uint32_t kLittleSpare = 1'200, kMinSpare = 320;
 
 TouchOptions optionsFor(const Scene& scene, std::uint32_t spare) {
   return {.radius = scene.radius,
@@ -104,7 +104,7 @@ TEST_CASE_FIXTURE(GpuFixture, "in virtual time a stroke with compactions gives w
   const int ticks = 400;
   const Stroke without = sculpt(device, scene, 1 << 17, kVirtual, ticks);
   CHECK(without.compactions == 0);
-  const Stroke with = sculpt(device, scene, kLeastSpare, kVirtual, ticks);
+  const Stroke with = sculpt(device, scene, kMinSpare, kVirtual, ticks);
   CHECK(with.compactions >= 2);
   checkEqual(with, without);
 }
@@ -123,7 +123,7 @@ TEST_CASE("in real time edits that find no slots wait for the compaction that br
           kMoreInFull) {
   Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 20'000);
-  const Stroke stroke = sculpt(device, scene, kLeastSpare, kRealtime_us, 1'000);
+  const Stroke stroke = sculpt(device, scene, kMinSpare, kRealtime_us, 1'000);
   CHECK(stroke.compactions >= 3);
   CHECK(stroke.editsHeldUp > 0);
 }

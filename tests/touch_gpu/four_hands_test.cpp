@@ -159,8 +159,8 @@ TEST_CASE_FIXTURE(FourHandsFixture, "there is one hand at least, and no more tha
   const Scene scene = makeScene("plane", 1'000);
   for (const bool onGpu : {false, true}) {
     CAPTURE(onGpu);
-    CHECK(make(onGpu, scene, std::vector<ToolShape>(kMostHands))->hands() == kMostHands);
-    for (const std::size_t hands : {std::size_t{0}, kMostHands + 1})
+    CHECK(make(onGpu, scene, std::vector<ToolShape>(kMaxHands))->hands() == kMaxHands);
+    for (const std::size_t hands : {std::size_t{0}, kMaxHands + 1})
       CHECK_THROWS_WITH_AS(make(onGpu, scene, std::vector<ToolShape>(hands)), doctest::Contains("there are 1 to 8"),
                            UsageError);
   }

@@ -50,17 +50,17 @@ TEST_CASE("a GPU that has too little of something is refused, and all that it la
   CHECK(says(least, "maxComputeWorkGroupSize[0] of 256 at least (it is 128)"));
   CHECK(says(least, "scalarBlockLayout"));
   CHECK(least.find("maxComputeSharedMemorySize") == std::string::npos);
-  CHECK(says(complaint(kLeastGpu + ",maxComputeSharedMemorySize=8192"),
+  CHECK(says(complaint(kMinGpu + ",maxComputeSharedMemorySize=8192"),
              "maxComputeSharedMemorySize of 16384 at least (it is 8192)"));
-  CHECK(says(complaint(kLeastGpu + ",subgroupSize=2"), "subgroupSize from 4 to 128 (it is 2)"));
+  CHECK(says(complaint(kMinGpu + ",subgroupSize=2"), "subgroupSize from 4 to 128 (it is 2)"));
   for (const char* feature : {"bufferDeviceAddress", "synchronization2", "computeFullSubgroups"})
-    CHECK(says(complaint(kLeastGpu + "," + feature + "=0"), " lacks " + std::string(feature) + ";"));
-  CHECK(complaint(kLeastGpu) == "it is taken");
+    CHECK(says(complaint(kMinGpu + "," + feature + "=0"), " lacks " + std::string(feature) + ";"));
+  CHECK(complaint(kMinGpu) == "it is taken");
 }
 
 TEST_CASE("the smallest GPU that palpate takes feels and sculpts what every GPU does") {
   const Felt here = press(plainDevice());
-  const LostGpuLayer layer(kLeastGpu);
+  const LostGpuLayer layer(kMinGpu);
   Device small({.gpu = "", .validation = askedCoreValidation()});
   REQUIRE(sharedBytes(small) == 16384);
   REQUIRE(small.largestBuffer() == 1 << 30);

@@ -58,7 +58,7 @@ TEST_CASE_FIXTURE(ToolFixture, "they do far from the origin") {
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "they do under validation") {
-  compareBackends(device, "sphere", ToolKind::pad, kMostToolPoints, 50, 2);
+  compareBackends(device, "sphere", ToolKind::pad, kMaxToolPoints, 50, 2);
 }
 
 TEST_CASE_FIXTURE(ToolFixture, "one point answered as a tool feels what it feels alone, bit by bit") {
@@ -96,7 +96,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a tool in a cloud so dense that patches spill has
   double worst_N = 0;
   for (const DVec3& hip : wanderingPath(scene, 25, 0.2 * scene.radius, 4)) {
     const Felt a = gpu.feel(hip), b = cpu.feel(hip);
-    CHECK(b.contact.neighbours > shared::kMostSharedPatch / 4);
+    CHECK(b.contact.neighbours > shared::kMaxSharedPatch / 4);
     touched += b.contact.touching;
     worst_N = std::max(worst_N, glm::distance(a.force_N, b.force_N));
   }
