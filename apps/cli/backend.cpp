@@ -41,31 +41,27 @@ void addChoice(Options& sub, const char* name, std::string& value, std::vector<s
 void addBackendOptions(Options& sub, BackendOptions& options) {
   std::vector<std::string> backends = backendChoices();
   backends.insert(backends.begin(), "auto");
-  addChoice(
-      sub, "--backend", options.backend, std::move(backends),
-      "what answers: vulkan, a GPU; cpu, the same loop in double precision without one; auto, vulkan where there is "
-      "a GPU and cpu where there is none but a software driver (the report says which); cuda, for comparison, where "
-      "palpate was built with it");
+  addChoice(sub, "--backend", options.backend, std::move(backends),
+            "back end: vulkan (a GPU), cpu (double precision), cuda (for comparison, where built in), or "
+            "auto (vulkan where there is a GPU other than a software driver, else cpu)");
   sub.add("--method", options.method,
-          "how neighbours are found on a GPU: fused (default), gather, surface and proxy in one dispatch; "
-          "indirect, one launch by the GPU for the buckets that hold points; naive, one for each bucket; "
-          "two-step, counts first and the host launches; brute, looks at every point; with cuda " +
+          "neighbour search on the GPU: fused (default; search, surface and proxy in one dispatch), indirect (one "
+          "indirect dispatch for the occupied buckets), naive (one per bucket), two-step (counts first, dispatched by "
+          "the host), or brute (every point); with cuda: " +
               fmt::format("{}", fmt::join(cudaMethods(), ", ")));
-  addChoice(
-      sub, "--index", options.index, {"incremental", "rebuild"},
-      "how the index follows an edit, in the same tick: incremental, at the cost of what the edit touched (edits of "
-      "a sixteenth of the points and more still rebuild it), or rebuild, whole (as cpu and cuda always do; the "
-      "report says what ran)");
+  addChoice(sub, "--index", options.index, {"incremental", "rebuild"},
+            "how the index follows an edit: incremental (cost of the touched points; rebuilt when a "
+            "sixteenth of all is touched), or rebuild (always so on cpu and cuda)");
   addIndexOptions(sub, options);
 }
 
 void addSurfaceOptions(Options& sub, BackendOptions& options) {
   sub.add("--surface", options.surface,
-          "what the points define: average (default), weighted position and normal, which sinks into curvature; "
-          "sphere, an algebraic sphere that fits places and normals; sharp, the same with a sense for edges, in "
-          "three times the time (cuda has average alone)")
+          "implicit surface: average (default; weighted position and normal), sphere (algebraic sphere "
+          "through positions and normals), or sharp (keeps edges, three times the cost); cuda has "
+          "average only")
       .check(oneOf(namesOf(kSurfaceKinds)));
-  sub.add("--friction", options.friction, "coefficient of a proxy that slides; 0 is none")
+  sub.add("--friction", options.friction, "Coulomb friction coefficient of the proxy; 0: frictionless")
       .check(between(0, bounds::kMaxFriction))
       .showDefault();
   addRadiusOption(sub, options);
@@ -73,51 +69,50 @@ void addSurfaceOptions(Options& sub, BackendOptions& options) {
 
 void addRadiusOption(Options& sub, BackendOptions& options) {
   sub.add("--radius", options.radius,
-          "support radius of the surface, mm, or auto (4 spacings, place by place where they differ; up to 8 on "
-          "flat places of clouds whose points are noisier than an eighth of a spacing, as info measures it)")
+          "support radius of the surface, mm, or auto (4 local spacings; up to 8 on flat parts of noisy "
+          "clouds)")
       .check(lengthOrAuto())
       .showDefault();
 }
 
 void addIndexOptions(Options& sub, BackendOptions& options) {
   addChoice(sub, "--bucket-key", options.bucketKey, {"teschner", "morton"},
-            "teschner scatters every cell, morton keeps blocks of cells together in memory");
-  addChoice(
-      sub, "--sort", options.sort, {"counting", "radix", "radix-lookback"},
-      "how the index sorts: counting (gives way to a radix sort where a bucket is crowded), radix, radix-lookback "
-      "(where workgroups may wait for one another)");
+            "hash key: teschner scatters the cells, morton keeps neighbouring cells together in memory");
+  addChoice(sub, "--sort", options.sort, {"counting", "radix", "radix-lookback"},
+            "sort of the index: counting (falls back to radix for crowded buckets), radix, or "
+            "radix-lookback (requires forward progress between workgroups)");
   sub.addFlag("--deterministic", options.deterministic,
-              "bit-identical results run after run; virtual time is so in any case");
-  sub.add("--wait", options.wait, "for the GPU: spin, poll or block (default: by driver and cores)")
+              "bit-identical results in every run (always so in virtual time)");
+  sub.add("--wait", options.wait,
+          "how the CPU waits for the GPU: spin, poll or block (default: depends on driver and core "
+          "count)")
       .check(oneOf({"spin", "poll", "block"}));
-  addChoice(
-      sub, "--ahead", options.ahead, {"auto", "on", "off"},
-      "submit each question before the hand has moved, so that it waits on the GPU for the place: auto (where the "
-      "driver is known for it), on or off");
+  addChoice(sub, "--ahead", options.ahead, {"auto", "on", "off"},
+            "submit each query before its pose is known, so that the GPU only waits for the pose: auto "
+            "(on for drivers known to allow it), on or off");
   const Option cell = sub.add("--cell", options.cell_mm, "edge of a hash cell, mm (default: the support radius)")
                           .check(between(bounds::kShortest_mm, bounds::kLongest_mm));
-  sub.add("--grid", options.grid, "hash cells along the longest side, instead of --cell")
+  sub.add("--grid", options.grid, "hash cells along the longest side, in place of --cell")
       .check(between(1, bounds::kMaxCells))
       .excludes(cell);
 }
 
 void addToolOptions(Options& sub, BackendOptions& options) {
   sub.add("--tool", options.tool,
-          "what touches: point; or with many points that share the stiffness, pad, round like a fingertip; "
-          "ball; spatula, flat and half as wide as long; each point has its own proxy and friction (vulkan with "
-          "the method fused, and cpu)")
+          "tool: point, or many contact points that share the stiffness: pad (a fingertip), ball, or "
+          "spatula; vulkan with the method fused, or cpu")
       .check(oneOf(namesOf(kToolKinds)))
       .showDefault();
   sub.add("--tool-points", options.toolPoints,
-          fmt::format("of a pad, ball or spatula (default {})", ToolConfig{}.points))
+          fmt::format("contact points of a pad, ball or spatula (default {})", ToolConfig{}.points))
       .check(wholeBetween(1, static_cast<double>(kMaxToolPoints)))
       .typeName("N");
   sub.add("--tool-size", options.toolSize_mm,
           fmt::format("diameter of a pad or ball, length of a spatula, mm (default {})", ToolConfig{}.size_mm))
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm));
   sub.add("--tool-axis", options.toolAxis,
-          "where the face of a pad or spatula looks while the stylus is not turned, X,Y,Z in the model's axes "
-          "(default 0,0,-1)")
+          "direction in which the face of a pad or spatula looks while the stylus is not rotated, model "
+          "axes (default 0,0,-1)")
       .typeName("X,Y,Z");
 }
 

@@ -25,15 +25,14 @@ Validation Context::validation() const {
 }
 
 void Context::addOptions(Options& app) {
-  app.add("--gpu", gpu_, "GPU by number or part of its name (else PALPATE_GPU, else the best there is)");
-  app.addFlag(
-      "--validate", validate_, {"full", "core"},
-      "watch every GPU call (core, synchronisation and GPU-assisted validation; --validate=core: not the shaders "
-      "as they run, which takes a software driver long); any message ends in exit code 1");
-  app.add("--json", json_, "write a machine-readable result to this file, or to stdout with -")
+  app.add("--gpu", gpu_, "GPU, by number or part of its name (default: PALPATE_GPU, else the best one)");
+  app.addFlag("--validate", validate_, {"full", "core"},
+              "enable validation layers (core, synchronisation, GPU-assisted; --validate=core without the "
+              "slow GPU-assisted part); any message makes the exit code 1");
+  app.add("--json", json_, "write machine-readable results to this file, or to stdout with -")
       .typeName("FILE|-")
       .check({[](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; }});
-  app.add("--threads", threads_, "CPU threads for loading and making clouds, and for --backend cpu (0: one per core)")
+  app.add("--threads", threads_, "CPU threads for loading, making clouds and --backend cpu; 0: one per core")
       .check(wholeBetween(0, bounds::kMaxThreads));
   app.addFlag("--quiet", quiet_, "no remarks and no progress; results are still printed");
 }

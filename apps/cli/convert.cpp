@@ -141,43 +141,45 @@ void convert(Context& context, const ConvertOptions& options) {
 }  // namespace
 
 void addConvert(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand("convert", "a cloud from one file into another; says what is lost on the way");
+  Options& sub = app.addSubcommand("convert", "convert a cloud to another format, and report what is lost");
   auto options = std::make_shared<ConvertOptions>();
   sub.add("input", options->input,
-          fmt::format("file to read: {}; or {}, whose frames become one cloud; or ros:TOPIC, of which the first "
-                      "PointCloud2 is taken",
+          fmt::format("input: {}; or {}, whose frames are fused; or ros:TOPIC, for its first PointCloud2",
                       cloudFormats().endingsRead(), rgbdFoldersRead()))
       .required()
       .typeName("IN");
-  sub.add("output", options->output, "file to write: " + cloudFormats().endingsWritten()).required().typeName("OUT");
+  sub.add("output", options->output, "output: " + cloudFormats().endingsWritten()).required().typeName("OUT");
   sub.add("--normals", options->normals,
-          "keep: the file's, or none where it has none; estimate: from the points; face: from the faces")
+          "keep: copy the normals of the file; estimate: estimate them from the points; face: from the "
+          "faces")
       .check(oneOf({"keep", "estimate", "face"}))
       .showDefault();
   sub.add("--columns", options->columns,
-          "what the columns of a file of text are, as in x,y,z,intensity,red,green,blue; else as its first line says")
+          "names of the columns of a text file, e.g. x,y,z,intensity,red,green,blue (default: from its "
+          "first line)")
       .typeName("NAMES");
   sub.add("--samples", options->samples,
           fmt::format(
-              "points to sample from a mesh (OBJ, STL, OFF, glTF), spread evenly; default: {}, or none where OUT is a "
-              "mesh, which keeps the triangles",
+              "points to sample evenly from a mesh (OBJ, STL, OFF, glTF); default: {}, or none if OUT is a mesh, which "
+              "keeps the triangles",
               kUsualSamples))
       .check(wholeBetween(1, 2e9));
-  sub.add("--intrinsics", options->intrinsics, "the depth camera, JSON; else as its folder says").typeName("FILE");
-  sub.add("--depth-scale", options->depthScale, "values of depth pictures per metre; else as their folder says")
+  sub.add("--intrinsics", options->intrinsics, "intrinsics of the depth camera, JSON (default: those of the folder)")
+      .typeName("FILE");
+  sub.add("--depth-scale", options->depthScale, "depth values per metre (default: that of the folder)")
       .check(between(1e-3, 1e6));
   sub.addFlag("--drop-unreliable", options->dropsUnreliable,
-              "of a COLMAP folder leave out the points that touch leaves out unless --all-points keeps them");
+              "COLMAP: drop unreliable points, as touch does without --all-points");
   addScaleOptions(sub, options->scale);
   addNetworkOptions(sub, options->network);
   addRosFrameOption(sub, options->network);
-  sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
-  sub.addFlag("--force", options->force, "replace OUT where it exists; where it is IN, that is kept as IN.bak");
+  sub.addFlag("--ascii", options->ascii, "write ASCII in place of binary little-endian");
+  sub.addFlag("--force", options->force, "replace an existing OUT; if OUT is IN itself, it is kept as IN.bak");
   sub.footer(
-      "Points keep their order, coordinates their precision, and properties of points that palpate does not know are "
-      "carried through. A folder of depth frames is fused into one cloud in metres. Faces are written as triangles. "
-      "A scale is written as a "
-      "comment, which touch and view heed; coordinates stay. What OUT cannot hold is named before it is written.\n");
+      "The order of points, the precision of coordinates and unknown properties are preserved. A "
+      "folder of depth frames is fused into one cloud in metres. Faces are written as triangles. A "
+      "scale is written as a comment that touch and view read; coordinates are not scaled. Losses "
+      "in OUT are reported before it is written.\n");
   sub.whenNamed([&, options] { command = [&context, options] { convert(context, *options); }; });
 }
 

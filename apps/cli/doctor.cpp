@@ -304,21 +304,18 @@ void doctor(Context& context, const DoctorOptions& options) {
 void addDoctor(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand(
       "doctor",
-      "the GPUs of this machine and which of their queues serve touch, sight and background; the haptic libraries and "
-      "devices that were found, and what is missing; how pictures come to the display");
+      "report the GPUs and the queues used for touch, sight and background, the haptic devices and libraries found, "
+      "missing permissions and the commands that grant them, and how pictures reach the display");
   auto options = std::make_shared<DoctorOptions>();
-  Option servo =
-      sub.add("--servo", options->servo_s,
-              "run the servo loop for so many seconds with nothing to do, and say how many ticks this machine "
-              "misses by itself")
-          .check(between(bounds::kShortest_s, bounds::kLongest_s));
+  Option servo = sub.add("--servo", options->servo_s,
+                         "run an empty servo loop for this many seconds and report the ticks that this machine misses")
+                     .check(between(bounds::kShortest_s, bounds::kLongest_s));
   sub.add("--rate", options->rate_Hz, "ticks per second of --servo")
       .check(between(1, 100'000))
       .needs(servo)
       .showDefault();
-  sub.addFlag(
-         "--network", options->network,
-         "list the sessions that others serve (palpate serve), with their round trips and losses, and nothing else")
+  sub.addFlag("--network", options->network,
+              "only list the sessions on the network (palpate serve), with round trips and losses")
       .excludes(servo);
   addNetworkOptions(sub, options->which);
   sub.whenNamed([&, options] { command = [&context, options] { doctor(context, *options); }; });

@@ -24,29 +24,27 @@ Check deviceValidator() { return {deviceComplaint, "DEVICE"}; }
 
 void addHandOptions(Options& sub, HandChoices& options) {
   sub.add("--device", options.device,
-          "what moves the HIP: path, a script that nothing holds up; sim, a simulated Geomagic Touch in a hand "
-          "that follows the path and yields to the force (it waits half a second while forces ramp up); "
-          "replay:FILE, a session log, a trace or a trajectory; or a device in a hand, with --realtime and "
-          "--duration: " +
+          "source of the poses: path (a script, not moved by forces), sim (a simulated Geomagic Touch in a compliant "
+          "hand), replay:FILE (a session log, trace or trajectory), or a device, with --realtime and --duration: " +
               heldDevicesHelp() + ". Button 1 of a stylus sculpts, button 2 is a clutch")
       .check(deviceValidator())
       .showDefault();
   sub.add("--scheduler", options.scheduler,
-          "who calls the ticks of an OpenHaptics device: device, its driver; or own, palpate")
+          "thread that runs the ticks of an OpenHaptics device: device (the driver) or own (palpate)")
       .check(oneOf({"device", "own"}))
       .showDefault();
   sub.add("--map", options.map,
-          "how the device's millimetres meet the model's: fit, the path (or the model, for a device in a hand) in the "
-          "middle of the workspace and shrunk if it is too large; or identity, with the origins together")
+          "fit: scale and centre the path (or the model, for a held device) into the workspace; "
+          "identity: one to one, origins together")
       .check(oneOf({"fit", "identity"}))
       .showDefault();
-  sub.add("--hand-stiffness", options.handStiffness_N_per_mm, "of the simulated hand, N/mm (default 0.4)")
+  sub.add("--hand-stiffness", options.handStiffness_N_per_mm, "sim: stiffness of the hand, N/mm (default 0.4)")
       .check(between(bounds::kMinStiffness_N_per_mm, bounds::kMaxStiffness_N_per_mm));
-  sub.add("--hand-damping", options.handDamping_N_s_per_mm, "of the simulated hand, N s/mm (default 0.002)")
+  sub.add("--hand-damping", options.handDamping_N_s_per_mm, "sim: damping of the hand, N s/mm (default 0.002)")
       .check(between(1e-9, bounds::kMaxDamping_N_s_per_mm));
   sub.add("--passivity", options.passivity,
-          "what to do when the surface gives more energy than it took: on, brake; observe, count only; off "
-          "(default: on where a hand yields to the force, off for a script, which cannot be braked)")
+          "when the surface gives more energy than it took: on (brake), observe (only count) or off "
+          "(default: on for a device or sim, off for a path)")
       .check(oneOf({"on", "off", "observe"}));
   sub.addFlag("--rumble", options.rumble, "a DualSense on a cable rumbles at each contact, whatever the device");
 }

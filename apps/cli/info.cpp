@@ -195,14 +195,14 @@ void infoOfMatter(Context& context, const std::string& name, const MatterScene& 
 }  // namespace
 
 void addInfo(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand("info", "what a model holds and what it will need on the GPU; nothing is uploaded");
+  Options& sub = app.addSubcommand("info", "describe a model and the GPU memory it needs; nothing is uploaded");
   auto file = std::make_shared<std::string>();
   sub.add("model", *file, modelsAndStreams(RosModels::none)).required().typeName("MODEL");
   auto look = std::make_shared<LookOptions>();
   addLookOptions(sub, *look);
   auto allPoints = std::make_shared<bool>(false);
   addAllPointsOption(sub, *allPoints);
-  sub.heading("A depth camera");
+  sub.heading("Depth camera");
   auto stream = std::make_shared<StreamOptions>();
   addDepthOptions(sub, *stream);
   sub.heading("Options");

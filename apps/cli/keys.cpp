@@ -29,21 +29,20 @@ void makeKeysFor(Context& context, const KeyOptions& options) {
 }  // namespace
 
 void addKeys(Options& app, Context& context, Command& command) {
-  Options& sub =
-      app.addSubcommand("keys", "keys for sessions that are encrypted and open to their holders alone (--security)");
+  Options& sub = app.addSubcommand("keys", "make keys for encrypted sessions (--security)");
   auto options = std::make_shared<KeyOptions>();
-  sub.add("folder", options->folder, "of an authority and of all whom it gives keys; made where there is none")
+  sub.add("folder", options->folder, "folder of the authority and its keys; created if missing")
       .required()
       .typeName("FOLDER");
-  sub.add("--name", options->name, "of who gets the keys, one for each person or machine; their folder is FOLDER/NAME")
+  sub.add("--name", options->name,
+          "name of the holder of the keys, one per person or machine; they are written to FOLDER/NAME")
       .required();
-  sub.add("--days", options->days, "for which they are good").check(inRange(1, 3650)).showDefault();
+  sub.add("--days", options->days, "validity of the keys, days").check(inRange(1, 3650)).showDefault();
   sub.footer(
-      "Once for each: palpate keys lab --name server; palpate keys lab --name surgeon. Then palpate serve scan.laz "
-      "--name city "
-      "--interface eth0 --security lab/server, and on another machine, with the folder lab/surgeon brought there "
-      "safely, "
-      "palpate view --join city --interface eth0 --security surgeon. Nothing that is there is written over.\n");
+      "Run it once per holder: palpate keys lab --name server; palpate keys lab --name surgeon. "
+      "Then run palpate serve scan.laz --name city --interface eth0 --security lab/server, copy the "
+      "folder lab/surgeon safely to the other machine, and run palpate view --join city --interface "
+      "eth0 --security surgeon there. Existing files are never overwritten.\n");
   sub.whenNamed([&, options] { command = [&context, options] { makeKeysFor(context, *options); }; });
 }
 

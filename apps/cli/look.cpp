@@ -9,15 +9,14 @@ namespace palpate {
 void addLookOptions(Options& command, LookOptions& options) {
   command
       .add("--up", options.up,
-           "which way is up, in pictures and for heights: x, y, z, -x, -y, -z, or auto (by the shape: ground, and "
-           "what stands on a base)")
+           "up axis for pictures and heights: x, y, z, -x, -y, -z, or auto (from the shape: ground, base "
+           "of a statue)")
       .check(oneOf(namesOf(kUpAxes, {"auto"})))
       .showDefault();
   command
       .add("--unit", options.unit,
-           "the file's unit of length, in which lengths are shown: mm, cm, m, in, ft, or auto (what the file or its "
-           "format says: LAS, E57, glTF, depth cameras; 'units' where none does); scales nothing, as --mm-per-unit "
-           "does")
+           "unit of the lengths in the file, for display only: mm, cm, m, in, ft, or auto (as the file "
+           "says, else \"units\")")
       .check(oneOf(namesOf(kLengthUnits, {"auto"})))
       .showDefault();
 }

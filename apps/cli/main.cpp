@@ -83,6 +83,7 @@ int run(std::vector<std::string> arguments) {
       "scale of `palpate info`), N, N/mm, N s/mm, s; GPU times in us."};
   CLI::App& app = options.app();
   app.name("palpate");
+  app.set_help_all_flag("--help-all", "Print all options and exit");
   app.set_version_flag("--version", "palpate " PALPATE_VERSION, "the version of this program");
   app.require_subcommand(1);
   app.fallthrough();

@@ -47,26 +47,24 @@ void make(Context& context, const MakeOptions& options) {
 }  // namespace
 
 void addMake(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand("make", "an analytic cloud with exact normals, evenly sampled");
+  Options& sub = app.addSubcommand("make", "make an evenly sampled analytic cloud with exact normals");
   auto options = std::make_shared<MakeOptions>();
   std::string names;
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub.add("shape", options->shape, "one of " + names).required().typeName("SHAPE");
   sub.add("-n,--points", options->count, "number of points").check(wholeBetween(0, kMaxPoints)).showDefault();
-  sub.add("-o,--output", options->output, "file to write: " + cloudFormats().endingsWritten())
-      .required()
-      .typeName("FILE");
-  sub.add("--seed", options->seed, "turns the sampling and picks the noise; same seed, same bytes")
+  sub.add("-o,--output", options->output, "output: " + cloudFormats().endingsWritten()).required().typeName("FILE");
+  sub.add("--seed", options->seed, "seed of the sampling and the noise; the same seed gives the same bytes")
       .check(wholeBetween(0, bounds::kMaxSeed))
       .showDefault();
-  sub.add("--noise", options->noise, "deviation of the positions from the surface along each axis, model units")
+  sub.add("--noise", options->noise, "standard deviation of the noise of the positions along each axis, model units")
       .check(between(0, kLargestSize))
       .showDefault();
-  sub.add("--center", options->center, "x,y,z of the middle, model units").showDefault();
+  sub.add("--center", options->center, "centre x,y,z, model units").showDefault();
   sub.add("--size", options->size, "longest side, model units")
       .check(between(kSmallestSize, kLargestSize))
       .showDefault();
-  sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
+  sub.addFlag("--ascii", options->ascii, "write ASCII in place of binary little-endian");
   sub.whenNamed([&, options] { command = [&context, options] { make(context, *options); }; });
 }
 

@@ -79,20 +79,20 @@ void mesh(Context& context, const MeshCommandOptions& options) {
 }  // namespace
 
 void addMesh(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand("mesh", "a triangle mesh of a model, by marching cubes on the GPU");
+  Options& sub = app.addSubcommand("mesh", "write a triangle mesh of a model (marching cubes on the GPU)");
   auto options = std::make_shared<MeshCommandOptions>();
   addModelOptions(sub, options->model);
   sub.add("-o,--output", options->output,
-          fmt::format("file to write, vertices with normals: {}; .ply, .obj, .stl and .off hold the triangles, too",
+          fmt::format("output: .ply, .obj, .stl or .off with triangles; {} otherwise with the vertices only",
                       cloudFormats().endingsWritten()))
       .required()
       .typeName("MESH.ply");
   addMeshOptions(sub, options->choices);
   sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
   sub.footer(
-      "The mesh is closed where the points leave no gap as wide as the support radius, and has a border elsewhere: the "
-      "report says how many edges lie on it. It says the Euler number, too: vertices - edges + triangles, 2 for each "
-      "closed part less 2 for each handle.\n");
+      "The mesh is closed where the points leave no gap as wide as the support radius; the report "
+      "gives the number of border edges and the Euler number: vertices - edges + triangles, 2 for "
+      "each closed part minus 2 for each handle.\n");
   sub.whenNamed([&, options] { command = [&context, options] { mesh(context, *options); }; });
 }
 

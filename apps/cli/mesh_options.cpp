@@ -13,11 +13,11 @@ void addMeshOptions(Options& command, MeshChoices& choices) {
       .showDefault();
   command
       .add("--surface", choices.surface,
-           "what is meshed: sphere, average, sharp: as touch feels them; density: a skin where the density of the "
-           "points falls to half")
+           "surface to mesh: sphere, average or sharp (as they are felt), or density (where the density "
+           "of the points falls to half)")
       .check(oneOf(namesOf(kMeshSurfaces)))
       .showDefault();
-  command.add("--radius", choices.radius, "support radius, mm, or auto: four spacings; at least 2.5 cells in any case")
+  command.add("--radius", choices.radius, "support radius, mm, or auto (four spacings); at least 2.5 cells in any case")
       .check(lengthOrAuto())
       .showDefault();
 }

@@ -23,7 +23,8 @@ void addModelOptions(Options& command, ModelOptions& options, const std::string&
   addScaleOptions(command, options.scale);
   command
       .add("--normals", options.normals,
-           "keep: the file's, estimated where it has none; estimate: from the points; face: from the faces")
+           "keep: use the normals of the file, estimate missing ones; estimate: always estimate from the "
+           "points; face: from the faces")
       .check(oneOf({"keep", "estimate", "face"}))
       .showDefault();
   addAllPointsOption(command, options.allPoints);
@@ -32,19 +33,20 @@ void addModelOptions(Options& command, ModelOptions& options, const std::string&
 void addScaleOptions(Options& command, ScaleOptions& options) {
   command
       .add("--mm-per-unit", options.mm_per_unit,
-           "millimetres per model unit (default: what a comment of the file says, mm_per_unit, or the longest side "
-           "becomes 100 mm)")
+           "touch scale: millimetres in the hand per model unit (default: the comment mm_per_unit of the "
+           "file, or the longest side becomes 100 mm)")
       .check(between(bounds::kMinScale, bounds::kMaxScale));
   command
       .add("--scale-from", options.from,
-           "the same by two places of the model, in its units, and how many mm they are apart: \"0,0,0:1.5,0,2=340\"")
+           "touch scale from two positions in model units and their true distance in mm: "
+           "\"0,0,0:1.5,0,2=340\"")
       .typeName("X,Y,Z:X,Y,Z=MM");
 }
 
 void addAllPointsOption(Options& command, bool& allPoints) {
   command.addFlag("--all-points", allPoints,
-                  "of a COLMAP folder also the points that are unreliable by its own measures: rays that meet at less "
-                  "than 1.5 degrees, errors of more than 4 pixels, or fewer than three images");
+                  "COLMAP: also keep unreliable points (rays at less than 1.5 degrees, errors above 4 pixels, "
+                  "fewer than three images)");
 }
 
 double ScaleOptions::given() const {

@@ -10,19 +10,18 @@ void addMotionOptions(Options& command, MotionOptions& options) {
   for (const auto& [name, kind] : kMotionKinds) kinds.emplace_back(name);
   command
       .add("--motion", options.kind,
-           "none; oscillate, to and fro along --motion-axis; drift, along it at a constant speed; turn, about it "
-           "through the middle. What moves is not sculpted (vulkan and cpu)")
+           "rigid motion of the model: none, oscillate or drift along --motion-axis, or turn about it; a "
+           "moving model cannot be sculpted (vulkan, cpu)")
       .check(oneOf(std::move(kinds)))
       .showDefault();
-  command.add("--motion-axis", options.axis, "X,Y,Z in the model's axes, of any length").showDefault();
-  command.add("--motion-amplitude", options.amplitude_mm, "oscillate: half the way from one end to the other, mm")
+  command.add("--motion-axis", options.axis, "axis X,Y,Z in the axes of the model, of any length").showDefault();
+  command.add("--motion-amplitude", options.amplitude_mm, "oscillate: amplitude, mm")
       .check(between(0, bounds::kLongest_mm))
       .showDefault();
-  command
-      .add("--motion-frequency", options.frequency_Hz, "oscillate, turn: times to and fro, or about, in a second, Hz")
+  command.add("--motion-frequency", options.frequency_Hz, "oscillate, turn: frequency, Hz")
       .check(between(0, bounds::kMaxRate_Hz))
       .showDefault();
-  command.add("--motion-speed", options.speed_mm_per_s, "drift, mm/s")
+  command.add("--motion-speed", options.speed_mm_per_s, "drift: speed, mm/s")
       .check(between(0, bounds::kLongest_mm))
       .showDefault();
 }

@@ -30,16 +30,51 @@ bool isBetween(const std::string& text, double least, double most) {
   return value && *value >= least && *value <= most;
 }
 
-Check wanted(std::string what, std::function<bool(const std::string&)> fits) {
+Check wanted(std::string what, std::function<bool(const std::string&)> fits, std::string description) {
   return {[what = std::move(what), fits = std::move(fits)](const std::string& text) {
-    return fits(text) ? std::string() : fmt::format("{} is not {}", text, what);
-  }};
+            return fits(text) ? std::string() : fmt::format("{} is not {}", text, what);
+          },
+          std::move(description)};
+}
+
+// For the help; empty where they only keep absurd numbers out.
+std::string boundsInWords(double min, double max) {
+  constexpr double kAbsurd = 1e5;
+  return max < kAbsurd ? fmt::format("{:g} to {:g}", min, max) : std::string();
 }
 
 // CLI11's validators may change the text; those that are made here only look at it.
 Check checkOf(const CLI::Validator& validator) {
   return {[validator](std::string text) { return validator(text); }, validator.get_description()};
 }
+
+// Lists the options that most sessions need, and says where the others are.
+class ShortHelp : public CLI::Formatter {
+ public:
+  explicit ShortHelp(std::vector<std::string> shown) : shown_(std::move(shown)) {}
+
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    if (mode != CLI::AppFormatMode::Normal) return Formatter::make_help(app, name, mode);
+    std::string help = make_description(app) + make_usage(app, name) + make_positionals(app);
+    std::size_t others = 0;
+    for (const std::string& group : app->get_groups()) {
+      std::vector<const CLI::Option*> options = app->get_options([&](const CLI::Option* option) {
+        return !group.empty() && option->get_group() == group && option->nonpositional();
+      });
+      others += std::erase_if(options, [&](const CLI::Option* option) {
+        return option != app->get_help_ptr() && std::ranges::find(shown_, longName(option)) == shown_.end();
+      });
+      if (!options.empty()) help += make_group(group, false, options);
+    }
+    return help + fmt::format("\n{} more options: {} --help-all\n\n", others, name) + make_footer(app);
+  }
+
+ private:
+  static std::string longName(const CLI::Option* option) {
+    return option->get_lnames().empty() ? std::string() : "--" + option->get_lnames().front();
+  }
+  std::vector<std::string> shown_;
+};
 
 }  // namespace
 
@@ -61,22 +96,26 @@ Check inRange(std::uint32_t least, std::uint32_t most) {
 }
 
 Check between(double least, double most) {
-  return wanted(fmt::format("a number from {} to {}", least, most),
-                [least, most](const std::string& text) { return isBetween(text, least, most); });
+  return wanted(
+      fmt::format("a number from {} to {}", least, most),
+      [least, most](const std::string& text) { return isBetween(text, least, most); }, boundsInWords(least, most));
 }
 
 Check wholeBetween(double least, double most) {
-  return wanted(fmt::format("a whole number from {:.0f} to {:.0f}", least, most),
-                [least, most](const std::string& text) {
-                  return isBetween(text, least, most) && text.find_first_not_of("+-0123456789") == text.npos;
-                });
+  return wanted(
+      fmt::format("a whole number from {:.0f} to {:.0f}", least, most),
+      [least, most](const std::string& text) {
+        return isBetween(text, least, most) && text.find_first_not_of("+-0123456789") == text.npos;
+      },
+      boundsInWords(least, most));
 }
 
 Check lengthOrAuto() {
   return wanted(fmt::format("auto or a length from {} to {} mm", bounds::kShortest_mm, bounds::kLongest_mm),
                 [](const std::string& text) {
                   return text == "auto" || isBetween(text, bounds::kShortest_mm, bounds::kLongest_mm);
-                });
+                },
+                {});
 }
 
 Option Option::required() { return Option(option_->required()); }
@@ -152,6 +191,9 @@ Options& Options::addSubcommand(const std::string& name, const std::string& what
 void Options::under(const std::string& heading) { app_->group(heading); }
 void Options::requireSubcommands(std::size_t least, std::size_t most) { app_->require_subcommand(least, most); }
 void Options::footer(const std::string& text) { app_->footer(text); }
+void Options::helpShows(std::vector<std::string> names) {
+  app_->formatter(std::make_shared<ShortHelp>(std::move(names)));
+}
 void Options::whenNamed(std::function<void()> callback) { app_->callback(std::move(callback)); }
 
 std::string Options::name() const { return app_->get_name(); }

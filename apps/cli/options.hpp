@@ -103,6 +103,8 @@ class Options {
   void requireSubcommands(std::size_t least, std::size_t most);
   /// What help ends with.
   void footer(const std::string& text);
+  /// --help lists only these options, named as "--rate"; --help-all lists all of them.
+  void helpShows(std::vector<std::string> names);
   /// Runs once the command line has been read, when it names this subcommand.
   void whenNamed(std::function<void()> callback);
 

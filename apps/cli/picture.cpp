@@ -70,45 +70,43 @@ Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size) {
 
 void addPictureOptions(Options& command, PictureOptions& options) {
   addLookOptions(command, options.look);
-  command.add("--size", options.size, "width x height, pixels").showDefault();
+  command.add("--size", options.size, "WIDTHxHEIGHT, pixels").showDefault();
   command.add("--camera", options.camera,
-              "\"eye=x,y,z target=x,y,z up=x,y,z fov=45\", any of them: model units, degrees (default: the model "
-              "from the front, a little above, as --up has it)");
+              "any of \"eye=x,y,z target=x,y,z up=x,y,z fov=45\", model units and degrees (default: in "
+              "front of the model, slightly above)");
   command
       .add("--splat-radius", options.splatRadius,
-           "of every point's disc, mm; auto: each as wide as closes the "
-           "surface around it")
+           "radius of the discs, mm; auto: just wide enough to close the surface")
       .showDefault();
   command
-      .add("--color", options.color,
-           "rgb (the file's, or one material), normal, depth, height (along up, with a legend)")
+      .add("--color", options.color, "rgb (of the file, else one material), normal, depth, or height (with a legend)")
       .showDefault();
-  command.add("--pass", options.pass, "final, depth, smooth-depth, normal, color, position").showDefault();
+  command.add("--pass", options.pass, "image to write: final, depth, smooth-depth, normal, color or position")
+      .showDefault();
   command
       .add("--smooth", options.smooth_px,
-           "smooth depth within the surface, pixels to each side, and take normals from it; 0: blend those of "
-           "the points")
+           "radius of the depth smoothing, pixels; normals are then derived from depth. 0: blend the "
+           "normals of the points")
       .check(inRange(0u, shared::kMaxSmooth_px / 2))
       .showDefault();
   addSamplesOption(command, options.samples);
-  command.addFlag("--every-point", options.everyPoint,
-                  "draw all points, also where they are finer than samples and a share of them would do");
+  command.addFlag("--every-point", options.everyPoint, "draw every point, even where points are denser than samples");
   command
       .add("--raster", options.raster,
-           "who draws the discs: compute shaders, or the GPU's own rasteriser (hardware); the same picture")
+           "rasteriser of the discs: compute (compute shaders) or hardware; the picture is the same")
       .showDefault();
-  command.add("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
-  command.add("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM").typeName("FILE.pfm");
+  command.add("--background", options.background, "R,G,B, 0 to 255 each (default: a gradient)");
+  command.add("--depth", options.depthFile, "also write eye-space depth as PFM, model units").typeName("FILE.pfm");
   command.addFlag("--scale-bar", options.scaleBar,
-                  "draw a bar of a round length, in the file's unit, at the depth of the camera's target");
-  command.addFlag(
-      "--cameras", options.cameras,
-      "draw the cameras of a COLMAP folder, of fused.ply with its views, or of a depth camera, as pyramids");
-  command.addFlag("--print-frame", options.printFrame, "list the passes of the frame with threads, bytes and GPU us");
+                  "draw a scale bar in the unit of the file, at the depth of the camera target");
+  command.addFlag("--cameras", options.cameras,
+                  "draw the cameras of a COLMAP folder, of a fused.ply or of a depth camera as pyramids");
+  command.addFlag("--print-frame", options.printFrame,
+                  "list the GPU passes of the frame with threads, bytes and GPU time, us");
 }
 
 void addSamplesOption(Options& command, std::uint32_t& samples) {
-  command.add("--samples", samples, "of a pixel: 4 for smooth outlines, or 1 for speed")
+  command.add("--samples", samples, "samples per pixel: 4 (antialiased) or 1 (faster)")
       .check(oneOf({1u, 4u}))
       .showDefault();
 }

@@ -54,20 +54,19 @@ void render(Context& context, const RenderOptions& options) {
 }  // namespace
 
 void addRender(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand("render", "a picture of a model, headless");
+  Options& sub = app.addSubcommand("render", "render a picture of a model, headless");
   auto options = std::make_shared<RenderOptions>();
-  addModelOptions(sub, options->model, modelsAndStreams() + ", of which the first frame is drawn", false);
-  sub.add("-o,--output", options->output, "picture to write: .png or .jpg").required().typeName("IMG.png");
+  addModelOptions(sub, options->model, modelsAndStreams() + " (the first frame is drawn)", false);
+  sub.add("-o,--output", options->output, "output: .png or .jpg").required().typeName("IMG.png");
   sub.add("--mode", options->mode,
-          "splat: every point a disc; points: each a sample and no more; mesh: the "
-          "triangles of `palpate mesh`")
+          "splat: a disc per point; points: a sample per point; mesh: the triangles of palpate mesh")
       .check(oneOf({"splat", "points", "mesh"}))
       .showDefault();
   addPictureOptions(sub, options->picture);
   addMeshOptions(sub, options->mesh);
-  sub.heading("A depth camera");
+  sub.heading("Depth camera");
   addDepthOptions(sub, options->stream);
-  sub.heading("A session of others");
+  sub.heading("Shared session");
   addJoinOptions(sub, options->join, JoinAs::onlooker);
   sub.heading("Options");
   sub.whenNamed([&, options] { command = [&context, options] { render(context, *options); }; });

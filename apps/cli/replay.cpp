@@ -114,28 +114,28 @@ void replay(Context& context, const ReplayOptions& options) {
 
 void addReplay(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand(
-      "replay",
-      "a recorded session again, in virtual time: force and points compared tick by tick; or its edits alone");
+      "replay", "replay a recorded session in virtual time and compare forces and points tick by tick");
   auto options = std::make_shared<ReplayOptions>();
   sub.add("log", options->log,
-          "what palpate touch --log wrote; of one that a crash cut off, that is damaged or met a full disk all that is "
-          "whole is read, and what is missing is said")
+          "log written by palpate touch --log; a truncated or damaged one is read as far as it is intact, and the rest "
+          "is reported as missing")
       .required()
       .typeName("LOG");
-  sub.add("--model", options->model, "the model of the session (default: the file that the log names)")
-      .typeName("MODEL");
+  sub.add("--model", options->model, "model of the session (default: the file named in the log)").typeName("MODEL");
   sub.add("--tolerance", options->tolerance,
-          "largest difference that counts as none, N for forces and mm for points (0: the same bits)")
+          "differences up to this are ignored: N for forces, mm for points (0: bit-identical)")
       .check(between(0, bounds::kLongest_mm))
       .showDefault();
-  sub.addFlag("--recover", options->recover, "run nothing: only do what was done to the points, and --save them");
-  sub.add("--save", options->saveFile, "the points as the recorded edits leave them").typeName("OUT.ply");
-  sub.add("--trace", options->traceFile, "of the session as it was run again, one row per tick").typeName("FILE.csv");
+  sub.addFlag("--recover", options->recover,
+              "do not run the session: only apply its recorded edits, and --save the points");
+  sub.add("--save", options->saveFile, "points after the recorded edits").typeName("OUT.ply");
+  sub.add("--trace", options->traceFile, "trace of the replayed session, one row per tick").typeName("FILE.csv");
   sub.footer(
-      "A session against the wall clock comes out the same only up to the first late answer; past it, and where points "
-      "were taken in the order of their arrival, forces are not compared, and that is said. The recorded edits are "
-      "held against the recorded end in any case.\n"
-      "Exit code 1 when anything differs by more than the tolerance.\n");
+      "A session recorded against the wall clock can only be reproduced up to its first late "
+      "answer; from there on, and where edits were applied in order of arrival, forces are not "
+      "compared, and the report says so. The recorded edits are always compared with the recorded "
+      "final points.\n"
+      "Exit code 1 when any difference exceeds the tolerance.\n");
   sub.whenNamed([&, options] { command = [&context, options] { replay(context, *options); }; });
 }
 

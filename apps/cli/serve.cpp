@@ -154,44 +154,37 @@ void serve(Context& context, const ServeOptions& options) {
 }  // namespace
 
 void addServe(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand(
-      "serve", "a model for other programs, here or on other machines, which join it by its name (--join)");
+  Options& sub = app.addSubcommand("serve", "serve a model to other palpate programs, which join it by name (--join)");
   auto options = std::make_shared<ServeOptions>();
   addModelOptions(sub, options->model, modelsAndStreams(RosModels::clouds), false);
-  sub.add("--name", options->name, "by which it is joined; no other session of the network has it").required();
+  sub.add("--name", options->name, "name by which others join; unique on the network").required();
   sub.add("--journal", options->journalFile,
-          "a file that each stroke goes into as it is taken: whoever serves the model again with it goes on where this "
-          "ends, "
-          "and so do those who have joined")
+          "append each stroke to this file; serving the model again with the file resumes from there, "
+          "and so do the hands that had joined")
       .typeName("FILE");
-  sub.add("--save", options->saveFile, "the points as they are in the end; an older file is kept").typeName("FILE");
-  sub.addFlag("--read-only", options->readOnly, "whoever joins feels it and does not sculpt it");
-  sub.add("--ros", options->ros.name,
-          "programs of ROS 2 hear the points as NAME/cloud, and again while they are sculpted")
+  sub.add("--save", options->saveFile, "write the final points; an existing file is kept as a backup").typeName("FILE");
+  sub.addFlag("--read-only", options->readOnly, "participants feel the model and cannot sculpt it");
+  sub.add("--ros", options->ros.name, "publish the points for ROS 2 as NAME/cloud, also while they are sculpted")
       .typeName("NAME");
   addRosParentOptions(sub, options->ros);
   addNetworkOptions(sub, options->network);
   addRosCameraOptions(sub, options->network);
   addMotionOptions(sub, options->motion);
   addStreamOptions(sub, options->stream);
-  sub.add("--backend", options->backend, "that moves matter: auto, vulkan or cpu")
+  sub.add("--backend", options->backend, "back end of simulations: auto, vulkan or cpu")
       .check(oneOf({"auto", "vulkan", "cpu"}))
       .showDefault();
-  sub.add("--duration", options->duration_s, "s (default: until it is asked to end, as by Ctrl+C)")
+  sub.add("--duration", options->duration_s, "duration, s (default: until interrupted, e.g. by Ctrl+C)")
       .check(between(bounds::kShortest_s, bounds::kLongest_s));
   sub.footer(
-      "What is served is the points with their normals, colours and scale, as they were read, and what those who join "
-      "do to "
-      "them, in one order for all: each feels what the others do, and in the end all have the same points, bit by bit. "
-      "Points are moved, painted and taken away; none come to keep the surface whole (--keep-points).\n"
-      "A model that moves (--motion, the frames of a depth camera, matter such as jelly, water or sand) goes on by the "
-      "clock of this program, and is felt alone: who joins it has the points around the hands, up to 60 times a "
-      "second, "
-      "and his hands press a soft body, and stir water and sand, as those of one session do (up to eight). So has who "
-      "joins with --near what stands still. --journal, --save and --ros are for what stands still.\n"
-      "Without --interface nobody but this machine can join; with it, whoever is on that network can, and nothing is "
-      "encrypted. With --security all is, and only who has keys of the same authority can join (palpate keys makes "
-      "them).\n");
+      "All participants receive each other's strokes in one order and end with bit-identical "
+      "points. Points are moved, painted and removed; none are inserted (--keep-points).\n"
+      "A moving model (--motion, a depth camera, jelly, water, sand) advances by the clock of this "
+      "program and is streamed around each hand up to 60 times a second; up to eight hands press or "
+      "stir it, and cannot sculpt it. --journal, --save and --ros require a model at rest.\n"
+      "Without --interface only programs on this machine can join. With it, every machine on that "
+      "network can, and nothing is encrypted; --security encrypts everything and admits only "
+      "holders of keys of the same authority (see palpate keys).\n");
   sub.whenNamed([&, options] { command = [&context, options] { serve(context, *options); }; });
 }
 

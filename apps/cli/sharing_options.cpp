@@ -12,32 +12,25 @@
 namespace palpate {
 
 void addNetworkOptions(Options& command, NetworkOptions& options) {
-  command
-      .add("--interface", options.interface,
-           "the network that is used: an interface of this machine, by name or address (default: programs of this "
-           "machine alone)")
+  command.add("--interface", options.interface, "network interface, by name or address (default: this machine only)")
       .typeName("NAME|ADDRESS");
-  command
-      .add("--peer", options.peers,
-           "address of a machine to look for, where the network carries no multicast; as often as there are some")
+  command.add("--peer", options.peers, "address of another machine, for networks without multicast; may be repeated")
       .typeName("ADDRESS");
-  command.add("--domain", options.domain, "of DDS, as ROS numbers them")
+  command.add("--domain", options.domain, "DDS domain, as in ROS 2")
       .check(inRange(0, bounds::kLastDomain))
       .showDefault();
   command
       .add("--security", options.security,
-           "a folder of keys (palpate keys): all is encrypted, and only holders of keys of the same authority find, "
-           "join "
-           "and hear it")
+           "folder of keys (see palpate keys): encrypts everything; only holders of keys of the same "
+           "authority can join")
       .typeName("FOLDER");
 }
 
 void addRosFrameOption(Options& command, NetworkOptions& options) {
   command
       .add("--ros-frame", options.rosFrame,
-           "the frame that what is heard of ROS (ros:TOPIC) is put in, by the transforms on /tf_static and /tf "
-           "(default: "
-           "that of its messages)")
+           "transform points from ros:TOPIC into this frame, with /tf_static and /tf (default: the frame "
+           "of the messages)")
       .typeName("FRAME");
 }
 
@@ -45,9 +38,8 @@ void addRosCameraOptions(Options& command, NetworkOptions& options) {
   addRosFrameOption(command, options);
   command
       .add("--color-topic", options.colorTopic,
-           "pictures of colour (rgb8, bgr8) that are registered with those of depth of ros:TOPIC: of the same size, "
-           "and the "
-           "same pixels")
+           "colour pictures (rgb8, bgr8) registered with the depth pictures of ros:TOPIC, of the same "
+           "size")
       .typeName("TOPIC");
 }
 
@@ -60,19 +52,16 @@ void checkRosHearing(const NetworkOptions& options, const std::string& model, co
 }
 
 void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
-  command
-      .add("--join", options.name,
-           "in place of MODEL: a session that another palpate serves (palpate serve), by its name")
+  command.add("--join", options.name, "join a session served by palpate serve, by its name, in place of MODEL")
       .typeName("NAME");
   if (as == JoinAs::hand) {
-    command.add("--as", options.hand, "what the others see this hand called (default: the machine's name)")
+    command
+        .add("--as", options.hand, "name of this hand for the other participants (default: the name of this machine)")
         .typeName("NAME");
-    command.addFlag(
-        "--near", options.near,
-        "of what is joined only the points around the hands come here, ahead of them: for models that are too large "
-        "to wait for; they are felt and sculpted, but nothing is saved, and strokes are not taken back. A model that "
-        "moves is "
-        "joined so in any case, and is felt alone");
+    command.addFlag("--near", options.near,
+                    "stream only the points around the hand, for models too large to download; they can be "
+                    "sculpted, but not saved or undone. Moving models are always joined so, and cannot be "
+                    "sculpted");
   }
   addNetworkOptions(command, options.network);
   addRosCameraOptions(command, options.network);
@@ -81,9 +70,11 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
 void addRosParentOptions(Options& command, RosNameOptions& options) {
   command
       .add("--ros-parent", options.parent,
-           "with --ros: the frame that the frame NAME stands in, which goes out on /tf_static (default: nothing does)")
+           "with --ros: parent frame of the frame NAME, published on /tf_static (default: not published)")
       .typeName("FRAME");
-  command.add("--ros-pose", options.pose, "and where in it: metres, and a unit quaternion (default: 0,0,0,0,0,0,1)")
+  command
+      .add("--ros-pose", options.pose,
+           "pose of the frame NAME in its parent: metres and a unit quaternion (default 0,0,0,0,0,0,1)")
       .typeName("X,Y,Z[,QX,QY,QZ,QW]");
 }
 
@@ -123,11 +114,10 @@ RosPublishing RosNameOptions::publishing(const NetworkOptions& network, double m
 void addRosOptions(Options& command, RosOptions& options) {
   command
       .add("--ros", options.name,
-           "programs of ROS 2 hear where the hand is (NAME/pose, NAME/proxy, the frame NAME/hand) and what it feels "
-           "(NAME/wrench), on the "
-           "network of --interface, --peer, --domain and --security, else on this machine alone")
+           "publish the hand for ROS 2: NAME/pose, NAME/proxy, NAME/wrench and the frame NAME/hand; "
+           "network as for --interface, --peer, --domain and --security")
       .typeName("NAME");
-  command.add("--ros-rate", options.rate_Hz, "Hz; ticks in between are left out")
+  command.add("--ros-rate", options.rate_Hz, "publishing rate, Hz; ticks in between are skipped")
       .check(between(1, bounds::kMaxRate_Hz))
       .showDefault();
   addRosParentOptions(command, options);

@@ -142,25 +142,24 @@ void simulate(Context& context, const SimulateOptions& options) {
 }  // namespace
 
 void addSimulate(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand("simulate", "matter that moves by itself, without a hand");
+  Options& sub = app.addSubcommand("simulate", "simulate water, sand or a soft body without a hand");
   auto options = std::make_shared<SimulateOptions>();
-  sub.add("scene", options->scene, "a JSON file, or one of " + builtInScenes()).required().typeName("SCENE");
+  sub.add("scene", options->scene, "a JSON file, or " + builtInScenes()).required().typeName("SCENE");
   std::vector<std::string> backends = matterBackends();
   backends.insert(backends.begin(), "auto");
   sub.add("--backend", options->backend,
-          "what moves it: vulkan, a GPU; cpu; auto, vulkan where there is a GPU, and otherwise cpu; times are a GPU's "
-          "own where it keeps any")
+          "back end of the simulation: vulkan (a GPU), cpu, or auto (vulkan where there is a GPU, else "
+          "cpu)")
       .check(oneOf(std::move(backends)))
       .showDefault();
-  sub.add(
-         "--model", options->model,
-         "a closed cloud that stands in water or sand, or is the surface of a soft scene, in place of the scene's own; "
-         "builtin:NAME in water and sand: a shape of palpate make")
+  sub.add("--model", options->model,
+          "closed cloud that stands in water or sand, or gives a soft body its surface, in place of the "
+          "one of the scene; in water and sand also builtin:NAME, a shape of palpate make")
       .typeName("FILE");
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
-  sub.add("--probe", options->probe, "x,y,z where the pressure of water is asked for at the end, mm");
+  sub.add("--probe", options->probe, "position x,y,z at which the water pressure is reported at the end, mm");
   sub.add("--save", options->save,
-          "file for the particles, or the surface of a soft body, at the end, mm: " + cloudFormats().endingsWritten())
+          "write the final particles, or the surface of a soft body, mm: " + cloudFormats().endingsWritten())
       .typeName("FILE");
   sub.whenNamed([&, options] { command = [&context, options] { simulate(context, *options); }; });
 }

@@ -12,47 +12,43 @@ namespace palpate {
 void addDepthOptions(Options& command, StreamOptions& options) {
   command
       .add("--intrinsics", options.intrinsics,
-           "of a depth camera: width, height, fx, fy, cx, cy in pixels, or Open3D's intrinsic_matrix, and depth_scale "
-           "where "
-           "it is known (default: the folder's own, or 640 x 480, 525, 525, 319.5, 239.5)")
+           "intrinsics of the depth camera as JSON: width, height, fx, fy, cx, cy (pixels) or Open3D's "
+           "intrinsic_matrix, and optionally depth_scale (default: those of the folder, or 640 x 480, "
+           "525, 525, 319.5, 239.5)")
       .typeName("FILE.json");
   command
       .add("--depth-scale", options.depthScale,
-           "depth values per metre (default: as the intrinsics say, or 5000 of a TUM folder and 1000 of others)")
+           "depth values per metre (default: from the intrinsics, else 5000 for TUM folders and 1000 for "
+           "others)")
       .check(between(bounds::kMinDepthScale, bounds::kMaxDepthScale));
 }
 
 void addStreamOptions(Options& command, StreamOptions& options) {
   command
-      .add(
-          "--live", options.live,
-          "in place of MODEL: a V4L2 device that speaks Z16, as /dev/video2, with --intrinsics; ros:TOPIC, each "
-          "message of "
-          "a topic of ROS 2 (PointCloud2, or Image of depth with its camera_info); or -, raw frames on "
-          "standard input: one line of JSON (width height fx fy cx cy depth_scale, format z16 or z16+rgb8, pose), then "
-          "frames, each a line 'frame TIME_S [16 numbers, camera to world]' and its bytes")
+      .add("--live", options.live,
+           "live depth camera in place of MODEL: a V4L2 device with the format Z16, ros:TOPIC "
+           "(PointCloud2, or depth Image with camera_info), or - for raw frames on standard input "
+           "(format: apps/README.md)")
       .typeName("DEVICE|ros:TOPIC|-");
-  command.add("--speed", options.speed, "of a recording: its seconds in one second")
+  command.add("--speed", options.speed, "playback speed of a recording; 1: as recorded")
       .check(between(bounds::kMinSpeed, bounds::kMaxSpeed))
       .showDefault();
-  command.addFlag("--loop", options.loop, "a recording begins again after its last frame");
+  command.addFlag("--loop", options.loop, "restart a recording after its last frame");
   command
-      .add(
-          "--fuse", options.fuse,
-          "on: the frames of a depth camera become one map, which is felt and seen while it grows, on the GPU with the "
-          "back end vulkan; off: the newest frame is the cloud")
+      .add("--fuse", options.fuse,
+           "on: fuse the frames into one map that is felt while it grows; off: feel the newest frame "
+           "only")
       .check(oneOf({"on", "off"}))
       .showDefault();
   addDepthOptions(command, options);
 }
 
 std::string modelsAndStreams(RosModels ros) {
-  const char* topic =
-      ros == RosModels::none ? ""
-      : ros == RosModels::clouds
-          ? ", or a topic of ROS 2 (ros:TOPIC: the first PointCloud2)"
-          : ", or a topic of ROS 2 (ros:TOPIC: the first PointCloud2, or a camera's live pictures of depth)";
-  return fmt::format("{} file, a recorded depth camera ({}), a scene of matter (a .json file, or one of {}){}",
+  const char* topic = ros == RosModels::none ? ""
+                      : ros == RosModels::clouds
+                          ? "; or ros:TOPIC, the first PointCloud2 of a ROS 2 topic"
+                          : "; or ros:TOPIC, the first PointCloud2 or the live depth pictures of a ROS 2 topic";
+  return fmt::format("a {} file; a recording of a depth camera, {}; a simulated scene, .json or {}{}",
                      cloudFormats().namesRead(), rgbdFoldersRead(), builtInScenes(), topic);
 }
 

@@ -329,15 +329,15 @@ void touch(Context& context, const TouchCommandOptions& options) {
 }  // namespace
 
 void addTouch(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand("touch", "the haptic loop, headless: follow a path, feel, edit, trace");
+  Options& sub = app.addSubcommand("touch", "run the haptic loop headless: follow a path, feel, sculpt, write a trace");
   auto options = std::make_shared<TouchCommandOptions>();
   addTouchOptions(sub, *options);
   sub.footer(
-      "The trace has the columns t_s (s), hip, proxy, normal (x, y, z; model units), force (N), penetration_mm, "
-      "contact, "
-      "neighbours, fresh (1: this tick's own answer), gpu_us, step_us (0 in virtual time). For a tool of many points, "
-      "proxy - hip is the sum of the ways from the points to their proxies, each times its share of the stiffness; "
-      "normal is their mean by force; and torque (x, y, z; about the HIP, mN m) follows.\n");
+      "Columns of the trace: t_s (s), hip, proxy, normal (x, y, z; model units), force (N), "
+      "penetration_mm, contact, neighbours, fresh (1: answer to the pose of this tick), gpu_us, "
+      "step_us (both 0 in virtual time). With a tool of many points, proxy - hip is the sum of "
+      "their displacements weighted by their share of the stiffness, normal their mean weighted by "
+      "force, and the columns torque (x, y, z; about the HIP, mN m) follow.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
       chooseBackend(context, options->backend);

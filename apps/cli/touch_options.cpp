@@ -11,101 +11,94 @@ namespace palpate {
 namespace {
 
 void addForceOptions(Options& sub, ForceOptions& force) {
-  sub.add("--stiffness", force.stiffness_N_per_mm, "N/mm")
+  sub.add("--stiffness", force.stiffness_N_per_mm, "stiffness of the contact spring, N/mm")
       .check(between(0, bounds::kMaxStiffness_N_per_mm))
       .showDefault();
-  sub.add("--damping", force.damping_N_s_per_mm, "N s/mm")
+  sub.add("--damping", force.damping_N_s_per_mm, "damping of the contact spring, N s/mm")
       .check(between(0, bounds::kMaxDamping_N_s_per_mm))
       .showDefault();
-  sub.add("--max-force", force.maxForce_N, "N; no force is ever larger (nor does it grow or turn faster than 600 N/s)")
+  sub.add("--max-force", force.maxForce_N, "largest force, N; changes of force are limited to 600 N/s in any case")
       .check(between(0, bounds::kMaxForce_N))
       .showDefault();
-  sub.add("--max-surface-power", force.maxSurfacePower_W, "W; what a surface that moves by itself may do to the hand")
+  sub.add("--max-surface-power", force.maxSurfacePower_W,
+          "largest power that a moving surface may put into the hand, W")
       .check(between(1e-6, bounds::kMaxSurfacePower_W))
       .showDefault();
 }
 
 void addEditOptions(Options& sub, TouchCommandOptions& options) {
-  sub.add(
-         "--edit", options.edit,
-         "none, or what a round tool does where the HIP stands deeper than --tau: push, presses the surface down; "
-         "carve, cuts the tool out; inflate, along the normals, as high as the hand presses; smooth; flatten, onto the "
-         "plane of the surface; grab, along with the hand, outwards too; paint, with --paint-color (only push with "
-         "cuda); of a soft body all but carve and paint change the shape in which it rests")
+  sub.add("--edit", options.edit,
+          "brush: none, push, carve, inflate, smooth, grab, paint (see --paint-color) or flatten; cuda "
+          "has push only, a soft body neither carve nor paint")
       .check(oneOf(namesOf(kBrushKinds, {"none"})))
       .showDefault();
-  sub.add("--tau", options.tau_mm, "how deep the HIP may stand behind the proxy before the surface yields, mm")
+  sub.add("--tau", options.tau_mm, "depth of the HIP behind the proxy from which on the surface yields, mm")
       .check(between(0, bounds::kLongest_mm))
       .showDefault();
-  sub.add("--beta", options.beta, "push: share of the way to the tool's surface that a point goes per tick, 0 to 1")
+  sub.add("--beta", options.beta, "push: fraction of the distance to the tool that a point moves per tick")
       .check(between(0, 1))
       .showDefault();
-  sub.add(
-         "--strength", options.strength,
-         "the other brushes: share of their effect per tick, 0 to 1; of carve the way to the tool's surface, of "
-         "inflate a thousandth of its radius, of smooth and flatten the way to their surface, of grab the way to where "
-         "the hand has taken a point, of paint the colour")
+  sub.add("--strength", options.strength, "all brushes but push: fraction of their effect per tick")
       .check(between(0, 1))
       .showDefault();
   sub.add("--falloff", options.falloff,
-          "inflate, smooth, flatten, grab, paint: how the strength falls off, (1 - r^2)^F at r tool radii from the "
-          "place over the hand; a whole number, 0 to 16")
+          "inflate, smooth, flatten, grab, paint: exponent F of the falloff (1 - r^2)^F, where r is 1 "
+          "at the rim")
       .check(wholeBetween(0, kMaxFalloff))
       .typeName("F")
       .showDefault();
-  sub.add("--paint-color", options.paintColor, "R,G,B, 0 to 255").showDefault();
-  sub.addFlag(
-      "--keep-points", options.keepPoints,
-      "no points are put in where the surface is stretched, and none merge where it is crowded; so it is with --join");
-  sub.add("--tool-radius", options.brushRadius_mm, "of the round tool, mm")
+  sub.add("--paint-color", options.paintColor, "paint: R,G,B, 0 to 255 each").showDefault();
+  sub.addFlag("--keep-points", options.keepPoints,
+              "do not insert points where the surface is stretched, nor merge them where it is crowded "
+              "(always so with --join)");
+  sub.add("--tool-radius", options.brushRadius_mm, "radius of the brush, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
   sub.add("--undo", options.undo,
-          "take the last N strokes back once the path has ended; a stroke is all that is done in one contact, with "
-          "gaps of up to 0.3 s")
+          "undo the last N strokes after the path; a stroke is one contact, gaps up to 0.3 s included")
       .check(wholeBetween(0, bounds::kMaxCount))
       .typeName("N");
-  sub.add("--redo", options.redo, "and do M of them again").check(wholeBetween(0, bounds::kMaxCount)).typeName("M");
+  sub.add("--redo", options.redo, "then redo M of them").check(wholeBetween(0, bounds::kMaxCount)).typeName("M");
   sub.add("--undo-memory", options.undoMemory_MiB,
-          "for the strokes that can be taken back, MiB; past it the oldest are forgotten")
+          "memory for strokes that can be undone, MiB; the oldest are dropped first")
       .check(between(bounds::kMinMemory_MiB, bounds::kMaxMemory_MiB))
       .showDefault();
 }
 
 void addPathOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--path", options.path,
-          "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
-          "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching); in a "
-          "scene "
-          "of water or sand builtin:press (a ball dives) and stir (in circles)")
+          "CSV with the header t_s,x,y,z (s, model units), or builtin:press, builtin:slide, "
+          "builtin:scan, builtin:orbit; in water or sand builtin:press and builtin:stir")
       .showDefault();
-  sub.add("--penetration", options.penetration_mm, "how deep builtin:press goes, mm")
+  sub.add("--penetration", options.penetration_mm, "depth of builtin:press, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
   sub.add("--rate", options.rate_Hz, "ticks per second").check(between(1, bounds::kMaxRate_Hz)).showDefault();
-  sub.addFlag("--realtime", options.realtime, "against the wall clock (default: virtual time, as fast as it goes)");
-  sub.add("--duration", options.hand.duration_s, "of the session, s (default: as long as the path)")
+  sub.addFlag("--realtime", options.realtime,
+              "run against the wall clock (default: virtual time, as fast as possible)");
+  sub.add("--duration", options.hand.duration_s, "duration of the session, s (default: that of the path)")
       .check(between(bounds::kShortest_s, bounds::kLongest_s));
 }
 
 void addOutputOptions(Options& sub, TouchCommandOptions& options) {
-  sub.add("--trace", options.traceFile, "one row per tick; in virtual time its two wall-clock columns are 0")
+  sub.add("--trace", options.traceFile, "one row per tick; its two wall-clock columns are 0 in virtual time")
       .typeName("FILE.csv");
-  sub.add("--picture", options.pictureFile, "the model at the end, with HIP, proxy disc and force arrow: .png or .jpg")
+  sub.add("--picture", options.pictureFile,
+          "picture of the model at the end with HIP, proxy disc and force arrow, .png or .jpg")
       .typeName("IMG.png");
   sub.add("--save", options.saveFile,
-          "write the edited points, with all their other properties; faces and other elements are left out, and a file "
-          "of that name which has some, or is not palpate's, stays as OUT.ply.bak")
+          "write the edited points with all their properties; faces and other elements are dropped. An "
+          "existing file that palpate did not write, or that holds more, is kept as OUT.ply.bak")
       .typeName("OUT.ply");
   sub.add("--log", options.logFile,
-          "record the session: device poses, forces and edits, for palpate replay; what is there survives a "
-          "crash, and on a full disk the session goes on")
+          "record poses, forces and edits for palpate replay; what is recorded survives a crash")
       .typeName("SESSION");
   sub.add("--trajectory", options.trajectoryFile,
-          "time, position (model units) and force (N) of each tick: with commas under names in a .csv, with "
-          "blanks and without names in any other file")
+          "time, position (model units) and force (N) of each tick: comma-separated with a header in a "
+          ".csv, else blank-separated without one")
       .typeName("FILE");
-  sub.addFlag("--print-tick", options.backend.timePasses, "list the passes of a tick with threads, bytes and GPU us");
+  sub.addFlag("--print-tick", options.backend.timePasses,
+              "list the GPU passes of a tick with threads, bytes and GPU time, us");
 }
 
 std::array<std::uint8_t, 3> paintColor(const TouchCommandOptions& options) {
@@ -114,13 +107,13 @@ std::array<std::uint8_t, 3> paintColor(const TouchCommandOptions& options) {
 
 void addSecondOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--second-device", options.secondDevice,
-          "what moves a second HIP over the same model, in another hand, which only feels: as --device has it, "
-          "with the same --map, --passivity and force (vulkan with the method fused, and cpu; a --tool is the "
-          "first hand's)")
+          "device of a second hand, which feels the same model and does not sculpt (vulkan with the "
+          "method fused, or cpu); values as for --device")
       .check(deviceValidator());
-  sub.add("--second-path", options.secondPath, "of --second-device path and sim; as --path has it").typeName("PATH");
-  sub.add("--second-trace", options.secondTraceFile, "one row per tick of the second hand, as in --trace")
-      .typeName("FILE.csv");
+  sub.add("--second-path", options.secondPath,
+          "path of the second hand, for --second-device path and sim; values as for --path")
+      .typeName("PATH");
+  sub.add("--second-trace", options.secondTraceFile, "trace of the second hand, as --trace").typeName("FILE.csv");
 }
 
 void checkSecondOptions(const TouchCommandOptions& options) {
@@ -149,35 +142,42 @@ void checkSecondOptions(const TouchCommandOptions& options) {
 void addTouchOptions(Options& command, TouchCommandOptions& options) {
   // In the order in which somebody new needs them.
   const auto heading = [&](const char* text) { command.heading(text); };
-  heading("The model");
+  heading("Model");
   addModelOptions(command, options.model, modelsAndStreams(), false);
-  heading("Where the hand goes");
+  heading("Path");
   addPathOptions(command, options);
-  heading("What is felt");
+  heading("Contact and force");
   addForceOptions(command, options.force);
   addSurfaceOptions(command, options.backend);
   heading("Sculpting");
   addEditOptions(command, options);
-  heading("What is written");
+  heading("Output");
   addOutputOptions(command, options);
-  heading("The picture of --picture");
+  heading("Picture");
   addPictureOptions(command, options.picture);
-  heading("A model that moves");
+  heading("Motion");
   addMotionOptions(command, options.motion);
-  heading("A depth camera");
+  heading("Depth camera");
   addStreamOptions(command, options.stream);
-  heading("A session of others");
+  heading("Shared session");
   addJoinOptions(command, options.join, JoinAs::hand);
   addRosOptions(command, options.join.ros);
-  heading("What answers");
+  heading("Back end");
   addBackendOptions(command, options.backend);
-  heading("A tool of many points");
+  heading("Tool");
   addToolOptions(command, options.backend);
   heading("Devices");
   addHandOptions(command, options.hand);
-  heading("A second hand");
+  heading("Second hand");
   addSecondOptions(command, options);
   heading("Options");
+  command.helpShows(
+      {"--mm-per-unit", "--normals",  "--path",        "--penetration",  "--rate",      "--realtime", "--duration",
+       "--stiffness",   "--damping",  "--max-force",   "--surface",      "--friction",  "--radius",   "--edit",
+       "--tau",         "--strength", "--paint-color", "--tool-radius",  "--undo",      "--trace",    "--picture",
+       "--save",        "--log",      "--up",          "--size",         "--camera",    "--color",    "--motion",
+       "--live",        "--fuse",     "--join",        "--near",         "--interface", "--backend",  "--tool",
+       "--tool-size",   "--device",   "--map",         "--second-device"});
 }
 
 void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can) {

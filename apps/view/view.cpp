@@ -118,10 +118,10 @@ void view(Context& context, const ViewCommandOptions& options) {
 
 void addView(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand(
-      "view", "the window: feel, see and sculpt at the same time, with a mouse, a gamepad or a 3D mouse");
+      "view", "open the window: feel, see and sculpt with a mouse, a gamepad, a 3D mouse or a haptic device");
   auto options = std::make_shared<ViewCommandOptions>();
   sub.add("models", options->models,
-          modelsAndStreams() + "; the first one is opened, others can be dropped on the window")
+          modelsAndStreams() + ". The first one is opened, others can be dropped on the window")
       .typeName("MODEL");
   addScaleOptions(sub, options->scale);
   sub.add("--normals", options->normals, "keep, estimate or face, as in palpate touch")
@@ -129,28 +129,23 @@ void addView(Options& app, Context& context, Command& command) {
       .showDefault();
   addAllPointsOption(sub, options->allPoints);
   addLookOptions(sub, options->look);
-  sub.add("--size", options->size, "of the window, width x height, pixels").showDefault();
+  sub.add("--size", options->size, "size of the window, WIDTHxHEIGHT, pixels").showDefault();
   sub.add("--script", options->script,
-          "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, tap X Y, "
-          "tap KEY (shorter than a picture), wheel N, "
-          "push X Y Z RX RY RZ [BUTTONS], click NAME (in the panels), drop FILE, text WORDS, resize W H, "
-          "set NAME VALUE (of matter), minimise, restore, screenshot FILE.png|.jpg, state FILE.json, save FILE.ply, "
-          "record [FILE], replay FILE, "
-          "impatient, patient, ask (about changes, and how to save: click Save beside, click Save over), await FILE "
-          "(until it is "
-          "there, a minute at most), quit; # "
-          "comments")
+          "play timed events, one per line: TIME_S EVENT; # comments. Events: key, mouse, button, tap, wheel, push, "
+          "click, drop, text, resize, set, minimise, restore, screenshot, state, save, record, replay, impatient, "
+          "patient, ask, await, quit (apps/view/README.md describes each)")
       .typeName("FILE");
   sub.addFlag("--realtime", options->realtime,
-              "the script goes by the wall clock, as a device in a hand makes it do; otherwise each picture is 0.05 s "
-              "of it, with all the ticks of that time, on the slowest machine, too");
+              "run the script against the wall clock; otherwise each picture is 0.05 s of script time with "
+              "all its ticks, on any machine");
   sub.add("--sight-gpu", options->sightGpu, "draw on another GPU: number or part of its name").typeName("N|NAME");
   sub.add("--present", options->present,
-          "how pictures come to the display: swapchain (the GPU presents them), copy (through the host, to an X "
-          "display that the GPU cannot present to: remote desktops), or auto; palpate doctor says which")
+          "presentation: swapchain, copy (through the host to an X display that the GPU cannot present "
+          "to, e.g. a remote desktop), or auto; palpate doctor tells which one")
       .check(oneOf({"auto", "swapchain", "copy"}))
       .showDefault();
-  sub.add("--device", options->device, "what moves the stylus: mouse (or keys and a gamepad); " + heldDevicesHelp())
+  sub.add("--device", options->device,
+          "device that moves the stylus: mouse (or keys and a gamepad); " + heldDevicesHelp())
       .check(Check{[](const std::string& device) {
                      return device == "mouse" || isHeldDevice(device)
                                 ? std::string()
@@ -158,46 +153,45 @@ void addView(Options& app, Context& context, Command& command) {
                    },
                    "DEVICE"})
       .showDefault();
-  sub.add("--scheduler", options->scheduler, "of an OpenHaptics device, as in palpate touch")
+  sub.add("--scheduler", options->scheduler, "thread that runs the ticks of an OpenHaptics device, as in palpate touch")
       .check(oneOf({"device", "own"}))
       .showDefault();
   sub.addFlag("--rumble", options->rumble, "a DualSense on a cable rumbles at each contact");
-  sub.add("--backend", options->backend,
-          "what answers the hand: vulkan, cpu, or auto (cpu where the GPU is a software driver)")
+  sub.add("--backend", options->backend, "back end: vulkan, cpu, or auto (cpu where the GPU is a software driver)")
       .check(oneOf({"auto", "vulkan", "cpu"}))
       .showDefault();
   sub.add("--surface", options->surface, "average, sphere or sharp, as in palpate touch")
       .check(oneOf(namesOf(kSurfaceKinds)))
       .showDefault();
-  sub.add("--edit", options->edit, "the first brush, or none")
+  sub.add("--edit", options->edit, "brush at the start, or none")
       .check(oneOf(namesOf(kBrushKinds, {"none"})))
       .showDefault();
   sub.add("--lattice", options->lattice,
-          "of the triangles (M), cells along the longest side; coarse ones come sooner on a slow GPU")
+          "cells of the mesh (M) along the longest side; coarse meshes update sooner on a slow GPU")
       .check(oneOf({"32", "64", "128", "256", "512"}))
       .showDefault();
   sub.add("--rate", options->rate_Hz, "ticks per second").check(between(1, bounds::kMaxRate_Hz)).showDefault();
-  sub.add("--undo-memory", options->undoMemory_MiB, "for strokes that can be taken back, MiB")
+  sub.add("--undo-memory", options->undoMemory_MiB, "memory for strokes that can be undone, MiB")
       .check(between(bounds::kMinMemory_MiB, bounds::kMaxMemory_MiB))
       .showDefault();
-  sub.heading("A session of others");
+  sub.heading("Shared session");
   addJoinOptions(sub, options->join, JoinAs::hand);
-  sub.addFlag("--hide-camera", options->hidesCamera,
-              "the others are not shown from where this window's picture is seen; otherwise they are, as they see the "
-              "hand");
+  sub.addFlag("--hide-camera", options->hidesCamera, "do not show the camera of this window to the other participants");
   sub.add("--ros", options->join.ros.name,
-          "programs of ROS 2 hear from where the picture is seen (NAME/camera), on the network of --interface, --peer, "
-          "--domain and --security, else on this machine alone")
+          "publish the camera for ROS 2 as NAME/camera; network as for --interface, --peer, --domain "
+          "and --security")
       .typeName("NAME");
-  sub.heading("A model that moves");
+  sub.heading("Motion");
   addMotionOptions(sub, options->motion);
-  sub.heading("A depth camera");
+  sub.heading("Depth camera");
   addStreamOptions(sub, options->stream);
   sub.heading("Options");
+  sub.helpShows({"--mm-per-unit", "--up",        "--unit",   "--size", "--script",      "--realtime",   "--device",
+                 "--backend",     "--surface",   "--edit",   "--rate", "--undo-memory", "--present",    "--join",
+                 "--near",        "--interface", "--motion", "--live", "--fuse",        "--intrinsics", "--speed"});
   sub.footer(
-      "Hold Space and move the mouse over the model: it is the stylus now. Press the left button to touch, and to "
-      "sculpt "
-      "once a brush is chosen (keys 2 to 8). H shows all keys.\n");
+      "Hold Space and move the mouse over the model: it is the stylus now. Press the left button to "
+      "touch, and to sculpt once a brush is chosen (keys 2 to 8). H shows all keys.\n");
   sub.whenNamed([&, options] { command = [&context, options] { view(context, *options); }; });
 }
 

@@ -30,7 +30,7 @@ bool isRgbdFolder(const std::filesystem::path& path) {
   return (isTumFolder(path) || isRedwoodFolder(path)) && !isColmapFolder(path);
 }
 
-std::string_view rgbdFoldersRead() { return "a TUM folder (with depth.txt) or a Redwood one (with a folder depth)"; }
+std::string_view rgbdFoldersRead() { return "a TUM folder (with depth.txt) or a Redwood folder (with a folder depth)"; }
 
 RgbdFolder::RgbdFolder(const std::filesystem::path& folder, const RgbdOptions& options, Log* log)
     : isTum_(isTumFolder(folder)), log_(log) {

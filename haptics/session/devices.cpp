@@ -73,9 +73,9 @@ struct HeldDevice {
   OpenedDevice (*open)(const std::string& which, const DeviceOpening& opening);
 };
 constexpr std::array<HeldDevice, 3> kHeldDevices{{
-    {"openhaptics", "[:NAME], a Geomagic Touch or its kin, by the vendor's driver", openOpenHaptics},
-    {"dhd", "[:NUMBER], a Force Dimension", openForceDimension},
-    {"hid", "[:WHICH], a 3D mouse or a DualSense whose push steers a hand (its /dev/hidraw, serial number or VID:PID)",
+    {"openhaptics", "[:NAME] (Geomagic Touch and compatible, with the driver of the vendor)", openOpenHaptics},
+    {"dhd", "[:NUMBER] (Force Dimension)", openForceDimension},
+    {"hid", "[:WHICH] (3D mouse or DualSense that steers a hand; WHICH: /dev/hidraw*, serial number or VID:PID)",
      openHid},
 }};
 

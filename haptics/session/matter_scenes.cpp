@@ -83,8 +83,7 @@ MatterScene readSceneNamed(const std::string& name) {
   if (const auto scene = sceneOfFile(name)) return *scene;
   std::error_code ignored;
   if (!std::filesystem::exists(name, ignored) && std::filesystem::path(name).extension() != ".json")
-    throw FileError(name,
-                    fmt::format("is no scene, and no file either; scenes are {}, or a JSON file", builtInScenes()));
+    throw FileError(name, fmt::format("is neither a scene nor a file; scenes: a JSON file, {}", builtInScenes()));
   return readMatterScene(name);
 }
 
@@ -100,7 +99,7 @@ std::optional<MatterScene> matterScene(const std::string& model) {
 
 std::string builtInScenes() {
   return fmt::format(
-      "{}, or of a closed cloud's file, with its ending and in quotes: \"bunny.ply in water\", \"bunny.ply in sand\", "
+      "{}, or, with the file of a closed cloud and in quotes, \"bunny.ply in water\", \"bunny.ply in sand\" or "
       "\"soft bunny.ply\"",
       fmt::join(matterSceneNames(), ", "));
 }

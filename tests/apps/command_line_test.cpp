@@ -44,15 +44,22 @@ TEST_CASE("the overview is readable, and the options of touch stand under headin
     CHECK_MESSAGE(says(overview.text, std::string("\n  ") + command + " "), command);
   const std::string touch = palpate("touch --help").text;
   std::size_t last = 0;
-  for (const char* heading :
-       {"The model:", "Where the hand goes:", "What is felt:", "Sculpting:", "What is written:",
-        "The picture of --picture:", "What answers:", "A tool of many points:", "Devices:", "A second hand:"}) {
+  for (const char* heading : {"Model:", "Path:", "Contact and force:", "Sculpting:", "Output:", "Picture:", "Motion:",
+                              "Depth camera:", "Shared session:", "Back end:", "Tool:", "Devices:", "Second hand:"}) {
     const std::size_t at = touch.find(std::string("\n") + heading + "\n");
     REQUIRE_MESSAGE(at != std::string::npos, heading);
     CHECK(at > last);
     last = at;
   }
-  CHECK(touch.find("--stiffness") < touch.find("--bucket-key"));
+  std::size_t options = 0;
+  for (std::size_t at = touch.find("\n  -"); at != touch.npos; at = touch.find("\n  -", at + 1)) ++options;
+  CHECK(options > 30);
+  CHECK(options <= 41);
+  CHECK(touch.find("--stiffness") < touch.find("--backend"));
+  CHECK_FALSE(says(touch, "--bucket-key"));
+  CHECK(says(touch, " more options: palpate touch --help-all\n"));
+  CHECK(says(palpate("touch --help-all").text, "--bucket-key"));
+  CHECK(says(palpate("--help-all").text, "--bucket-key"));
 }
 
 TEST_CASE("a word that nothing is called gets what was probably meant") {
