@@ -20,7 +20,7 @@ mkdir -p "$(dirname "$page")"
   printf '.SH COMMANDS\n'
   for command in $commands; do
     printf '.SS palpate %s\n' "$command"
-    "$program" "$command" --help | shown
+    "$program" "$command" --help-all | shown
   done
   printf '.SH EXIT STATUS\n0: done; 1: could not, one line says what, where and what to do; 2: wrong usage.\n'
   printf '.SH ENVIRONMENT\n.TP\n.B PALPATE_GPU\n'
