@@ -115,8 +115,9 @@ def measure(palpate, folder, trip_ms, loss, jitter_ms, presses, duration_s):
                  "0.1", "--duration", str(duration_s + 4 * cell.trip_s), said="other.log")
         time.sleep(1 + 2 * cell.trip_s)  # the last of it is on its way
         hand.send_signal(signal.SIGINT)
-        if hand.wait() != 128 + signal.SIGINT or "interrupted after" not in (folder / "hand.log").read_text(encoding="utf-8"):
-            raise RuntimeError((folder / "hand.log").read_text(encoding="utf-8"))
+        code, said = hand.wait(), (folder / "hand.log").read_text(encoding="utf-8")
+        if code != 128 + signal.SIGINT or "interrupted after" not in said:
+            raise RuntimeError(said)
     finally:
         frames = cell.close()
     with open(folder / "bench.json", encoding="utf-8") as file:
