@@ -33,8 +33,7 @@ class SharedHand {
         session_(config_, loadModel(config_, {.log = context.log(), .join = joiningHand(name)}),
                  {.backend = context.backends().named(config_.backend.name), .threads = 1, .log = &context.log()}),
         device_(clock, farPlace()) {
-    if (!session_.shared())
-      throw Error("'{}' is served to be felt alone (--read-only): nothing can be done to it", config_.model.file);
+    if (!session_.shared()) throw Error("'{}' is served read-only and cannot be sculpted", config_.model.file);
     thread_ = std::jthread([this] {
       try {
         const OpenHand hand{.device = &device_};

@@ -215,11 +215,10 @@ void touch(Context& context, const TouchCommandOptions& options) {
                                    .fetch = rosFetcher(options.join.network),
                                    .watch = rosWatcher(options.join.network, context.threads())});
   start.ended("model");
-  if (model.far && !options.saveFile.empty())
-    throw UsageError("--save: the points around the hands alone are here; leave it out, or --near");
-  if (model.far && options.undo > 0)
-    throw UsageError(
-        "--undo: strokes on the points around the hands alone are not taken back; leave it out, or --near");
+  const Abilities can(modelKindOf(config, model));
+  if (!options.saveFile.empty()) can.require(Action::save, "--save");
+  if (options.undo > 0) can.require(Action::undo, "--undo");
+  if (!options.logFile.empty()) can.require(Action::record, "--log");
   std::optional<RosHand> ros;
   if (!options.join.ros.name.empty())
     ros.emplace(options.join.ros.publishing(options.join.network, model.scale.mm_per_unit), options.join.ros.rate_Hz);

@@ -193,8 +193,8 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
   }
   if (options.redo > 0 && options.undo == 0) throw UsageError("--redo: only what --undo took back can be done again");
   if (options.picture.printFrame && options.pictureFile.empty()) throw UsageError("--print-frame: needs --picture");
-  if (!can.keepsEdits && !options.logFile.empty())
-    throw UsageError("--log: --backend {} tells nobody of its edits; take vulkan or cpu", options.backend.backend);
+  if (!options.logFile.empty())
+    Abilities(ModelKind::cloud, can, options.backend.backend).require(Action::record, "--log");
 }
 
 SessionConfig sessionConfig(const TouchCommandOptions& options, Log& log) {

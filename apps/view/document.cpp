@@ -95,7 +95,7 @@ void Document::read(WindowOptions options) {
 
 bool Document::isOfFile() const {
   const SessionConfig& config = opened_.config;
-  return !config.stream && !config.join && !config.moves() && !config.matter && !isRosModel(config.model.file);
+  return modelKindOf(config) == ModelKind::cloud && !isRosModel(config.model.file);
 }
 
 void Document::openAtScale(double mm_per_unit) {

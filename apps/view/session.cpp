@@ -9,8 +9,6 @@ namespace palpate {
 
 namespace {
 
-bool isSoft(const SessionConfig& config) { return config.matter && config.matter->matter == Matter::soft; }
-
 // Where several sculpt no points come and go.
 std::optional<BrushConfig> brushOf(const BrushSettings& brush, const SessionConfig& config) {
   if (!brush.kind) return std::nullopt;
@@ -43,9 +41,8 @@ std::string methodOf(const std::string& backend, const FeelSettings& feel) {
 
 SessionConfig configOf(const WindowOptions& options, const BrushSettings& brush, const FeelSettings& feel) {
   SessionConfig config = options.config;
-  // A soft body that does not take the brush is felt without it; who asks for another one is told why.
-  if (config.takesBrush() && !(isSoft(config) && brush.kind && !changesShape(*brush.kind)))
-    config.brush = brushOf(brush, config);
+  // A model that refuses the brush is felt without it; setBrushSettings() gives the reason.
+  if (brush.kind && Abilities(modelKindOf(config)).allow(actionOf(*brush.kind))) config.brush = brushOf(brush, config);
   config.surface = surfaceOf(config.surface, feel);
   config.force = forceOf(feel);
   config.backend.method = methodOf(config.backend.name, feel);
@@ -91,17 +88,11 @@ double WindowSession::givenWay_mm() const {
 void WindowSession::setBrushSettings(const BrushSettings& brush) {
   if (brush == brush_ || !isTouching()) return;
   brush_ = brush;
-  if (isSoft(config())) {
-    try {
-      return setBrush(brushOf(brush, config()));
-    } catch (const ConfigError&) {
-      setBrush(std::nullopt);
-      throw;
-    }
-  }
-  if (config().matter && brush.kind) throw Error("matter that moves by itself is not sculpted");
-  if (!config().stream) return setBrush(brushOf(brush, config()));
-  if (brush.kind && !holdsFrames()) throw Error("frames that go on are not sculpted; K holds them");
+  const Abilities can(modelKindOf(config()));
+  if (brush.kind && config().stream && holdsFrames()) return;  // a session of its own sculpts them
+  if (!brush.kind || can.allow(actionOf(*brush.kind))) return setBrush(brushOf(brush, config()));
+  if (can.allow(Action::sculpt)) setBrush(std::nullopt);
+  throw Error("{}", can.refusal(actionOf(*brush.kind)));
 }
 
 void WindowSession::setFeel(const FeelSettings& feel) {

@@ -58,7 +58,7 @@ void setJoin(const JoinOptionsGiven& options, const std::string& live, ViewOptio
   view.session.config.join = joinConfig(options, first, live);
   view.session.network = options.network;
   if (!view.session.config.join) return;
-  if (view.session.config.motion) throw UsageError("--motion: what is joined stands as it is served");
+  if (view.session.config.motion) Abilities(modelKindOf(view.session.config)).require(Action::move, "--motion");
   view.models = {first};
   view.session.config.model.file = first;
   view.session.hand = options.hand;
@@ -76,8 +76,7 @@ void view(Context& context, const ViewCommandOptions& options) {
       ModelOptions{.scale = options.scale, .normals = options.normals, .allPoints = options.allPoints}.config();
   view.session.config.rate_Hz = options.rate_Hz;
   view.session.config.motion = motionConfig(options.motion);
-  if (view.session.config.motion && options.edit != "none")
-    throw UsageError("--edit: what moves (--motion) cannot be sculpted yet");
+  if (options.edit != "none") Abilities(modelKindOf(view.session.config)).require(Action::sculpt, "--edit");
   setJoin(options.join, options.stream.live, view);
   if (options.hidesCamera && !view.session.config.join)
     throw UsageError("--hide-camera: is for --join; nobody else sees a model that is not shared");

@@ -23,14 +23,14 @@ pp_status lasting(pp_session session, Do&& act) {
   return with(session, Claim::all, [&](OpenSession& open) { open.watch().run([&] { act(open); }); });
 }
 
-/// Opens what `subjectOf` gives, watched.
+/// Opens what `modelKindOf` gives, watched.
 template <class Give>
-void openSession(const pp_session_options* options, pp_session* session, Give&& subjectOf) {
+void openSession(const pp_session_options* options, pp_session* session, Give&& modelKindOf) {
   required(session, "session");
   const pp_session_options given = optionsFrom(options, "options");
   const auto watch = std::make_shared<Watch>(given.watch);
   std::shared_ptr<OpenSession> made;
-  watch->runCut([&] { made = std::make_shared<OpenSession>(subjectOf(), given, watch); });
+  watch->runCut([&] { made = std::make_shared<OpenSession>(modelKindOf(), given, watch); });
   *session = opened<pp_session>(std::move(made));
 }
 

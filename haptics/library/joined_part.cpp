@@ -59,8 +59,8 @@ SessionJoiner JoinedPart::joiner() {
 }
 
 BrushConfig JoinedPart::allowed(const BrushConfig& brush, const Session& session) const {
-  if (!session.shared() && !session.far()) throw UsageError("brush: '{}' is served to be felt alone", name_);
-  if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only, to be felt alone", name_);
+  session.abilities().require(Action::sculpt, "brush");
+  if (how_.readOnly) throw UsageError("brush: '{}' was joined with read_only, which allows no brush", name_);
   BrushConfig allowed = brush;
   allowed.keepsDensity = false;  // it would be another cloud than the others have
   return allowed;

@@ -202,9 +202,8 @@ void OpenSession::record(const std::string& file) {
   if (hands() > 1) throw StateError("a session log is of one hand, and this session has {}", hands());
   if (hasLaw_) throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
-  if (frames_) throw StateError("frames that a program brings do not come again, and are not recorded");
-  if (session_->shared()) throw StateError("what others do does not come again, and is not recorded");
-  if (session_->far()) throw StateError("the points around the hands alone are here, and are not recorded");
+  if (const Abilities can = session_->abilities(); !can.allow(Action::record))
+    throw StateError("{}", can.refusal(Action::record));
   if (edits_ > 0 || (shape && shape->counts().version > 0))
     throw StateError(
         "a log begins with the points as they were opened, and these have been edited; save them, and open what "
@@ -288,7 +287,7 @@ void OpenSession::setBrush(const std::optional<BrushConfig>& brush) {
 void OpenSession::setBrushBetween(const std::optional<BrushConfig>& asked) {
   const auto brush = asked && joined_ ? joined_->allowed(*asked, *session_) : asked;
   if (brush == brush_) return;
-  if (frames_) throw UsageError("brush: frames that a program brings cannot be sculpted");
+  if (frames_) session_->abilities().require(Action::sculpt, "brush");
   SessionConfig wanted = session_->config();
   wanted.brush = brush;
   validate(wanted);
@@ -310,7 +309,7 @@ void OpenSession::setFeel(const SurfaceConfig& surface, const ForceOptions& forc
 
 std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   settle();
-  session_->requireUndo();
+  session_->require(Action::undo, "undo");
   if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
   if (joined_) {

@@ -7,6 +7,7 @@
 #include "engine/core/named_values.hpp"
 #include "engine/touch/matter_touch.hpp"
 #include "engine/touch/soft_touch.hpp"
+#include "haptics/session/abilities.hpp"
 
 namespace palpate {
 
@@ -69,8 +70,9 @@ void BackendKind::check(const SessionConfig& config) const {
   if (!can.followsMotion && config.matter)
     throw ConfigError("backend.name", "{} feels only what stands still; take vulkan or cpu for matter", name());
   if (config.matter) checkMemory(*config.matter, matterMemory_bytes());
-  if (!can.keepsEdits && config.undo.undo > 0)
-    throw ConfigError("undo.undo", "backend.name {} tells nobody of its edits; take vulkan or cpu", name());
+  const Abilities abilities(modelKindOf(config), can, name());
+  if (config.undo.undo > 0 && !abilities.allow(Action::undo))
+    throw ConfigError("undo.undo", "{}", abilities.refusal(Action::undo));
 }
 
 std::unique_ptr<MatterSimulation> BackendKind::simulate(const MatterScene&, const MatterOptions&) const {

@@ -22,16 +22,15 @@ DVec3 parkingPlace(const Model& model, const Bounds& bounds) {
   return model.cloud.origin + bounds.center() + DVec3(0, kParked * std::max(bounds.longestSide(), 1e-3), 0);
 }
 
-// A session of others that nobody sculpts.
-bool isFeltAlone(const SessionConfig& config, const Model& model) {
-  return config.join && !model.share && !(model.far && model.far->isSculptable());
+bool canBeSculpted(const SessionConfig& config, const Model& model) {
+  return Abilities(modelKindOf(config, model)).allow(Action::sculpt);
 }
 
-// Whichever brush comes first, others may follow; to what moves none does.
+// A model at rest is prepared for brushes that follow the first one. A soft body takes one at any time.
 SessionConfig withBrush(SessionConfig config, const Model& model) {
   config.realtime = true;
-  if (isFeltAlone(config, model)) config.brush.reset();
-  if (isFeltAlone(config, model) || config.moves()) return config;  // a soft body takes one whenever it comes
+  if (config.join && !canBeSculpted(config, model)) config.brush.reset();
+  if (!canBeSculpted(config, model) || config.matter) return config;
   BrushConfig brush = config.brush.value_or(BrushConfig{.keepsDensity = !config.join});
   brush.kind = BrushKind::push;
   config.brush = brush;
@@ -60,7 +59,7 @@ LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts 
       map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model(), bounds_)),
       seen_(1 / config.rate_Hz) {
   if (DepthPlayer* const player = session_.player()) held_ = player->isPaused();
-  if (!config.moves() && !isFeltAlone(config, this->model()) &&
+  if (!config.matter && canBeSculpted(config, this->model()) &&
       (!config.brush || config.brush->kind != BrushKind::push))
     session_.setBrush(config.brush);
   if (!options.unsavedIn.empty()) keepUnsaved(config);
@@ -68,9 +67,9 @@ LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts 
   start();
 }
 
-// Of what is a file, which can be read again. A soft body has its strokes in its shape.
+// Only for files, which can be read again.
 void LiveSession::keepUnsaved(const SessionConfig& config) {
-  if (config.stream || config.join || config.moves() || config.matter || model().stream || isRosModel(file())) return;
+  if (modelKindOf(config, model()) != ModelKind::cloud || isRosModel(file())) return;
   unsaved_.emplace(options_.unsavedIn, model());
   unsaved_->describe({.config = config, .machine = machine(), .palpate = PALPATE_VERSION});
 }
@@ -195,7 +194,7 @@ std::optional<std::string> LiveSession::tickUntil(double clock_s) {
 
 void LiveSession::setBrush(const std::optional<BrushConfig>& brush) {
   if (brush == config().brush || servo_.lost) return;
-  if (isFeltAlone(config(), model())) throw Error("'{}' is served to be felt alone", file());
+  if (config().join) session_.require(Action::sculpt, file());
   endRecording();
   between([&] { session_.setBrush(brush); });
 }
@@ -251,7 +250,7 @@ void LiveSession::setParameter(std::string_view name, double value) {
 
 bool LiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
   if (servo_.lost) return false;
-  session_.requireUndo();
+  session_.require(Action::undo, "undo");
   endRecording();
   return between([&] {
     ShapeStrokes* const shape = session_.backend().shapeStrokes();

@@ -33,16 +33,11 @@ SessionConfig checked(SessionConfig config, const BackendKind& kind) {
   return config;
 }
 
-std::string feltAlone(const SessionConfig& config) {
-  return fmt::format("'{}' is served to be felt alone; leave the brush out, or have it served without --read-only",
-                     config.model.file);
-}
-
-// Why nothing of a cloud that somebody else has can be sculpted; empty: it can.
+// Why the model cannot be sculpted; empty: it can.
 std::string fixedBecause(const SessionConfig& config, const Model& model) {
-  if (model.far->source().moves())
-    return fmt::format("'{}' moves, and what moves is felt alone; leave the brush out", config.model.file);
-  return model.far->isSculptable() ? std::string() : feltAlone(config);
+  const Abilities can(modelKindOf(config, model));
+  if (can.allow(Action::sculpt)) return {};
+  return fmt::format("{}: {}", config.model.file, can.refusal(Action::sculpt));
 }
 
 std::optional<BrushOptions> brushOf(const SessionConfig& config, const Model& model) {
@@ -216,13 +211,13 @@ Session::~Session() { relay_.stop(); }
 
 std::unique_ptr<SharedFollower> Session::takePart() {
   if (!model_->share) {
-    if (config_.join && config_.brush && !model_->far) throw Error("{}", feltAlone(config_));
+    if (config_.join && config_.brush && !model_->far) throw Error("{}", fixedBecause(config_, *model_));
     return nullptr;
   }
   if (backend_->mostOffered() == 0)
     throw Error(
-        "{}: '{}' is sculpted by others, which {} cannot follow; take another back end, or have it served to be "
-        "felt alone (--read-only)",
+        "{}: '{}' is sculpted by others, which {} cannot follow; use another back end, or serve the model with "
+        "--read-only",
         config_.backend.name, config_.model.file, config_.backend.name);
   return model_->share(model_->cloud, *backend_);
 }
@@ -339,15 +334,7 @@ void Session::setParameter(std::string_view name, double value) {
 }
 
 void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault, const RunOptions& run) {
-  if (config_.stream && config_.stream->live)
-    throw Error("{}: a session with a live camera cannot be recorded: its frames do not come again", file);
-  if (model_->stream && !config_.stream)
-    throw Error("{}: what a camera has seen is in no file yet; save the points and open what was saved", file);
-  if (isMoved_) throw Error("{}: frames that a program brings do not come again, and are not recorded", file);
-  if (model_->far)
-    throw Error("{}: the points around the hands alone are here, and are not recorded; join all of it", file);
-  if (shared_)
-    throw Error("{}: what others do does not come again, and is not recorded; have it served with --read-only", file);
+  require(Action::record, file);
   if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
   SessionConfig config = config_;
   config.realtime = config.realtime || run.realtime;
@@ -461,14 +448,18 @@ void Session::finish() {
   settleShared(sharedPatience_s_);
 }
 
-void Session::requireUndo() const {
-  if (model_->far)
-    throw Error("strokes on the points around the hands alone are not taken back; join all of the points");
+Abilities Session::abilities() const {
+  return Abilities(modelKindOf(config_, *model_, isMoved_), kind_.capabilities(), kind_.name());
+}
+
+void Session::require(Action action, std::string_view what) const {
+  const Abilities can = abilities();
+  if (!can.allow(action)) throw Error("{}: {}", what, can.refusal(action));
 }
 
 UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
   if (ShapeStrokes* const shape = backend_->shapeStrokes()) return undoStrokes(*shape, strokes, redo);
-  requireUndo();
+  require(Action::undo, "undo");
   if (!journal()) throw Error("a session without a journal has no strokes to undo");
   return undoStrokes(
       *backend_, *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);

@@ -9,6 +9,7 @@
 
 #include "engine/touch/brick_touch.hpp"
 #include "haptics/servo_loop.hpp"
+#include "haptics/session/abilities.hpp"
 #include "haptics/session/backends.hpp"
 #include "haptics/session/edit_relay.hpp"
 #include "haptics/session/hand_source.hpp"
@@ -82,6 +83,10 @@ class Session {
   /// As it is felt, model units.
   const SurfaceOptions& surface() const { return surface_; }
   std::string method() const { return kind_.methodOf(config_.backend); }
+  /// What can be done with the model, and why not what cannot.
+  Abilities abilities() const;
+  /// Throws Error "WHAT: the refusal" where the model or the back end refuses the action.
+  void require(Action action, std::string_view what) const;
   TouchBackend& backend() { return *backend_; }
   const TouchBackend& backend() const { return *backend_; }
   /// Throws what went wrong with the follower, which has not followed since; ask once all else is saved.
@@ -151,8 +156,6 @@ class Session {
   /// After finish(), or between runs: strokes of the points, or of the shape in which a soft body rests. Throws where
   /// the back end fails; the journal is as the points are then.
   UndoneStrokes undo(std::size_t strokes, std::size_t redo);
-  /// Throws where strokes are not taken back.
-  void requireUndo() const;
   /// The points as they are: as the journal knows them, where there is one and nothing moves.
   SculptedCloud sculpted() const;
 

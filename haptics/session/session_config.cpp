@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/session/abilities.hpp"
 #include "haptics/session/bounds.hpp"
 
 namespace palpate {
@@ -69,8 +70,6 @@ void validate(const MotionConfig& motion) {
 void validate(const StreamConfig& stream, const SessionConfig& config) {
   inBounds("stream.speed", stream.speed, bounds::kMinSpeed, bounds::kMaxSpeed);
   inBoundsOrZero("stream.depth_scale", stream.depthScale, bounds::kMinDepthScale, bounds::kMaxDepthScale);
-  if (config.brush) throw ConfigError("brush.kind", "the frames of a depth camera cannot be sculpted");
-  if (config.motion) throw ConfigError("motion.kind", "the frames of a depth camera move by themselves; leave it out");
   if (config.model.normals != NormalSource::keep)
     throw ConfigError("model.normals", "the frames of a depth camera bring their own; leave it at keep");
   if (!stream.live) return;
@@ -85,10 +84,6 @@ void validate(const JoinConfig& join, const SessionConfig& config) {
     throw ConfigError("model.file", "is no name of a session: 1 to {} bytes", kLongestName);
   if (join.domain > bounds::kLastDomain)
     throw ConfigError("join.domain", "is {}; there are 0 to {}", join.domain, bounds::kLastDomain);
-  // It would be another cloud than the others have.
-  if (config.brush && config.brush->keepsDensity)
-    throw ConfigError("brush.keeps_density", "where several sculpt no points come and go; turn it off (--keep-points)");
-  if (config.motion) throw ConfigError("motion.kind", "what is joined stands as it is served; leave it out");
   if (config.model.normals != NormalSource::keep)
     throw ConfigError("model.normals", "what is joined comes with its normals; leave it at keep");
   if (config.model.allPoints)
@@ -97,10 +92,6 @@ void validate(const JoinConfig& join, const SessionConfig& config) {
 
 // What is smaller than the cells has none of its own to move.
 void validateOnSoft(const BrushConfig& brush, const MatterScene& scene, double mm_per_unit) {
-  if (brush.kind == BrushKind::carve)
-    throw ConfigError("brush.kind", "carve takes away, and a soft body keeps the cells that it is made of; take push");
-  if (brush.kind == BrushKind::paint)
-    throw ConfigError("brush.kind", "a soft body has no colours of its own; paint its model before");
   const double least_mm = scene.spacing_mm * (mm_per_unit > 0 ? mm_per_unit : 1);
   if (brush.radius_mm < least_mm)
     throw ConfigError("brush.radius_mm", "is {:g}; the cells of the body are {:g} mm wide, and none is sculpted finer",
@@ -114,9 +105,6 @@ void validate(const MatterScene& scene, const SessionConfig& config) {
     throw ConfigError("matter", "{}", error.what());
   }
   if (scene.periodic != MatterScene{}.periodic) throw ConfigError("matter.periodic", "is for flow without a hand");
-  if (config.brush && scene.matter != Matter::soft)
-    throw ConfigError("brush.kind", "matter that moves by itself cannot be sculpted");
-  if (config.motion) throw ConfigError("motion.kind", "matter moves by itself; leave it out");
   if (config.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");
   if (scene.matter == Matter::soft) {
     if (config.brush) validateOnSoft(*config.brush, scene, config.model.mm_per_unit);
@@ -141,10 +129,8 @@ void validate(const SessionConfig& config) {
   inBounds("undo.undo", static_cast<double>(config.undo.undo), 0, bounds::kMaxCount);
   inBounds("undo.redo", static_cast<double>(config.undo.redo), 0, bounds::kMaxCount);
   inBounds("undo.memory_MiB", config.undo.memory_MiB, bounds::kMinMemory_MiB, bounds::kMaxMemory_MiB);
-  if (config.motion) {
-    validate(*config.motion);
-    if (config.brush) throw ConfigError("brush.kind", "what moves (motion.kind) cannot be sculpted yet");
-  }
+  if (config.motion) validate(*config.motion);
+  checkAbilities(config);
   if (config.stream) validate(*config.stream, config);
   if (config.join) validate(*config.join, config);
   if (config.join && (config.stream || config.matter))

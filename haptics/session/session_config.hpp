@@ -194,8 +194,6 @@ struct SessionConfig {
   bool operator==(const SessionConfig&) const = default;
   /// Whether the points move by themselves.
   bool moves() const { return motion || stream || matter; }
-  /// Whether a brush can change its shape: what stands still, and soft bodies.
-  bool takesBrush() const { return !moves() || (matter && matter->matter == Matter::soft); }
 };
 
 /// Throws ConfigError that names the first field which is out of its bounds, and the bounds.

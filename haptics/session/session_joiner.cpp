@@ -46,9 +46,7 @@ SessionJoiner sessionJoiner(const Joining& how) {
     JoinedModel model = modelOf(joined);
     model.presence = std::move(presence);
     if (!joined.sculptable && !model.far)
-      log.say(
-          "{}: it is served to be felt alone; nothing of it changes, so that it is felt whether or not the link holds",
-          name);
+      log.say("{}: served read-only; it is felt even while the network is interrupted", name);
     if (joined.sculptable)
       model.share = [session = joined.session, &log](const PointCloud& cloud, TouchBackend& backend) {
         return shareEdits({.session = session, .cloud = cloud, .backend = backend, .log = &log});

@@ -205,8 +205,8 @@ TEST_CASE("what a session cannot be configured with is said by the flags that as
   refused(touch + "--print-tick --backend cpu", "--print-tick: only --backend vulkan knows its passes");
   refused(touch + "--edit carve --backend cuda", "--edit: --backend cuda has only push; take vulkan or cpu for carve");
   refused(touch + "--edit push --undo 1 --backend cuda",
-          "--undo: --backend cuda tells nobody of its edits; take vulkan or cpu");
-  refused(touch + "--log x --backend cuda", "--log: --backend cuda tells nobody of its edits; take vulkan or cpu");
+          "--undo: back end cuda does not report its edits; use vulkan or cpu");
+  refused(touch + "--log x --backend cuda", "--log: back end cuda does not report its edits; use vulkan or cpu");
   refused(touch + "--method direct --backend vulkan", "--method: direct is none of --backend vulkan, which has fused");
   refused(touch + "--device dhd:x --realtime --duration 1 --backend cpu", "--device: dhd:x: the number of a device");
   refused("bench step --sizes 2000 --surface sphere --backend cuda", "--surface: --backend cuda has only average");

@@ -212,8 +212,8 @@ TEST_CASE("what does not go with a scene is refused, and says why") {
     CHECK_MESSAGE(outcome.code == code, outcome.text);
     CHECK_MESSAGE(outcome.text.find(text) != std::string::npos, outcome.text);
   };
-  refused("touch dam --edit push", 2, "--edit: matter that moves by itself cannot be sculpted");
-  refused("touch jelly --edit carve", 2, "--edit: carve takes away, and a soft body keeps the cells");
+  refused("touch dam --edit push", 2, "--edit: water and sand cannot be sculpted");
+  refused("touch jelly --edit carve", 2, "--edit: a soft body cannot be carved, because it keeps its cells");
   refused("touch jelly --edit push --tool-radius 3", 2, "the cells of the body are 6 mm wide");
   refused("touch dam --tool ball", 2, "--tool: in matter a hand holds the scene's ball");
   refused("touch dam --motion turn", 2, "--motion: matter moves by itself");
@@ -376,7 +376,7 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
   CHECK(played->state("dent.json")["changed"] == true);
   CHECK(played->state("undone.json")["undoable"] == 0);
   const std::string message = played->state("carve.json")["last_message"];
-  CHECK_MESSAGE(message.find("keeps the cells") != std::string::npos, message);
+  CHECK_MESSAGE(message.find("a soft body cannot be carved") != std::string::npos, message);
 }
 
 TEST_CASE("the discs of water are wholly inside of the box that is drawn around them") {

@@ -108,7 +108,7 @@ TEST_CASE("the window shows a model where it is, and takes no tool to it") {
     for (std::size_t i = 0; i < begin.rgb.size(); i += 3) others += std::abs(begin.rgb[i] - later.rgb[i]) > 20;
     CHECK(others > begin.rgb.size() / 3 / 20);
     const std::string message = played->state("tool.json")["last_message"];
-    CHECK_MESSAGE(message.find("cannot be sculpted yet") != std::string::npos, message);
+    CHECK_MESSAGE(message.find("a moving model cannot be sculpted") != std::string::npos, message);
   }
 }
 

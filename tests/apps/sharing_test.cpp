@@ -62,7 +62,7 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   CHECK(contentOf(folder / "p.png").substr(1, 3) == "PNG");
   const Outcome brush = palpate("touch --join 'the city'" + domain() + " --backend cpu --edit push");
   CHECK(brush.code == 1);
-  CHECK(brush.text.find("served to be felt alone") != std::string::npos);
+  CHECK(brush.text.find("the city: the model is served read-only") != std::string::npos);
   const Outcome listed = palpate("doctor --network" + domain());
   CHECK(listed.text.find("the city: 6000 points of far.ply") != std::string::npos);
   const Outcome second = palpate("serve " + model + " --name 'the city'" + domain());
@@ -141,7 +141,7 @@ TEST_CASE("a window that joins what is served to be felt alone shows it, and say
                       .c_str()) == 0);
   const Result state = jsonOf(in("still.json"));
   CHECK(state["points"] == 5000);
-  CHECK(state["last_message"] == "'still' is served to be felt alone");
+  CHECK(state["last_message"] == "still: the model is served read-only; serve it without --read-only to sculpt it");
 }
 
 TEST_CASE("two windows on one model show each other's hands, and what both do to it" * kFull) {
@@ -331,15 +331,15 @@ TEST_CASE("who has the points around the hand alone feels the file, byte by byte
   CHECK(report["near"]["steps"] > 0);
   const Outcome undoes = palpate(near + " --edit push --keep-points --undo 1");
   CHECK(undoes.code == 2);
-  CHECK(undoes.text.find("strokes on the points around the hands alone are not taken back") != std::string::npos);
+  CHECK(undoes.text.find("--undo: only the points around the hand are in this program") != std::string::npos);
   const Outcome saves =
       palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --save " + in("x.ply"));
   CHECK(saves.code == 2);
-  CHECK(saves.text.find("the points around the hands alone are here") != std::string::npos);
+  CHECK(saves.text.find("--save: only the points around the hand are in this program") != std::string::npos);
   const Outcome logs =
       palpate("touch --join large --near" + domain() + " --backend cpu --duration 0.01 --log " + in("log"));
-  CHECK(logs.code == 1);
-  CHECK(logs.text.find("are not recorded") != std::string::npos);
+  CHECK(logs.code == 2);
+  CHECK(logs.text.find("--log: only the points around the hand are in this program") != std::string::npos);
   CHECK(serving.program.wait(SIGINT) == 0);
   const Result served = jsonOf(in("s.json"));
   CHECK(served["near"] == 1);  // the others were refused before they felt anything
@@ -567,7 +567,7 @@ TEST_CASE("what joins and cannot be served says so, and so do options that do no
     CHECK(outcome.text.find(words) != std::string::npos);
   };
   refuses("touch a.ply --join city", "is the model");
-  refuses("touch --join city --motion oscillate", "stands as it is served");
+  refuses("touch --join city --motion oscillate", "a joined model stays where it is served");
   refuses("touch --join city --speed 2", "is no recorded depth camera");
   refuses("touch --join city --normals estimate", "comes with its normals");
   refuses("touch a.ply --interface lo", "are for --join");

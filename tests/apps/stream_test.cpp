@@ -173,8 +173,9 @@ TEST_CASE("what does not go with a depth camera is refused, and says which optio
   isRefused("touch --live /dev/null --realtime --intrinsics " + model + "/intrinsics.json", 1,
             "/dev/null: is no video device");
   isRefused("touch --live - --realtime --loop", 2, "--loop: what is live does not come again");
-  isRefused("touch " + model + " --edit push", 2, "--edit: the frames of a depth camera cannot be sculpted");
-  isRefused("touch " + model + " --motion turn", 2, "--motion: the frames of a depth camera move by themselves");
+  isRefused("touch " + model + " --edit push", 2,
+            "--edit: the frames of a depth camera cannot be sculpted while they play");
+  isRefused("touch " + model + " --motion turn", 2, "--motion: the frames of a depth camera move already");
   isRefused("touch " + model + " --normals estimate", 2, "--normals: the frames of a depth camera bring their own");
   isRefused("touch " + model + " --speed 0", 2, "--speed");
   isRefused("touch " + model + " --intrinsics none.json", 1, "none.json: cannot be read");

@@ -309,7 +309,7 @@ TEST_CASE("what is served to be felt alone, or joined so, takes no brush") {
   const pp_session alone = joined("felt", "anna"), careful = joined("shared", "ben", cpuOptions(), JoinedTo::feel);
   pp_brush push = pp_default_brush();
   CHECK(pp_session_set_brush(alone, &push) == PP_ERROR_ARGUMENT);
-  CHECK(lastErrorSays("served to be felt alone"));
+  CHECK(lastErrorSays("served read-only"));
   CHECK(pp_session_set_brush(careful, &push) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("read_only"));
   for (const pp_session session : {alone, careful}) {

@@ -163,7 +163,7 @@ def test_what_is_felt_alone_takes_no_brush(ball):
     with pp.serve(ball, f"felt {os.getpid()}", NETWORK, read_only=True) as server, joined(server) as s:
         assert s.touch(press_path(1))["contact"].any()
         assert not s.sharing.sculptable and s.others == []
-        with pytest.raises(pp.UsageError, match="felt alone"):
+        with pytest.raises(pp.UsageError, match="served read-only"):
             s.push(press_path(1))
     with pp.serve(ball, f"felt {os.getpid()}", NETWORK) as server:
         with joined(server, read_only=True) as s, pytest.raises(pp.UsageError, match="read_only"):

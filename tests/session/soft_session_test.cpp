@@ -103,18 +103,14 @@ TEST_CASE("a brush that a soft body does not take is refused with why") {
     config.brush = brush;
     CHECK_THROWS_WITH_AS(validate(config), doctest::Contains(why), ConfigError);
   };
-  refused({.kind = BrushKind::carve}, "keeps the cells");
-  refused({.kind = BrushKind::paint}, "colours of its own");
+  refused({.kind = BrushKind::carve}, "keeps its cells");
+  refused({.kind = BrushKind::paint}, "cannot be painted");
   refused({.radius_mm = 4.9}, "5 mm wide");
   SessionConfig config = softSession();
   config.brush = BrushConfig{.radius_mm = 5};
   validate(config);
-  CHECK(config.takesBrush());
   config.model.mm_per_unit = 2;  // in the hand its cells are twice as wide
   CHECK_THROWS_WITH_AS(validate(config), doctest::Contains("10 mm wide"), ConfigError);
-  config = softSession();
-  config.matter = MatterScene{.matter = Matter::water};
-  CHECK_FALSE(config.takesBrush());
 }
 
 TEST_CASE("a body whose shapes are matched is felt and dented, and a log says that it is one") {

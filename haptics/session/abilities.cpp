@@ -1,0 +1,119 @@
+#include "haptics/session/abilities.hpp"
+
+#include <fmt/format.h>
+
+#include "engine/motion/brick_source.hpp"
+#include "haptics/session/model.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct Refusal {
+  ModelKind kind;
+  Action action;
+  std::string_view reason;
+};
+
+constexpr std::string_view kMoving = "a moving model cannot be sculpted";
+constexpr std::string_view kReadOnly = "the model is served read-only; serve it without --read-only to sculpt it";
+constexpr std::string_view kPlaying =
+    "the frames of a depth camera cannot be sculpted while they play; pause playback (key K of the window), or fuse "
+    "them into a file (palpate convert)";
+constexpr std::string_view kOnlyNear = "only the points around the hand are in this program; join without --near";
+constexpr std::string_view kPlaced = "a joined model stays where it is served";
+
+// Whatever is not listed is allowed. Carving, painting and inserting points are refused wherever sculpting is.
+constexpr Refusal kRefusals[] = {
+    {ModelKind::moved, Action::sculpt, kMoving},
+    {ModelKind::frames, Action::sculpt, kPlaying},
+    {ModelKind::frames, Action::move, "the frames of a depth camera move already"},
+    {ModelKind::liveFrames, Action::sculpt, kPlaying},
+    {ModelKind::liveFrames, Action::move, "the frames of a depth camera move already"},
+    {ModelKind::liveFrames, Action::record, "live frames cannot be played again, so the session cannot be recorded"},
+    {ModelKind::pausedFrames, Action::record, "paused frames are in no file yet; save the points and open that file"},
+    {ModelKind::programFrames, Action::sculpt, "frames from the host program cannot be sculpted"},
+    {ModelKind::programFrames, Action::record, "frames from the host program cannot be recorded"},
+    {ModelKind::fluid, Action::sculpt, "water and sand cannot be sculpted; the hand moves them"},
+    {ModelKind::fluid, Action::move, "a simulated scene moves already"},
+    {ModelKind::soft, Action::carve, "a soft body cannot be carved, because it keeps its cells; use push"},
+    {ModelKind::soft, Action::paint, "a soft body cannot be painted; paint its model before"},
+    {ModelKind::soft, Action::move, "a simulated scene moves already"},
+    {ModelKind::shared, Action::insertPoints, "points cannot be inserted where several hands sculpt (--keep-points)"},
+    {ModelKind::shared, Action::move, kPlaced},
+    {ModelKind::shared, Action::record, "the strokes of others cannot be recorded; serve the model with --read-only"},
+    {ModelKind::readOnly, Action::sculpt, kReadOnly},
+    {ModelKind::readOnly, Action::move, kPlaced},
+    {ModelKind::near, Action::insertPoints, "points cannot be inserted where several hands sculpt (--keep-points)"},
+    {ModelKind::near, Action::move, kPlaced},
+    {ModelKind::near, Action::undo, kOnlyNear},
+    {ModelKind::near, Action::save, kOnlyNear},
+    {ModelKind::near, Action::record, kOnlyNear},
+    {ModelKind::nearReadOnly, Action::sculpt, kReadOnly},
+    {ModelKind::nearReadOnly, Action::move, kPlaced},
+    {ModelKind::nearReadOnly, Action::undo, kOnlyNear},
+    {ModelKind::nearReadOnly, Action::save, kOnlyNear},
+    {ModelKind::nearReadOnly, Action::record, kOnlyNear},
+    {ModelKind::nearMoving, Action::sculpt, kMoving},
+    {ModelKind::nearMoving, Action::move, kPlaced},
+    {ModelKind::nearMoving, Action::undo, kOnlyNear},
+    {ModelKind::nearMoving, Action::save, "a moving model that was joined cannot be saved"},
+    {ModelKind::nearMoving, Action::record, kOnlyNear},
+};
+
+}  // namespace
+
+Action actionOf(BrushKind kind) {
+  if (kind == BrushKind::carve) return Action::carve;
+  return kind == BrushKind::paint ? Action::paint : Action::sculpt;
+}
+
+ModelKind modelKindOf(const SessionConfig& config) {
+  if (config.matter) return config.matter->matter == Matter::soft ? ModelKind::soft : ModelKind::fluid;
+  if (config.stream) return config.stream->live ? ModelKind::liveFrames : ModelKind::frames;
+  if (config.join) return config.join->near ? ModelKind::near : ModelKind::shared;
+  return config.motion ? ModelKind::moved : ModelKind::cloud;
+}
+
+ModelKind modelKindOf(const SessionConfig& config, const Model& model, bool movedByProgram) {
+  if (movedByProgram) return ModelKind::programFrames;
+  if (model.far && model.far->source().moves()) return ModelKind::nearMoving;
+  if (model.far) return model.far->isSculptable() ? ModelKind::near : ModelKind::nearReadOnly;
+  if (config.join) return model.share ? ModelKind::shared : ModelKind::readOnly;
+  if (model.stream && !config.stream) return ModelKind::pausedFrames;
+  return modelKindOf(config);
+}
+
+Abilities::Abilities(ModelKind kind, const TouchCapabilities& can, std::string_view backend) : kind_(kind) {
+  const auto refuse = [&](Action action, std::string_view reason) {
+    std::string& said = refusals_[static_cast<std::size_t>(action)];
+    if (said.empty()) said = reason;
+  };
+  for (const Refusal& row : kRefusals) {
+    if (row.kind != kind) continue;
+    refuse(row.action, row.reason);
+    if (row.action != Action::sculpt) continue;
+    for (const Action brush : {Action::carve, Action::paint, Action::insertPoints}) refuse(brush, row.reason);
+  }
+  if (can.keepsEdits) return;
+  const std::string deaf = fmt::format("back end {} does not report its edits; use vulkan or cpu", backend);
+  refuse(Action::undo, deaf);
+  refuse(Action::record, deaf);
+}
+
+void Abilities::require(Action action, std::string_view what) const {
+  if (!allow(action)) throw UsageError("{}: {}", what, refusal(action));
+}
+
+void checkAbilities(const SessionConfig& config) {
+  const Abilities can(modelKindOf(config));
+  const auto require = [&](Action action, std::string_view field) {
+    if (!can.allow(action)) throw ConfigError(field, "{}", can.refusal(action));
+  };
+  if (config.motion) require(Action::move, "motion.kind");
+  if (config.brush) require(actionOf(config.brush->kind), "brush.kind");
+  if (config.brush && config.brush->keepsDensity) require(Action::insertPoints, "brush.keeps_density");
+  if (config.undo.undo > 0) require(Action::undo, "undo.undo");
+}
+
+}  // namespace palpate

@@ -1,0 +1,66 @@
+// What can be done with a model in a session: one table with one reason for each refusal, which every program quotes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "engine/core/brush.hpp"
+#include "engine/core/touch_capabilities.hpp"
+#include "haptics/session/session_config.hpp"
+
+namespace palpate {
+
+struct Model;
+
+/// What a session touches.
+enum class ModelKind {
+  cloud,          ///< points at rest, all of them in this program
+  moved,          ///< a cloud under a rigid motion
+  frames,         ///< a recorded depth camera that plays
+  liveFrames,     ///< a live depth camera
+  pausedFrames,   ///< the points of a depth camera that was paused
+  programFrames,  ///< a cloud that the host program moves
+  fluid,          ///< water or sand
+  soft,           ///< a soft body
+  shared,         ///< a joined cloud that several hands sculpt
+  readOnly,       ///< a joined cloud that is served read-only
+  near,           ///< a joined cloud of which only the points around the hands are in this program
+  nearReadOnly,   ///< the same, served read-only
+  nearMoving,     ///< the same of a model that moves
+};
+inline constexpr std::size_t kModelKinds = 13;
+
+enum class Action { sculpt, carve, paint, insertPoints, move, undo, save, record };
+inline constexpr std::size_t kActions = 8;
+
+/// What the brush needs: carve and paint stand for themselves, all others are Action::sculpt.
+Action actionOf(BrushKind kind);
+
+/// The kind of model as far as the configuration tells; a joined cloud counts as sculptable.
+ModelKind modelKindOf(const SessionConfig& config);
+/// The kind of model of a session. `movedByProgram`: SessionParts::source moves the points.
+ModelKind modelKindOf(const SessionConfig& config, const Model& model, bool movedByProgram = false);
+
+/// The row of a kind, on a back end.
+class Abilities {
+ public:
+  explicit Abilities(ModelKind kind, const TouchCapabilities& can = {}, std::string_view backend = {});
+
+  ModelKind kind() const { return kind_; }
+  /// Why not, in words that follow "NAME: "; empty where the action is allowed.
+  const std::string& refusal(Action action) const { return refusals_[static_cast<std::size_t>(action)]; }
+  bool allow(Action action) const { return refusal(action).empty(); }
+  /// Throws UsageError "WHAT: the refusal" where the action is refused.
+  void require(Action action, std::string_view what) const;
+
+ private:
+  ModelKind kind_;
+  std::array<std::string, kActions> refusals_;
+};
+
+/// Holds the brush, the motion and the undo of a configuration against its kind of model. Throws ConfigError.
+void checkAbilities(const SessionConfig& config);
+
+}  // namespace palpate

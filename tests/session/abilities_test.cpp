@@ -1,0 +1,126 @@
+// What can be done with each kind of model: the table is walked, and what a session does is held against it.
+#include "haptics/session/abilities.hpp"
+
+#include <doctest/doctest.h>
+
+#include <map>
+
+#include "haptics/session/backends.hpp"
+#include "haptics/session/matter_scenes.hpp"
+#include "tests/session/session_scene.hpp"
+
+namespace palpate::abilities_test {
+
+namespace {
+
+// Configurations of the kinds of models that one can make.
+std::map<ModelKind, SessionConfig> configured() {
+  const SessionConfig file{.model = {.file = "model.ply"}};
+  std::map<ModelKind, SessionConfig> made{{ModelKind::cloud, file}};
+  made[ModelKind::moved] = file;
+  made[ModelKind::moved].motion = MotionConfig{};
+  made[ModelKind::frames] = file;
+  made[ModelKind::frames].stream = StreamConfig{};
+  made[ModelKind::liveFrames] = file;
+  made[ModelKind::liveFrames].stream = StreamConfig{.live = true};
+  made[ModelKind::liveFrames].realtime = true;
+  made[ModelKind::fluid] = file;
+  made[ModelKind::fluid].matter = matterScene("water").value();
+  made[ModelKind::soft] = file;
+  made[ModelKind::soft].matter = matterScene("jelly").value();
+  made[ModelKind::shared] = file;
+  made[ModelKind::shared].join = JoinConfig{};
+  made[ModelKind::near] = file;
+  made[ModelKind::near].join = JoinConfig{.near = true};
+  return made;
+}
+
+// What a check says of a configuration; empty: nothing.
+template <class Check>
+std::string saidBy(Check check) {
+  try {
+    check();
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("every brush, the motion and undo are refused for each kind of model as the table says, and in its words") {
+  const auto cpu = cpuBackend();
+  std::size_t allowed = 0, refused = 0;
+  const auto hold = [&](const SessionConfig& config, Action action, const std::string& field) {
+    const Abilities can(modelKindOf(config));
+    CAPTURE(static_cast<int>(can.kind()));
+    CAPTURE(static_cast<int>(action));
+    const std::string said = saidBy([&] {
+      validate(config);
+      cpu->check(config);
+    });
+    CHECK(said == (can.allow(action) ? std::string() : field + ": " + can.refusal(action)));
+    ++(can.allow(action) ? allowed : refused);
+  };
+  for (const auto& [modelKind, plain] : configured()) {
+    CHECK(modelKindOf(plain) == modelKind);
+    for (const auto& [name, kind] : kBrushKinds) {
+      SessionConfig config = plain;
+      config.brush = BrushConfig{.kind = kind, .radius_mm = 20, .keepsDensity = false};
+      hold(config, actionOf(kind), "brush.kind");
+      config.brush->keepsDensity = true;
+      if (Abilities(modelKind).allow(actionOf(kind))) hold(config, Action::insertPoints, "brush.keeps_density");
+    }
+    SessionConfig moved = plain;
+    moved.motion = MotionConfig{};
+    hold(moved, Action::move, "motion.kind");
+    SessionConfig undone = plain;
+    undone.undo.undo = 1;
+    hold(undone, Action::undo, "undo.undo");
+  }
+  CHECK(allowed > 40);
+  CHECK(refused > 30);
+}
+
+TEST_CASE("each refusal is a sentence of its own, and a model that refuses sculpting refuses all that needs it") {
+  for (std::size_t s = 0; s < kModelKinds; ++s) {
+    const Abilities can(static_cast<ModelKind>(s));
+    for (std::size_t a = 0; a < kActions; ++a) {
+      const std::string& said = can.refusal(static_cast<Action>(a));
+      CHECK((said.empty() || (said.size() > 15 && said.back() != '.')));
+    }
+    if (can.allow(Action::sculpt)) continue;
+    for (const Action action : {Action::carve, Action::paint, Action::insertPoints})
+      CHECK(can.refusal(action) == can.refusal(Action::sculpt));
+  }
+  const Abilities all(ModelKind::cloud);
+  for (std::size_t a = 0; a < kActions; ++a) CHECK(all.allow(static_cast<Action>(a)));
+}
+
+TEST_CASE("a back end that does not report its edits can neither undo nor record, and a session says so") {
+  const Abilities can(ModelKind::cloud, {.keepsEdits = false}, "cuda");
+  const std::string why = "back end cuda does not report its edits; use vulkan or cpu";
+  CHECK(can.refusal(Action::undo) == why);
+  CHECK(can.refusal(Action::record) == why);
+  CHECK(can.allow(Action::sculpt));
+  CHECK_THROWS_WITH_AS(can.require(Action::record, "--log"), ("--log: " + why).c_str(), UsageError);
+  can.require(Action::save, "--save");
+}
+
+TEST_CASE(
+    "a session has the abilities of its model: at rest all, under a source of the program no brush and no record") {
+  const Model model = sphereModel(2000);
+  const auto cpu = cpuBackend();
+  const SessionConfig config{.model = {.file = "sphere"}};
+  Session still(config, model, {.backend = *cpu, .threads = 1});
+  CHECK(still.abilities().kind() == ModelKind::cloud);
+  still.require(Action::record, "log");
+  SessionConfig joined = config;
+  joined.join = JoinConfig{};
+  CHECK(modelKindOf(joined, model) == ModelKind::readOnly);
+  CHECK(modelKindOf(config, model, true) == ModelKind::programFrames);
+  CHECK_FALSE(Abilities(ModelKind::programFrames).allow(Action::sculpt));
+  CHECK_FALSE(Abilities(ModelKind::programFrames).allow(Action::record));
+}
+
+}  // namespace palpate::abilities_test
