@@ -109,9 +109,9 @@ const uint kSampleFaceShift = 30;  // from this bit on: kFace... of the HIP
 struct ContactQuestion {
   ContactPose pose;
   ContactState carried;
-  float pointsAge;  // not 0: a step that waits for its question must end without an answer
+  float pointsAge;  // s
   float sinceLast;  // s
-  uint withdrawn;   // not 0: a step that waits for its question shall end without an answer
+  uint withdrawn;   // not 0: a step that waits for its question must end without an answer
   uint seal;        // the sum of questionShare() of all preceding words
 };
 PALPATE_SIZE(ContactQuestion, 104);

@@ -4,7 +4,7 @@
 
 PALPATE_SHARED_BEGIN
 
-const uint kSortMaxDigitBits = 8;  // digits of one pass; the size of histograms in shared memory is two to this power
+const uint kSortMaxDigitBits = 8;  // digits of one pass; the histograms in shared memory grow with two to this power
 const uint kSortRadix = 1 << kSortMaxDigitBits;
 const uint kSortMaxPasses = 4;
 // Keys per invocation of the reduce-then-scan form. Fewer give more workgroups to hide latency, and more counts to
