@@ -71,7 +71,7 @@ struct PointRequest {
   uint id;
   vec3 place;    // of the new point
   uint inserts;  // not 0: a new point is requested
-  vec3 normal;   // of the new point, like the following fields
+  vec3 normal;   // of the new point, like `color`, `parent` and `reach`
   uint color;
   uint parent;
   uint other;   // id of the point on the other side of the gap
