@@ -48,7 +48,7 @@ shared uint seenByBrick[kBricks * kPieceWords];
 uint pieceCount = 0;
 
 struct Box {
-  vec3 low, high;  // around the places, model units
+  vec3 low, high;  // around the positions, model units
   vec3 middle;
   ivec3 firstCell;
   uvec3 size;

@@ -25,7 +25,7 @@ const float kInflateStep = 1e-3f;
 // Of the brush's radius: a point nearer to the tool's axis than this is displaced towards the tip.
 const float kAtCenter = 1e-6f;
 // Cosines between the normal that the stroke found at a point and the tool's axis: below the first the effect on the
-// point decreases; below the second it is none, since the point belongs to another side of the model, which the tool
+// point decreases; below the second it is zero, since the point belongs to another side of the model, which the tool
 // does not touch.
 const float kTurnedAway = -0.3f, kOtherSide = -0.8f;
 // Units of a measured weight, normal and height of 1: integers, so that sums do not depend on the order of addition.

@@ -23,8 +23,8 @@ struct PointMove {
   uint fromBucket;  // kNoBucket if it is new
   uint toBucket;    // kNoBucket if it is removed
   uint before;      // the move that arrived in toBucket before this one, counted from 1; 0: none
-  uint room;        // first of the slots that toBucket outgrows its own for, where it is this point that it outgrows
-                    // them by, or kEmptySlot; of a point that is gone, its number among those
+  uint room;        // first of the new slots of toBucket, if the arrival of this point exceeds its present ones, else
+                    // kEmptySlot; for a removed point, its number among the removed ones
 };
 PALPATE_SIZE(PointMove, 52);
 

@@ -127,7 +127,7 @@ struct MatterPushArgs {
   PALPATE_ADDRESS(Vec4s) velocities;  // one half in, the other one out
   PALPATE_ADDRESS(UVec4s) lists;
   PALPATE_ADDRESS(Uints) listLengths;
-  PALPATE_ADDRESS(Vec4s) sums;  // out: a row of blocks for each (blockSums of shaders/lib/matter_sums.glsl)
+  PALPATE_ADDRESS(Vec4s) sums;  // out: a row of blocks for each (addUp() of shaders/lib/matter_sums.glsl)
   PALPATE_ADDRESS(ToolStates) tools;
   PALPATE_ADDRESS(Vec4s) bodyPoints;
   PALPATE_ADDRESS(Uints) bodyFirsts;

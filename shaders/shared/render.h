@@ -139,7 +139,7 @@ struct RenderFrame {
   vec3 backgroundTop;     // linear light
   float occlusionRadius;  // model units; 0: none
   vec3 backgroundBottom;
-  uint holeReach_px;  // radius of the gaps that are closed, samples; 0: none are
+  uint holeReach_px;  // radius of the gaps that are closed, samples; 0: no closing
   uint smooth_px;  // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
 };
 PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52);
