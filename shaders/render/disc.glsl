@@ -43,11 +43,10 @@ bool placeDisc(RenderView view, vec3 position, out Disc disc) {
   return true;
 }
 
-// Orientation and shading normal of a disc. A disc without a normal faces the eye. A disc seen slightly from its back
-// is just behind an outline and sticks out over it: it is lit as if it were the outline. Seen fully from the back it is
-// the inside of an open surface, and its normal is reversed. Discs seen edge-on stand out from the surface where a scan
-// has a fold or an outlying normal, so a disc counts more the more it faces the eye. `commonRadius`: the radius of all
-// discs, which are then not clipped; 0: each has its own.
+// Orientation and shading normal of a disc; without a normal it faces the eye. A disc seen slightly from its back
+// sticks out over an outline, and is lit as the outline. Seen fully from the back it is the inside of an open surface,
+// and its normal is reversed. Discs seen edge-on stand out of the surface at folds and outlying normals, so they count
+// less. `commonRadius`: the radius of all discs, which are then not clipped; 0: each has its own.
 void orientDisc(RenderView view, vec4 normalAndRadius, uint clipBits, float commonRadius, inout Disc disc) {
   const vec3 toViewer = -normalize(disc.center);
   disc.normal = toEye(view, normalAndRadius.xyz);

@@ -136,10 +136,9 @@ PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) t
   return tool.share * facingShare(tool, foundNormal) * brushWeight(brush, length(position - tool.center));
 }
 
-// Push (thesis section 5.2): the thesis uses the proxy itself as every point's target, which on flat ground only crowds
-// the points. Here a point moves along the tool's axis to the underside of the ball, so that the brush leaves its
-// shape, and points ahead of a moving hand are pressed down instead of carried along. For a brush shrunk to a point the
-// two are the same.
+// Push (thesis section 5.2). The thesis moves every point towards the proxy, which on flat ground only crowds the
+// points. Here a point moves along the tool's axis to the underside of the ball: the brush leaves its shape, and points
+// ahead of a moving hand are pressed down, not carried along. For a point-sized brush both are the same.
 PALPATE_FORMULA PALPATE_OF(Brushed)
     pushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found) {
   PALPATE_OF(Brushed) result;

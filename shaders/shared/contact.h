@@ -45,9 +45,8 @@ const float kSharpHeight = 0.5f;
 const float kSupportSpacings = 4.0f;
 const float kMinLocalRadius = 0.125f;
 // A widened support radius averages noise out where the surface is flat, and shrinks back where it bends: 1 minus the
-// length of the mean normal where shrinking begins, and where it is complete. That is 0.0694 (R / rho)^2 on a sphere of
-// radius rho, and 0.29 on an edge of 90 degrees. Less also shrinks at noisy normals, more rounds edges off and loses
-// folds.
+// mean normal's length at the start and the end of shrinking. It is 0.0694 (R / rho)^2 on a sphere of radius rho, 0.29
+// on an edge of 90 degrees. Less also shrinks at noise, more rounds edges off and loses folds.
 const float kFlatTurn = 0.01f;
 const float kFoldTurn = 0.06f;
 // The sharp surface keeps points across an edge out by its weights. For it the radius shrinks where the surface on this

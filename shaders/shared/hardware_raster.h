@@ -8,6 +8,7 @@ PALPATE_SHARED_BEGIN
 // Fragment shaders read only these arguments and the outputs of the vertex shader: they are invoked often, and the
 // validation layer of Debian 12 would report their reads through addresses as wrong on a software driver, where lanes
 // outside a disc read nothing and never end its search for the buffer.
+
 // Units of weight in each covered sample.
 const float kHardwareWeight = 1 << 20;
 

@@ -74,10 +74,10 @@ PALPATE_FORMULA Real pressing(Real compression) { return max(compression, Real(0
 // How much a particle belongs to a free surface, from 0 to 1: the first layer of a plane surface lacks an eighth.
 PALPATE_FORMULA Real atSurface(Real compression) { return min(max(Real(-10.0) * compression, Real(0.0)), Real(1.0)); }
 
-// The change of a particle's velocity by a neighbour. `offset` points from the neighbour to the particle, `pull` is
-// wendlandPull() of its length, `compressions` the sum of both, neither below 0, and `relative` the neighbour's
-// velocity minus the particle's. The neighbour's change is bitwise the negative of it. A point of a boundary has no
-// compression, and is weighted by its volume.
+// Change of a particle's velocity by a neighbour. `offset`: from the neighbour to the particle; `pull`: wendlandPull()
+// of its length; `compressions`: the sum of both, neither below 0; `relative`: the neighbour's velocity minus the
+// particle's. The neighbour's change is bitwise the negative. A boundary point has no compression, and is weighted by
+// its volume.
 PALPATE_FORMULA PALPATE_VEC3 changeByNeighbour(PALPATE_OF(WaterRules) rules, PALPATE_VEC3 offset, Real pull,
                                                Real compressions, PALPATE_VEC3 relative) {
   return rules.push * pull * compressions * offset + rules.drag * pull * relative;
@@ -212,11 +212,10 @@ PALPATE_STRUCT(GrainContact) {
 };
 PALPATE_SINGLE(GrainContact);
 
-// Contact of a grain with a partner: `normal` points from the partner to the grain, `overlap` is above 0. `slip`:
-// tangential displacement of the two at the start of the substep; `moved`: displacement of the grain relative to the
-// partner in the substep without the contact. Friction acts on the displacement since first contact, like a spring
-// (Cundall, Strack 1979), not on that in a substep, with which every heap would creep. It slips where it would exceed
-// the coefficient times the normal part.
+// Contact of a grain: `normal` points to it from its partner, `overlap` is above 0, `slip` is the tangential
+// displacement at the start of the substep, and `moved` the grain's relative displacement in it without the contact.
+// Friction acts on the displacement since first contact, like a spring (Cundall, Strack 1979): with that of one substep
+// alone every heap would creep. It slips above the coefficient times the normal part.
 PALPATE_FORMULA PALPATE_OF(GrainContact) grainContact(PALPATE_OF(GrainRules) rules, PALPATE_VEC3 normal, Real overlap,
                                                       PALPATE_VEC3 moved, PALPATE_VEC3 slip) {
   PALPATE_VEC3 displaced = slip + moved;

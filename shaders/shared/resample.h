@@ -8,6 +8,7 @@ PALPATE_SHARED_BEGIN
 
 // In target spacings, the local spacings of the cloud as loaded. If the ends of a pair have different ones, the coarser
 // one counts, so that a dense region never grows into a sparse one.
+
 // A direction whose nearest neighbour is further than this may have a gap. Less fills regions that are only uneven,
 // more leaves holes.
 const float kWidestGap = 1.5f;
@@ -107,10 +108,9 @@ PALPATE_FORMULA Real bulgeBelow(PALPATE_VEC3 offset, PALPATE_VEC3 normal, PALPAT
   return rises > falls ? falls / rises : Real(1.0);
 }
 
-// The middle of the curved surface between a point and a neighbour `offset` away: that of a cubic tangent to the
-// surface at both ends (Vlachos et al. 2001, section 3.1), correct to the second order in curvature. At an edge, where
-// the normals of the ends disagree, such a cubic leaves the solid: only the part within both tangent planes is used.
-// Relative to the point.
+// Relative to a point, the middle of the curved surface to a neighbour `offset` away: that of a cubic tangent to the
+// surface at both ends (Vlachos et al. 2001, section 3.1), right to the second order in curvature. At an edge, where
+// the normals disagree, such a cubic leaves the solid: only its part within both tangent planes is used.
 PALPATE_FORMULA PALPATE_VEC3 halfWay(PALPATE_VEC3 offset, PALPATE_VEC3 normal, PALPATE_VEC3 otherNormal) {
   const PALPATE_VEC3 bulge = Real(0.125) * (dot(offset, otherNormal) * otherNormal - dot(offset, normal) * normal);
   return Real(0.5) * offset + min(bulgeBelow(offset, normal, bulge), bulgeBelow(-offset, otherNormal, bulge)) * bulge;

@@ -58,9 +58,8 @@ PALPATE_SIZE(HashReorderArgs, 64);
 // of the points in a bucket.
 const uint kCrowdedBucket = 512;
 // Points of a larger bucket stay in the order of their arrival. Above kCrowdedBucket, so that an edit rarely gets there
-// before the sort has changed. Each point visits all of its bucket, and validation on the GPU searches every buffer at
-// each access: a larger bucket would exceed the 65,535 iterations after which one software driver stops a shader, and
-// validation would report valid addresses as invalid.
+// before the sort has changed. More would, with validation on the GPU, which searches every buffer at each access,
+// exceed the 65,535 iterations after which one software driver stops a shader, and report valid addresses as invalid.
 const uint kMaxRanked = 1024;
 
 struct HashCountArgs {
