@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Stands before a contact step that is submitted ahead of its questions, and waits until the host has written them: one
-// for each probe, all of the same tick. A subgroup reads all words of a question at once; they may arrive in any
-// order, and the seal tells when they are whole.
+// Runs before a contact step that is submitted ahead of its questions, and waits until the host has written them: one
+// for each probe, all of the same tick. A subgroup reads all words of a question at once; they may arrive in any order,
+// and the seal tells when they are complete.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_EXT_control_flow_attributes : require
@@ -14,9 +14,9 @@ layout(push_constant, scalar) uniform Push { AwaitQuestionArgs args; };
 const uint kSmallestSubgroup = 4;
 const uint kWordsEach = (kQuestionWords + kSmallestSubgroup - 1) / kSmallestSubgroup;
 
-shared uint counting;  // questions that are there and were not withdrawn
+shared uint counting;  // questions that have arrived and were not withdrawn
 
-uint words[kWordsEach];  // numbers gl_SubgroupInvocationID, and on in steps of gl_SubgroupSize
+uint words[kWordsEach];  // number gl_SubgroupInvocationID and on, in steps of gl_SubgroupSize
 uint placeOf(uint k) { return k * gl_SubgroupSize + gl_SubgroupInvocationID; }
 
 uint wordAt(uint place) {
@@ -25,7 +25,7 @@ uint wordAt(uint place) {
   return subgroupAdd(word);
 }
 
-// Whether there is a question of that probe other than the last one.
+// Whether a question of that probe other than the last one has arrived.
 bool poll(uint probe, uint lastTick) {
   uint share = 0;
   [[unroll]] for (uint k = 0; k < kWordsEach; ++k) {
@@ -51,7 +51,7 @@ void main() {
         args.taken.at[probe * kQuestionWords + placeOf(k)] = words[k];
   }
   barrier();
-  // All are answered or none.
+  // All probes are answered, or none is.
   const bool all = counting == args.probes;
   if (subgroupElect())
     for (uint probe = gl_SubgroupID; probe < args.probes; probe += gl_NumSubgroups)

@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The contact step: gathers the points around the probe, evaluates the surface and moves the proxy. Fused, that is one
+// The contact step: gathers the points around the probe, evaluates the surface and moves the proxy. Fused, it is one
 // dispatch of one workgroup, or of one for each point of a tool; the first patch may also come from several workgroups,
 // or from the passes of another query method. Every invocation follows the same path with the same numbers;
-// engine/contact/contact_reference.cpp walks it in double precision. Places are relative to the HIP: far from the
-// origin, single precision would lose in absolute coordinates the very differences that the surface is made of.
+// engine/contact/contact_reference.cpp does the same in double precision. Positions are relative to the HIP: far from
+// the origin, absolute coordinates in single precision would lose the small differences that define the surface.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/probe.glsl"
 
@@ -15,22 +15,22 @@ layout(push_constant, scalar) uniform Push { ContactStepArgs args; };
 layout(constant_id = 3) const float kFriction = 0.0;
 layout(constant_id = 4) const bool kManyProbes = false;
 
-// Which probe this is: a tool of many has a workgroup for each, and none knows of the others.
+// The probe's number: a tool with several has one workgroup for each, and these are independent.
 uint probeIndex() { return kManyProbes ? gl_WorkGroupID.x : 0; }
 
 bool touching, sticking;
 uint face;
 vec3 facing;
 
-// What a step is about when it looks at the surface.
+// Purposes of a step when it evaluates the surface.
 const uint kWalks = 0;   // free, along the HIP's motion, until it crosses the surface
 const uint kTracks = 1;  // touching, from tangent plane to tangent plane
 const uint kLeaves = 2;  // no longer touching, at the HIP
 
 bool patchReaches(vec3 x) { return patchGathered && distance(x, patchCentre) <= kPatchSlack * args.radius; }
 
-// The surface at a place within the patch, of the points that belong to the face that was felt last; past the edge of
-// such a sheet every point counts. Its outside is the face that is felt.
+// The surface at a position within the patch, of the points that belong to the face felt last; past the edge of such a
+// sheet every point counts. Its outside is the felt face.
 Surface feel(vec3 x) {
   Surface surface;
   for (uint look = 0; look < 2; ++look) {
@@ -46,7 +46,7 @@ Surface feel(vec3 x) {
   return surface;
 }
 
-// Takes over the first patch where others gather it, too. False in a workgroup that has done its share and may go.
+// Takes over the first patch if others gather it, too. False in a workgroup that has done its share and may end.
 bool takeFirstPatch(Probe probe) {
   if (kManyProbes || args.gather == kGatherAlone) return true;
   if (args.gather == kGatherSplit) {
@@ -58,8 +58,7 @@ bool takeFirstPatch(Probe probe) {
   return true;
 }
 
-// A hand that touched felt the surface where the proxy stands: its first slide goes along that one, without another
-// look.
+// A hand in contact felt the surface at the proxy: its first slide follows that surface, without another evaluation.
 Tracking takeFirstSlide(inout vec3 proxy) {
   vec3 slide = vec3(0.0);
   if (touching && facing != vec3(0.0))
@@ -69,7 +68,7 @@ Tracking takeFirstSlide(inout vec3 proxy) {
   return tracking;
 }
 
-// Touching: takes the step that the surface at the proxy asks for. False where the proxy rests.
+// Touching: takes the step that the surface at the proxy requires. False if the proxy rests.
 bool takesStep(inout Tracking tracking, inout vec3 proxy, Surface surface, inout uint steps, inout bool truncated) {
   if (steps == kMaxTrackingSteps || !surface.defined) return false;
   const float arrived = kConvergence * args.radius;
@@ -83,7 +82,7 @@ bool takesStep(inout Tracking tracking, inout vec3 proxy, Surface surface, inout
 
 void main() {
   const uint i = probeIndex();
-  if (args.pose.at[i].pose.tick == 0) return;  // it was waited for in vain
+  if (args.pose.at[i].pose.tick == 0) return;  // its question has not arrived
   if (kManyProbes) patchSpill = i * args.spillSlots;
   const Probe probe = probeOf(args.pose, args.state, i, args.radius);
   if (kPointsMove) {
@@ -105,10 +104,11 @@ void main() {
   uint substep = 1;
   vec3 before = probe.lastHip;
   vec3 x = touching ? proxy : placeOnWay(probe, substep);
-  // One loop for all purposes: a translator inlines every call, and the patch and its surface are most of the program.
+  // One loop for all purposes: shader compilers inline every call, and the patch and its surface are most of the
+  // program.
   while (true) {
     bool spent = workDone > kContactWorkBudget;
-    bool fetched = false;  // a patch around the place: where that is no number, it reaches nothing, not even itself
+    bool fetched = false;  // a patch around x was gathered: a NaN is out of reach of every patch, also of its own
     while (!fetched && !patchReaches(x)) {
       fetched = patchGathered;
       gatherPatch(args.spill, probe.hip, fetched ? x : firstPlace(probe), patchReach(args.radius), args.mostCells);
@@ -144,7 +144,7 @@ void main() {
     }
     sticking = !tracking.slid;
     if (surface.defined && dot(proxy, surface.normal) >= 0.0) break;
-    if (!surface.defined) face = kFaceInside;  // lost within: not caught again on the way out
+    if (!surface.defined) face = kFaceInside;  // lost inside: not caught again on the way out
     purpose = kLeaves;
     touching = false;
     x = proxy = vec3(0.0);

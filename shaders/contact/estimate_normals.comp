@@ -10,7 +10,7 @@
 layout(push_constant, scalar) uniform Push { NormalEstimateArgs args; };
 #include "shaders/lib/bucket_share.glsl"
 
-// Variances of the neighbours: off the plane, and along the shorter and the longer side of where they lie in it.
+// Variances of the neighbours: off the plane, and along the shorter and the longer axis of their spread in it.
 struct Spread {
   float off, along, farther;
 };
@@ -50,8 +50,8 @@ struct Fit {
   float off;  // variance of the neighbours off the plane
 };
 
-// That of a place, or where the points are noisy that of a wider one if it is flatter; a normal of zero where they lie
-// on a line, about which single precision would turn it.
+// The plane of the neighbours, or if they are noisy that of a wider neighbourhood, if it is flatter; a zero normal if
+// they lie on a line, around which single precision could rotate the plane.
 Fit calmed(vec3 center, float radius, vec3 normal, Spread near, inout uint work) {
   if (near.along < kLineLike * near.farther) return Fit(vec3(0.0), 0.0);
   const Fit asIs = Fit(normal, near.off);

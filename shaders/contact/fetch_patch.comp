@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Fetches the patch of points around a place for the host, as they stand in the live cloud, or have moved on since. One
-// workgroup.
+// Fetches the patch of points around a position for the host, as they are in the live cloud, or extrapolated from
+// there. One workgroup.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/contact_buffers.glsl"
 

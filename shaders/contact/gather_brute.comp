@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The brute gather (thesis section 4.3.1): visits every point of the cloud. Run twice, around a sum of the counts:
-// the first run counts what each chunk keeps, the second writes it where the sum says.
+// The brute gather (thesis section 4.3.1): visits every point of the cloud. Run twice, with a sum of the counts in
+// between: the first run counts the points that each chunk keeps, the second writes them to the summed indices.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/probe.glsl"
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Between the runs of the brute gather: turns the counts of its chunks into the place where each begins. One workgroup;
+// Between the runs of the brute gather: turns the counts of its chunks into the first index of each. One workgroup;
 // each invocation adds up a run of counts.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/probe.glsl"

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Gathers the candidates of planned cells into the patch: a cell for each row of workgroups, its chunks over the
+// Gathers the candidates of planned cells into the patch: one row of workgroups for each cell, its chunks over the
 // workgroups of the row, one invocation for each candidate. A chunk's points go to its own slots in their order, so
-// that it does not matter which workgroup comes first.
+// that the order of the workgroups does not matter.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/contact_buffers.glsl"
 
@@ -27,7 +27,7 @@ void main() {
     if (k < taken) {
       const vec4 position = args.cloud.positions.at[i];
       place = vec4(placeInPatch(position.xyz, hip, centre), position.w);
-      // Another cell of this gather may share the bucket: its points are taken once, by that cell.
+      // Another cell of this gather may share the bucket: its points are taken once, with that cell.
       keep = cellOf(args.cloud.grid, position.xyz) == cell && inReach(place.xyz, reach);
     }
     const uint slot = (segment + chunk) * kGatherChunk;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The plan of a gather over buckets (thesis sections 4.3.2 and 4.3.3): the cells around the probe's first place, the
-// candidates that each holds, where in the patch their chunks go, and how many workgroups that takes. One workgroup.
+// The plan of a gather over buckets (thesis sections 4.3.2 and 4.3.3): the cells around the probe's first position, the
+// candidates in each, the slots of their chunks in the patch, and the number of workgroups for that. One workgroup.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/probe.glsl"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// For every point that has a plane its normal: next to an edge, across which planes are fitted, that of flatter places
-// near by on whose planes the point lies. engine/cloud/normals.cpp does the same in double precision and says why. One
+// For every point with a plane its normal: next to an edge, across which planes are fitted, that of flatter planes
+// nearby on which the point lies. engine/cloud/normals.cpp does the same in double precision and gives the reasons. One
 // invocation for each point.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/contact_buffers.glsl"
@@ -11,14 +11,14 @@
 layout(push_constant, scalar) uniform Push { NormalEstimateArgs args; };
 #include "shaders/lib/bucket_share.glsl"
 
-// What has a plane within the radius tells, one thing after the other.
+// What is determined from the planes within the radius, one after the other.
 const uint kFlattest = 0, kBest = 1, kSum = 2;
 struct Around {
-  float flattest;  // the least variance off a plane
-  float most;      // the largest weight of a normal
-  uint who;        // whose it is
-  vec3 best;       // that normal; all signed as the point's own
-  vec3 sum;        // of those like it, weighed
+  float flattest;  // minimum variance off a plane
+  float most;      // maximum weight of a normal
+  uint who;        // id of its point
+  vec3 best;       // that normal; all with the sign of the point's own
+  vec3 sum;        // weighted sum of the normals close to it
 };
 
 void lookAround(vec3 center, vec3 normal, float radius, float spacing2, uint what, inout Around around) {
@@ -56,7 +56,7 @@ void lookAround(vec3 center, vec3 normal, float radius, float spacing2, uint wha
           around.best = like;
         }
       }
-  if (work >= kEdgeWorkBudget) around.most = -1.0;  // and nothing is changed
+  if (work >= kEdgeWorkBudget) around.most = -1.0;  // the normal is not changed
 }
 
 void main() {
@@ -69,7 +69,7 @@ void main() {
   const vec2 fit = args.fits.at[id];
   args.normals.at[id] = vec4(plane.xyz, 0.0);
   const float from = kEdgeFrom * kEdgeFrom, surely = kEdgeSurely * kEdgeSurely;
-  // Mostly a glance is enough: no place can be flatter than flat.
+  // Early exit for most points: their own plane is flat enough.
   if (dot(plane.xyz, plane.xyz) < 0.5 || fit.x <= from * fit.y) return;
   Around around = Around(fit.x, 0.0, kNoNeighbour, vec3(0.0), vec3(0.0));
   lookAround(point.xyz, plane.xyz, plane.w, fit.y, kFlattest, around);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// For every point that has a plane the nearest neighbours all around it, for the host to carry the signs of the normals
-// along. One invocation for each point.
+// For every point with a plane the nearest neighbours all around it, along which the host propagates the signs of the
+// normals. One invocation for each point.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/contact_buffers.glsl"
 #include "shaders/shared/normal_estimate.h"
@@ -17,10 +17,10 @@ uint sectorOf(vec2 p) {
   return (p.x < 0.0 ? 1u : 0u) | (p.y < 0.0 ? 2u : 0u) | (abs(p.y) > abs(p.x) ? 4u : 0u);
 }
 
-// Points off the plane count as farther, so that of a thin sheet's two sides the own one is nearer.
+// Points off the plane count as farther, so that of the two sides of a thin sheet the point's own one is nearer.
 float lengthAlong(vec3 d, float height) { return dot(d, d) + 8.0 * height * height; }
 
-// Says how many sectors have a neighbour.
+// Returns the number of sectors with a neighbour.
 uint nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint work) {
   const Share share = Share(0, 1);
   const vec3 u = besides(normal), v = cross(normal, u);
@@ -67,7 +67,7 @@ void main() {
   const vec4 plane = args.planes.at[id];
   if (dot(plane.xyz, plane.xyz) < 0.5) return;
   uint work = 0;
-  // Mostly they are found near by, where there is less to look through.
+  // Most are found nearby, where fewer points have to be searched.
   const uint named = nameNeighbours(point.xyz, plane.xyz, id, 0.5 * plane.w, work);
   if (named < kEnoughSectors) nameNeighbours(point.xyz, plane.xyz, id, plane.w, work);
   if (work >= kEstimateWorkBudget) args.planes.at[id] = vec4(0.0);

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The moves of one tick: what the brush reaches, in the cells of the brush's box or, where slots are fewer, in all of
-// those, and what the requests of the last tick bring about. The first workgroups select, the others recall.
+// The moves of one tick: those of points in reach of the brush, in the cells of the brush's box or, if there are fewer
+// slots, in all slots, and those that the requests of the last tick become. The first workgroups select, the others
+// recall.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"
 
@@ -10,7 +11,7 @@ layout(push_constant, scalar) uniform Push { CollectArgs args; };
 #include "shaders/lib/recall_requests.glsl"
 #include "shaders/lib/select_moves.glsl"
 
-// How many of `count` are left for one that takes every `stride`-th from `first` on.
+// Number of `count` elements for a worker that takes every `stride`-th from `first` on.
 uint shareOf(uint count, uint first, uint stride) { return count > first ? (count - first + stride - 1) / stride : 0; }
 
 void main() {
@@ -23,7 +24,7 @@ void main() {
   if (!selects && args.recalls == kRecallsNothing) return;
   UpdateLists update = updateLists();
   ResampleLists lists = args.tables.at[0].lists;
-  // Of subgroups that recall: which one this is, and of how many.
+  // Of the subgroups that recall: the index of this one, and their number.
   const uint subgroup = (group - selecting) * gl_NumSubgroups + gl_SubgroupID;
   const uint subgroups = (gl_NumWorkGroups.x * gl_NumWorkGroups.y - selecting) * gl_NumSubgroups;
   if (!selects && args.recalls == kForgetsRequests) {
@@ -42,7 +43,7 @@ void main() {
         uint cell;
         const uint slot = slotToLookAt(k, group, selecting, cell);
         const vec4 position = args.cloud.positions.at[slot];
-        const vec4 normal = args.cloud.normals.at[slot];  // of all of them: to ask for it later would be to wait twice
+        const vec4 normal = args.cloud.normals.at[slot];  // of all of them: a later load would be a second wait
         const uint id = floatBitsToUint(position.w);
         reached = isInReach(id, position.xyz) && standsIn(cell, position.xyz);
         if (reached) {
@@ -60,7 +61,7 @@ void main() {
   }
   const uint recalls = shareOf(requestsOf(update, lists), subgroup, subgroups);
   const uint births = shareOf((birthsOf(lists) + gl_SubgroupSize - 1) / gl_SubgroupSize, subgroup, subgroups);
-  // One place where moves are listed, whoever makes them: a translator inlines every call.
+  // Single call site for listing moves: shader compilers inline every call.
   for (uint step = 0; step < recalls + births; ++step) {
     bool moves = false;
     PointMove move;

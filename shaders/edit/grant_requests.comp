@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Which requests for new points are granted and come with the next edit: those that no request of a smaller id blocks.
-// One subgroup for each request; the workgroup that is done last puts those that are granted into the order of the ids
-// that made them. The last pass of an edit.
+// Grants requests for new points, which are then created by the next edit: those that no request of a smaller id
+// blocks. One subgroup for each request; the last workgroup to finish sorts the granted ones by the ids of their
+// points. The last pass of an edit.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/claims.glsl"
 #include "shaders/lib/edit_end.glsl"
@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform Push { RequestArgs args; };
 shared uint requesters[kMaxBirths];
 shared uint granted[kMaxBirths];
 
-// Another part of the points in each tick.
+// A different part of the points in each tick.
 bool isHeard(uint id) {
   const uint scattered = (id ^ args.lists.now.tick * 19349663u) * 2654435761u;
   return scattered >> 16 << args.lists.now.thinning < 65536u;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Between the batches of an edit that reaches more points than the list of moves holds: the next batch takes that list,
-// which alone knows the points that this one has taken away.
+// Between the batches of an edit that reaches more points than the list of moves holds: logs the points that this batch
+// has removed, which only that list contains, before the next batch reuses it.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_end.glsl"
 

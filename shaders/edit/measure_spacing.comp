@@ -1,9 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// How far apart the points are about each point of a cloud as it was loaded, and where each one rests. Run twice: first
-// to find the points that count, one in each place. Where neighbours are more than can be visited, half of the
-// support radius takes its place, and so on. In double precision: engine/edit/cpu_sculpture.cpp. One subgroup for
-// each slot.
+// Spacing of the points around each point of a cloud as loaded, and the rest position of each. Run twice: first to find
+// the points that count, one at each position. If there are too many neighbours to visit, half of the support radius is
+// used, and so on. In double precision: engine/edit/cpu_sculpture.cpp. One subgroup for each slot.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"
 #include "shaders/shared/frame.h"
@@ -36,7 +35,7 @@ void visitNeighbour(uint id, vec3 normal, vec3 d) {
     if (s == sector) nearest[s] = min(nearest[s], size);
 }
 
-// Upper median of the sectors that are not empty; 0 where all are.
+// Upper median of the sectors that are not empty; 0 if all are.
 float sectorSpacing() {
   float all[kGapSectors];
   uint filled = 0;

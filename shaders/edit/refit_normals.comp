@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// After points have moved and the index follows: the normal of every moved point becomes the direction of least spread
-// of its neighbours (Hoppe et al. 1992, section 3.2), on the side of theirs, and the point goes to the log as
-// it is now. One subgroup for each point.
+// After points have moved and the index is updated: the normal of every moved point becomes the direction of least
+// spread of its neighbours (Hoppe et al. 1992, section 3.2), on the side of their normals, and the point's present
+// state is logged. One subgroup for each point.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"
 #include "shaders/lib/subgroup_sum.glsl"
@@ -12,10 +12,10 @@ layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 #include "shaders/lib/log_points.glsl"
 #include "shaders/lib/neighbours.glsl"
 
-vec3 facing;  // the normal as it was
-// What this invocation has seen.
+vec3 facing;  // the normal before
+// Of this invocation's neighbours.
 Moments moments;
-vec3 sides;  // sum of w n, with the normals as they were
+vec3 sides;  // sum of w n, with the normals before
 
 void visitNeighbour(uint id, vec3 normal, vec3 d) {
   const float share = fitShare(dot(normal, facing));
@@ -36,8 +36,8 @@ Moments momentsAbout(vec3 center, out vec3 side) {
   return Moments(mean.w, uint(diagonal.w), mean.xyz, diagonal.xyz, mixed.xyz);
 }
 
-// Its side is the one that most normals around it are on: at a fresh edge a normal may turn by a right angle in one
-// tick, and its own old side says nothing then. The far sheet of a plate has no say.
+// Its sign follows most of the normals around it: at a fresh edge a normal may rotate by a right angle in one tick, so
+// that its own old side means nothing. The far sheet of a plate does not count.
 vec3 fittedNormal(vec3 center, vec3 old) {
   facing = old;
   vec3 side;
@@ -59,7 +59,7 @@ void main() {
     const uint id = floatBitsToUint(position.w);
     const bool refits = before.w == kMarkRefit;
     const bool examines = refits && resamples(args.lists);
-    // What the end needs is asked for before the neighbours are visited.
+    // Loaded before the neighbours are visited, to hide the latency.
     const uint color = colorOf(args.tables, id);
     const uint parent = parentOf(args.tables, id);
     float spacing = kNotExamined;

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The surface stays a surface: every point that was examined in this tick finds out whether it crowds another one and
-// goes, or whether there is a gap beside it that a new point should fill. One subgroup for each point. In double
-// precision, with the reasons: engine/edit/resampling.cpp. Nothing else in this tick waits for it: a request
-// is taken up in the next one.
+// Keeps the surface evenly sampled: every point examined in this tick determines whether it crowds another one and is
+// to be removed, or whether there is a gap beside it that a new point should fill. One subgroup for each point. In
+// double precision, with the reasons: engine/edit/resampling.cpp. Nothing else in this tick waits for it: requests are
+// carried out in the next one.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/claims.glsl"
 #include "shaders/lib/edit_end.glsl"
@@ -12,13 +12,13 @@
 layout(push_constant, scalar) uniform Push { RequestArgs args; };
 #include "shaders/lib/kept_neighbours.glsl"
 
-// A point as others see it; offset from the point that decides.
+// A point as other points see it; offset from the point that decides.
 struct Seen {
   vec3 offset;
   vec3 normal;
-  vec3 rest;  // where it stood as loaded
+  vec3 rest;  // its position as loaded
   float spacing;
-  uint rank;  // who stays when two crowd: the smaller one
+  uint rank;  // of two points that crowd, the one with the smaller rank stays
 };
 
 const uint kNobody = 0xffffffffu;
@@ -27,58 +27,58 @@ const uint kOtherSheet = 0x80000000u;  // in the slot of a kept neighbour
 const uint kExamined = 0x80000000u;    // in a rank
 layout(constant_id = 2) const uint kSubgroups = 64;  // of a workgroup
 
-// Walks over the neighbours, one after another: each needs what the one before has found.
-const uint kWalkAround = 0;   // how near the nearest of each sector is, and who crowds the point
+// Walks over the neighbours, one after another: each needs the result of the one before.
+const uint kWalkAround = 0;   // distance of the nearest in each sector, and the points that crowd this one
 const uint kWalkYields = 1;   // whether the first of those has to yield itself
-const uint kWalkIds = 2;      // the least id of the nearest of each sector
-const uint kWalkNearest = 3;  // who has it
-const uint kWalkBlocks = 4;   // who stands in the way of a new point
-const uint kWalkRisen = 5;    // while a ball carves: whether the new point would stand outside the solid
+const uint kWalkIds = 2;      // the smallest id of the nearest in each sector
+const uint kWalkNearest = 3;  // the neighbour with that id
+const uint kWalkBlocks = 4;   // neighbours that block a new point
+const uint kWalkRisen = 5;    // while a ball carves: whether the new point would be outside the solid
 const uint kWalkNoMore = 6;
 
 uint walk;
 vec3 center;
 Seen self;
 uint selfSlot;
-// What is known of points, by their ids.
+// Data of points, by their ids.
 uint tick, firstNew;
-bool spent;  // no ids are left: nobody requests a new point, or many would request in every tick for ever
+bool spent;  // no ids are left: no new point is requested, or many would be requested in every tick
 Uints examinedOf, parentsOf;
 Floats spacings;
 Places rests;
-float reach;  // of the point that decides: how far from it a new one may come
+float reach;  // of the point that decides: how far from it a new one may be created
 vec3 axisU, axisV;
 // Of this invocation's neighbours.
 uint firstRank, firstSlot;  // of those that crowd the point
-bool through;               // the point has come through the sheet of one of them
-vec2 votes;                 // of those at rest: whether it has risen, and all
+bool through;               // the point is through the sheet of one of them
+vec2 votes;                 // weights of the points at rest: of those that it has risen over, and of all
 Seen first;
 bool firstYields;
 uint blocked;  // a bit for each sector
 uint requested;   // the sector in which a new point is requested; kGapSectors: none
 bool crowded, leaves;
-bool pushes, stops;  // a tool pushes the point in this stroke; it has come to the far sheet of a plate
+bool pushes, stops;  // a tool pushes the point in this stroke; it has reached the far sheet of a plate
 vec3 outward;        // the tool's axis
-bool carves, moved;  // a brush has moved the point since it came
+bool carves, moved;  // a brush has moved the point since it was created
 // While a ball cuts.
-bool cuts, swallowed;       // it has swallowed the point
-vec3 foundAt, foundNormal;  // as the stroke found it, from where it is now
-float thick;                // how far under that the far sheet is
+bool cuts, swallowed;       // the ball removes the point
+vec3 foundAt, foundNormal;  // as the stroke found it, from its present position
+float thick;                // depth of the far sheet under that
 Brush brush;
 BrushTool tool;
 
-// What a subgroup knows of a sector. Distances are compared as bits, which for these are in the same order.
+// State of a sector in a subgroup. Distances are compared as bits, which for these have the same order.
 struct Sector {
   uint distance;
   uint id;
   uint slot;
-  vec3 offset;    // of the neighbour; then of the new point, kFar where none should come
+  vec3 offset;    // of the neighbour; then of the new point, kFar for none
   float spacing;  // of a gap: the wider target of its ends
 };
 shared Sector sectors[kSubgroups * kGapSectors];
 uint sectorAt(uint s) { return gl_SubgroupID * kGapSectors + s; }
 
-// Those examined in this tick come after all others.
+// Points examined in this tick rank after all others.
 uint rankOf(uint id) { return (examinedOf.at[id] == tick ? kExamined : 0u) | id; }
 float targetOf(uint id) { return spacings.at[id < firstNew ? id : parentsOf.at[id - firstNew]]; }
 bool sameSheet(vec3 a, vec3 b) { return dot(a, b) > kSameSheet; }
@@ -98,7 +98,7 @@ Seen seenAt(uint at, uint slot) {
   return Seen(keptOffset(at), args.cloud.normals.at[slot].xyz, rests.at[id], targetOf(id), rankOf(id));
 }
 
-// Nobody crowds another one from further away.
+// Maximum distance at which a point crowds another one.
 float mostCrowded() { return kCrowded * kMaxSpacing * args.radius; }
 
 void noteCrowding(uint at, uint slot) {
@@ -112,7 +112,7 @@ void noteYielding(uint at, uint slot) {
   firstYields = firstYields || hasToYield(first, seenAt(at, slot));
 }
 
-// Of a ball that carves: what a neighbour `d` away from a place says of whether that has risen.
+// For a carving ball: adds the vote of a neighbour, `d` away from a position, on whether that has risen.
 void noteRisen(uint at, vec3 normal, vec3 d, float margin) {
   const uint id = keptIds[at];
   const float far = length(d);
@@ -121,7 +121,7 @@ void noteRisen(uint at, vec3 normal, vec3 d, float margin) {
   votes += weight * vec2(isAbove(-d, normal, self.spacing, margin) ? 1.0 : 0.0, 1.0);
 }
 
-// Of a ball that cuts: how far under the point as it was found a neighbour of the far sheet lies.
+// For a cutting ball: depth of a neighbour of the far sheet under the point as found.
 void noteFarSheet(vec3 normal, vec3 d) {
   if (dot(normal, foundNormal) > kFarSheet) return;
   const float along = dot(d, foundNormal), deep = dot(foundAt, foundNormal) - along;
@@ -129,7 +129,7 @@ void noteFarSheet(vec3 normal, vec3 d) {
   if (deep > 0.0 && dot(aside, aside) < kBeside * kBeside * self.spacing * self.spacing) thick = min(thick, deep);
 }
 
-// Of a ball that carves: whether one neighbour says that the point stands outside the solid.
+// For a carving ball: whether one neighbour indicates that the point is outside the solid.
 void noteOutside(uint at, vec3 normal, vec3 d) {
   if (dot(self.normal, normal) <= kFarSheet)
     through = through || isThrough(-d, normal, self.spacing, 0.0);
@@ -137,7 +137,7 @@ void noteOutside(uint at, vec3 normal, vec3 d) {
     noteRisen(at, normal, d, 0.0);
 }
 
-// Where new points would have come through the sheet of one that faces the other way.
+// Blocks new points that would be through the sheet of a neighbour that faces the other way.
 void noteThrough(uint slot, vec3 d) {
   const vec3 normal = args.cloud.normals.at[slot].xyz;
   if (dot(self.normal, normal) > kFarSheet) return;
@@ -145,8 +145,8 @@ void noteThrough(uint slot, vec3 d) {
     if (isThrough(sectors[sectorAt(s)].offset - d, normal, self.spacing, kBirthMargin)) blocked |= 1u << s;
 }
 
-// Where new points would crowd one with a wider target, or one of another sheet that may prove to be their own, so that
-// they would go again.
+// Blocks new points that would crowd a neighbour with a wider target, or one of another sheet that may turn out to be
+// their own, so that they would be removed again.
 void noteCrowded(uint at, uint slot, vec3 d) {
   for (uint s = 0; s < kGapSectors; ++s) {
     const Sector gap = sectors[sectorAt(s)];
@@ -225,7 +225,7 @@ void begin() {
   subgroupShares();
 }
 
-// The first of those that crowd the point: it goes unless that one has to yield itself.
+// Finds the first of the points that crowd this one, which is removed unless that one has to yield itself.
 bool findFirst() {
   const uint least = subgroupMin(firstRank);
   crowded = least != kNobody;
@@ -247,12 +247,12 @@ bool anyWide() {
   return subgroupAny(wide);
 }
 
-// Whether an edit has moved the ends of a gap against one another.
+// Whether an edit has moved the ends of a gap relative to each other.
 bool torn(Sector gap) {
   return distance(gap.offset, rests.at[gap.id] - self.rest) > kTorn * max(self.spacing, targetOf(gap.id));
 }
 
-// Where new points would stand in the middle of wide gaps; false where that is nowhere.
+// Positions of new points in the middle of wide gaps; false if there are none.
 bool placeInGaps() {
   bool any = false;
   for (uint s = gl_SubgroupInvocationID; s < kGapSectors; s += gl_SubgroupSize) {
@@ -278,7 +278,7 @@ bool hasRisen(float share) {
   return all.x > share * all.y;
 }
 
-// Takes up what the neighbours said of the far sheet, or what they said last.
+// Takes the depth of the far sheet from the neighbours, or else the last known one.
 void noteThickness() {
   const uint id = self.rank & ~kExamined;
   const bool isNoted = args.tables.at[0].founds.at[id].stroke == tool.stroke;
@@ -287,7 +287,7 @@ void noteThickness() {
   else if (isNoted && subgroupElect()) args.tables.at[0].founds.at[id].thick = thick;
 }
 
-// While a ball carves, what it has swallowed or brought outside the solid goes.
+// Whether a carving ball has removed the point, or brought it outside the solid.
 bool isOutside() {
   if (!carves) return false;
   if (cuts) noteThickness();
@@ -297,7 +297,7 @@ bool isOutside() {
   return isBelow || subgroupAny(through) || hasRisen(kNearlyAll);
 }
 
-// The sector with the narrowest gap that no point fills yet; kGapSectors where there is none.
+// The sector with the narrowest gap that no point fills yet; kGapSectors if there is none.
 uint openGap() {
   const uint taken = subgroupOr(blocked);
   uint best = kGapSectors;
@@ -311,21 +311,21 @@ uint openGap() {
   return best;
 }
 
-// Takes up the next gap; while a ball carves, whether it would stand outside has to be found out first.
+// Selects the next gap; while a ball carves, a walk has to find out first whether the new point would be outside.
 uint takeUpGap() {
   requested = openGap();
   votes = vec2(0.0);
   return carves && requested < kGapSectors ? kWalkRisen : kWalkNoMore;
 }
 
-// What comes next.
+// The next walk.
 uint nextWalk() {
   if (walk == kWalkAround && isOutside()) {
     leaves = true;
     return kWalkNoMore;
   }
   if (walk == kWalkAround && findFirst()) {
-    // One that is settled stays as it is.
+    // A point that is not examined in this tick does not yield.
     if (first.rank >= kExamined) return kWalkYields;
     leaves = true;
     return kWalkNoMore;
@@ -350,7 +350,7 @@ uint middleColor(uint a, uint b) {
   return middle;
 }
 
-// One invocation writes it.
+// Called by one invocation.
 void requestFor(uint id, vec3 center, uint sector) {
   const uint at = atomicAdd(args.lists.now.requests, 1);
   if (at >= args.most) return;
@@ -415,7 +415,7 @@ void requestForAll() {
                       walk != kWalkAround);
       subgroupShares();
     }
-    // From now on it counts as part of the sheet that it has come to.
+    // From now on it counts as part of the sheet that it has reached.
     if (subgroupAny(stops) && subgroupElect()) args.tables.at[0].founds.at[id].normal = -outward;
     if (subgroupElect() && (leaves || crowded || requested < kGapSectors)) requestFor(id, center, requested);
     subgroupShares();

@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Changes that the host gives, as moves: each point is looked for where its change says that it stands. One subgroup
-// for each change.
+// Turns changes given by the host into moves: each point is searched at the position in its change. One subgroup for
+// each change.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"
 
 layout(push_constant, scalar) uniform Push { RestoreArgs args; };
 #include "shaders/lib/list_moves.glsl"
 
-// What is known of a point besides its place. When the update has been carried out.
+// Data of a point besides position and normal. After the update has been carried out.
 void finish(uint i) {
   if (args.update.at[0].failed != 0 || !subgroupElect()) return;
   if (args.changes.at[i].from.id == kChangeLeftOut) return;
@@ -19,7 +19,7 @@ void finish(uint i) {
   const uint firstNew = args.tables.at[0].firstNew;
   if (id < firstNew) return;
   args.tables.at[0].parents.at[id - firstNew] = args.changes.at[i].to.parent;
-  // One that no edit here has made rests where it is given first.
+  // A point that no edit here has created has its rest position where it is given first.
   if (resamples(args.lists) && floatBitsToUint(args.tables.at[0].rests.at[id].x) == kNeverRested)
     args.tables.at[0].rests.at[id] = args.changes.at[i].to.position;
 }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The fitted normals of the changed points go into the cloud, the log holds their entries from now on, and the requests
-// of the last tick have been heard, unless the edit was not carried out.
+// Writes the fitted normals of the changed points to the cloud, publishes their log entries, and drops the requests of
+// the last tick, unless the edit was not carried out.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_end.glsl"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Smoothing: each point that the brush has selected goes its share of the way to the algebraic sphere of its neighbours
-// as they all still stand. One subgroup for each.
+// Smoothing: each selected point moves by its share of the distance to the algebraic sphere of its neighbours, all of
+// them at their positions before. One subgroup for each.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"
 #include "shaders/shared/surface.h"
@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push { SmoothArgs args; };
 #include "shaders/lib/neighbours.glsl"
 
 vec3 facing;       // the side of the sheet that is smoothed
-SurfaceSums sums;  // of what this invocation has seen
+SurfaceSums sums;  // of this invocation's neighbours
 
 void visitNeighbour(uint id, vec3 n, vec3 d) {
   const vec3 offset = d / brush.support;

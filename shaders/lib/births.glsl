@@ -6,7 +6,8 @@
 
 uint birthsOf(ResampleLists lists) { return lists.now.births; }
 
-// A new point was found half way between its ends, where a stroke has found them.
+// The found state of a new point: half way between those of its ends if one stroke has found both, else that of the
+// later stroke.
 void noteBirth(uint id, uint one, uint other) {
   const Found a = args.tables.at[0].founds.at[one], b = args.tables.at[0].founds.at[other];
   Found found = a;
@@ -21,8 +22,8 @@ void noteBirth(uint id, uint one, uint other) {
   args.tables.at[0].founds.at[id] = found;
 }
 
-// The granted requests come as moves, the first of them with the next id that nobody has. False where no number is left
-// for the i-th.
+// The granted requests become moves; the first gets the next unused id. False if the i-th request does not exist, or no
+// id is left for it.
 bool isBorn(ResampleLists lists, uint i, out PointMove move) {
   const uint id = lists.now.nextId + i;
   if (i >= lists.now.births || id >= args.tables.at[0].ids) return false;

@@ -1,4 +1,4 @@
-// What a brush makes of one point of the cloud.
+// Effect of a brush on one point of the cloud.
 #ifndef PALPATE_LIB_BRUSH_REACH_GLSL
 #define PALPATE_LIB_BRUSH_REACH_GLSL
 
@@ -18,7 +18,7 @@ FoundPoint foundPoint(uint id, vec3 position, vec3 normal) {
   return FoundPoint(args.tables.at[0].founds.at[id].position, args.tables.at[0].founds.at[id].normal);
 }
 void noteFound(uint id, FoundPoint found) {
-  // Field by field: the validation layer of Debian 12 takes a whole entry for larger than it is.
+  // Field by field: the validation layer of Debian 12 overestimates the size of a whole entry.
   if (args.tables.at[0].founds.at[id].stroke != tool.stroke) args.tables.at[0].founds.at[id].thick = kUnseen;
   args.tables.at[0].founds.at[id].position = found.position;
   args.tables.at[0].founds.at[id].stroke = tool.stroke;
@@ -31,7 +31,7 @@ PointMove stayingMove(uint slot, vec4 position, vec3 normal) {
                    kEmptySlot);
 }
 
-// From a point that the brush moves others may come as far as from any.
+// The reach of a point that the brush moves is the full one again.
 void resetReach(uint id) {
   const uint firstNew = args.tables.at[0].firstNew;
   if (id >= firstNew && uvec2(args.tables.at[0].reaches) != uvec2(0))
@@ -44,7 +44,7 @@ bool isInReach(uint id, vec3 position) {
   return tool.acts != 0 && id != kEmptySlot && dot(away, away) < tool.reach * tool.reach;
 }
 
-// What becomes of a point in reach; false when nothing does.
+// The move of a point in reach; false if the point does not change.
 bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out PointMove move) {
   const uint id = floatBitsToUint(position.w);
   move = stayingMove(slot, position, normal.xyz);
@@ -60,7 +60,8 @@ bool brushedMove(uint slot, vec4 position, vec4 normal, FoundPoint found, out Po
   }
   const Brushed result = brushed(brush, tool, position.xyz, normal.xyz, found);
   if (result.taken != 0) {
-    // With the next edit, as it requests to: while the far sheet of a plate still stands the near one sees it.
+    // Resampling removes it in the next edit, by its own request: until then the near sheet of a plate sees the far
+    // one.
     if (!resamples(args.tables.at[0].lists)) move.toBucket = kNoBucket;
     return true;
   }

@@ -1,15 +1,15 @@
-// The points of a bucket for one invocation that visits a neighbourhood by itself, as far as its work goes.
+// The points of a bucket, for one invocation that visits a neighbourhood alone, within its work budget.
 #ifndef PALPATE_LIB_BUCKET_SHARE_GLSL
 #define PALPATE_LIB_BUCKET_SHARE_GLSL
 
 #include "shaders/lib/contact_buffers.glsl"
 
-// Which points are visited: of every `sharers` the one numbered `own`.
+// Which points are visited: the one numbered `own` of every `sharers`.
 struct Share {
   uint own, sharers;
 };
 
-// The points of a bucket that are still visited. `work`: rounds so far; none are left at `budget`.
+// The points of a bucket that are still visited. `work`: iterations so far; visits end at `budget`.
 uvec2 bucketWithin(ivec3 cell, Share share, uint budget, inout uint work) {
   const uvec2 range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cell)];
   const uint rounds = min((range.y - range.x + share.sharers - 1) / share.sharers, budget - min(work, budget));

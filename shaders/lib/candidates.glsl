@@ -1,10 +1,10 @@
-// What of a round of cells belongs to a patch.
+// Selects the points of a round of cells that belong to a patch.
 #ifndef PALPATE_LIB_CANDIDATES_GLSL
 #define PALPATE_LIB_CANDIDATES_GLSL
 
 #include "shaders/lib/cells.glsl"
 
-// The candidate of the loaded round that stands at `candidate`, if it belongs to a patch.
+// The candidate with the number `candidate` in the loaded round, and whether it belongs to a patch.
 struct Candidate {
   bool kept;
   uint point;
@@ -17,9 +17,9 @@ Candidate candidateAt(CellBox box, uint firstCell, uint candidate, vec3 hip, vec
   Candidate found;
   found.point = cellFirst[slot] + candidate - cellStart[slot];
   const vec4 position = args.cloud.positions.at[found.point];
-  found.normal = args.cloud.normals.at[found.point].xyz;  // of all of them: to ask for it later would be to wait twice
+  found.normal = args.cloud.normals.at[found.point].xyz;  // of all of them: a later load would be a second wait
   found.place = vec4(placeInPatch(position.xyz, hip, centre), position.w);
-  // Another cell of this gather may share the bucket: its points are taken once, when it is that cell's turn.
+  // Another cell of this gather may share the bucket: its points are taken once, with that cell.
   found.kept =
       cellOf(args.cloud.grid, position.xyz) == cellAt(box, firstCell + slot) && inReach(found.place.xyz, reach);
   return found;

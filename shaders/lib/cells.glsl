@@ -1,6 +1,6 @@
-// The cells around a place, and the points that their buckets hold: the candidates of a patch. They are visited in
-// rounds of kContactWorkgroup cells, in the order of the cells and then of the points, so that what follows from them
-// comes out the same every time and by every method.
+// The cells around a position, and the points in their buckets: the candidates of a patch. They are visited in rounds
+// of kContactWorkgroup cells, in the order of the cells and then of the points, so that the results are the same every
+// time and with every method.
 #ifndef PALPATE_LIB_CELLS_GLSL
 #define PALPATE_LIB_CELLS_GLSL
 
@@ -16,9 +16,9 @@ struct CellBox {
   uint cells;
 };
 
-// `mostCells`: of one gather. Only where a place is so far out that it is rounded by whole cells are there more.
+// `mostCells`: of one gather. More cells are possible only at a position so far out that it is rounded by whole cells.
 CellBox boxAround(vec3 place, float reach, uint mostCells) {
-  const float margin = 1.001 * reach;  // the place is rounded
+  const float margin = 1.001 * reach;  // the position is rounded
   CellBox box;
   box.low = cellOf(args.cloud.grid, place - margin);
   box.size = uvec3(cellOf(args.cloud.grid, place + margin) - box.low + 1);
@@ -31,7 +31,7 @@ ivec3 cellAt(CellBox box, uint c) {
 }
 
 // Loads the round that begins with cell `first`: all invocations of a workgroup of kContactWorkgroup together. `count`:
-// candidates of this invocation's cell, the one at scanIndex(). Gives the candidates of the round.
+// candidates of this invocation's cell, the one at scanIndex(). Returns the candidates of the round.
 uint loadRound(CellBox box, uint first, out uint count) {
   const uint kMaxInCell = 1u << 22;  // keeps the sum within 32 bits
   const uint lane = scanIndex();
@@ -45,15 +45,15 @@ uint loadRound(CellBox box, uint first, out uint count) {
   return total;
 }
 
-// Every so-manyth candidate is taken, so that no more are than `most`.
+// Stride that subsamples candidates to at most `most`.
 uint strideOf(uint candidates, uint most) { return max(1, (candidates + most - 1) / most); }
 uint takenOf(uint candidates, uint stride) { return (candidates + stride - 1) / stride; }
 
-// Loop steps that a round costs where one workgroup does it alone, less those inside its scans.
+// Loop steps of a round in one workgroup alone, without those inside its scans.
 uint patchSteps(uint taken) { return (taken + kContactWorkgroup - 1) / kContactWorkgroup + 1; }
 
-// The last cell of the round whose candidates begin at or before `candidate`; steps written out, since a loop would
-// count against the work budget.
+// The last cell of the round whose candidates begin at or before `candidate`; unrolled, since a loop would count
+// against the work budget.
 uint cellOfCandidate(uint candidate) {
   uint cell = 0;
   if (cellStart[cell + 128] <= candidate) cell += 128;
@@ -72,7 +72,7 @@ float patchReach(float radius) {
   return reach;
 }
 
-// Where a point stands in a patch.
+// Position of a point in a patch.
 vec3 placeInPatch(vec3 position, vec3 hip, vec3 centre) {
   precise vec3 place = (position - hip) - centre;
   return place;

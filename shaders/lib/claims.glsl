@@ -1,4 +1,4 @@
-// The table in which the requests for new points claim their places (shaders/shared/resample.h).
+// The table in which requests for new points claim their positions (shaders/shared/resample.h).
 #ifndef PALPATE_LIB_CLAIMS_GLSL
 #define PALPATE_LIB_CLAIMS_GLSL
 
@@ -8,7 +8,7 @@
 HashGrid claimsFor(float support) { return claimGrid(support / kSupportSpacings); }
 uint claimAt(HashGrid grid, vec3 place) { return bucketOf(grid, cellOf(grid, place)); }
 
-// Once it is known which requests are granted: empties the table. From request `first` on every `stride`-th.
+// Once the granted requests are known: clears the table. From request `first` on every `stride`-th.
 void dropClaims(ResampleLists lists, uint most, float support, uint first, uint stride) {
   const uint requests = min(lists.now.requests, most);
   const HashGrid grid = claimsFor(support);
@@ -16,8 +16,8 @@ void dropClaims(ResampleLists lists, uint most, float support, uint first, uint 
     if (lists.requests[i].inserts != 0) lists.claims[claimAt(grid, lists.requests[i].place)] = 0xffffffffu;
 }
 
-// After all requests of a tick: whoever has the least id that claims a place of the table says where its point
-// is to come.
+// After all requests of a tick: the request with the smallest id that claims a slot of the table writes the position of
+// its point there.
 void confirmClaims(ResampleLists lists, uint most, float support, uint first, uint stride) {
   const uint requests = min(lists.now.requests, most);
   const HashGrid grid = claimsFor(support);
@@ -29,8 +29,8 @@ void confirmClaims(ResampleLists lists, uint most, float support, uint first, ui
   }
 }
 
-// Whether a request has its own cell of the claims, and no request of a smaller id in the cells around it is too near.
-// The whole subgroup calls it together.
+// Whether a request owns its cell of the claims, and no request of a smaller id in the cells around it is too near. The
+// whole subgroup calls it together.
 bool claimStands(ResampleLists lists, HashGrid grid, vec3 place, uint id, float support) {
   const uint kCellsAbout = 27;
   const float clearance = kMinClearance * support / kSupportSpacings;

@@ -25,8 +25,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Tables { Poi
 layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer ResampleLists {
   Resampling now;
   uint births[kBirthSlots];   // numbers of requests, by the ids of the points that made them
-  uint claims[kClaimSlots];   // the least id that wants a place; all bits where none does
-  vec3 claimed[kClaimSlots];  // the place that it wants
+  uint claims[kClaimSlots];   // the smallest id that claims the slot; all bits if none does
+  vec3 claimed[kClaimSlots];  // the position that it claims
   PointRequest requests[];
 };
 
@@ -37,7 +37,7 @@ uint colorOf(Tables tables, uint id) {
   if (isNull(tables.at[0].colors)) return 0;
   return tables.at[0].colors.at[id];
 }
-// The point that has its properties from the file itself.
+// The point of the file from which it has its properties.
 uint parentOf(Tables tables, uint id) {
   const uint firstNew = tables.at[0].firstNew;
   if (id < firstNew) return id;

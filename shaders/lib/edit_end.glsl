@@ -1,5 +1,5 @@
-// The end of an edit, in its last pass: the workgroup that is done last closes it. Nobody waits for anybody, so that it
-// works on drivers that run workgroups one after another (the counter is that of the "threadfence reduction" in
+// The end of an edit, in its last pass: the workgroup that finishes last closes it. No workgroup waits for another, so
+// that it works on drivers that run workgroups one after another (the counter is that of the "threadfence reduction" in
 // NVIDIA's CUDA samples).
 #ifndef PALPATE_LIB_EDIT_END_GLSL
 #define PALPATE_LIB_EDIT_END_GLSL
@@ -10,7 +10,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Sha
 
 shared bool finishedLast;
 
-// Says that this workgroup has done its share. True in the one that says it last, which sees what all have written.
+// Signals that this workgroup has finished. True in the last one to signal, which sees what all have written.
 bool finishesLast(HashUpdates update) {
   memoryBarrierBuffer();
   barrier();
@@ -21,9 +21,9 @@ bool finishesLast(HashUpdates update) {
   return finishedLast;
 }
 
-// One workgroup. Where the report, that of resampling and the empty counters are: see EditEnd.
+// One workgroup. For the report, that of resampling and the empty counters see EditEnd.
 void endEdit(Uints report, Uints resampled, Uints empty, HashUpdates update, ResampleLists lists) {
-  memoryBarrierBuffer();  // other invocations read here what one has written last
+  memoryBarrierBuffer();  // other invocations read here what one has just written
   barrier();
   const uint kWord = 4;
   SharedWords counters = SharedWords(uvec2(update)), resampling = SharedWords(uvec2(lists));

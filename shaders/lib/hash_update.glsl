@@ -19,13 +19,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DirtyBuckets
   uint words[];   // the map, then the list
 };
 
-// Not 0 where passes that follow are dispatched with as many groups as are counted here.
+// Not 0 if later passes are dispatched with the numbers of groups that are counted here.
 layout(constant_id = 1) const uint kCountsGroups = 1;
 
-// Groups of `each` that hold so many.
+// Groups of `each` that hold `count`.
 uint updateGroups(uint count, uint each) { return min((count + each - 1) / each, kMaxUpdateGroups); }
 
-// Places at the end of the list of moves for every invocation of the subgroup that wants one; all of it call together.
+// Indices at the end of the list of moves for every invocation of the subgroup that wants one; all of it call together.
 uint nextMove(HashUpdates update, bool wants) {
   const uvec4 ballot = subgroupBallot(wants);
   const uint count = subgroupBallotBitCount(ballot);

@@ -1,11 +1,11 @@
-// Where an invocation stands in a dispatch that may have needed two axes of workgroups (CommandList::dispatch).
+// Index of an invocation in a dispatch that may need two axes of workgroups (CommandList::dispatch).
 #ifndef PALPATE_LIB_INDEX_GLSL
 #define PALPATE_LIB_INDEX_GLSL
 
 layout(local_size_x_id = 0) in;
 
 #ifdef PALPATE_WATCHED
-// How long workgroups live: as long as their longest invocation (WorkgroupWatch).
+// Lifetime of workgroups: that of their longest invocation (WorkgroupWatch).
 #extension GL_EXT_shader_realtime_clock : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
@@ -18,8 +18,8 @@ void main() {
   const uint begin = clockRealtime2x32EXT().x;
   watchedMain();
   const uint life = clockRealtime2x32EXT().x - begin;
-  // Additions to one word by all subgroups of a GPU queue up, and then lives are long because they are watched. The
-  // plain read may be stale, but the word only grows.
+  // Additions to one word by all subgroups of a GPU queue up, and would make lifetimes long by themselves. The plain
+  // read may be stale, but the word only grows.
   LongestLife longest = LongestLife(uvec2(kLifeLow, kLifeHigh));
   if (life > longest.ticks) atomicMax(longest.ticks, life);
 }

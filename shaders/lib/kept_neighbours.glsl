@@ -1,4 +1,4 @@
-// The neighbours of a place, kept by one subgroup so that it can visit them again and again.
+// The neighbours of a position, kept by one subgroup so that it can visit them repeatedly.
 #ifndef PALPATE_LIB_KEPT_NEIGHBOURS_GLSL
 #define PALPATE_LIB_KEPT_NEIGHBOURS_GLSL
 
@@ -7,32 +7,32 @@
 const bool kWalkNormals = false;
 #include "shaders/lib/neighbour_walk.glsl"
 
-// Neighbours that a workgroup keeps, each subgroup its part: at least what a step of its walk may find.
+// Neighbours that a workgroup keeps, each subgroup its part: at least as many as a step of its walk may find.
 const uint kKeptNeighbours = kWalkedAtOnce * gl_WorkGroupSize.x;
 
 shared vec4 keptNeighbours[kKeptNeighbours];  // offset; w: bits of the slot
 shared uint keptIds[kKeptNeighbours];
 
 uint neighboursKept;  // by this subgroup
-bool allAreKept;      // all that have been visited so far, in this call
-bool visitedBefore;   // those that are visited were kept by the call before
+bool allAreKept;      // all neighbours visited so far, in this call
+bool visitedBefore;   // the visited neighbours were kept by the previous call
 bool allAreSeen;      // false: the budget ended before the neighbours did
 
 vec3 keptOffset(uint at) { return keptNeighbours[at].xyz; }
 uint keptSlot(uint at) { return floatBitsToUint(keptNeighbours[at].w); }
 
-// Whoever includes this says what to do with a neighbour, the one that is kept at `at`. One invocation of the subgroup
-// calls it.
+// The including file defines the processing of a neighbour, the one kept at `at`. One invocation of the subgroup calls
+// it.
 void visitNeighbour(uint at);
 
-// What all invocations have written into shared memory is there for all of the subgroup.
+// Makes what all invocations have written to shared memory visible to the subgroup.
 void subgroupShares() {
   subgroupMemoryBarrierShared();
   subgroupBarrier();
 }
 
 // Visits all points nearer than `radius` to `center`, each once. The whole subgroup calls it together. `budget`: of
-// work. `again`: the same place as in the last call, whose neighbours may still be there.
+// work. `again`: the same position as in the last call, whose neighbours may still be kept.
 void visitNeighbours(vec3 center, float radius, uint budget, bool again) {
   const uint most = kKeptNeighbours / gl_NumSubgroups;
   const uint first = gl_SubgroupID * most;

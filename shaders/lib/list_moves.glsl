@@ -7,7 +7,7 @@
 
 uint bucketAt(vec3 position) { return bucketOf(args.cloud.grid, cellOf(args.cloud.grid, position)); }
 
-// The slot where a bucket has the point; kEmptySlot when it has not. The whole subgroup calls it together.
+// The slot of a point in a bucket; kEmptySlot if it is not there. The whole subgroup calls it together.
 uint slotIn(uint bucket, uint id) {
   const uvec2 range = args.cloud.ranges.at[bucket];
   for (uint base = range.x; base < range.y; base += gl_SubgroupSize) {
@@ -19,8 +19,8 @@ uint slotIn(uint bucket, uint id) {
   return kEmptySlot;
 }
 
-// Lists moves and the buckets that they concern. Addresses are plain words here: drivers crash when a struct that holds
-// buffer references is copied.
+// Lists moves and the buckets that they concern. Addresses are plain words here: drivers crash if a struct with buffer
+// references is copied.
 struct UpdateLists {
   uvec2 moves, marks, touched, movesOf, capacities;
   uint mostMoves;
@@ -36,8 +36,8 @@ void listBucket(UpdateLists lists, uint bucket) {
   if (kCountsGroups != 0) atomicMax(args.update.at[0].applyGroups.x, updateGroups(at + 1, gl_NumSubgroups));
 }
 
-// New slots for a bucket of so many points to which so many more have come, where the next one to come is the one that
-// it outgrows its slots by, or those that it has just taken; kEmptySlot otherwise. `slots`: of the cloud.
+// New slots for a bucket of `points` points at which `arrived` more have arrived, if the next one to arrive exceeds the
+// bucket's slots, or those that it has just taken; kEmptySlot otherwise. `slots`: of the cloud.
 uint roomFor(UpdateLists lists, uint bucket, uint slots, uint points, uint arrived) {
   const uint before = capacityFor(max(Uints(lists.capacities).at[bucket], points), points + arrived);
   if (before > points + arrived) return kEmptySlot;
@@ -47,7 +47,7 @@ uint roomFor(UpdateLists lists, uint bucket, uint slots, uint points, uint arriv
   return room;
 }
 
-// Says that move `at` brings a point to another bucket. Gives the bucket's mark before that.
+// Notes that move `at` brings a point to another bucket. Returns the bucket's mark before that.
 uint arrive(UpdateLists lists, uint bucket, uint at) {
   const uvec2 range = args.cloud.ranges.at[bucket];
   uint before = 0;
@@ -66,8 +66,8 @@ uint arrive(UpdateLists lists, uint bucket, uint at) {
   return before;
 }
 
-// Says that move `at` changes a point of one bucket, and brings it to another one; kNoBucket where there is none.
-// Whoever marks a bucket first lists it.
+// Notes that move `at` changes a point of one bucket, and brings it to another one; kNoBucket if there is none. The
+// first invocation to mark a bucket lists it.
 void touchBuckets(UpdateLists lists, uint from, uint to, uint at) {
   uint fromMark = kMarkListed, toMark = kMarkListed;
   if (from != kNoBucket) fromMark = atomicOr(Uints(lists.marks).at[from], kMarkListed);
@@ -76,7 +76,7 @@ void touchBuckets(UpdateLists lists, uint from, uint to, uint at) {
   if ((toMark & kMarkListed) == 0) listBucket(lists, to);
 }
 
-// Writes a move where nextMove() said, and touches the buckets that it concerns.
+// Writes a move to the index from nextMove(), and touches the buckets that it concerns.
 void writeMove(UpdateLists lists, uint at, PointMove move) {
   if (at >= lists.mostMoves) {
     atomicOr(args.update.at[0].failed, kUpdateTooLarge);

@@ -1,5 +1,5 @@
-// Points go to the edit log as they are now: entries stand in the order of the lists from the head on, which follows
-// when all are written.
+// Writes the present state of points to the edit log: entries are in the order of the lists from the head on; the head
+// is moved when all are written.
 #ifndef PALPATE_LIB_LOG_POINTS_GLSL
 #define PALPATE_LIB_LOG_POINTS_GLSL
 
@@ -14,7 +14,7 @@ void logPoint(uint entry, vec3 position, uint id, vec3 normal, uint color, uint 
   args.entries.at[slot].parent = parent;
 }
 
-// Points that are taken away have no slot any more: the moves name them, and their number among those that are gone.
+// Points that are removed no longer have a slot: the moves hold them, and their number among the removed ones.
 void logGone(uint entry) {
   const uint moves = args.update.at[0].moves;
   if (args.update.at[0].gone == 0) return;

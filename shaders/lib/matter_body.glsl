@@ -1,5 +1,5 @@
-// The points of a tool's ball near a place, in the order of their cells. Whoever includes this has `args` with setting,
-// tools, bodyPoints and bodyFirsts, and says what to do with a point.
+// The points of a tool's ball near a position, in the order of their cells. Requires `args` with setting, tools,
+// bodyPoints and bodyFirsts; the including file defines the processing of a point.
 #ifndef PALPATE_LIB_MATTER_BODY_GLSL
 #define PALPATE_LIB_MATTER_BODY_GLSL
 

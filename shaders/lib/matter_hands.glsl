@@ -1,9 +1,9 @@
-// What hands do to the balls of tools. Whoever includes this has `args` with setting, hands, tools and toolCount.
+// Effect of hands on the balls of tools. Requires `args` with setting, hands, tools and toolCount.
 #ifndef PALPATE_LIB_MATTER_HANDS_GLSL
 #define PALPATE_LIB_MATTER_HANDS_GLSL
 #include "shaders/lib/matter_tools.glsl"
 
-// A substep by itself, towards a hand that moves meanwhile.
+// A substep without other forces, towards a hand that moves meanwhile.
 void predictTool(uint t, uint substep) {
   const ToolSpring spring = toolSpring();
   const uint at = substep * args.toolCount + t;

@@ -5,7 +5,7 @@
 uint listed(uint slot, uint image) { return slot | image << kSlotBits; }
 uint slotOf(uint neighbour) { return neighbour & ((1u << kSlotBits) - 1); }
 
-// From the neighbour, which stands at `other`, to `place`.
+// From the neighbour at `other` to `place`.
 vec3 offsetFrom(uint neighbour, vec3 other, vec3 place, vec3 size) {
   const uint image = neighbour >> kSlotBits;
   vec3 offset = place - other;

@@ -1,17 +1,17 @@
-// How a simulation of matter is, and what is the same for all of its particles, out of memory field by field. Whoever
-// includes this has `args` with control and setting.
+// State of a simulation of matter, and the constants of its particles, read from memory field by field. Requires `args`
+// with control and setting.
 #ifndef PALPATE_LIB_MATTER_SETTING_GLSL
 #define PALPATE_LIB_MATTER_SETTING_GLSL
 
 #define SETTING args.setting.now
 
-// Whether there is anything to do in this substep, from predict on.
+// Whether this substep has work, from predict on.
 bool isRunning() {
   return args.control.now.state == kMatterRunning && args.control.now.farthest < kNotFinite &&
          args.control.now.crowdedCell == 0 && args.control.now.crowdedList == 0;
 }
 
-// Whether lists are to be made, for passes before the lists are, and in substeps that make some.
+// Whether lists are to be made; valid in passes before the lists are made, in substeps that may make lists.
 bool needsLists() {
   const float allowed = SETTING.allowed;
   return args.control.now.state == kMatterRunning && args.control.now.farthest < kNotFinite &&
@@ -38,7 +38,7 @@ StoppingWalls stoppingWalls() {
                        isPeriodic(cells, 2));
 }
 
-// What the walls do to the pressure and the velocity of water at a place.
+// Effect of the walls on the pressure and the velocity of water at a position.
 WallEffect wallsAt(WaterRules rules, vec3 place) {
   const MatterCells cells = particleCells();
   return wallEffect(rules, wallsBeside(rules, place.x, cells.size.x, isPeriodic(cells, 0)),

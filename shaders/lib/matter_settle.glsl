@@ -1,20 +1,21 @@
-// The end of a pass that moves particles: what tools do to a particle and it to them, and where it is then. Whoever
-// includes this has `args` with what these need, and meetPoint() calls noteExchange(). All invocations of a workgroup
-// of kMatterBlock call the functions together.
+// The end of a pass that moves particles: the exchange of a particle with tools, and its new position. Requires `args`
+// with the fields used here, and that meetPoint() calls noteExchange(). All invocations of a workgroup of kMatterBlock
+// call the functions together.
 #ifndef PALPATE_LIB_MATTER_SETTLE_GLSL
 #define PALPATE_LIB_MATTER_SETTLE_GLSL
 
-// Of this invocation's particle by the tool at hand: the change of its velocity, and with it the tool's angular one.
+// Exchange of this invocation's particle with the tool at hand: change of its velocity, and the angular part for the
+// tool.
 vec3 toolChange, toolTurn;
 uint toolAtHand;
-shared uint meetsTool;  // whether any of the workgroup's particles is near
+shared uint meetsTool;  // whether any particle of the workgroup is near
 
 void noteExchange(vec3 change, vec3 arm) {
   toolChange += change;
   toolTurn += cross(arm, change);
 }
 
-// Of a slot as predicted, with what gravity has added.
+// Predicted velocity of a slot, with the change by gravity.
 vec3 velocityOf(uint slot) {
   return args.velocities.at[args.control.now.parity * args.particles + slot].xyz + SETTING.fall;
 }
@@ -53,7 +54,7 @@ vec3 changeByTools(bool isParticle, vec3 place) {
   return change;
 }
 
-// What the model got from a particle, row by row over the blocks.
+// Impulse of a particle on the model, row by row over the blocks.
 void noteModel(vec3 change, vec3 place) {
   const uint block = workgroupIndex(), row = (kRowsOfAll + 2 * args.toolCount) * args.blocks + block;
   const vec3 given = -SETTING.mass * change;
@@ -66,7 +67,7 @@ void noteModel(vec3 change, vec3 place) {
   barrier();
 }
 
-// `byWalls` and `byModel`: the parts of the change that walls and the model have made so far.
+// `byWalls` and `byModel`: the parts of the change by walls and by the model so far.
 void settleSlot(bool isParticle, vec3 predicted, vec3 velocity, vec3 change, vec3 byWalls, vec3 byModel,
                 float compression) {
   const uint slot = threadIndex(), block = workgroupIndex();

@@ -1,6 +1,6 @@
-// Sums over the slots of a block, always in the same order. In rows of blocks: what walls got and the kinetic energy,
-// momentum and the most compression; then for each tool the impulse it got, and the angular one, and for the
-// model.
+// Sums over the slots of a block, always in the same order. In rows of blocks: impulse on the walls and the kinetic
+// energy, momentum and the maximum compression; then for each tool, and for the model, its impulse, and its angular
+// impulse.
 #ifndef PALPATE_LIB_MATTER_SUMS_GLSL
 #define PALPATE_LIB_MATTER_SUMS_GLSL
 #extension GL_EXT_control_flow_attributes : require
@@ -15,8 +15,8 @@ vec4 combined(vec4 a, vec4 b, bool keepsLargest) {
   return vec4(a.xyz + b.xyz, keepsLargest ? max(a.w, b.w) : a.w + b.w);
 }
 
-// One value from eight, `left` of them, for both; then the next ones may read them. Who writes one is the only one that
-// reads it.
+// Reduces both by a factor of eight, to `left` values; then the next step may read them. A written value is read by its
+// writer alone.
 void addEight(uint left, bool keepsLargest) {
   const uint local = gl_LocalInvocationIndex, begin = local < left ? 0 : kMatterBlock;
   if (local < 2 * left) {
@@ -33,8 +33,8 @@ vec4 lastOf(uint begin, bool keepsLargest) {
                   combined(summed[begin + 2], summed[begin + 3], keepsLargest), keepsLargest);
 }
 
-// Both become their sums over the workgroup, of kMatterBlock invocations, all of which call this together. Of the last
-// component of `b` the largest is kept where that is asked for.
+// Both become their sums over the workgroup, of kMatterBlock invocations, all of which call this together. With
+// `keepsLargest` the last component of `b` becomes the maximum.
 void addUp(inout vec4 a, inout vec4 b, bool keepsLargest) {
   summed[gl_LocalInvocationIndex] = a;
   summed[kMatterBlock + gl_LocalInvocationIndex] = b;
@@ -46,11 +46,11 @@ void addUp(inout vec4 a, inout vec4 b, bool keepsLargest) {
   barrier();
 }
 
-// Of the row `row` and the next one, of `width` blocks, the first ones summed up, for all invocations of a workgroup.
+// Sums of the rows `row` and `row` + 1, of `width` blocks, over the first `blocks`; for all invocations of a workgroup.
 void sumRows(Vec4s sums, uint row, uint width, uint blocks, bool keepsLargest, out vec4 a, out vec4 b) {
   a = b = vec4(0);
   for (uint begin = gl_LocalInvocationIndex; begin < blocks; begin += kSummedAtOnce * kMatterBlock) {
-    vec4 as[kSummedAtOnce], bs[kSummedAtOnce];  // all of them are asked for before the first one is waited for
+    vec4 as[kSummedAtOnce], bs[kSummedAtOnce];  // all loads are issued before the first one is needed
     [[unroll]] for (uint k = 0; k < kSummedAtOnce; ++k) {
       const uint block = min(begin + k * kMatterBlock, blocks - 1);
       as[k] = sums.at[row * width + block];

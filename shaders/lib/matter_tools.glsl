@@ -1,4 +1,4 @@
-// The balls of tools. Whoever includes this has `args` with setting and tools.
+// The balls of tools. Requires `args` with setting and tools.
 #ifndef PALPATE_LIB_MATTER_TOOLS_GLSL
 #define PALPATE_LIB_MATTER_TOOLS_GLSL
 
@@ -7,7 +7,7 @@ ToolSpring toolSpring() {
                     args.setting.now.spring.step);
 }
 
-// What the matter has done to it meanwhile.
+// Applies the impulses of the matter to a tool.
 void reactTool(uint t, vec3 impulse, vec3 angular) {
   const ToolSpring spring = toolSpring();
   const vec3 change = impulse / spring.mass;

@@ -1,4 +1,4 @@
-// The way of one subgroup through the points of the cells around a place: each invocation looks up one cell, and then
+// Walk of one subgroup through the points of the cells around a position: each invocation looks up one cell, and then
 // all share the points of those cells evenly.
 #ifndef PALPATE_LIB_NEIGHBOUR_WALK_GLSL
 #define PALPATE_LIB_NEIGHBOUR_WALK_GLSL
@@ -10,27 +10,27 @@
 
 #include "shaders/shared/spatial_hash.h"
 
-// What one round of the walk costs of its budget: a point for each invocation of the subgroup.
+// Cost of one round of the walk, in units of its budget: one point for each invocation of the subgroup.
 const uint kNeighbourRoundWork = 4;
-// The budget for so many points, or as many cells without any.
+// The budget for this many points, or as many empty cells.
 uint walkBudget(uint points) { return kNeighbourRoundWork * points / gl_SubgroupSize; }
-// Those of the last step: slot; xyz and bits of the id; whether it is a neighbour.
+// Points of the last step: slot; xyz and bits of the id; whether it is a neighbour.
 uint walkedSlots[kWalkedAtOnce];
 vec4 walkedPositions[kWalkedAtOnce];
 bool walkedNear[kWalkedAtOnce];
-vec3 walkedNormals[kWalkedAtOnce];  // where whoever includes this sets kWalkNormals
+vec3 walkedNormals[kWalkedAtOnce];  // if the including file sets kWalkNormals
 
 ivec3 walkLow;
 uvec3 walkSize;
-uint walkCells;     // all of them
-uint walkNextCell;  // those before it are looked up
+uint walkCells;     // total
+uint walkNextCell;  // those before it have been looked up
 uint walkWork;
-// Of the cells that were looked up last: points before this invocation's, its first slot less that, all, those behind
-// us.
+// Of the cells that were looked up last: points before this invocation's cell; its first slot minus that; points in all
+// of them; points visited.
 uint walkStart, walkSlotAtZero, walkTotal, walkTaken;
 
-// The last invocation whose `start` is at most k; steps written out, since a loop would count against the work that one
-// software driver allows an invocation.
+// The last invocation whose `start` is at most k; unrolled, since a loop would count against the work that one software
+// driver allows an invocation.
 uint ownerOf(uint start, uint k) {
   uint owner = 0;
   if (gl_SubgroupSize > 64 && subgroupShuffle(start, owner + 64) <= k) owner += 64;
@@ -68,10 +68,10 @@ void lookUpCells() {
   walkWork += kNeighbourRoundWork;
 }
 
-// Whether the way ended with the last cell, not with the budget.
+// Whether the walk ended with the last cell, not with the budget.
 bool walkedAll() { return walkTaken >= walkTotal && walkNextCell >= walkCells; }
 
-// Goes on to the next points; false at the end of the way, or of the budget. The whole subgroup calls it together.
+// Advances to the next points; false at the end of the walk, or of the budget. The whole subgroup calls it together.
 bool walkOn(vec3 center, float radius, uint budget) {
   while (walkTaken >= walkTotal && walkNextCell < walkCells && walkWork < budget) lookUpCells();
   if (walkTaken >= walkTotal || walkWork >= budget) return false;
@@ -89,7 +89,7 @@ bool walkOn(vec3 center, float radius, uint budget) {
       walkedNormals[i] = args.cloud.normals.at[walkedNear[i] ? walkedSlots[i] : 0].xyz;
   [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) {
     const vec3 d = walkedPositions[i].xyz - center;
-    // Another of these cells may share the bucket: its points are visited as that one's.
+    // Another of these cells may share the bucket: its points are visited with that cell.
     const uvec3 inBox = uvec3(cellOf(args.cloud.grid, walkedPositions[i].xyz) - walkLow);
     const uint c = inBox.x + walkSize.x * (inBox.y + walkSize.y * inBox.z);
     walkedNear[i] =

@@ -1,11 +1,11 @@
-// The neighbours of a place, visited once by one subgroup.
+// The neighbours of a position, visited once by one subgroup.
 #ifndef PALPATE_LIB_NEIGHBOURS_GLSL
 #define PALPATE_LIB_NEIGHBOURS_GLSL
 
-const bool kWalkNormals = true;  // of all candidates: to ask for them later would be to wait twice
+const bool kWalkNormals = true;  // of all candidates: a later load would be a second wait
 #include "shaders/lib/neighbour_walk.glsl"
 
-// Whoever includes this says what to do with a neighbour, which is `d` away. One invocation of the subgroup calls it.
+// The including file defines the processing of a neighbour at the offset `d`. One invocation of the subgroup calls it.
 void visitNeighbour(uint id, vec3 normal, vec3 d);
 
 // Visits all points nearer than `radius` to `center`, each once. The whole subgroup calls it together. `budget`: of

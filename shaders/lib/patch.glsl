@@ -1,5 +1,5 @@
-// The patch of points around the probe, in shared memory and what that cannot hold in a buffer: gathered through the
-// spatial hash by this workgroup, or taken over from others.
+// The patch of points around the probe, in shared memory, and in a buffer for the rest: gathered through the spatial
+// hash by this workgroup, or taken over from others.
 #ifndef PALPATE_LIB_PATCH_GLSL
 #define PALPATE_LIB_PATCH_GLSL
 
@@ -14,14 +14,14 @@ shared vec3 patchNormals[kSharedPatch];
 const uint kSharedIds = kPointsMove ? kSharedPatch : 1;
 shared uint patchIds[kSharedIds];
 
-vec3 patchCentre = vec3(0.0);  // relative to the HIP, as every place in the step
+vec3 patchCentre = vec3(0.0);  // relative to the HIP, like every position in the step
 uint patchCount = 0;
-uint patchSpill = 0;  // where its part of the buffer for what shared memory cannot hold begins
+uint patchSpill = 0;  // start of its part of the spill buffer
 bool patchGathered = false;
-bool patchThinned = false;  // some gather of this step took only every so-manyth candidate
+bool patchThinned = false;  // a gather of this step subsampled the candidates
 uint workDone = 0;
 float patchAge = 0.0;            // of the points, s
-vec3 patchVelocity = vec3(0.0);  // of the surface in whose frame they are
+vec3 patchVelocity = vec3(0.0);  // of the surface in whose frame the points are
 
 uint spilledAt(uint i) { return patchSpill + 2 * (i - kSharedPatch); }
 vec3 patchPosition(SpilledPoints spill, uint i) {
@@ -34,7 +34,7 @@ uint patchId(SpilledPoints spill, uint i) {
   return i < kSharedPatch ? patchIds[i] : floatBitsToUint(spill.at[spilledAt(i)].w);
 }
 
-// As a point that moves is at the time of the question.
+// Extrapolates a moving point to the time of the question.
 void goOn(uint id, inout vec3 place, inout vec3 normal) {
   if (patchAge == 0.0) return;
   place = placeAfter(place, args.velocities.at[id].xyz, patchVelocity, patchAge);
@@ -93,8 +93,8 @@ void gatherPatch(SpilledPoints spill, vec3 hip, vec3 centre, float reach, uint m
   patchIsAt(centre, count);
 }
 
-// Takes over a patch whose segments others have filled. It is charged what gathering it here would have cost, so that
-// a step that runs out of budget ends at the same place by every method.
+// Takes over a patch whose segments others have filled. It is charged the cost of gathering it here, so that a step
+// that runs out of budget ends at the same point with every method.
 void takePatch(GatheredPatch gathered, SpilledPoints spill) {
   const uint lane = scanIndex();
   const uint segments = gathered.header.segments;

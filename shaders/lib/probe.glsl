@@ -1,5 +1,5 @@
-// Where the probe stands when a tick begins, and the place that its first patch is gathered around. Every method has
-// to find the same bits here: hence `precise`.
+// State of the probe when a tick begins, and the position around which its first patch is gathered. Every method has to
+// compute the same bits here: hence `precise`.
 //
 // If points move, a step is taken in the frame of the surface that was felt last, at the time of the points' positions:
 // the HIP is transformed back by the motion of that surface since then, and its displacement is the one relative to the
@@ -10,24 +10,24 @@
 #include "shaders/lib/contact_buffers.glsl"
 #include "shaders/shared/proxy.h"
 
-// Where they are known to stand still, nothing is read for it.
+// If false, nothing is read for the motion of points.
 layout(constant_id = 7) const bool kPointsMove = true;
 
-// Places relative to the HIP, but the HIP itself.
+// Positions are relative to the HIP, except the HIP itself.
 struct Probe {
-  vec3 hip;  // model units relative to the cloud's origin, among the points as the index has them
+  vec3 hip;  // model units relative to the cloud's origin, at the time of the indexed points
   vec3 lastHip;
   vec3 proxy;
-  bool traced;  // the sub-steps cover the way since the last tick
+  bool traced;  // the sub-steps cover the path since the last tick
   bool touching;
   bool sticking;
   uint face;
   vec3 facing;
-  uint substeps;  // of a free HIP's way since the last tick
-  vec3 velocity;  // of the surface in whose frame the step is taken; zero where nothing was felt
+  uint substeps;  // of a free HIP, for its path since the last tick
+  vec3 velocity;  // of the surface in whose frame the step is taken; zero if nothing was felt
 };
 
-// `i`: which of the points that a tool touches with.
+// `i`: the number of the tool's point.
 Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
   Probe probe;
   probe.hip = pose.at[i].pose.hip;
@@ -59,7 +59,7 @@ Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
   return probe;
 }
 
-// Where a free HIP is after `substep` of its sub-steps.
+// Position of a free HIP after `substep` of its sub-steps.
 vec3 placeOnWay(Probe probe, uint substep) {
   precise vec3 place = probe.lastHip * (float(probe.substeps - substep) / float(probe.substeps));
   return place;

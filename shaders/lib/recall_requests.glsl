@@ -1,6 +1,6 @@
-// Carries out what points requested at the end of the last tick: those that go are taken away, and all others are
-// examined again. Points that the brush itself moves or takes are left to it. If the requests are dropped, only the
-// marks of points that were to go are removed.
+// Carries out what points requested at the end of the last tick: points marked for removal are removed, and all others
+// are examined again. Points that the brush itself moves or removes are left to it. If the requests are dropped, only
+// the marks for removal are cleared.
 #ifndef PALPATE_LIB_RECALL_REQUESTS_GLSL
 #define PALPATE_LIB_RECALL_REQUESTS_GLSL
 
@@ -8,7 +8,7 @@
 
 uint requestsOf(UpdateLists update, ResampleLists lists) { return min(lists.now.requests, update.mostMoves); }
 
-// The slot of the point that made request `i`; kEmptySlot where it is no longer there. One subgroup for each.
+// The slot of the point that made request `i`; kEmptySlot if it is no longer there. One subgroup for each.
 uint requestingSlot(ResampleLists lists, uint i) {
   return slotIn(bucketAt(lists.requests[i].position), lists.requests[i].id);
 }
@@ -17,7 +17,7 @@ uint requestingSlot(ResampleLists lists, uint i) {
 bool recalled(uint slot, vec4 position, vec4 normal, bool brushed, out PointMove move) {
   move = stayingMove(slot, position, normal.xyz);
   if (normal.w == kMarkGoes) move.toBucket = kNoBucket;
-  // A build may follow, and then the brush has been at work already.
+  // A full build may follow, and then the brush has already been applied.
   return subgroupElect() && normal.w != kMarkRefit && !brushed;
 }
 

@@ -1,15 +1,15 @@
-// Which points a brush reaches, and where it brings them: nothing is moved yet.
+// Selects the points in reach of a brush and their moves; nothing is moved yet.
 #ifndef PALPATE_LIB_SELECT_MOVES_GLSL
 #define PALPATE_LIB_SELECT_MOVES_GLSL
 
 #include "shaders/lib/brush_reach.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 
-shared uint cellStart[kMaxSelectCells];  // points in the cells before
+shared uint cellStart[kMaxSelectCells];  // points in the preceding cells
 shared uint cellFirst[kMaxSelectCells];  // first slot
 
-// Whether the ball around the tool's reach goes into a cell; says so, too, where it misses by less than places are
-// rounded.
+// Whether the ball around the tool's reach intersects a cell; also true if it misses by less than the rounding of
+// positions.
 bool mayReach(HashGrid grid, ivec3 cell) {
   const vec3 center = (tool.middle - grid.origin) * grid.inverseCell;
   const float rounding = 0.01 + 1e-6 * max(abs(center.x), max(abs(center.y), abs(center.z)));
@@ -18,7 +18,7 @@ bool mayReach(HashGrid grid, ivec3 cell) {
   return dot(gap, gap) < radius * radius;
 }
 
-// A brush reaches the point: what else changes with it.
+// Records what else changes with a point that the brush moves.
 void noteReached(uint id, vec3 position, FoundPoint found) {
   if (brush.kind == kBrushPaint) {
     args.tables.at[0].colors.at[id] = painted(brush, tool, position, found.normal, colorOf(args.tables, id));
@@ -28,7 +28,7 @@ void noteReached(uint id, vec3 position, FoundPoint found) {
   noteFound(id, found);
 }
 
-// Adds what points say of the surface under the tool. The whole subgroup calls it together.
+// Adds the points' contributions to the measured surface under the tool. The whole subgroup calls it together.
 void measure(bool counts, FoundPoint found) {
   MeasuredPoint point = MeasuredPoint(0, ivec3(0), 0);
   if (counts) point = measured(brush, tool, found);
@@ -43,8 +43,8 @@ void measure(bool counts, FoundPoint found) {
 
 const uint kAnyCell = 0xffffffffu;
 
-// Looks up the cells that workgroup `group` of `groups` takes: every `groups`-th of the brush's box, so that a surface
-// that lies along the box is shared by all of them. How many points to look at there are.
+// Looks up the cells of workgroup `group` of `groups`: every `groups`-th of the brush's box, so that a surface along
+// the box is shared by all workgroups. Returns the number of points to examine.
 uint lookUpCells(uint group, uint groups) {
   const uint side = args.cells, lane = scanIndex();
   const ivec3 low = cellOf(args.cloud.grid, tool.middle - tool.reach);
@@ -64,7 +64,7 @@ uint lookUpCells(uint group, uint groups) {
   return total;
 }
 
-// Slots that workgroup `group` of `groups` looks at.
+// Number of slots that workgroup `group` of `groups` examines.
 uint slotsToLookAt(uint group, uint groups) {
   if (tool.acts == 0) return 0;
   if (args.cells > 0) return lookUpCells(group, groups);
@@ -72,7 +72,7 @@ uint slotsToLookAt(uint group, uint groups) {
   return before < args.slots ? min(args.slots - before, gl_WorkGroupSize.x) : 0;
 }
 
-// The k-th of them; `cell`: of the brush's box, in which its point has to stand, or kAnyCell.
+// The k-th of them; `cell`: of the brush's box, which must contain its point, or kAnyCell.
 uint slotToLookAt(uint k, uint group, uint groups, out uint cell) {
   cell = kAnyCell;
   if (args.cells == 0) return args.firstSlot + group * gl_WorkGroupSize.x + k;
@@ -83,7 +83,7 @@ uint slotToLookAt(uint k, uint group, uint groups, out uint cell) {
   return cellFirst[owner] + k - cellStart[owner];
 }
 
-// Another cell of the box may share the bucket: its points are taken when it is that cell's turn.
+// Another cell of the box may share the bucket: its points are taken with that cell.
 bool standsIn(uint cell, vec3 position) {
   if (cell == kAnyCell) return true;
   const uint side = args.cells;

@@ -1,9 +1,9 @@
-// The boxes in which places of the skin of a soft body are, cell by cell. Whoever includes this has `args` with
-// incident, boxes, stride and skinCount.
+// The boxes around the skin points of a soft body, cell by cell. Requires `args` with incident, boxes, stride and
+// skinCount.
 #ifndef PALPATE_LIB_SOFT_BOXES_GLSL
 #define PALPATE_LIB_SOFT_BOXES_GLSL
 
-// The slot of a cell about a node, the k-th of eight.
+// The slot of the k-th of eight cells around a node.
 uint slotAbout(uint node, uint k) { return args.incident.at[kIncidentUVec4s * node + k / 4][k % 4] % args.stride; }
 
 bool isInReach(vec3 middle, float radius, vec3 low, vec3 high) {

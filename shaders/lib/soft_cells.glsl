@@ -1,5 +1,5 @@
-// The cells of a soft body, out of memory. Whoever includes this has `args` with setting, nodes, corners, skinCount,
-// firstInner and slots.
+// The cells of a soft body, read from memory. Requires `args` with setting, nodes, corners, skinCount, firstInner and
+// slots.
 #ifndef PALPATE_LIB_SOFT_CELLS_GLSL
 #define PALPATE_LIB_SOFT_CELLS_GLSL
 #extension GL_EXT_control_flow_attributes : require
@@ -11,10 +11,10 @@ SoftRules softRules() {
                    SETTING.rules.bend, SETTING.rules.twist, SETTING.rules.bendDrag, SETTING.rules.perEdges);
 }
 
-// Between the cells with skin and those without are slots that hold none.
+// Slots between the cells with skin and those without are empty.
 bool holdsCell(uint slot) { return slot < args.skinCount || (slot >= args.firstInner && slot < args.slots); }
 
-// Node of the corner `k`, of the four that corners at x = 0 have.
+// Node of corner `k`; `corners` holds the four nodes at x = 0.
 uint nodeAt(uvec4 corners, uint k) { return corners[k / 2] + k % 2; }
 
 Corners displacementsOf(uint slot) {
@@ -24,7 +24,7 @@ Corners displacementsOf(uint slot) {
   return moved;
 }
 
-// In which all places of the skin are that a cell has; `corner`: its lowest one at rest.
+// The box around all skin points of a cell; `corner`: its lowest one at rest.
 void boxOf(vec3 corner, Corners moved, out vec3 low, out vec3 high) {
   const float spacing = SETTING.spacing;
   low = corner + moved.at[0];

@@ -1,4 +1,4 @@
-// The vectors and sums of a soft body that gives way. Whoever includes this has `args`, as SoftDescentArgs.
+// The vectors and sums of a soft body's compliance. Requires `args` as SoftDescentArgs.
 #ifndef PALPATE_LIB_SOFT_DESCENT_GLSL
 #define PALPATE_LIB_SOFT_DESCENT_GLSL
 #include "shaders/lib/matter_sums.glsl"
@@ -6,7 +6,7 @@
 uint at(uint vector, uint node) { return vector * args.nodeCount + node; }
 bool isFree(uint node) { return args.nodes.at[kNodeVec4s * node + 1].w != 0; }
 
-// The sum of a row over all blocks, and the largest last component; for all invocations of a workgroup.
+// The sum of a row over all blocks, and the maximum of its last component; for all invocations of a workgroup.
 vec4 readRow(uint row) {
   vec4 sum = vec4(0), largest = vec4(0);
   for (uint block = gl_LocalInvocationIndex; block < args.blocks; block += kMatterBlock) {
@@ -18,14 +18,14 @@ vec4 readRow(uint row) {
   return vec4(sum.xyz, largest.w);
 }
 
-// Of this block. All invocations call it together.
+// Writes the entry of this block. All invocations call it together.
 void keepRow(uint row, float term, float candidate) {
   vec4 sum = vec4(term, 0, 0, 0), largest = vec4(0, 0, 0, candidate);
   addUp(sum, largest, true);
   if (gl_LocalInvocationIndex == 0) args.sums.at[row * args.blocks + workgroupIndex()] = vec4(sum.xyz, largest.w);
 }
 
-// How far a trial goes along the way.
+// Step length of a trial along the search direction.
 float trialScale() { return kTrialStrain * args.setting.now.spacing / sqrt(readRow(kLongestRow).w); }
 
 #endif

@@ -1,5 +1,4 @@
-// What the cells about a node of a soft body do to it. Whoever includes this has `args` with incident, forces and
-// stride.
+// Force of the cells around a node of a soft body on it. Requires `args` with incident, forces and stride.
 #ifndef PALPATE_LIB_SOFT_FORCES_GLSL
 #define PALPATE_LIB_SOFT_FORCES_GLSL
 

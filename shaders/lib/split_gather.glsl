@@ -1,6 +1,6 @@
 // A first patch that several workgroups gather together: each takes a share of the cells, or of the candidates of one
-// round, and the last to finish takes the patch over. Nobody waits for anybody, so that it works on drivers that run
-// workgroups one after another (the counter is that of the "threadfence reduction" in NVIDIA's CUDA samples).
+// round, and the last to finish takes the patch over. No workgroup waits for another, so that it works on drivers that
+// run workgroups one after another (the counter is that of the "threadfence reduction" in NVIDIA's CUDA samples).
 #ifndef PALPATE_LIB_SPLIT_GATHER_GLSL
 #define PALPATE_LIB_SPLIT_GATHER_GLSL
 
@@ -8,7 +8,8 @@
 
 shared bool finishedLast;
 
-// The candidates from `begin` to `end` of the loaded round that belong to the patch, in order, to slots from `slot` on.
+// Writes the candidates from `begin` to `end` of the loaded round that belong to the patch, in order, to slots from
+// `slot` on.
 uint fillSegment(GatheredPatch gathered, CellBox box, uint firstCell, uint stride, uint begin,
                  uint end, uint slot, vec3 hip, vec3 centre, float reach) {
   uint count = 0;
@@ -27,7 +28,7 @@ uint fillSegment(GatheredPatch gathered, CellBox box, uint firstCell, uint strid
   return count;
 }
 
-// Gathers this workgroup's share. The first one also says where the patch is.
+// Gathers this workgroup's share. The first workgroup also writes the patch's centre.
 void gatherShare(GatheredPatch gathered, vec3 hip, vec3 centre, float reach, uint mostCells) {
   const CellBox box = boxAround(hip + centre, reach, mostCells);
   const uint rounds = (box.cells + kContactWorkgroup - 1) / kContactWorkgroup;
@@ -57,7 +58,7 @@ void gatherShare(GatheredPatch gathered, vec3 hip, vec3 centre, float reach, uin
   }
 }
 
-// Says that this workgroup has done its share. True in the one that says it last, which sees what all have written.
+// Signals that this workgroup has finished. True in the last one to signal, which sees what all have written.
 bool finishesLast(GatheredPatch gathered) {
   memoryBarrierBuffer();
   barrier();
@@ -68,7 +69,7 @@ bool finishesLast(GatheredPatch gathered) {
   return finishedLast;
 }
 
-// Makes ready for the next tick, once every invocation has taken the patch.
+// Resets the header for the next tick, once every invocation has taken the patch.
 void clearShares(GatheredPatch gathered) {
   if (gl_LocalInvocationIndex != 0) return;
   gathered.header.finished = 0;

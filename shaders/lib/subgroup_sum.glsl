@@ -1,5 +1,5 @@
-// The four sums of a vector's components over a subgroup, in six steps instead of twenty: with each of the first two an
-// invocation hands the components on that it is not going to sum up.
+// The four sums of a vector's components over a subgroup, in six steps instead of twenty: in each of the first two, an
+// invocation passes on the components that it does not sum up itself.
 #ifndef PALPATE_LIB_SUBGROUP_SUM_GLSL
 #define PALPATE_LIB_SUBGROUP_SUM_GLSL
 
@@ -20,7 +20,7 @@ float subgroupComponentSum(vec4 v) {
   return sum;
 }
 
-// All four, for all of them.
+// All four sums, for all invocations.
 vec4 subgroupSum(vec4 v) {
   const float sum = subgroupComponentSum(v);
   return vec4(subgroupShuffle(sum, 0), subgroupShuffle(sum, 1), subgroupShuffle(sum, 2), subgroupShuffle(sum, 3));

@@ -1,4 +1,4 @@
-// The surface of the patch around a place (shaders/shared/surface.h), summed up by a workgroup.
+// The surface of the patch around a position (shaders/shared/surface.h), summed up by a workgroup.
 #ifndef PALPATE_LIB_SURFACE_GLSL
 #define PALPATE_LIB_SURFACE_GLSL
 
@@ -12,24 +12,25 @@ layout(constant_id = 1) const uint kSurface = kSurfaceAverage;
 layout(constant_id = 2) const bool kLocalRadius = false;
 layout(constant_id = 5) const float kWidening = 1.0;  // SurfaceOptions::widening
 
-// Sums of subgroups that an invocation asks for at once; a workgroup has a multiple of so many.
+// Sums of subgroups that an invocation loads at once; the number of subgroups is a multiple of it.
 const uint kPartialsInFlight = 2;
 
 shared vec4 partialOffsets[kMaxSubgroups];
 shared vec4 partialNormals[kMaxSubgroups];
 shared vec4 partialProducts[kMaxSubgroups];  // xy
 
-// Points of the patch that an invocation visits side by side, so that none waits for the one before.
+// Points of the patch that an invocation visits side by side, so that their latencies overlap.
 const uint kPatchInFlight = 4;
-// Rounds in which each subgroup sums up a small patch by itself, all of them the same: none has to wait for the others.
+// Rounds in which each subgroup sums up a small patch alone, all with the same result, so that no subgroup waits for
+// others.
 const uint kRoundsAlone = 8;
 
 bool sumsAlone() { return patchCount <= kRoundsAlone * gl_SubgroupSize; }
-// The points that an invocation sums up: from the first on every so-manyth.
+// The points that an invocation sums up: from the first on every summedStride()-th.
 uint firstSummed() { return sumsAlone() ? gl_SubgroupInvocationID : scanIndex(); }
 uint summedStride() { return sumsAlone() ? gl_SubgroupSize : kContactWorkgroup; }
 
-// What all invocations have summed up, the same bits for each. All of them call it together.
+// The sums of all invocations, bitwise the same for each. All of them call it together.
 SurfaceSums sumOfAll(SurfaceSums sums) {
   if (sumsAlone()) {
     workDone += kRoundsAlone;
@@ -61,8 +62,8 @@ SurfaceSums sumOfAll(SurfaceSums sums) {
   return sums;
 }
 
-// The support radius that holds kSupportSpacings local spacings, as far as `radius` reaches. Two passes, since the
-// first averages the density over the whole radius; the second may only widen.
+// The support radius that holds kSupportSpacings local spacings, limited to `radius`. Two passes, since the first
+// averages the density over the whole radius; the second can only widen.
 float localRadiusAt(SpilledPoints spill, vec3 x, float radius) {
   float smallest = kMinLocalRadius * radius;
   float local = radius;
@@ -78,8 +79,8 @@ float localRadiusAt(SpilledPoints spill, vec3 x, float radius) {
   return local;
 }
 
-// A radius between `narrow` and the widened one: wide where the normals within that agree, as far as they belong to
-// the face `facing`.
+// A radius between `narrow` and the widened one: wide where the normals within the widened one agree, of points that
+// belong to the face `facing`.
 float wideWhereFlatAt(SpilledPoints spill, vec3 x, float narrow, vec3 facing) {
   const float wide = kWidening * narrow;
   const bool sided = facing != vec3(0.0);
@@ -114,8 +115,8 @@ vec3 velocityAt(SpilledPoints spill, Vec4s velocities, vec3 x, float radius, vec
   return knownVelocity(sums.normals.xyz / sums.offsets.w, facing, sums.offsets.x / sums.offsets.w);
 }
 
-// The surface at `x`, relative to the patch's centre, of the points of the face with the normal `facing`, or of
-// all where that is zero. All invocations call it together and get the same answer.
+// The surface at `x`, relative to the patch's centre, of the points of the face with the normal `facing`, or of all
+// points if that is zero. All invocations call it together and get the same answer.
 Surface surfaceAt(SpilledPoints spill, vec3 x, float largestRadius, vec3 facing) {
   float radius = largestRadius / kWidening;
   if (kLocalRadius) radius = localRadiusAt(spill, x, radius);

@@ -1,6 +1,6 @@
 // One tile of a reduce-then-scan (Merrill and Grimshaw 2009, section 3). In the second half each workgroup adds up the
-// sums of the tiles before its own and scans its own. The adding-up costs tiles^2 / 2 reads in all, which stay in cache
-// and below the scan's own traffic up to some 10,000 tiles (20 million values); it saves a third pass.
+// sums of the preceding tiles and scans its own. Adding up costs tiles^2 / 2 reads in total, which stay in cache and
+// below the scan's own traffic up to about 10,000 tiles (20 million values); it saves a third pass.
 #ifndef PALPATE_LIB_TILE_SCAN_GLSL
 #define PALPATE_LIB_TILE_SCAN_GLSL
 
@@ -9,14 +9,14 @@
 #include "shaders/lib/workgroup_scan.glsl"
 #include "shaders/shared/prefix_scan.h"
 
-// A subgroup takes kScanItems rows of consecutive values, so that its invocations read and write side by side. This is
-// where this invocation's values begin; the next stands gl_SubgroupSize further on.
+// A subgroup takes kScanItems rows of consecutive values, so that its invocations read and write side by side. Returns
+// the index of this invocation's first value; the next one is gl_SubgroupSize later.
 uint firstOfTile(uint tile) {
   const uint before = tile * gl_WorkGroupSize.x + gl_SubgroupID * gl_SubgroupSize;
   return before * kScanItems + gl_SubgroupInvocationID;
 }
 
-// The sum of all values before this subgroup's; `sum` is that of this invocation's.
+// The sum of all values before this subgroup's; `sum` is that of this invocation's values.
 uint sumBefore(Uints tileSums, uint tile, uint sum) {
   uint partial = 0;
   for (uint t = gl_LocalInvocationIndex; t < tile; t += gl_WorkGroupSize.x) partial += tileSums.at[t];

@@ -7,11 +7,11 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
 const uint kMaxSubgroups = 64;       // 256 invocations in subgroups of 4
-const uint kMaxScanSubgroups = 128;  // 512 of them, which are only counted and summed
+const uint kMaxScanSubgroups = 128;  // 512 invocations, for which only counts and sums are used
 shared uint subgroupSums[kMaxScanSubgroups];
 
-// Sum of `value` over the invocations before this one; `total` over all. Invocations count in the order of
-// (gl_SubgroupID, gl_SubgroupInvocationID), which is what the callers index their data by.
+// Sum of `value` over the invocations before this one; `total` over all. Invocations are ordered by (gl_SubgroupID,
+// gl_SubgroupInvocationID), as callers index their data.
 uint workgroupExclusiveScan(uint value, out uint total) {
   const uint inSubgroup = subgroupExclusiveAdd(value);
   const uint subgroupTotal = subgroupAdd(value);
@@ -28,7 +28,7 @@ uint workgroupExclusiveScan(uint value, out uint total) {
   return before + inSubgroup;
 }
 
-// This invocation's place in that order.
+// Index of this invocation in that order.
 uint scanIndex() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
 
 #endif

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Water, first half: weights of all that is near sum up to the compression of each particle.
+// Water, first half: the compression of each particle, from the sum of weights of everything near it.
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
@@ -25,7 +25,7 @@ void main() {
   float sum = 1;  // the particle itself
   for (uint first = 0; first < count; first += kListedAtOnce) {
     const uvec4 four = args.lists.at[first / kListedAtOnce * args.stride + slot];
-    vec3 others[kListedAtOnce];  // all of them are asked for before the first one is waited for
+    vec3 others[kListedAtOnce];  // all loads are issued before the first one is needed
     [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k) others[k] = args.places.at[slotOf(four[k])].xyz;
     [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k) {
       const float r = length(offsetFrom(four[k], others[k], place, size)) * perSupport;

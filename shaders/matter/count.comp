@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The cell of each particle, which is predicted inside of periodic borders from then on.
+// The cell of each particle; the predicted positions are wrapped into periodic borders here.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 

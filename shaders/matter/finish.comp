@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The end of a substep, one workgroup: the sums of all blocks, what they do to the tools, and how the simulation is.
+// The end of a substep, one workgroup: the sums of all blocks, their effect on the tools, and the simulation's state.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 

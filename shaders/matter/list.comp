@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Lists the neighbours of each particle, in the order of the cells around it. Copies the sorted particles back to where
-// the other passes read them: each invocation moves its own slot, and reads others only in the sorted copy.
+// Lists the neighbours of each particle, in the order of the cells around it. Copies the sorted particles back to the
+// arrays that the other passes read: each invocation moves its own slot, and reads others only in the sorted copy.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 
@@ -14,7 +14,7 @@ uint slot, count;
 uvec4 four;  // the last neighbours, until there are four
 vec3 seenFrom;
 
-// False where there is no room any more.
+// False if the list is full.
 bool listRun(uint begin, uint end, uint image) {
   const float reach2 = SETTING.listed * SETTING.listed;
   const uint most = SETTING.mostListed;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Slots by their cells, and within a cell by arrival.
+// Sorts slots by cell, and within a cell by arrival.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Moves particles, and the balls of tools, by their own velocity in a substep, and estimates how far particles will be
-// from where they were listed once lists can be made again.
+// Moves particles, and the balls of tools, by their own velocity in a substep, and estimates the particles'
+// displacement from their listed positions by the time when lists can be made again.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 
@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push { MatterPredictArgs args; };
 #include "shaders/lib/matter_hands.glsl"
 #include "shaders/lib/matter_model.glsl"
 
-// The ball does not go into the model that stands in the matter.
+// The ball does not enter the model in the matter.
 void stopTool(uint t) {
   if (!hasModel()) return;
   const vec3 velocity = args.tools.at[t].velocity, place = args.tools.at[t].place;
@@ -37,7 +37,7 @@ void main() {
     args.places.at[i] = vec4(place, 0);
     const vec3 moved = place + (args.ahead * SETTING.step) * velocity - args.listedAt.at[i].xyz;
     const vec3 gone = args.ahead > 0 ? kForesight * moved : moved;
-    atomicMax(farthest, floatBitsToUint(dot(gone, gone)));  // bits grow as floats do that are not below 0
+    atomicMax(farthest, floatBitsToUint(dot(gone, gone)));  // bits of non-negative floats grow like the floats
   }
   barrier();
   if (gl_LocalInvocationIndex == 0) atomicMax(args.control.now.farthest, farthest);

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Water, second half: pushes of all that is near sum up to a change of each particle's velocity, with which it settles.
+// Water, second half: the change of each particle's velocity, from the pushes of everything near it, and its new
+// position.
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
@@ -32,7 +33,7 @@ vec3 changeByNeighbours(uint slot) {
   vec3 change = vec3(0);
   for (uint first = 0; first < count; first += kListedAtOnce) {
     const uvec4 four = args.lists.at[first / kListedAtOnce * args.stride + slot];
-    vec4 others[kListedAtOnce];  // all of them are asked for before the first one is waited for
+    vec4 others[kListedAtOnce];  // all loads are issued before the first one is needed
     vec3 relative[kListedAtOnce];
     [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k) others[k] = args.pressed.at[slotOf(four[k])];
     [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k)

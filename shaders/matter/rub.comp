@@ -19,10 +19,10 @@ GrainRules rules;
 vec3 place, velocity;
 float mostOverlap;
 uint before, countBefore;  // contacts of the last substep
-uint expected;             // the next of those, as they mostly come in the order in which they came then
-uint after, countAfter;    // and those of this one
+uint expected;             // the next of those: contacts usually come in the same order again
+uint after, countAfter;    // contacts of this substep
 
-// Whether a contact was there in the last substep, and what that left of it.
+// Whether a contact existed in the last substep, and the slip that was left of it.
 bool wasThere(uint other, out vec3 left) {
   for (uint k = 0; k < countBefore; ++k) {
     const uvec4 contact = args.contacts.at[before + expected];
@@ -34,8 +34,8 @@ bool wasThere(uint other, out vec3 left) {
   return false;
 }
 
-// The change of velocity by what the grain touches, which stands `offset` from it and moves so, as it did but for what
-// gravity has added to the one of them and not to the other, `fall`.
+// Change of velocity by a contact. `offset`: from `other` to the grain. Their relative velocity is that of the last
+// substep, except for `fall`, which gravity has added to only one of them.
 vec3 meet(uint other, vec3 offset, float overlap, vec3 otherVelocity, vec3 fall) {
   const vec3 moved = rules.step * (velocity - otherVelocity);
   vec3 slip = vec3(0), left;

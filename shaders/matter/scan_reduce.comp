@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where each cell begins, from how many particles each has, first half.
+// Turns the number of particles of each cell into the first index of each, first half.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/tile_scan.glsl"
 #include "shaders/shared/matter_passes.h"

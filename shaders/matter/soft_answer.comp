@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What a soft body answers to a way: what its cells and the walls do less on the far side of a trial, and more on the
-// near side.
+// Response of a soft body to a search direction: central difference of the forces of its cells and the walls over a
+// trial.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_descent.h"
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Of each node of a soft body the mean change of displacements over the cells about it, by what these hold.
+// For each node of a soft body, the mean gradient of the displacements in the cells around it, weighted by volume.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_passes.h"
 

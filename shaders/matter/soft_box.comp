@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where the places of the skin are that each cell of a soft body has: between its corners, and a little beyond.
+// The box around the skin points of each cell of a soft body: between the cell's corners, and a little beyond.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_press.h"
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where points are that a soft body carries: they go where the nodes of their cell go, by their share of each.
+// Positions of the points that a soft body carries: they move with the nodes of their cell, by their share of each.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_passes.h"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What cells of a soft body do to their nodes. Of the cells with a place of the skin, those that may meet a wall or a
-// ball look at their places; what acts on these goes to the corners with the rest, so that nobody needs atomics.
+// Forces of the cells of a soft body on their nodes. Of the cells with skin points, those that may touch a wall or a
+// ball test their points; forces on these go to the corners with the others, so that no atomics are needed.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_passes.h"
 
@@ -10,10 +10,10 @@ layout(push_constant, scalar) uniform Push { SoftCellsArgs args; };
 #include "shaders/lib/matter_sums.glsl"
 #include "shaders/lib/soft_cells.glsl"
 
-// Whether cells may have another rest shape than a cube.
+// Whether cells may have a rest shape other than a cube.
 layout(constant_id = 1) const bool kSculpted = false;
-// Whether nodes are where they are for a trial: walls then answer to how far places have gone from where they are at
-// present, as the springs that they are there.
+// Whether the nodes are at the positions of a trial: walls then respond to the displacement of points from their
+// present positions, as linear springs.
 layout(constant_id = 2) const bool kTries = false;
 
 Corners moved, velocity, forces;
@@ -27,7 +27,7 @@ void readNodes(uint slot) {
   }
 }
 
-// Whether a place of the skin in the cell may be in a wall or a ball: all are between the corners.
+// Whether a skin point in the cell may be in a wall or a ball: all are between the corners.
 bool mayMeet(uint slot) {
   const float ball = SETTING.ball;
   vec3 low, high;
@@ -70,7 +70,7 @@ void handToCorners(vec3 share, vec3 force) {
   [[unroll]] for (int k = 0; k < 8; ++k) forces.at[k] += cornerShare(share, k) * force;
 }
 
-// Of the walls that a place is in at present.
+// Response of the walls in which a point is at present.
 vec3 wallsAnswer(uint slot, uint at, SkinNow now) {
   vec3 place = args.skin.at[kSkinVec4s * at + 1].xyz;
   const uvec4 corners = args.corners.at[slot];
@@ -110,14 +110,14 @@ void pressOnTool(uint slot, uint tool, inout vec3 impulse, inout vec3 angular) {
   }
 }
 
-// Both rows of what the block has come to.
+// Writes both rows of the block's sums.
 void keepSums(uint row, vec4 a, vec4 b) {
   if (gl_LocalInvocationIndex != 0) return;
   args.sums.at[row * args.blocks + workgroupIndex()] = a;
   args.sums.at[(row + 1) * args.blocks + workgroupIndex()] = b;
 }
 
-// All invocations of the workgroup together.
+// All invocations of the workgroup call it together.
 void meetTools(uint slot, bool meets) {
   for (uint tool = 0; tool < args.toolCount; ++tool) {
     vec3 impulse = vec3(0), angular = vec3(0);
@@ -137,7 +137,7 @@ CellRest restOf(uint slot) {
   return rest;
 }
 
-// What the cell does to its nodes, from the modes of its corners. Returns how much it is compressed.
+// Forces of the cell on its nodes, from the modes of its corners. Returns its compression.
 float push(uint slot) {
   const SoftRules rules = softRules();
   if (kSculpted && args.rests.at[slot].volume > 0) {

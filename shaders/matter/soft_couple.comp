@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// How much the place of one press goes with another one's: by the nodes that both hold.
+// Coupling of the positions of two presses, by the nodes that both hold.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_press.h"
 
@@ -8,7 +8,7 @@ layout(push_constant, scalar) uniform Push { SoftCoupleArgs args; };
 
 #include "shaders/lib/matter_sums.glsl"
 
-// What a press holds of a node; 0 where it does not.
+// Share of a node in a press; 0 if the press does not hold it.
 float shareIn(uint press, uint node) {
   const uint row = args.presses.at[press].row;
   uint low = row * args.heldStride, high = low + args.counts.at[1 + row];

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// So far along a way as it is best, and what is left of the load then.
+// Takes the optimal step along the search direction, and updates the residual of the load.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_descent.h"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Which nodes of a soft body a press may hold: those that have a part in a cell with skin within its radius, in the
-// order of their numbers.
+// The nodes of a soft body that a press may hold: those of cells with skin within its radius, in the order of their
+// numbers.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_press.h"
 
@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform Push { SoftHoldArgs args; };
 shared uint before[2][kMatterBlock];
 shared uint blocksInReach[kMatterBlock];
 
-// How many of the workgroup's invocations up to this one say so. All call this together.
+// Number of the workgroup's invocations up to this one for which `says` is set. All call this together.
 uint countedUpTo(bool says) {
   const uint local = gl_LocalInvocationIndex;
   barrier();
@@ -27,7 +27,7 @@ uint countedUpTo(bool says) {
   return before[from][local];
 }
 
-// After countedUpTo(): in all. Eight steps end in the half in which they began.
+// After countedUpTo(): the total. Eight steps end in the half in which they began.
 uint countedInAll() { return before[0][kMatterBlock - 1]; }
 
 bool nodeIsInReach(uint node, vec3 middle, float radius) {

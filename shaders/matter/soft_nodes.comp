@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where nodes of a soft body go, by what the cells about them do (symplectic Euler). The first workgroup has, if there
-// are tools, what the cells did to them, and where they go in the next substep.
+// Moves the nodes of a soft body by the forces of the cells around them (symplectic Euler). If there are tools, the
+// first workgroup applies the forces of the cells to them, and predicts them for the next substep.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_passes.h"
 
@@ -21,7 +21,7 @@ void moveTools() {
   }
 }
 
-// Their sums, for all invocations of a workgroup.
+// Sums over the block; all invocations of the workgroup call it together.
 void keepSums(uint block, vec3 onPins, vec3 momentum, float kinetic) {
   vec4 a = vec4(onPins, kinetic), b = vec4(momentum, 0);
   addUp(a, b, false);

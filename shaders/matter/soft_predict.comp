@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The balls of tools at the end of the first substep of a step, before a soft body presses on them.
+// Predicts the balls of tools for the end of the first substep of a step, before a soft body presses on them.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_passes.h"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Hands that press on a soft body, in a substep: a spring and a damper each, implicit for what cells and the other
-// presses do to the place, one press after another from what they were before (Gauss and Seidel;
+// Hands that press on a soft body, in a substep: a spring and a damper each, implicit with respect to the effect of
+// cells and other presses on the position; one press after another, starting from the forces before (Gauss and Seidel;
 // engine/matter/soft_press.hpp).
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_press.h"
@@ -12,10 +12,10 @@ layout(push_constant, scalar) uniform Push { SoftPressArgs args; };
 #include "shaders/lib/soft_forces.glsl"
 
 shared vec3 forces[kMaxPresses];  // on the hands, N
-shared vec3 change;                // of one of them
+shared vec3 change;                // of one of these forces
 
-// What the place of a press would have for a velocity at the end of the substep without any press: a part of it, from
-// the nodes of this invocation.
+// Velocity that the position of a press would have at the end of the substep without any press: a partial sum, over the
+// nodes of this invocation.
 vec3 freeVelocity(uint press) {
   const float step = args.setting.now.step;
   vec3 velocity = vec3(0);
@@ -48,7 +48,7 @@ vec3 forceOnHand(uint press, vec3 velocity, vec3 before) {
   return push * normal + (drag > most ? most / drag : 1) * along;
 }
 
-// What the presses of one hand ask for together is no more than that hand bears: of what this one asks for so much.
+// Factor on a press's force that limits the sum of the presses of its hand to the hand's maximum.
 float bornBy(uint press, uint presses) {
   const uint hand = args.presses.at[press].hand;
   uint first = press, end = press + 1;
@@ -101,7 +101,7 @@ void main() {
   barrier();
   vec3 velocity = freely;
   if (isPress) velocity -= slowedBy(local, presses);
-  barrier();  // all have read the forces of before
+  barrier();  // all have read the previous forces
   for (uint press = 0; press < presses; ++press) {
     if (local == press) {
       const vec3 force = forceOnHand(press, velocity, forces[press]);

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where the places of the skin are in which the nodes of each block have a part.
+// The box around the skin points to which the nodes of each block contribute.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_press.h"
 

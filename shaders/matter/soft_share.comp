@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// How much of a press each node of a soft body bears: the press takes the mean of the places of the skin about it, with
-// the weights that touch has for them, less for what faces away, and each place is where its cell's nodes are.
+// Share of each node of a soft body in a press: the press takes the mean of the skin points around it, with the weights
+// that touch has for them, reduced for points that face away; each point is the interpolation of its cell's nodes.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_press.h"
 #include "shaders/shared/weight.h"
@@ -22,7 +22,7 @@ vec3 placeOf(uint at, Corners moved) {
   return place;
 }
 
-// The sum of what the places in a cell give to one of its corners.
+// The sum of what the skin points in a cell contribute to one of its corners.
 float givenTo(uint slot, int corner, vec3 middle, float radius, vec3 normal) {
   const Corners moved = displacementsOf(slot);
   Corners modes = moved;
@@ -52,7 +52,7 @@ float givenTo(uint node, uint press) {
   return sum;
 }
 
-// Of the nearest ones that with the lowest number; for all invocations of a workgroup.
+// Of the nearest skin points the one with the lowest number; for all invocations of a workgroup.
 void findNearest(vec3 middle) {
   const uint local = gl_LocalInvocationIndex;
   float least2 = 3.4e38;
@@ -89,7 +89,7 @@ void findNearest(vec3 middle) {
   barrier();
 }
 
-// The corners of a cell stand in the order of their nodes.
+// The corners of a cell are in the order of their nodes.
 void holdNearest(uint press, uint row) {
   findNearest(args.presses.at[press].place);
   const uint local = gl_LocalInvocationIndex;
@@ -100,7 +100,7 @@ void holdNearest(uint press, uint row) {
   args.held.at[at].share = max(cornerShare(args.skin.at[kSkinVec4s * nearestAt[0]].xyz, int(local)), 0);
 }
 
-// Of all shares, and of those that are pinned.
+// Of all shares, and of those of pinned nodes.
 vec2 sumsOf(uint row, uint held) {
   vec4 sums = vec4(0), none = vec4(0);
   for (uint k = gl_LocalInvocationIndex; k < held; k += kMatterBlock) {
@@ -113,7 +113,7 @@ vec2 sumsOf(uint row, uint held) {
   return sums.xy;
 }
 
-// What a press holds of each node; false where it holds the nearest place alone.
+// Shares of the nodes of a press; false if it holds only the nearest skin point.
 bool findShares(uint press, uint row) {
   const uint local = gl_LocalInvocationIndex;
   uint held = args.counts.at[1 + row];

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Change of displacements over each cell of a soft body, by what it holds.
+// Gradient of the displacements in each cell of a soft body, weighted by its volume.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_passes.h"
 

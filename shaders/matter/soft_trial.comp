@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Nodes of a soft body a little further along a way, at rest.
+// Nodes of a soft body displaced by a small step along a search direction, with zero velocity.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_descent.h"
 

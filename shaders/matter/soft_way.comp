@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The next way on which a soft body gives way: along what is left, conjugate to the ways before.
+// The next search direction of a soft body's compliance: along the residual, conjugate to the directions before.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_descent.h"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Sorts particles by their cells, stably within a cell: a particle's rank is the number of particles of its cell that
-// stood before it.
+// Sorts particles by their cells, stably within a cell: a particle's rank is the number of particles of its cell before
+// it.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 

@@ -1,9 +1,9 @@
-// The surface at many places of a box. A workgroup fetches the points that any of them may see, piece by piece, into
-// shared memory; every brick of neighbouring places notes which of them may be seen from there, a bit for each, and a
-// few invocations share the points of each place. What a place does not see adds zero, and the others are summed in an
-// order that follows from the points within a support radius of the box: so what comes out depends on those alone.
-// Who includes this says how many invocations a workgroup has, kLanes, a multiple of 32, and how many of them share a
-// place, kSharers, a power of two up to 4.
+// The surface at many positions of a box. A workgroup loads the points in reach of any of them, piece by piece, into
+// shared memory; every brick of neighbouring positions marks those in its own reach, a bit for each, and a few
+// invocations share the points of each position. A point out of reach of a position adds zero, and the others are
+// summed in an order that follows from the points within a support radius of the box: so the result depends on those
+// alone. The including file defines kLanes, the invocations of a workgroup, a multiple of 32, and kSharers, those that
+// share a position, a power of two up to 4.
 #ifndef PALPATE_MESH_BLOCK_SURFACE_GLSL
 #define PALPATE_MESH_BLOCK_SURFACE_GLSL
 
@@ -16,18 +16,18 @@
 layout(constant_id = 2) const bool kMeshColored = false;
 
 const uint kPlaces = kLanes / kSharers;
-const uint kBrick = 32;  // invocations in a row whose places are visited as one box; bits of a word
+const uint kBrick = 32;  // consecutive invocations whose positions are visited as one box; bits of a word
 const uint kBricks = kLanes / kBrick;
-// Of the points in a word, those that an invocation takes.
+// The points of a word that one invocation takes.
 const uint kShare = kSharers == 1 ? 0xffffffffu : kSharers == 2 ? 0x55555555u : 0x11111111u;
 // Points in shared memory, at least as many as invocations. With more points fewer workgroups run at a time, with fewer
-// the bricks take more passes.
+// points the bricks take more passes.
 layout(constant_id = 3) const uint kPiece = 512;
-// Candidates that an invocation fetches at a time: what it waits for comes together. More take registers, and with them
+// Candidates that an invocation loads at a time, so that their latencies overlap. More take registers, and with them
 // room for other workgroups: 4 of them made an H200 a third slower.
 const uint kFetched = 2;
 const uint kPieceWords = kPiece / kBrick;
-// What rounding may add to the square of a distance, support radii: a brick must not miss a point.
+// Maximum rounding error of a squared distance, support radii: a brick must not miss a point.
 const float kSlack = 1e-4;
 
 struct Answer {
@@ -35,12 +35,12 @@ struct Answer {
   vec4 colors;  // sum of w c, sum of w
 };
 
-// Of the place of this invocation.
+// Of the position of this invocation.
 FieldSums placeSums;
 vec4 colorSums;
 shared uint cellStart[kLanes];  // candidates before this cell's, in this round
 shared uint cellFirst[kLanes];  // its first point
-// Place in the box, support radii, and normal: two wide loads for a point.
+// Position in the box, support radii, and normal: two wide loads for each point.
 shared vec4 piecePlaces[kPiece];  // and the normal's x
 shared vec2 pieceNormals[kPiece];
 shared uint pieceColors[kMeshColored ? kPiece : 1];
@@ -48,7 +48,7 @@ shared uint seenByBrick[kBricks * kPieceWords];
 uint pieceCount = 0;
 
 struct Box {
-  vec3 low, high;  // around the places, model units
+  vec3 low, high;  // around the positions, model units
   vec3 middle;
   ivec3 firstCell;
   uvec3 size;
@@ -79,7 +79,7 @@ bool isInCell(Box box, vec3 point, uint c) {
   return all(lessThan(cell, box.size)) && (cell.z * box.size.y + cell.y) * box.size.x + cell.x == c;
 }
 
-// Of the round's cells the last whose candidates begin at or before `candidate`.
+// The last of the round's cells whose candidates begin at or before `candidate`.
 uint cellOfCandidate(uint candidate) {
   uint cell = 0;
   for (uint step = kLanes / 2; step > 0; step /= 2)
@@ -87,15 +87,15 @@ uint cellOfCandidate(uint candidate) {
   return cell;
 }
 
-// Of the box, support radii.
+// Position relative to the middle of the box, support radii.
 vec3 placeInBox(Box box, vec3 place) { return (place - box.middle) / args.lattice.radius; }
 
-// The box around the places of a brick, as placeInBox().
+// The box around the positions of a brick, as placeInBox().
 struct Brick {
   vec3 low, high;
 };
 
-// Each invocation holds a point of a word against its own brick.
+// Each invocation tests a point of a word against its own brick.
 void findSeen(Brick brick) {
   const uint lane = scanIndex();
   for (uint i = lane; i < kBricks * kPieceWords; i += kLanes) seenByBrick[i] = 0;
@@ -133,7 +133,7 @@ void putInPiece(uint at, Box box, vec3 position, vec3 normal, uint id) {
   if (kMeshColored) pieceColors[at] = args.buffers.at[0].colors.at[id];
 }
 
-// The candidates of as many cells as there are invocations, each of which knows those of its own.
+// The candidates of as many cells as there are invocations, each of which holds those of its own cell.
 struct Round {
   uvec2 range;  // of points
   uint start;   // candidates before them
@@ -146,7 +146,7 @@ Round roundOf(Box box, uint firstCell) {
   return here;
 }
 
-// One pass over all points that the box sees, of which every `stride`th is taken. `cells`: the first round of them.
+// One pass over all points in reach of the box, of which every `stride`th is taken. `cells`: the first round of them.
 void sumBox(Box box, Round cells, uint stride, vec3 place, Brick brick, bool wanted, Surface before) {
   const uint lane = scanIndex();
   const float radius = 1.0001 * args.lattice.radius;
@@ -168,9 +168,9 @@ void sumBox(Box box, Round cells, uint stride, vec3 place, Brick brick, bool wan
         const uint owner = cellOfCandidate(candidate);
         const uint slot = cellFirst[owner] + candidate - cellStart[owner];
         points[k] = args.cloud.positions.at[slot];
-        normals[k] = args.cloud.normals.at[slot].xyz;  // at once, though few need it: to wait again costs more
+        normals[k] = args.cloud.normals.at[slot].xyz;  // at once, though few are needed: a second wait costs more
         const vec3 away = points[k].xyz - clamp(points[k].xyz, box.low, box.high);
-        // Another cell of the box may share the bucket: its points are taken as that one's.
+        // Another cell of the box may share the bucket: its points are taken with that cell.
         if (!(dot(away, away) < radius * radius) || !isInCell(box, points[k].xyz, firstCell + owner)) continue;
         near |= 1u << k;
       }
@@ -192,7 +192,7 @@ void sumBox(Box box, Round cells, uint stride, vec3 place, Brick brick, bool wan
   sumPiece(place, brick, wanted, before);
 }
 
-// Sharers add up alike, so that all of them have the same sums.
+// All sharers get the same sums.
 void joinShares() {
   for (uint step = 1; step < kSharers; step *= 2) {
     placeSums.surface.offsets += subgroupShuffleXor(placeSums.surface.offsets, step);
@@ -203,12 +203,12 @@ void joinShares() {
   }
 }
 
-// The number among the workgroup's places of that of this invocation.
+// Index of this invocation's position among those of the workgroup.
 uint placeIndex() { return scanIndex() / kSharers; }
 bool isFirstSharer() { return scanIndex() % kSharers == 0; }
 
-// The surface at `place`, as placeInBox(), if it is wanted; all places lie in the box, those of a brick in that. The
-// whole workgroup calls it together.
+// The surface at `place`, as placeInBox(), if it is wanted; all positions are in the box, and those of a brick in the
+// brick. The whole workgroup calls it together.
 Answer findSurface(Box box, Brick brick, vec3 place, bool wanted) {
   const Round cells = roundOf(box, 0);
   uint candidates = cells.total;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Which corners of every cell are inside, how many triangles that makes in each block, and which edges hold a vertex. A
-// workgroup treats a block, an invocation the cells of one word. A node whose value is zero is outside. A cell with a
-// node of which nothing is known holds nothing: there the surface has its border.
+// The inside corners of every cell, the number of triangles of each block, and the edges that hold a vertex. One
+// workgroup for each block, one invocation for the cells of one word. A node with value zero is outside. A cell with an
+// undefined node is empty: there the surface has its border.
 #include "shaders/mesh/lattice.glsl"
 
 shared uint neighbourSlots[8];
@@ -27,7 +27,7 @@ void loadApron(uvec3 block) {
   barrier();
 }
 
-// The bits of the inside corners; 0 where there is nothing, 255 where all is inside.
+// The bits of the inside corners; 0 if the cell is empty, 255 if it is all inside.
 uint caseOf(uvec3 cell) {
   uint inside = 0;
   bool known = true;

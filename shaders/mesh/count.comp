@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The vertices of every block, and of every word of its masks those before it. A workgroup treats a block, an
-// invocation a word.
+// The number of vertices of every block, and for every word of its masks those before it. One workgroup for each block,
+// one invocation for each word.
 #include "shaders/lib/workgroup_scan.glsl"
 #include "shaders/mesh/lattice.glsl"
 

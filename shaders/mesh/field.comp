@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The lattice: the value of every node of every block that is there. A workgroup treats a part of a block.
+// The lattice: the value of every node of every present block. One workgroup for a part of a block.
 #include "shaders/mesh/lattice.glsl"
 const uint kLanes = gl_WorkGroupSize.x;
 const uint kSharers = kMeshFieldSharers;
 #include "shaders/mesh/block_surface.glsl"
 
-// Neighbouring invocations have neighbouring nodes (Morton 1966), so that a brick is as compact as can be.
+// Neighbouring invocations have neighbouring nodes (Morton 1966), so that a brick is as compact as possible.
 uvec3 nodeOfCode(uint code) {
   const uvec3 v = uvec3(code) >> uvec3(0, 1, 2);
   return v & 1 | v >> 2 & 2 | v >> 4 & 4;

@@ -1,10 +1,10 @@
-// From the points around a place to the surface there: that of contact (shaders/shared/surface.h), or the skin
-// where the density of the points (thesis, equation 3.1) falls to a given one.
+// The surface at a position from the points around it: that of contact (shaders/shared/surface.h), or the level set
+// where the density of the points (thesis, equation 3.1) falls to a given value.
 #ifndef PALPATE_MESH_FIELD_GLSL
 #define PALPATE_MESH_FIELD_GLSL
 
 #include "shaders/mesh/lattice.glsl"
-// After what names the buffers of contact.
+// After the buffer references of contact.
 #include "shaders/shared/surface.h"
 
 layout(constant_id = 1) const uint kMeshSurface = kSurfaceSphere;
@@ -19,8 +19,8 @@ FieldSums noSums() { return FieldSums(SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0
 
 const Surface kNoSurface = Surface(false, 0.0, vec3(0.0), 0, false);
 
-// Adds a point that is `d` support radii away, and gives its weight: zero where that is one or more, and then nothing
-// changes. `before`: what the pass before this one has found; of the first pass nothing.
+// Adds a point that is `d` support radii away, and returns its weight: zero if the distance is one or more, and then
+// nothing changes. `before`: result of the previous pass; undefined in the first one.
 float addPoint(inout FieldSums sums, vec3 d, vec3 n, Surface before) {
   const float squared = dot(d, d);
   const float r = min(sqrt(squared), 1.0);
@@ -33,7 +33,7 @@ float addPoint(inout FieldSums sums, vec3 d, vec3 n, Surface before) {
   return w;
 }
 
-// The surface of one pass: signed distance, model units, and unit normal, zero where there is none.
+// The surface of one pass: signed distance, model units, and unit normal, zero if there is none.
 Surface surfaceOf(FieldSums sums) {
   if (kMeshSurface != kSurfaceDensity) return surfaceFrom(sums.surface, args.lattice.radius, kMeshSurface);
   const float density = sums.surface.offsets.w * args.lattice.densityScale;
@@ -42,7 +42,7 @@ Surface surfaceOf(FieldSums sums) {
                  steep > 0.0 ? -sums.slope / steep : vec3(0.0), 0, false);
 }
 
-// Where cells hold too many candidates, every so-manyth is taken.
+// If cells hold too many candidates, they are subsampled with this stride.
 uint strideFor(uint candidates) { return 1 + (max(candidates, 1) - 1) / kMeshMostCandidates; }
 
 #endif

@@ -1,4 +1,4 @@
-// What the passes over the lattice share: their arguments, and how blocks find one another.
+// Common parts of the passes over the lattice: their arguments, and the lookup of blocks.
 #ifndef PALPATE_MESH_LATTICE_GLSL
 #define PALPATE_MESH_LATTICE_GLSL
 
@@ -6,7 +6,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference2 : require
 
-// Named before the structs that hold their addresses.
+// Declared before the structs that hold their addresses.
 layout(buffer_reference) buffer MeshMoves;
 layout(buffer_reference) buffer MeshBuffersOf;
 
@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Push { MeshArgs args; };
 
 const uint kNoSlot = 0xffffffffu;
 
-// The slot of a block, or kNoSlot. A block beyond the lattice has none.
+// The slot of a block, or kNoSlot, also for a block beyond the lattice.
 uint slotOf(Uints table, uvec3 block) {
   if (any(greaterThanEqual(block, args.lattice.blocks))) return kNoSlot;
   const uint number = blockNumber(args.lattice, block);
@@ -29,20 +29,20 @@ uint slotOf(Uints table, uvec3 block) {
 // A node of the whole lattice, or an edge that begins there.
 struct NodeSlot {
   uint slot;
-  uint place;  // in its block
+  uint place;  // index in its block
 };
 NodeSlot nodeSlot(Uints table, uvec3 node) {
   return NodeSlot(slotOf(table, node / kMeshBlockSide), inBlock(node % kMeshBlockSide));
 }
 
-// The lowest block that a box of `reach` around a place (model units from the lattice's origin) may meet. Places beyond
-// the lattice give one that is beyond it, too.
+// The lowest block that a box of `reach` around a position (model units from the lattice's origin) may intersect. For a
+// position beyond the lattice it is beyond it, too.
 ivec3 lowestBlock(vec3 place, float reach) {
   const float side = float(kMeshBlockSide) * args.lattice.cell;
   return ivec3(floor(clamp((place - reach) / side, vec3(-2.0), vec3(args.lattice.blocks))));
 }
 
-// Of a list that begins with 0 and never falls, the last entry that is not above `value`.
+// Index of the last entry that is not above `value`, in a list that begins with 0 and never falls.
 uint lastNotAbove(Uints list, uint first, uint count, uint value) {
   uint low = 0, high = count;  // the answer is in [low, high)
   while (high - low > 1) {

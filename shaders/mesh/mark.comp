@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Marks the blocks that have a node within reach of a point: a one in the table. An invocation visits one row of
-// blocks of one point, so that a lattice much finer than the cloud has no long loops.
+// Marks the blocks that have a node within reach of a point: a one in the table. An invocation visits one row of blocks
+// for one point, so that a lattice much finer than the cloud has no long loops.
 #include "shaders/mesh/lattice.glsl"
 
 void main() {
@@ -25,6 +25,6 @@ void main() {
     const vec3 away = place - clamp(place, first, last);
     if (dot(away, away) >= reach * reach) continue;
     const uint number = blockNumber(args.lattice, block);
-    if (table.at[number] == 0) table.at[number] = 1;  // most points find it marked, and looking costs less than writing
+    if (table.at[number] == 0) table.at[number] = 1;  // most points find it marked, and reading costs less than writing
   }
 }

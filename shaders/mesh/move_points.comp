@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Sets the points of an edit, and notes where they were. No point is named twice.
+// Sets the points of an edit, and records their positions before. No point occurs twice.
 #extension GL_EXT_buffer_reference : require
 layout(buffer_reference) buffer MeshMoves;
 layout(buffer_reference) buffer MeshBuffersOf;

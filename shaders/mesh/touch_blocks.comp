@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Marks the blocks that an edit may have changed: those of which a node, an edge or a cell beside one lies within the
-// support radius of where a point was or is. An invocation visits one row of blocks of one such place.
+// Marks the blocks that an edit may have changed: those with a node, an edge or a cell next to one within the support
+// radius of a point's old or new position. An invocation visits one row of blocks for one such position.
 #include "shaders/mesh/lattice.glsl"
 
 void main() {

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The triangles of every cell, by the numbers of their vertices. A workgroup treats a block, an invocation the cells of
-// one word.
+// The triangles of every cell, by the numbers of their vertices. One workgroup for each block, one invocation for the
+// cells of one word.
 #include "shaders/lib/workgroup_scan.glsl"
 #include "shaders/mesh/lattice.glsl"
 

@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Places every vertex on its edge. A workgroup treats those of a block.
+// Computes the position of every vertex on its edge. One workgroup for each block.
 #include "shaders/mesh/lattice.glsl"
 const uint kLanes = kMeshVertexWorkgroup;
 const uint kSharers = kMeshVertexSharers;
 #include "shaders/mesh/block_surface.glsl"
 
-// Of the places of each brick, as placeInBox() and raised above zero, where the bits of floats order like the floats.
+// Bounds of each brick, as placeInBox() and raised above zero, where the bits of floats are ordered like the floats.
 shared uint brickLow[3 * kBricks], brickHigh[3 * kBricks];
 const float kRaise = 64.0;
 
@@ -38,7 +38,7 @@ float valueAt(uvec3 node) {
   return args.buffers.at[0].now.values.at[at.slot * kMeshBlockNodes + at.place];
 }
 
-// Where between a value of one sign and one of the other a straight line is zero, in edges.
+// The zero of a straight line between values of opposite signs, in edges.
 float crossing(float from, float fromValue, float to, float toValue) {
   return from + (to - from) * (fromValue / (fromValue - toValue));
 }
@@ -50,7 +50,7 @@ struct CutEdge {
   float low, high;
 };
 
-// The edge of the vertex that is the `local`th of a block.
+// The edge of the `local`th vertex of a block.
 CutEdge edgeOf(uint slot, uvec3 block, uint local) {
   const uint word = lastNotAbove(args.buffers.at[0].ranks, slot * kMeshMaskWords, kMeshMaskWords, local);
   uint mask = args.buffers.at[0].masks.at[slot * kMeshMaskWords + word];
@@ -80,8 +80,8 @@ void copyOld(uvec3 block, uint first, uint count) {
   }
 }
 
-// The surface is no straight line between two nodes: it was evaluated where the line is zero, and the line is drawn
-// again from there to the node on the other side (one step of the false position).
+// The surface is not linear between two nodes: it was evaluated where the straight line is zero, and the line is drawn
+// again from there to the node on the other side (one step of the false position method).
 void writeVertex(uint vertex, CutEdge edge, Answer there) {
   float t = crossing(0.0, edge.low, 1.0, edge.high);
   const float value = there.surface.distance;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A new point for each pixel that needs one and finds room.
+// Creates a new point for each pixel that needs one, while there is room.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/fusion_buffers.glsl"
 
@@ -21,7 +21,7 @@ bool append(uint pixel, uint rank) {
   args.positions.at[place.y] = vec4(surfel.place, uintBitsToFloat(place.x));
   args.normals.at[place.y] = vec4(surfel.normal, uintBitsToFloat(colorBeside(surfel.record)));
   args.records.at[place.x] = surfel.record;
-  if (view.felt != 0) {  // it is there at once
+  if (view.felt != 0) {  // it is there at once, without motion
     args.velocities.at[place.x] = vec4(0.0, 0.0, 0.0, 1.0);
     args.velocities.at[args.slots + place.x] = vec4(0.0);
   }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// How many ids and slots are free in each word of their masks.
+// Number of free ids and slots in each word of their masks.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/fusion_passes.h"
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The pixels that see a surface where no point of the map stands: 32 of them a word.
+// The pixels that see a surface without a point of the map: 32 of them a word.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/fusion_buffers.glsl"
 

@@ -1,20 +1,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Every point of the map looks for its pixel in the frame: it is averaged with what was measured there, stays as it
-// is, or goes. One slot of the live cloud an invocation; nothing depends on which of them comes first, since bits are
-// set and whole numbers added.
+// Every point of the map looks up its pixel in the frame: it is averaged with the measurement there, stays as it is, or
+// is removed. One invocation for each slot of the live cloud; nothing depends on their order, since bits are set and
+// integers added.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/fusion_buffers.glsl"
 
 layout(push_constant, scalar) uniform Push { FusePointsArgs args; };
 
-// Empty slots of the workgroup, 32 a word; and what became of its points.
+// Empty slots of the workgroup, 32 a word; and counts of its points.
 shared uint emptyMask[kMaxMaskWords];
 shared uint matchedPoints, removedPoints;
 
 uint pixelIndex(FusionView view, uvec2 pixel) { return pixel.y * view.width + pixel.x; }
 
-// Whether no depth about the pixel hides a place at that depth.
+// Whether no depth around the pixel hides a position at that depth.
 bool seesThroughAt(FusionView view, uvec2 pixel, float placeDepth) {
   const uvec2 first = max(pixel, uvec2(1)) - 1, last = min(pixel + 1, uvec2(view.width, view.height) - 1);
   for (uint y = first.y; y <= last.y; ++y)
@@ -23,7 +23,7 @@ bool seesThroughAt(FusionView view, uvec2 pixel, float placeDepth) {
   return true;
 }
 
-// kSight... of a point that is in view; where it was measured, `surfel` is what it is then.
+// kSight... of a point that is in view; if it was measured, `surfel` is updated.
 uint look(FusionView view, Projection projection, inout Surfel surfel) {
   const uint pixel = pixelIndex(view, projection.pixel);
   Measurement measured;
@@ -41,7 +41,7 @@ uint look(FusionView view, Projection projection, inout Surfel surfel) {
   return sight.kind;
 }
 
-// The way of a point that stays, from where it was before the frame.
+// The motion of a point that stays, from its position before the frame.
 void sendOn(FusionView view, uint id, vec3 place, vec3 normal, vec3 toPlace, vec3 toNormal) {
   SurfelWay way;
   way.velocity = args.velocitiesIn.at[id].xyz;
@@ -51,7 +51,7 @@ void sendOn(FusionView view, uint id, vec3 place, vec3 normal, vec3 toPlace, vec
   args.velocitiesOut.at[args.slots + id] = vec4(on.turn, 0.0);
 }
 
-// What becomes of a point, with its record. Whether it stays.
+// Updates a point and its record. Whether it stays.
 bool fusePoint(FusionView view, inout vec4 position, inout vec4 normal) {
   const Projection projection = projectionOf(view, position.xyz);
   if (!projection.inView) return true;
@@ -79,7 +79,7 @@ bool fusePoint(FusionView view, inout vec4 position, inout vec4 normal) {
 
 // Whether the slot has a point afterwards.
 bool fuseSlot(uint slot) {
-  // Both at once, needed or not: one would wait for the other.
+  // Loads both at once, needed or not, so that their latencies overlap.
   vec4 position = args.positionsIn.at[slot], normal = args.normalsIn.at[slot];
   const vec4 positionBefore = position, normalBefore = normal;
   const FusionView view = viewOf(args.view);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The pairs of pixels and points of the map, summed up by workgroups; the host adds up theirs in double precision.
-// Every sum has an order: an invocation's own pixels, then the invocations of the workgroup.
+// Sums over the pairs of pixels and points of the map by workgroups; the host adds up theirs in double precision. Every
+// sum has a fixed order: an invocation's own pixels, then the invocations of the workgroup.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/fusion_buffers.glsl"
 #include "shaders/shared/icp_passes.h"

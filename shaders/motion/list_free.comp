@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Id and slot of each new point, in the order of their pixels: the lowest that are free. One word of the masks an
-// invocation; most have nothing to do, since the new points take what comes first.
+// Id and slot of each new point, in the order of their pixels: the lowest free ones. One invocation for each word of
+// the masks; most have nothing to do, since the new points take the first free ones.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/fusion_passes.h"
 

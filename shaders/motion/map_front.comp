@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Which point of the map stands in front in each pixel: the index image. One slot of the live cloud an invocation, in
-// three turns, since no atomics on 64 bits are asked for. engine/motion/map_pairs.cpp does the same on the host.
+// The front point of the map in each pixel: the index image. One invocation for each slot of the live cloud, in three
+// rounds, since atomics on 64 bits are not required. engine/motion/map_pairs.cpp does the same on the host.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/fusion_buffers.glsl"
 #include "shaders/shared/icp_passes.h"
@@ -18,7 +18,7 @@ void main() {
   const Projection projection = projectionOf(view, position.xyz);
   if (!projection.inView) return;
   const uint pixel = projection.pixel.y * view.width + projection.pixel.x;
-  const uint depth = floatBitsToUint(projection.place.z);  // positive: in the order of its values
+  const uint depth = floatBitsToUint(projection.place.z);  // positive: its bits are ordered like its values
   if (args.turn != kFrontDepths && args.nearest.at[pixel] != depth) return;
   if (args.turn == kFrontPoints && args.ids.at[pixel] != id) return;
   const vec3 normal = args.normals.at[slot].xyz;

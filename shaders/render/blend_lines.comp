@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Lines in space, pass 2: what was marked is laid over the picture, in linear light.
+// Lines in space, pass 2: blends the marks over the picture, in linear light.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/color.glsl"
 #include "shaders/render/view.glsl"

@@ -1,7 +1,8 @@
 #ifndef PALPATE_CHANGED_BUCKETS_GLSL
 #define PALPATE_CHANGED_BUCKETS_GLSL
-// The buckets in which a point of the drawn cloud has come, gone, moved or turned, for whoever measures the discs about
-// them again. The including file declares the push constants as `args`, with `marks`, `changed` and `grid`.
+// Marks the buckets in which a point of the drawn cloud was added, removed, moved or rotated, so that the discs around
+// them are measured again. The including file declares the push constants as `args`, with `marks`, `changed` and
+// `grid`.
 #include "shaders/lib/index.glsl"
 
 void markBucketOf(vec4 point) {

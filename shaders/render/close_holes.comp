@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where a scan has a gap, a few samples show what lies far behind: the background, or the inside of the other side.
-// Such a sample is enclosed: in each of eight directions a much nearer one is close. It then takes the surface of the
-// closest of them. Slits and notches are open in some direction and stay. The sample to take is only noted here and
-// followed by those who read, so that no invocation reads what another writes.
+// Through a gap in a scan a few samples show surfaces far behind: the background, or the inside of the other side. Such
+// a sample is enclosed: in each of eight directions a much nearer sample is close. It then takes the surface of the
+// closest of them. Slits and notches are open in some direction and stay. The source sample is only recorded here, and
+// looked up by later passes, so that no invocation reads what another one writes.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/view.glsl"
 

@@ -1,15 +1,15 @@
-// How a depth image falls and rises around a sample, without looking over a step.
+// Slope of a depth image around a sample, without crossing a step.
 #ifndef PALPATE_RENDER_DEPTH_SLOPE_GLSL
 #define PALPATE_RENDER_DEPTH_SLOPE_GLSL
 #include "shaders/render/view.glsl"
 
-// Infinite outside the picture, and where nothing is.
+// Infinite outside the picture, and for the background.
 float depthAt(Uints depths, uvec2 size, ivec2 at) {
   if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(size)))) return uintBitsToFloat(kNoDepth);
   return uintBitsToFloat(depths.at[uint(at.y) * size.x + uint(at.x)]);
 }
 
-// Of the steps to both sides the gentler one, since the other may lead off the surface; 0 where there is neither.
+// The gentler one of the steps to both sides, since the other may lead off the surface; 0 if there is neither.
 float gentlerStep(float before, float depth, float after) {
   const float back = depth - before, forth = after - depth;
   const float step = abs(back) < abs(forth) ? back : forth;

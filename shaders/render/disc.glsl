@@ -1,12 +1,12 @@
-// A point as an oriented disc, and what of it each pixel shows: the same for whoever draws it.
+// A point as an oriented disc, and its fragment in each pixel: the same for all renderers.
 #ifndef PALPATE_RENDER_DISC_GLSL
 #define PALPATE_RENDER_DISC_GLSL
 #include "shaders/render/view.glsl"
 #include "shaders/shared/frame.h"
 
-const float kOutlineFacing = 0.7;  // cosine; more calls insides outlines, less lights outlines as insides
-const float kEdgeTrust = 0.1;      // of a disc on edge; more roughens outlines and folds
-// Of a disc seen from its back: it counts where no other does. More lets the far side of an edge shine through.
+const float kOutlineFacing = 0.7;  // cosine; more treats insides as outlines, less lights outlines as insides
+const float kEdgeTrust = 0.1;      // of a disc seen edge-on; more roughens outlines and folds
+// Of a disc seen from its back: it counts only if no other disc does. More lets the far side of an edge shine through.
 const float kBackTrust = 1.0 / 256;
 
 struct Disc {
@@ -19,12 +19,12 @@ struct Disc {
   ivec2 centerPixel;
 };
 
-// What [low, high] at depths from `shallow` to `deep` can cover in the picture, in units of the focal length.
+// Interval of the picture that [low, high] can cover at depths from `shallow` to `deep`, in units of the focal length.
 vec2 projectedInterval(float low, float high, float shallow, float deep) {
   return vec2(low / (low < 0 ? shallow : deep), high / (high < 0 ? deep : shallow));
 }
 
-// The line along which a disc is cut off (shaders/shared/splat_radius.h), from radii in its own plane.
+// The line along which a disc is clipped (shaders/shared/splat_radius.h), from radii in its own plane.
 vec3 clipOf(RenderView view, vec4 normalAndRadius, uint bits) {
   if (bits == 0) return vec3(0);
   vec3 u, v;
@@ -33,7 +33,7 @@ vec3 clipOf(RenderView view, vec4 normalAndRadius, uint bits) {
   return toEye(view, clip.x * u + clip.y * v);
 }
 
-// Where the middle of a disc is seen; false where it is not.
+// Position of a disc's middle in the picture; false if it is not visible.
 bool placeDisc(RenderView view, vec3 position, out Disc disc) {
   disc.center = toEye(view, position - view.eye);
   if (!(disc.center.z >= view.nearDepth)) return false;
@@ -43,11 +43,10 @@ bool placeDisc(RenderView view, vec3 position, out Disc disc) {
   return true;
 }
 
-// Which way a disc lies and how it is lit. A disc without a normal faces the eye. One that is seen from its back a
-// little stands just behind an outline and peeps over it: it is lit as if it were the outline. Seen from the back in
-// full it is the inside of an open surface, and its normal is turned. Discs on edge stand out from the surface where a
-// scan has a fold or an outlying normal, so the flatter a disc lies before the eye, the more it counts.
-// `commonRadius`: the radius of all discs, which are whole then; 0: each has its own.
+// Orientation and shading normal of a disc; without a normal it faces the eye. A disc seen slightly from its back
+// sticks out over an outline, and is lit as the outline. Seen fully from the back it is the inside of an open surface,
+// and its normal is reversed. Discs seen edge-on stand out of the surface at folds and outlying normals, so they count
+// less. `commonRadius`: the radius of all discs, which are then not clipped; 0: each has its own.
 void orientDisc(RenderView view, vec4 normalAndRadius, uint clipBits, float commonRadius, inout Disc disc) {
   const vec3 toViewer = -normalize(disc.center);
   disc.normal = toEye(view, normalAndRadius.xyz);
@@ -63,7 +62,7 @@ void orientDisc(RenderView view, vec4 normalAndRadius, uint clipBits, float comm
 }
 
 struct PixelBox {
-  ivec2 first, last;  // both included; none when first exceeds last
+  ivec2 first, last;  // both included; empty if first exceeds last
 };
 
 // The pixels of the picture that a disc may cover. The box around a disc reaches R sqrt(1 - n_k^2) along axis k.
@@ -81,13 +80,13 @@ PixelBox boxOf(RenderView view, Disc disc) {
 }
 
 struct Fragment {
-  float depth;   // eye space, on the disc's plane
-  float weight;  // the disc's trust in its middle, kRimWeight of that at its rim
+  float depth;   // eye space, in the disc's plane
+  float weight;  // the disc's trust in its middle, kRimWeight times that at its rim
 };
 
-// False where the ray through the pixel misses the disc. Edge-on discs are safe: a hit lies within the disc, so its
-// depth is within a radius of the centre's, and a ray along the plane gives no number and no hit. The pixel that holds
-// the centre is always covered, so that discs smaller than a pixel leave no holes.
+// False if the ray through the pixel misses the disc. Edge-on discs are safe: a hit is within the disc, so its depth is
+// within a radius of the centre's, and a ray along the plane gives a NaN and no hit. The pixel that contains the centre
+// is always covered, so that discs smaller than a pixel do not leave holes.
 bool coverPixel(RenderView view, Disc disc, float inverseRadiusSquared, ivec2 pixel, out Fragment fragment) {
   const vec3 ray = rayThrough(view, vec2(pixel) + 0.5);
   fragment.depth = dot(disc.normal, disc.center) / dot(disc.normal, ray);

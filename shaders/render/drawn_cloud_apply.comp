@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Catching up with the edit log, pass 2 of 2: each point's last entry is written, and its mark is taken away for the
-// next range. An earlier entry of the same point may read the mark before or after that; it finds its own number
-// neither way.
+// Catching up with the edit log, pass 2 of 2: writes each point's last entry, and clears its mark for the next range.
+// An earlier entry of the same point may read the mark before or after that; in neither case does it find its own
+// number.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/brush.h"
 #include "shaders/shared/drawn_cloud.h"
@@ -13,13 +13,13 @@ layout(push_constant, scalar) uniform Push { CatchUpArgs args; };
 void main() {
   const uint i = threadIndex();
   if (i >= args.entryCount) return;
-  // Field by field: the validation layer of Debian 12 takes the load of a whole entry for larger than it is.
+  // Field by field: the validation layer of Debian 12 overestimates the size of the load of a whole entry.
   const uint slot = (args.firstSlot + i) & args.slotMask;
   const uint state = args.entries.at[slot].id;
   const uint id = state & ~kPointGone;
   if (id >= args.pointCount || args.latest.at[id] != i + 1) return;
   markBucketOf(args.positions.at[id]);
-  // No picture shows a point without a place.
+  // A point with a NaN as position is not drawn.
   const bool gone = (state & kPointGone) != 0;
   const vec3 place = gone ? vec3(uintBitsToFloat(0x7fc00000u)) : args.entries.at[slot].position;
   const vec4 point = vec4(place, uintBitsToFloat(gone ? kEmptySlot : id));
@@ -27,6 +27,6 @@ void main() {
   args.positions.at[id] = point;
   args.normals.at[id].xyz = args.entries.at[slot].normal;
   const uint color = args.entries.at[slot].color;
-  if (args.colored != 0) args.colors.at[id] = color == 0 ? kUnpainted : color;  // 0: it has none (yet, or again)
+  if (args.colored != 0) args.colors.at[id] = color == 0 ? kUnpainted : color;  // 0: it has no colour (yet, or again)
   args.latest.at[id] = 0;
 }

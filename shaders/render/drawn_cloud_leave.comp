@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pass 2 of 2: the points that are not among those of the live cloud are gone.
+// Pass 2 of 2: removes the points that are not in the live cloud.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/drawn_cloud.h"
 
@@ -16,7 +16,7 @@ void main() {
   const vec4 before = args.positions.at[id];
   if (floatBitsToUint(before.w) == kEmptySlot) return;
   markBucketOf(before);
-  // No picture shows a point without a place, and whoever comes there has no disc.
+  // A point with a NaN as position is not drawn, and a later point with this id has no measured disc.
   const vec4 nowhere = vec4(vec3(uintBitsToFloat(0x7fc00000u)), uintBitsToFloat(kEmptySlot));
   args.positions.at[id] = nowhere;
   if (args.marks != 0) args.measured.at[id] = nowhere;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// All points of a live cloud, which stand in the order of its index, into the drawn cloud, in the order of their ids,
-// pass 1 of 2: those that are there. Discs are measured again only near changed points: when a map takes in a frame,
-// most of it stays the same.
+// Copies all points of a live cloud, which are in the order of its index, to the drawn cloud, in the order of their
+// ids, pass 1 of 2: the present points. Discs are measured again only near changed points: when a frame is fused into a
+// map, most of the map stays the same.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/drawn_cloud.h"
 

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Discs by the graphics pipeline, pass 2 (Botsch and Kobbelt 2003): fragments come forward by the band in which discs
-// blend, so that the depth test lets those through that are close behind the nearest one. Blending adds their normals
-// and colours up, in the order of the points.
+// Discs by the graphics pipeline, pass 2 (Botsch and Kobbelt 2003): fragments are moved forward by the band in which
+// discs blend, so that the depth test passes those close behind the nearest one. Blending sums their normals and
+// colours, in the order of the points.
 #include "shaders/render/hardware_fragment.glsl"
 
 layout(location = 0) out vec4 normalAndWeight;

@@ -1,5 +1,5 @@
-// What the vertex shader tells the fragment shaders about a disc. HARDWARE_DISC is `out` in the one and `in` in the
-// others.
+// Outputs of the vertex shader for the fragment shaders about a disc. HARDWARE_DISC is `out` in the former and `in` in
+// the latter.
 #ifndef PALPATE_RENDER_HARDWARE_DISC_GLSL
 #define PALPATE_RENDER_HARDWARE_DISC_GLSL
 #include "shaders/render/disc.glsl"
@@ -13,7 +13,7 @@ layout(location = 0) HARDWARE_DISC Drawn {
   flat vec4 clip;     // w: trust
   flat vec3 shading;
   flat ivec2 centerPixel;
-  flat ivec4 box;     // first and last pixel: of several sprites none may reach into the next one, and they are square
+  flat ivec4 box;     // first and last pixel: of several sprites, which are square, none may reach into the next one
   flat uint color;    // RGBA8
 } drawn;
 

@@ -1,11 +1,11 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The discs of a cloud for the graphics pipeline: a point sprite over the disc's box of pixels, or a square of sprites
-// where the GPU's points are too small for the largest disc.
+// if the GPU's maximum point size is too small for the largest disc.
 #define HARDWARE_DISC out
 #include "shaders/render/hardware_disc.glsl"
 
-const float kDepthSlack = 1e-5;  // of the centre's depth: more than rounding takes from the depth of a fragment
+const float kDepthSlack = 1e-5;  // of the centre's depth: more than the rounding error of a fragment's depth
 
 out gl_PerVertex {
   vec4 gl_Position;
@@ -13,7 +13,7 @@ out gl_PerVertex {
 };
 
 void main() {
-  gl_Position = vec4(0, 0, 2, 1);  // out of sight
+  gl_Position = vec4(0, 0, 2, 1);  // outside the view
   gl_PointSize = 1;
   const uint shares = args.tiles * args.tiles;
   const uint point = gl_VertexIndex / shares;

@@ -1,14 +1,13 @@
-// The fragment of a disc that a fragment shader stands for.
+// The fragment of a disc that a fragment shader processes.
 #ifndef PALPATE_RENDER_HARDWARE_FRAGMENT_GLSL
 #define PALPATE_RENDER_HARDWARE_FRAGMENT_GLSL
 #define HARDWARE_DISC in
 #include "shaders/render/hardware_disc.glsl"
 
-// The vertex shader's depth is nearer than that of any fragment: what lies behind others is found out before it is
-// shaded.
+// The vertex shader's depth is nearer than that of any fragment: hidden fragments are rejected before they are shaded.
 layout(depth_greater) out float gl_FragDepth;
 
-// Discards what the disc does not cover, and sets the depth that is tested.
+// Discards fragments that the disc does not cover, and sets the depth that is tested.
 Fragment fragmentHere() {
   Disc disc;
   disc.center = drawn.center.xyz;
@@ -16,7 +15,7 @@ Fragment fragmentHere() {
   disc.clip = drawn.clip.xyz;
   disc.trust = drawn.clip.w;
   disc.centerPixel = drawn.centerPixel;
-  RenderView view;  // what of it counts here
+  RenderView view;  // the fields that coverPixel() needs
   view.center_px = args.center_px;
   view.focal_px = args.focal_px;
   view.nearDepth = args.nearDepth;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// From what the graphics pipeline left in its attachments to the depths and sums that the passes after it read, as
-// splat_depth.comp and splat_attributes.comp leave them.
+// Converts the attachments of the graphics pipeline into the depths and sums that the later passes read, in the form in
+// which splat_depth.comp and splat_attributes.comp write them.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/sums.glsl"
 #include "shaders/shared/hardware_raster.h"
@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push { HardwareSumsArgs args; };
 
 layout(set = 0, binding = 0) uniform texture2D depths;
 layout(set = 0, binding = 1) uniform texture2D normals;
-layout(set = 0, binding = 2) uniform texture2D colors;  // whatever, for a cloud without
+layout(set = 0, binding = 2) uniform texture2D colors;  // any texture, for a cloud without colours
 
 void main() {
   const uint place = threadIndex();
@@ -20,7 +20,7 @@ void main() {
   const ivec2 at = ivec2(place % size.x, place / size.x);
   const float depth = texelFetch(depths, at, 0).r;
   args.depth.at[place] = depth < 1 ? floatBitsToUint(depth * args.depthUnit) : kNoDepth;
-  // Only shares of the weight count, so it may be the same everywhere.
+  // Only ratios of weights count, so the total may be the same everywhere.
   const vec4 normal = texelFetch(normals, at, 0);
   const float scale = normal.w > 0 ? kHardwareWeight / normal.w : 0;
   storeNormal(args.normalSums, place, normal, scale);

@@ -1,6 +1,6 @@
-// The light that every surface of a picture stands in. It moves with the camera: a warm key light above on the left, a
-// weak cool fill on the right, and a sky that is brighter than the ground (hemisphere light). Highlights after Blinn
-// 1977 (Blinn-Phong).
+// The light of all surfaces of a picture. It moves with the camera: a warm key light above on the left, a weak cool
+// fill on the right, and a sky that is brighter than the ground (hemisphere light). Highlights after Blinn 1977
+// (Blinn-Phong).
 #ifndef PALPATE_RENDER_LIGHTING_GLSL
 #define PALPATE_RENDER_LIGHTING_GLSL
 #include "shaders/render/view.glsl"

@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Lines in space, pass 1: each pixel gets the most opaque mark of the lines that cover it. A line is a strip of so many
-// pixels about the way between its ends; a pixel is covered as far as its middle lies within that, with a ramp of a
-// pixel at the edge.
+// Lines in space, pass 1: each pixel gets the most opaque mark of the lines that cover it. A line is a strip of its
+// width in pixels around the segment between its ends; coverage of a pixel follows from the distance of its middle to
+// the segment, with a ramp of one pixel at the edge.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/view.glsl"
 
 layout(push_constant, scalar) uniform Push { LineArgs args; };
 
-// An end in the picture: pixels, and the inverse of its depth, which is linear there.
+// An end in the picture: pixels, and the inverse of its depth, which is linear in the picture.
 vec3 placeInPicture(RenderView view, vec3 p) { return vec3(sampleOf(view, p) / float(view.supersample), 1 / p.z); }
 
 void mark(uvec2 size, ivec2 pixel, vec3 a, vec3 b, RenderLine line) {
@@ -34,7 +34,7 @@ void main() {
   const vec3 a = placeInPicture(view, line.from), b = placeInPicture(view, line.to);
   const float reach = 0.5 * line.width_px + 1;
 
-  // Column by column where it runs more across than down, else row by row.
+  // Column by column if it is more horizontal than vertical, else row by row.
   const bool across = abs(b.x - a.x) >= abs(b.y - a.y);
   const vec2 p = across ? a.xy : a.yx, q = across ? b.xy : b.yx;
   const float slope = p.x == q.x ? 0 : (q.y - p.y) / (q.x - p.x);

@@ -1,6 +1,6 @@
-// How much of the sky a sample sees past the surface around it, from the depth image alone: the estimator of McGuire,
-// Mara and Luebke 2012 (Scalable ambient obscurance, section 2), with its taps on a spiral turned from sample to
-// sample.
+// The share of the sky that is visible from a sample past the surface around it, from the depth image alone: the
+// estimator of McGuire, Mara and Luebke 2012 (Scalable ambient obscurance, section 2), with its taps on a spiral that
+// is rotated from sample to sample.
 #ifndef PALPATE_RENDER_OCCLUSION_GLSL
 #define PALPATE_RENDER_OCCLUSION_GLSL
 #include "shaders/render/view.glsl"
@@ -8,12 +8,12 @@
 const uint kTaps = 14;
 const float kTurns = 5;               // of the spiral; with kTaps no two taps lie on one ray
 const float kOcclusionStrength = 2.4;
-const float kWidest_px = 160;         // of the spiral, samples; close by, wider ones only cost time
+const float kWidest_px = 160;         // of the spiral, samples; at close range, wider ones only cost time
 
 // A number from 0 to 1 that differs strongly between neighbours (Jimenez 2014, interleaved gradient noise).
 float turnOf(vec2 place_px) { return fract(52.9829189 * fract(dot(place_px, vec2(0.06711056, 0.00583715)))); }
 
-// 1: open, 0: closed in. `position` and `normal` in eye space; `bias` is how far discs stand out of the true surface.
+// 1: open, 0: enclosed. `position` and `normal` in eye space; `bias`: how far discs stand out of the true surface.
 float opennessAt(RenderView view, Uints depths, vec2 place_px, vec3 position, vec3 normal, float radius, float bias) {
   const float radius_px = min(radius * view.focal_px / position.z, kWidest_px);
   if (radius_px < 1) return 1;

@@ -13,12 +13,12 @@ const vec3 kBarColor = vec3(0.94, 0.94, 0.94);
 const float kOutlineWidth = 0.03;  // of the tool's radius, and
 const float kThinnest_px = 3;      // samples at least
 const float kBarEnd = 3.0;          // radius of the discs at the bar's ends, in radii of the bar
-const float kHiddenAlpha = 0.4;  // of what lies behind the surface
+const float kHiddenAlpha = 0.4;  // of an overlay behind the surface
 const float kHeadWidth = 2.4;    // of the arrow, in radii of the shaft
 const float kHeadLength = 6.0;   // in radii of the shaft; at most half the arrow
 
 struct Hit {
-  float depth;  // kMiss: a miss
+  float depth;  // kMiss: no hit
   vec3 normal;  // model space, unit, outward
 };
 const float kMiss = 3.0e38;
@@ -84,7 +84,7 @@ Hit hitArrow(vec3 eye, vec3 ray, RenderOverlays o) {
   return nearer(hit, hitDisc(eye, ray, o.arrowFrom, o.arrowDirection, o.arrowRadius));
 }
 
-// A ball's outline: the rays that pass its rim, at the depth where they are closest to its middle.
+// A ball's outline: the rays near its rim, at the depth where they are closest to its middle.
 Hit hitOutline(RenderView view, vec3 ray, vec3 center, float radius) {
   const vec3 toCenter = center - view.eye;
   const float along = dot(ray, toCenter) / dot(ray, ray);
@@ -108,7 +108,7 @@ Hit hitBar(vec3 eye, vec3 ray, RenderOverlays o) {
 
 const uint kParts = 5;
 
-// Lays the overlays over `behind`, farthest first; what lies behind the surface at `surfaceDepth` shines through it.
+// Blends the overlays over `behind`, farthest first; those behind the surface at `surfaceDepth` are translucent.
 vec3 overlaid(RenderView view, RenderOverlays o, vec3 inEye, float surfaceDepth, vec3 behind) {
   const vec3 ray = fromEye(view, inEye);
   Hit hits[kParts];

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference_uvec2 : require
-// What a window shows: a picture, and what lies over it. An invocation for each pixel.
+// The contents of a window: a picture, and the panels over it. One invocation for each pixel.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/panels.h"
 

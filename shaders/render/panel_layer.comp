@@ -4,16 +4,16 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-// What lies over a window's picture: the triangles of its panels, blended from the lowest to the uppermost. A workgroup
-// for each tile that is to be made, an invocation for each pixel. A pixel belongs to a triangle if its middle does; a
-// middle on the edge of two belongs to one of them.
+// The layer over a window's picture: the triangles of its panels, blended from the lowest to the topmost. One workgroup
+// for each tile to draw, one invocation for each pixel. A pixel belongs to a triangle if its middle does; a middle on
+// the edge between two belongs to one of them.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/panels.h"
 
 layout(push_constant, scalar) uniform Push { PanelLayerArgs args; };
 
-// Twice the area of the triangle that `p` makes with an edge, and whether the edge runs as it is computed. That is
-// always in the same direction, so that two triangles see the same edge.
+// Twice the area of the triangle of `p` and an edge, and whether the edge has the direction in which it is computed.
+// That is always the same, so that two triangles use the same edge.
 struct Side {
   float area;
   bool forward;
@@ -38,7 +38,7 @@ float coverage(vec2 uv) {
   return float(args.texture.at[place / 4] >> 8 * (place % 4) & 0xffu) / 255;
 }
 
-// A triangle as one invocation reads it for its subgroup: on a software driver reading costs far more than telling.
+// A triangle as one invocation reads it for its subgroup: on a software driver reads cost far more than shuffles.
 struct Shape {
   vec4 clip;
   PanelVertex a, b, c;
@@ -57,14 +57,14 @@ Shape shapeOf(Shape shape, uint invocation) {
                vertexOf(shape.c, invocation));
 }
 
-// Whether the triangle may cover something between two corners.
+// Whether the triangle may cover a pixel between two corners.
 bool mayShow(Shape shape, vec2 low, vec2 high) {
   const vec2 least = min(min(shape.a.place_px, shape.b.place_px), shape.c.place_px);
   const vec2 most = max(max(shape.a.place_px, shape.b.place_px), shape.c.place_px);
   return all(lessThanEqual(max(least, shape.clip.xy), high)) && all(greaterThanEqual(min(most, shape.clip.zw), low));
 }
 
-// The triangle over what lies below it: premultiplied, with what is let through in w.
+// The triangle blended over what is below: premultiplied, with the share of light that passes in w.
 vec4 blended(vec4 below, Shape shape, vec2 p) {
   if (any(lessThan(p, shape.clip.xy)) || any(greaterThanEqual(p, shape.clip.zw))) return below;
   const PanelVertex a = shape.a, b = shape.b, c = shape.c;

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The picture: lays the overlays over every sample, averages the samples of a pixel in linear light and encodes the
-// result. A variant without overlays does all pixels, and one with overlays does again the pixels that they may cover:
-// overlays get at least four samples per pixel even where the surface has one.
+// The picture: blends the overlays over every sample, averages the samples of a pixel in linear light and encodes the
+// result. A variant without overlays processes all pixels, and one with overlays repeats the pixels that they may
+// cover: overlays get at least four samples per pixel even if the surface has one.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/overlays.glsl"
 
@@ -10,8 +10,8 @@ layout(constant_id = 1) const uint kLaysOver = 0;
 
 layout(push_constant, scalar) uniform Push { ResolveArgs args; };
 
-// Less than half a step of eight bits either way (Bayer 1973): breaks the bands of dark gradients, and leaves colours
-// that eight bits hold exactly as they are.
+// Less than half a step of eight bits either way (Bayer 1973): avoids banding in dark gradients, and keeps colours that
+// eight bits represent exactly.
 float ditherAt(uvec2 pixel) {
   const uint x = pixel.x ^ pixel.y, y = pixel.y;
   const uint rank = (x & 1) << 3 | (y & 1) << 2 | (x & 2) | (y & 2) >> 1;

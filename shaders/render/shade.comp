@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Turns what the splats left in every sample into light, or into the intermediate image that was asked for.
+// Turns the sums of every sample into light, or into the requested intermediate image.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/color.glsl"
 #include "shaders/render/depth_slope.glsl"
@@ -28,7 +28,7 @@ vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
   return toLinear(colorAt(args.colorSums, place, size.x * size.y) / max(weightAt(args.normalSums, place), 1));
 }
 
-// What a sample at `place_px` shows whose surface is that of the sample `place`.
+// Light of a sample at `place_px` whose surface is that of the sample `place`.
 vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const uint imagePass = args.frame.at[0].imagePass;
   const vec3 inEye = depth * rayThrough(view, place_px);

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Eye-space depth smoothed within the surface: a Gaussian weight of the distance on screen times one of the difference
-// in depth from the plane through the sample (bilateral filter, Tomasi and Manduchi 1998), so that steps stay steps.
-// The slope of that plane is the gentler one of the two sides along each axis. Samples of the background do not change.
+// in depth from the plane through the sample (bilateral filter, Tomasi and Manduchi 1998), so that steps are kept. The
+// slope of that plane is the gentler one of the two sides along each axis. Samples of the background do not change.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/depth_slope.glsl"
 
@@ -21,7 +21,7 @@ void main() {
   const float depth = uintBitsToFloat(bits);
   const vec2 slope = depthSlope(args.depth, size, at, depth);
   const int reach = int(args.frame.at[0].smooth_px);
-  const float wide = 2.0 / float(reach * reach);  // the window ends at two deviations
+  const float wide = 2.0 / float(reach * reach);  // the window ends at two standard deviations
   const float deep = 1 / (kSmoothBand * args.frame.at[0].usualRadius);
   float sum = 0, weights = 0;
   for (int y = -reach; y <= reach; ++y)

@@ -1,5 +1,5 @@
-// Splats that were picked, and the samples that an invocation walks for one. All splat passes see exactly the same
-// fragments through this file.
+// Picked splats, and the samples that an invocation walks for one. All splat passes see exactly the same fragments
+// through this file.
 #ifndef PALPATE_RENDER_SPLAT_GLSL
 #define PALPATE_RENDER_SPLAT_GLSL
 #include "shaders/lib/index.glsl"
@@ -14,7 +14,7 @@ float lotOf(uint point) {
   return float((word >> 22 ^ word) >> 8) / 16777216.0;
 }
 
-// The share of the points that are drawn where discs have this radius; above 1 all are.
+// Share of the points that are drawn for discs of this radius; above 1 all are.
 float detailOf(float radius_px) {
   const float finer = radius_px / kFinestSplat;
   return args.frame.at[0].everyPoint != 0 ? 2 : kDetailCover * finer * finer;
@@ -22,9 +22,9 @@ float detailOf(float radius_px) {
 
 float commonRadius() { return args.frame.at[0].splatRadius; }
 
-// The disc of a point as it is drawn; false where it is not. Where points are finer than samples, those with low lots
-// stand for the others, at random but the same in every picture. Before one is left out it fades, so that nothing pops
-// while the camera moves.
+// The disc of a point as it is drawn; false if it is not drawn. Where points are finer than samples, points with low
+// lots represent the others, at random but the same in every picture. A point fades before it is left out, so that
+// nothing pops while the camera moves.
 bool loadDisc(RenderView view, uint point, out Disc disc) {
   if (!placeDisc(view, args.positions.at[point].xyz, disc)) return false;
   const float lot = lotOf(point);
@@ -46,7 +46,7 @@ PixelBox cutTo(PixelBox box, ivec2 middle, int side) {
 
 const ivec2 kTile = ivec2(kSplatTileWidth, kSplatTileHeight);
 
-// All that is drawn of a disc.
+// The drawn part of a disc.
 PixelBox splatBox(RenderView view, Disc disc) {
   return cutTo(boxOf(view, disc), disc.centerPixel, int(kMaxSplat));
 }
@@ -54,11 +54,11 @@ PixelBox splatBox(RenderView view, Disc disc) {
 struct Splat {
   uint point;
   Disc disc;
-  PixelBox box;        // to walk, row by row, by one invocation or a few
-  ivec2 pixel, stride;  // where this invocation begins, and how far it goes at a time
+  PixelBox box;        // walked row by row, by one invocation or a few
+  ivec2 pixel, stride;  // first pixel of this invocation, and its step
 };
 
-// To the next pixel of this invocation; it is past the box's last row at the end.
+// Advances to the next pixel of this invocation; at the end it is past the box's last row.
 void goOn(inout Splat splat) {
   splat.pixel += splat.stride;
   if (splat.pixel.x <= splat.box.last.x) return;
@@ -66,7 +66,7 @@ void goOn(inout Splat splat) {
   ++splat.pixel.y;
 }
 
-// The share of this invocation, in the pass over small or large splats; false when it has none. `view` is frame.view,
+// The share of this invocation, in the pass over small or large splats; false if it has none. `view` is frame.view,
 // held in registers by the caller.
 bool loadSplat(RenderView view, bool large, out Splat splat) {
   const uint thread = args.turn * gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x + threadIndex();

@@ -12,7 +12,7 @@ void main() {
   const float inverseRadiusSquared = 1 / (splat.disc.radius * splat.disc.radius);
   const float band = kDepthBand * splat.disc.radius;
   const float scale = args.counts.at[0].sumScale;
-  // Where many points make units coarse, no more than a rim weighs.
+  // If many points make the unit coarse, at most the weight of a rim.
   const float leastWeight = min(kMinWeight / scale, kRimWeight);
   const bool hasColors = args.frame.at[0].hasColors != 0;
   const vec3 color = hasColors ? unpackUnorm4x8(args.colors.at[splat.point]).rgb : vec3(0);

@@ -1,8 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Lists the points whose discs have to be measured again: those whose search visited a bucket in which something
-// has changed.
+// Lists the points whose discs have to be measured again: those whose search visited a changed bucket.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/splat_radius.h"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Surface splatting in compute (Zwicker et al. 2001; two passes after Botsch and Kobbelt 2003), pass 3: the nearest
-// depth of every sample. Bits of positive floats order like the floats, so an integer minimum serves.
+// depth of every sample. Bits of positive floats are ordered like the floats, so an integer minimum can be used.
 #include "shaders/render/splat.glsl"
 
 layout(constant_id = 1) const bool kLarge = false;

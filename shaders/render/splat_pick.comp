@@ -2,15 +2,15 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-// Surface splatting in compute, pass 1: lists the splats that the picture shows, the small ones and the large ones with
-// their tiles. The lists' order is that of arrival, and no picture depends on it.
+// Surface splatting in compute, pass 1: lists the visible splats, the small ones and the large ones with their tiles.
+// The lists are in the order of arrival, on which no picture depends.
 #include "shaders/render/splat.glsl"
 
-// Of this workgroup, and where they begin in the lists: one addition to each global counter for all of its invocations,
-// since additions to one place of memory come one after the other.
+// Of this workgroup, and their first indices in the lists: one addition to each global counter for all its invocations,
+// since additions to one memory location are serialised.
 shared uint smallsHere, largesHere, sharesHere;
 shared uvec3 starts;
-// Of each invocation: its point, and where its shares begin among those of its subgroup.
+// Of each invocation: its point, and the first index of its shares among those of its subgroup.
 shared uint points[gl_WorkGroupSize.x], subgroupStarts[gl_WorkGroupSize.x];
 
 void main() {
@@ -48,10 +48,10 @@ void main() {
   if (seen && !large) args.picked.at[starts.x + before.x + subgroupBallotExclusiveBitCount(smalls)] = point;
   const uint fromEnd = starts.y + before.y + subgroupBallotExclusiveBitCount(larges);
   if (large) args.picked.at[args.frame.at[0].count - 1 - fromEnd] = point;
-  // Each invocation of the subgroup writes every so-manyth share: one disc may have thousands.
+  // Each invocation of the subgroup writes every gl_SubgroupSize-th share: one disc may have thousands.
   const uint first = starts.z + before.z;
   for (uint i = gl_SubgroupInvocationID; i < sharesInAll && first + i < kMaxShares; i += gl_SubgroupSize) {
-    // The last disc whose shares begin at i or before; those without any begin where the next one does.
+    // The last disc whose shares begin at i or before; discs without shares begin where the next one does.
     uint owner = firstPlace;
     for (uint step = gl_SubgroupSize / 2; step > 0; step /= 2)
       if (subgroupStarts[owner + step] <= i) owner += step;

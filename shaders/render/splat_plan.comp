@@ -1,13 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Surface splatting in compute, pass 2: how many workgroups walk the splats that were listed, and how finely their
-// normals and colours can be summed. One invocation.
+// Surface splatting in compute, pass 2: the number of workgroups that walk the listed splats, and the resolution of the
+// sums of their normals and colours. One invocation.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/render.h"
 
 layout(push_constant, scalar) uniform Push { SplatPlanArgs args; };
 
-// Of one turn.
+// Rows of workgroups in one round.
 uint rowsFor(uint splats, uint perGroup) {
   const uint perRow = args.turns * kSplatRow * perGroup;
   return splats / perRow + uint(splats % perRow != 0);
@@ -19,7 +19,7 @@ void main() {
   const uint larges = shares > kMaxShares ? args.counts.at[0].large : shares;
   const uint rows[2] = uint[2](rowsFor(args.counts.at[0].small, args.smallsPerGroup),
                                rowsFor(larges, args.largesPerGroup));
-  // No sum may reach 2^31, even with all of them in one sample.
+  // No sum may reach 2^31, even if all splats are in one sample.
   const uint each = 0x7FFFFFFFu / max(args.counts.at[0].small + args.counts.at[0].large, 1);
   args.counts.at[0].sumScale = float(min(1u << findMSB(each), kFinestSum));
   args.counts.at[0].smallGroups = uint[3](kSplatRow, rows[0], 1);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_vote : require
-// The radius of each point's disc (shaders/shared/splat_radius.h says which). One subgroup for each point: in hash
+// The radius of each point's disc (defined in shaders/shared/splat_radius.h). One subgroup for each point: in hash
 // order those of a workgroup visit the same cells. In double precision: tests/render/splat_radius_reference.cpp.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/frame.h"
@@ -10,7 +10,7 @@
 layout(push_constant, scalar) uniform Push { SplatRadiusArgs args; };
 #include "shaders/lib/neighbours.glsl"
 
-// Small subgroups see fewer points for the same work: it is made up to what those of 8 see.
+// Small subgroups see fewer points for the same work: the budget is raised to what subgroups of 8 see.
 uint workBudget() { return max(kSplatWorkBudget, walkBudget(kSplatFewestExamined)); }
 
 // cos and sin of 0, 30, ... 150 degrees; the other six directions are their opposites.
@@ -19,13 +19,13 @@ const vec3 kCosB = vec3(0, -0.5, -0.866025404), kSinB = vec3(1, 0.866025404, 0.5
 
 vec3 selfNormal, axisU, axisV;
 bool hasPlane;
-float seen;  // how far the last search went
+float seen;  // radius of the last search
 uint workSpent;
-// One over the distance to the nearest border, in each direction; 0 where there is none.
+// One over the distance to the nearest border, in each direction; 0 if there is none.
 vec3 aheadA, aheadB, behindA, behindB;
 uint neighbours;
-bool besideEdge;  // somebody of another side was met
-bool clips;       // what the visits are for
+bool besideEdge;  // a point of another side was visited
+bool clips;       // purpose of the visits
 float clipCloseness;
 vec2 clipDirection;
 
@@ -34,7 +34,7 @@ bool ofOtherSide(vec3 other) {
   return cosine > kSplatSharpest && cosine < kSplatSharp;
 }
 
-// Where the plane of a point on the other side cuts that of this disc, unless the edge is concave.
+// Where the plane of a point on the other side intersects that of this disc, unless the edge is concave.
 void meetOtherSide(vec3 d, vec3 other) {
   const float above = dot(other, d);
   if (!ofOtherSide(other) || above <= 0) return;
@@ -73,7 +73,7 @@ void visitNeighbour(uint id, vec3 other, vec3 d) {
   behindB = max(behindB, countedFrom(least, -second));
 }
 
-// Meets the points nearer than `radius` that the last search has not met. The whole subgroup calls it together.
+// Visits the points nearer than `radius` that the last search has not visited. The whole subgroup calls it together.
 void search(vec3 center, float radius) {
   neighbours = 0;
   visitNeighbours(center, radius, workBudget() - workSpent);
@@ -84,8 +84,8 @@ void search(vec3 center, float radius) {
   behindB = subgroupMax(behindB);
 }
 
-// The nearest line along which the disc is cut off, in the tangent plane and in radii: of a place beyond it the dot
-// product with this exceeds 1. Zero where there is none.
+// The nearest line along which the disc is clipped, in the tangent plane and in radii: for a position beyond it the dot
+// product with this exceeds 1. Zero if there is none.
 vec2 clipLine(vec3 center, float radius) {
   clips = true;
   clipCloseness = 0;
@@ -106,7 +106,7 @@ float usualCloseness() {
   float usual = 0;
   for (uint rank = 0; rank < kSplatUsualRank; ++rank) {
     usual = max(max(mostOf(all[0]), mostOf(all[1])), max(mostOf(all[2]), mostOf(all[3])));
-    bool taken = false;  // one at a time where several are equal
+    bool taken = false;  // one at a time if several are equal
     for (uint k = 0; k < 12; ++k)
       if (!taken && all[k / 3][k % 3] == usual) {
         all[k / 3][k % 3] = -1;
@@ -116,7 +116,7 @@ float usualCloseness() {
   return usual;
 }
 
-// The least closeness that is not open; `none` where all are.
+// The smallest closeness that is not open; `none` if all are open.
 float leastClosed(vec3 closeness, float open, float none) {
   return leastOf(mix(vec3(none), closeness, greaterThanEqual(closeness, vec3(open))));
 }
@@ -125,7 +125,7 @@ float leastCloseness() {
   return min(min(leastOf(aheadA), leastOf(aheadB)), min(leastOf(behindA), leastOf(behindB)));
 }
 
-// Of a point that has no neighbour near enough to be its neighbour on a surface.
+// Of a point without a neighbour near enough to be on the same surface.
 float radiusAlone() { return min(args.spacing, args.widest); }
 
 float radiusInPlane(float usual, float open) {
@@ -165,7 +165,7 @@ void main() {
       const float usual = usualCloseness();
       const float open = max(usual / kSplatOpen, 1 / args.widest);
       radius = radiusInPlane(usual, open);
-      // What was not seen yet is closer than this in no direction.
+      // Points not visited yet cannot be closer than this in any direction.
       const float unseen = 2 / reach;
       enough = leastCloseness() >= unseen || open >= unseen;
     } else {

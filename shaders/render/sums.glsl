@@ -1,10 +1,10 @@
-// What fragments add up in a sample: their normals and colours, each times its weight, and the weights.
+// Sums of fragments in a sample: of normals and colours, each times its weight, and of the weights.
 //
-// Sums are integers, so their value does not depend on the order of the additions. The fixed-point unit
-// is 2^31 over the number of discs that are drawn at most: even if every one fell into one sample with full weight, no
-// sum could overflow. In such a crowd the rounding errors average out; with few points in a sample the unit is fine
-// where it counts. Normals are kept as n + 1, which is never negative, so that two sums may share a word of 64 bits
-// without a carry between them: where atomics are that wide half as many do, and leave the same bytes.
+// Sums are integers, so their value does not depend on the order of the additions. The fixed-point unit is 2^31 divided
+// by the maximum number of drawn discs: even if all of them were in one sample with full weight, no sum could overflow.
+// With so many discs the rounding errors average out; with few points in a sample the unit is fine enough. Normals are
+// stored as n + 1, which is never negative, so that two sums may share a word of 64 bits without a carry between them:
+// atomics of that width need half as many additions, and leave the same bytes.
 #ifndef PALPATE_RENDER_SUMS_GLSL
 #define PALPATE_RENDER_SUMS_GLSL
 #ifdef PALPATE_WIDE_SUMS
@@ -26,7 +26,7 @@ void addPair(Uints sums, uint first, uvec2 pair) {
 }
 #endif
 
-// `normal`: no component beyond 1.
+// `normal`: no component exceeds 1.
 void addNormal(Uints sums, uint place, float weight, vec3 normal, float scale) {
   const uvec4 fixedPoint = uvec4(round(scale * weight * vec4(normal + 1, 1)));
   addPair(sums, 4 * place, fixedPoint.xy);

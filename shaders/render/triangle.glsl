@@ -11,7 +11,7 @@ struct Triangle {
   uvec3 vertices;
   vec3 corners[3];    // eye space
   vec2 corners_px[3];
-  vec3 normal;        // of its plane, not unit; away from the eye where its outside is seen: eye space is left-handed
+  vec3 normal;        // of its plane, not unit; away from the eye if its outside is seen: eye space is left-handed
   ivec2 first, last;  // samples that its box holds, both included
   uvec2 tiles;        // of its box
 };
@@ -23,7 +23,7 @@ float edgeSide(vec2 a, vec2 b, bool turned, vec2 p) {
   return turned ? -area : area;
 }
 
-// False where there is nothing to draw.
+// False if there is nothing to draw.
 bool loadTriangle(RenderView view, uint number, out Triangle t) {
   vec2 low = vec2(1e7), high = vec2(-1e7);
   for (uint k = 0; k < 3; ++k) {
@@ -49,7 +49,7 @@ struct Hit {
   vec3 shares;  // of the corners
 };
 
-// False where the ray through a sample misses the triangle.
+// False if the ray through a sample misses the triangle.
 bool hitAt(RenderView view, Triangle t, ivec2 sampleAt, out Hit hit) {
   const vec2 p = vec2(sampleAt) + 0.5;
   vec3 sides;

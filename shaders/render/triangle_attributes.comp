@@ -1,14 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A mesh in compute, pass 2: the triangle that is nearest in a sample, or the few that meet there, give it their
-// normals and colours. Sums are integers, so that their order does not matter.
+// A mesh in compute, pass 2: the nearest triangle of a sample, or the few that meet there, add their normals and
+// colours. Sums are integers, so that their order does not matter.
 #include "shaders/render/sums.glsl"
 #include "shaders/render/triangle.glsl"
 
 const float kSameDepth = 1 + 1e-6;  // two passes may round differently
 
-// Unit, model axes. Of an open surface seen from behind it is turned towards the eye; one that leans away just behind
-// an outline is lit as if it were the outline.
+// Unit, model axes. For an open surface seen from behind it is reversed towards the eye; a normal that faces away just
+// behind an outline is lit as if it were the outline.
 vec3 shadingNormal(RenderView view, Triangle t, Hit hit, vec3 toViewer) {
   vec3 normal = vec3(0);
   for (uint k = 0; k < 3; ++k) normal += hit.shares[k] * args.vertices.at[t.vertices[k]].normal;

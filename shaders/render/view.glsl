@@ -1,4 +1,4 @@
-// Between model units, eye space and samples of the picture.
+// Conversion between model units, eye space and samples of the picture.
 #ifndef PALPATE_RENDER_VIEW_GLSL
 #define PALPATE_RENDER_VIEW_GLSL
 #include "shaders/shared/render.h"
@@ -11,10 +11,10 @@ vec3 fromEye(RenderView view, vec3 direction) {
   return direction.x * view.right + direction.y * view.up + direction.z * view.forward;
 }
 
-// Where a point of eye space lies in the picture, in samples.
+// Position of a point of eye space in the picture, in samples.
 vec2 sampleOf(RenderView view, vec3 p) { return view.center_px + view.focal_px / p.z * vec2(p.x, -p.y); }
 
-// The ray through a place of the picture, in eye space, of depth 1: times a depth it gives the point there.
+// The ray through a position in the picture, in eye space, of depth 1: times a depth it gives the point there.
 vec3 rayThrough(RenderView view, vec2 place_px) {
   const vec2 offset = (place_px - view.center_px) / view.focal_px;
   return vec3(offset.x, -offset.y, 1);

@@ -1,5 +1,5 @@
-// What a brush does to one point in one tick. C++ and GLSL compute the same to rounding: nothing here but sums,
-// products, quotients and square roots.
+// Effect of a brush on one point in one tick. C++ and GLSL agree up to rounding: only sums, products, quotients and
+// square roots are used.
 #ifndef PALPATE_SHARED_BRUSH_H
 #define PALPATE_SHARED_BRUSH_H
 #include "shaders/shared/types.h"
@@ -15,24 +15,23 @@ const uint kBrushGrab = 4;
 const uint kBrushPaint = 5;
 const uint kBrushFlatten = 6;
 
-// Of the support radius: no point moves further in one edit, so that a resting proxy keeps its surface.
+// Of the support radius: maximum displacement of a point in one edit, so that a resting proxy keeps its surface.
 const float kLongestMove = 0.25f;
-// Of the support radius: points deeper than this in a carving ball are taken away at once. Less tears the surface where
-// the hand is fast; more leaves scraps of a model that the ball has swallowed whole.
+// Of the support radius: points deeper than this in a carving ball are removed at once. Less tears the surface when the
+// hand is fast; more leaves remains of the model inside the ball.
 const float kCarveDepth = 2.0f;
-// Of the brush's radius: how far the whole effect of inflate moves a point in one tick.
+// Of the brush's radius: displacement of a point in one tick by the full effect of inflate.
 const float kInflateStep = 1e-3f;
-// Of the brush's radius: nearer than this to its centre there is no way out but the tip's.
+// Of the brush's radius: a point nearer to the tool's axis than this is displaced towards the tip.
 const float kAtCenter = 1e-6f;
-// Cosines between the normal that the stroke found at a point and the tool's axis: from the first on a point is turned
-// away, and goes along the less the further it is; one behind the other belongs to another side of the model, which the
-// tool does not touch.
+// Cosines between the normal that the stroke found at a point and the tool's axis: below the first the effect on the
+// point decreases; below the second it is zero, since the point belongs to another side of the model, which the tool
+// does not touch.
 const float kTurnedAway = -0.3f, kOtherSide = -0.8f;
-// Of what is measured: a weight, a normal and a height of one, as whole numbers, so that their sums do not depend on
-// the order in which they come.
+// Units of a measured weight, normal and height of 1: integers, so that sums do not depend on the order of addition.
 const float kWeightSteps = 63.0f, kNormalSteps = 511.0f, kHeightSteps = 255.0f;
-const float kMaxHeight = 4.0f;  // radii of the brush
-// RGBA8, what paint finds where a point has no colour (0) yet: kUnpainted of engine/core/point_state.hpp.
+const float kMaxHeight = 4.0f;  // in radii of the brush
+// RGBA8 that paint starts from for a point without a colour (0): kUnpainted of engine/core/point_state.hpp.
 const uint kUnpainted = 0xff93aac8u;
 
 PALPATE_STRUCT(Brush) {
@@ -46,20 +45,20 @@ PALPATE_STRUCT(Brush) {
 PALPATE_SINGLE(Brush);
 PALPATE_SIZE(Brush, 24);
 
-// Where the tool is in one edit, relative to the cloud's origin, model units. It is fixed to the hand, and its axis is
-// the normal of the surface as the stroke found it there: engine/edit/brush_stroke.hpp.
+// Pose of the tool in one edit, relative to the cloud's origin, model units. The tool is fixed to the hand, and its
+// axis is the normal of the surface there as the stroke found it: engine/core/brush_stroke.hpp.
 PALPATE_STRUCT(BrushTool) {
-  PALPATE_VEC3 center;   // push and carve: of the ball; the others: where the stroke found the surface under the hand
-  uint acts;             // 0: nothing yields
+  PALPATE_VEC3 center;   // push and carve: of the ball; others: surface position under the hand as the stroke found it
+  uint acts;             // 0: no effect
   PALPATE_VEC3 outward;  // unit, the axis
-  Real shaft;            // push and carve: how far the tool goes on outwards from the centre, as wide as the ball
-  PALPATE_VEC3 motion;   // grab: of the hand since it took hold
-  Real share;            // of the whole effect that this edit has; inflate: ticks times strength
-  PALPATE_VEC3 middle;   // of the ball around all that the tool reaches
-  Real reach;            // its radius
-  PALPATE_VEC3 hand;     // where the tool is in the hand
-  Real hearing;          // points that were found no further from there say how the surface lies
-  Real height;           // inflate: how far it raises the middle, model units
+  Real shaft;            // push and carve: length of the tool outwards from the centre, as wide as the ball
+  PALPATE_VEC3 motion;   // grab: displacement of the hand since the grab began
+  Real share;            // of the full effect, in this edit; inflate: ticks times strength
+  PALPATE_VEC3 middle;   // of the ball around the tool's reach
+  Real reach;            // radius of that ball
+  PALPATE_VEC3 hand;     // position of the tool on the path of the HIP
+  Real hearing;          // points found within this distance of `hand` measure the surface
+  Real height;           // inflate: displacement at the centre, model units
   uint stroke;           // number, from 1 on
   uint sampling;         // one of 2^sampling points is measured
   uint unused;
@@ -74,15 +73,16 @@ PALPATE_STRUCT(FoundPoint) {
 };
 PALPATE_SINGLE(FoundPoint);
 
-// A point after its brush.
+// A point after the brush.
 PALPATE_STRUCT(Brushed) {
   PALPATE_VEC3 position;
-  uint taken;  // not 0: the point goes away
+  uint taken;  // not 0: the point is removed
 };
 PALPATE_SINGLE(Brushed);
 
-// What one point says of the surface over the hand: sums of these over all points say how it lies there. The nearer it
-// was found, the more it says: a hand that has gone from one side of the model into another is under that one.
+// Contribution of one point to the measured surface over the hand: the sums over all points give its position and
+// orientation. Nearer points weigh more: a hand that has moved from one side of the model into another is under that
+// side.
 struct MeasuredPoint {
   int weight;
   ivec3 normal;  // times the weight
@@ -108,12 +108,12 @@ PALPATE_FORMULA MeasuredPoint measured(PALPATE_OF(Brush) brush, PALPATE_OF(Brush
   return point;
 }
 
-// Whether a point is measured; of dense clouds only some are, always the same ones.
+// Whether a point is measured; dense clouds are subsampled, always to the same points.
 PALPATE_FUNCTION bool isSampled(uint id, uint sampling) {
   return sampling == 0u || (id * 2654435761u) >> (32u - sampling) == 0u;
 }
 
-// How much a brush acts so far from the brush's centre, 0 to 1.
+// Weight of a brush at a distance from its centre, 0 to 1.
 PALPATE_FORMULA Real brushWeight(PALPATE_OF(Brush) brush, Real distance) {
   const Real r = distance / brush.radius;
   const Real base = Real(1.0) - r * r;
@@ -123,23 +123,22 @@ PALPATE_FORMULA Real brushWeight(PALPATE_OF(Brush) brush, Real distance) {
   return weight;
 }
 
-// How much a point goes along, 0 to 1, by how the stroke found it to face.
+// Weight of a point by its normal as the stroke found it, 0 to 1.
 PALPATE_FORMULA Real facingShare(PALPATE_OF(BrushTool) tool, PALPATE_VEC3 foundNormal) {
   const Real share = (dot(foundNormal, tool.outward) - Real(kOtherSide)) / Real(kTurnedAway - kOtherSide);
   return max(Real(0.0), min(Real(1.0), share));
 }
 
-// Share of the whole effect that a point gets in this edit, by how far it is from the tool's centre.
+// Share of the full effect that a point gets in this edit, by its distance from the tool's centre and its normal.
 PALPATE_FORMULA Real brushShare(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                 PALPATE_VEC3 foundNormal) {
   if (tool.acts == 0u) return Real(0.0);
   return tool.share * facingShare(tool, foundNormal) * brushWeight(brush, length(position - tool.center));
 }
 
-// Push (thesis section 5.2): the thesis takes the proxy itself as every point's target, which on flat ground only
-// crowds them. Here a point goes along the tool's axis to the underside of the ball, so that the brush leaves its shape
-// and what lies ahead of a hand that moves is pressed down and not carried along. With a brush shrunk to a point the
-// two are the same.
+// Push (thesis section 5.2). The thesis moves every point towards the proxy, which on flat ground only crowds the
+// points. Here a point moves along the tool's axis to the underside of the ball: the brush leaves its shape, and points
+// ahead of a moving hand are pressed down, not carried along. For a point-sized brush both are the same.
 PALPATE_FORMULA PALPATE_OF(Brushed)
     pushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_OF(FoundPoint) found) {
   PALPATE_OF(Brushed) result;
@@ -154,7 +153,7 @@ PALPATE_FORMULA PALPATE_OF(Brushed)
   if (!(squared > Real(0.0))) return result;
   const Real chord = sqrt(squared);
   if (height > max(tool.shaft, chord)) return result;
-  // Of the whole way from where it was found, less what it has gone.
+  // Of the full displacement from where the point was found, minus the part already done.
   const Real gone = dot(found.position - position, tool.outward);
   const Real depth = height + chord - (Real(1.0) - share) * (height + chord + max(gone, Real(0.0)));
   if (!(depth > Real(0.0))) return result;
@@ -162,8 +161,8 @@ PALPATE_FORMULA PALPATE_OF(Brushed)
   return result;
 }
 
-// Carve cuts the tool out of the solid. Its wall, where it runs inside the solid, is the new surface. A point that
-// faces the middle of the tool has solid behind it and goes to the wall; behind a point that faces away there is none.
+// Carve cuts the tool out of the solid. The tool's wall inside the solid is the new surface. A point that faces the
+// middle of the tool has solid behind it and moves to the wall; a point that faces away does not, and is removed.
 PALPATE_FORMULA PALPATE_OF(Brushed)
     carved(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position, PALPATE_VEC3 normal) {
   PALPATE_OF(Brushed) result;
@@ -185,8 +184,8 @@ PALPATE_FORMULA PALPATE_OF(Brushed)
   return result;
 }
 
-// Where a point goes by what is known of it alone; smooth needs its neighbours too (smoothed()), and paint moves
-// nothing.
+// Position of a point after the brush, as far as it follows from the point alone; smooth also needs its neighbours
+// (smoothed()), and paint does not move points.
 PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                             PALPATE_VEC3 normal, PALPATE_OF(FoundPoint) found) {
   if (brush.kind == kBrushPush) return pushed(brush, tool, position, found);
@@ -200,7 +199,7 @@ PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(
     result.position = position - max(-brush.longestMove, min(brush.longestMove, move)) * tool.outward;
     return result;
   }
-  // These two go by where the point was, so that it gets no more than its share however long the stroke is.
+  // These two use the position as found, so that a point gets no more than its share in a stroke of any length.
   const Real weight = facingShare(tool, found.normal) * brushWeight(brush, length(found.position - tool.center));
   if (!(weight > Real(0.0))) return result;
   if (brush.kind == kBrushInflate) {
@@ -216,9 +215,9 @@ PALPATE_FORMULA PALPATE_OF(Brushed) brushed(PALPATE_OF(Brush) brush, PALPATE_OF(
   return result;
 }
 
-// Smooth: a share of the way to the algebraic sphere that the neighbours define about the point (kSurfaceSphere), which
-// unlike their average leaves curvature alone. `signedDistance`: of the point to it, model units, positive outside;
-// `normal`: the sphere's.
+// Smooth: moves the point by a share of its distance to the algebraic sphere that the neighbours define about it
+// (kSurfaceSphere), which unlike their average preserves curvature. `signedDistance`: of the point to it, model units,
+// positive outside; `normal`: the sphere's.
 PALPATE_FORMULA PALPATE_VEC3 smoothed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                                       PALPATE_VEC3 foundNormal, Real signedDistance, PALPATE_VEC3 normal) {
   const Real move = brushShare(brush, tool, position, foundNormal) * signedDistance;
@@ -227,13 +226,13 @@ PALPATE_FORMULA PALPATE_VEC3 smoothed(PALPATE_OF(Brush) brush, PALPATE_OF(BrushT
 
 PALPATE_FORMULA uint blendedChannel(uint from, uint to, Real share) {
   const uint gap = from < to ? to - from : from - to;
-  // A level at least, so that the colour arrives.
+  // At least one level, so that the colour is reached.
   const uint wanted = max(1u, uint(share * Real(gap) + Real(0.5)));
   const uint move = min(gap, wanted);
   return from < to ? from + move : from - move;
 }
 
-// The colour of a point, RGBA8 or 0 for none, after one edit of paint.
+// Colour of a point, RGBA8 or 0 for none, after one edit of paint.
 PALPATE_FORMULA uint painted(PALPATE_OF(Brush) brush, PALPATE_OF(BrushTool) tool, PALPATE_VEC3 position,
                              PALPATE_VEC3 foundNormal, uint color) {
   const Real share = brushShare(brush, tool, position, foundNormal);

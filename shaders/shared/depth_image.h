@@ -1,28 +1,27 @@
-// What a pixel of a depth image says of the surface that it sees: place, normal and how far to trust them. The normal
-// is that of the plane which fits the depths of a square of pixels best by least squares; in the inverse of depth that
-// is linear, since the image of a plane is (a square of 3 x 3 gives central differences). Depths beyond a jump belong
-// to another surface and are left out. Who walks over the square: engine/motion/pixel_surface.cpp,
-// shaders/motion/pixel_surface.comp.
+// What a pixel of a depth image measures of its surface: position, normal and accuracy. The normal is that of the plane
+// that fits the depths of a square of pixels best by least squares; in inverse depth the fit is linear, since the image
+// of a plane is (a square of 3 x 3 gives central differences). Depths beyond a jump belong to another surface and are
+// left out. The loops over the square are in engine/motion/pixel_surface.cpp and shaders/motion/pixel_surface.comp.
 #ifndef PALPATE_SHARED_DEPTH_IMAGE_H
 #define PALPATE_SHARED_DEPTH_IMAGE_H
 #include "shaders/shared/real.h"
 
 PALPATE_SHARED_BEGIN
 
-// Pixels to either side of the one whose plane is fitted, at most. Few are enough where noise is small for the width
-// of a pixel; but at 1 m that of a structured-light camera is as large, and differences of neighbours say nothing of a
-// normal.
+// Maximum pixels to either side of the one whose plane is fitted. Few are enough where noise is small relative to the
+// width of a pixel; but at 1 m the noise of a structured-light camera is as large, and differences of neighbouring
+// pixels do not determine a normal.
 const int kFitReach = 3;
-// A slope is fitted over as few pixels as let it err by no more than this, as a tangent: 6 degrees.
+// A slope is fitted over the fewest pixels with which its error, as a tangent, is at most this: 6 degrees.
 const float kLargestSlopeError = 0.1f;
-// The steepest slope, as a tangent to the image plane, that two pixels of one surface have between them.
+// Maximum slope, as a tangent to the image plane, between two pixels of one surface.
 const float kSteepestSlope = 4.0f;
-// In deviations of the noise: depths that differ by more than this and the slope are a jump.
+// In standard deviations of the noise: depths that differ by more than this and the slope are a jump.
 const float kJumpDeviations = 4.0f;
-// In the same: a depth that lies farther off its own plane is that of no surface, as those between two are.
+// In the same unit: a depth farther than this from its own plane is not on a surface, like depths between two surfaces.
 const float kOutlierDeviations = 3.0f;
-// The least cosine between a surface's normal and the way to the camera: 78 degrees. Beyond it depth hardly says where
-// the surface is.
+// Minimum cosine between a surface's normal and the direction to the camera: 78 degrees. Beyond it depth hardly
+// determines the position of the surface.
 const float kMinFacing = 0.2f;
 
 // A camera without distortion; the middle of the first pixel is at (0, 0). Pixels.
@@ -34,8 +33,8 @@ PALPATE_STRUCT(Pinhole) {
 };
 PALPATE_SINGLE(Pinhole);
 
-// The deviation of a measured depth: least + growth * (depth - from)^2, metres. Of structured light after Nguyen, Izadi
-// and Lovell 2012 ("Modeling Kinect sensor noise for improved 3D reconstruction and tracking").
+// Standard deviation of a measured depth: least + growth * (depth - from)^2, metres. For structured light after Nguyen,
+// Izadi and Lovell 2012 ("Modeling Kinect sensor noise for improved 3D reconstruction and tracking").
 PALPATE_STRUCT(DepthNoise) {
   Real least;   // m
   Real growth;  // 1/m
@@ -43,7 +42,7 @@ PALPATE_STRUCT(DepthNoise) {
 };
 PALPATE_SINGLE(DepthNoise);
 
-// What measures depth.
+// A depth sensor.
 PALPATE_STRUCT(DepthSensor) {
   PALPATE_OF(Pinhole) camera;
   PALPATE_OF(DepthNoise) noise;
@@ -55,19 +54,19 @@ PALPATE_FORMULA Real depthDeviation(PALPATE_OF(DepthNoise) noise, Real depth) {
   return noise.least + noise.growth * beyond * beyond;
 }
 
-// The sum of x^2 over a full square of pixels: the variance of a fitted slope is that of a pixel over this.
+// The sum of x^2 over a full square of pixels: the variance of a fitted slope is that of a pixel divided by this.
 PALPATE_FORMULA Real squaresWithin(Real reach) {
   const Real side = Real(2.0) * reach + Real(1.0);
   return side * side * (side * side - Real(1.0)) / Real(12.0);
 }
 
-// The variance of the slope between two pixels side by side, from noise.
+// The variance of the slope between two adjacent pixels, from noise.
 PALPATE_FORMULA Real slopeVariance(PALPATE_OF(DepthSensor) sensor, Real depth) {
   const Real slope = depthDeviation(sensor.noise, depth) * min(sensor.camera.fx, sensor.camera.fy) / depth;
   return slope * slope;
 }
 
-// Pixels to either side that a plane is fitted to at a depth.
+// Pixels to either side for the plane fit at a depth.
 PALPATE_FORMULA int fitReach(PALPATE_OF(DepthSensor) sensor, Real depth) {
   const Real most = Real(kLargestSlopeError) * Real(kLargestSlopeError);
   const Real variance = slopeVariance(sensor, depth);
@@ -88,12 +87,12 @@ PALPATE_STRUCT(PixelSurface) {
 };
 PALPATE_SINGLE(PixelSurface);
 
-// Sums over pixels about the one in the middle.
+// Sums over the pixels around the middle one.
 PALPATE_STRUCT(PlaneSums) {
   Real count;
   PALPATE_VEC2 offsets;   // sums of x, y
   PALPATE_VEC3 products;  // sums of x x, x y, y y
-  Real rise;              // sum of q, the inverse depth less that in the middle
+  Real rise;              // sum of q, the inverse depth minus that in the middle
   PALPATE_VEC2 slopes;    // sums of x q, y q
 };
 PALPATE_SINGLE(PlaneSums);
@@ -108,7 +107,7 @@ PALPATE_FORMULA PALPATE_OF(PlaneSums) noPixels(Real zero) {
   return sums;
 }
 
-// Adds a pixel at `offset` from the middle, where depth is measured and belongs to the same surface.
+// Adds a pixel at `offset` from the middle, if its depth is measured and belongs to the same surface.
 PALPATE_FORMULA void addPixel(PALPATE_INOUT(PALPATE_OF(PlaneSums)) sums, PALPATE_OF(DepthSensor) sensor, Real middle,
                               PALPATE_VEC2 offset, Real depth) {
   if (!(depth > Real(0.0))) return;
@@ -124,14 +123,14 @@ PALPATE_FORMULA void addPixel(PALPATE_INOUT(PALPATE_OF(PlaneSums)) sums, PALPATE
   sums.slopes += q * offset;
 }
 
-// The surface that the sums about a pixel of depth `middle` show.
+// The surface at a pixel of depth `middle`, from the sums around it.
 PALPATE_FORMULA PALPATE_OF(PixelSurface)
     surfaceOf(PALPATE_OF(PlaneSums) sums, PALPATE_OF(DepthSensor) sensor, PALPATE_VEC2 pixel, Real middle) {
   const PALPATE_OF(Pinhole) camera = sensor.camera;
   PALPATE_OF(PixelSurface) none;
   none.normal = PALPATE_VEC3(Real(0.0));
   none.depth = Real(0.0);
-  // A corner of the square says where a plane lies; fewer pixels are no surface.
+  // A corner of the square is enough for a plane; fewer pixels do not define a surface.
   const Real corner = Real(fitReach(sensor, middle)) + Real(1.0);
   if (sums.count < corner * corner) return none;
   const Real n = sums.count;

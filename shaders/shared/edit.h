@@ -8,48 +8,47 @@
 
 PALPATE_SHARED_BEGIN
 
-// What the loops over the neighbours of one place may cost (lib/neighbour_walk.glsl). Past it what follows comes from
-// the points seen so far; reached only where a hundred thousand points share a place.
+// Maximum cost of the loops over the neighbours of one position (lib/neighbour_walk.glsl). Beyond it the results use
+// the points visited so far; reached only where a hundred thousand points share a position.
 const uint kNeighbourWorkBudget = 20000;
-// The same for those that decide whether points come or go, who walk over their neighbours several
-// times: so many candidates at most, or cells, whatever the size of a subgroup. Past it points decide by what they have
-// seen, and no new one is requested: only where thousands share a place, and those are merged with the ones that are
-// seen.
+// The same for the loops that decide whether points are added or removed, which visit the neighbours several times:
+// maximum candidates, or cells, for any subgroup size. Beyond it points decide by the neighbours visited, and no new
+// point is requested: only where thousands share a position, and those are merged with the visited ones.
 const uint kMaxExamined = 8192;
 
-// Cells that one workgroup searches for points that a brush reaches: as few as keep so many workgroups busy, within
-// these bounds. Fewer workgroups leave a GPU idle, more come and go for nothing.
+// Cells that one workgroup searches for points in reach of a brush: as few as keep this many workgroups busy, within
+// these bounds. Fewer workgroups leave a GPU idle, more are started for nothing.
 const uint kSelectWorkgroups = 528u;
-const uint kFewestSelectCells = 64u, kMaxSelectCells = 256u;  // at most one an invocation
+const uint kFewestSelectCells = 64u, kMaxSelectCells = 256u;  // at most one for each invocation
 
-// In the w of a normal between two ticks: the point is merged into a neighbour with the next edit.
+// In the w of a normal between two ticks: the next edit merges the point into a neighbour.
 const float kMarkGoes = 3.0f;
-// Bits of the place where a point rested that was never there.
+// Bits of the rest position of an id that no point has had yet.
 const uint kNeverRested = 0xffffffffu;
-// In the w of a fitted normal: the point is as it was given, and is not to be examined.
+// In the w of a fitted normal: the point stays as it was given, and is not examined.
 const float kNotExamined = -1.0f;
 // New points in one tick. They get their ids in the order of the points that request them, by comparing each with each.
-// Where more are requested none come, and in the next tick half of the requests count.
+// If more are requested none is created, and in the next tick half of the requests count.
 const uint kMaxBirths = 1024;
-// In memory; no workgroup has an array of this length, to which glslang would give this one's layout.
+// Length in memory; no workgroup array has this length, or glslang would give it the layout of this one.
 const uint kBirthSlots = kMaxBirths + 2;
 
-// A point as the stroke found it that moved it last.
+// A point as it was found by the stroke that moved it last.
 struct Found {
   vec3 position;
-  uint stroke;  // 0: none has
+  uint stroke;  // 0: not moved by a stroke
   vec3 normal;
-  float thick;  // how far under it the far sheet was seen last, model units; kUnseen
+  float thick;  // depth of the far sheet under it when last seen, model units; kUnseen
 };
 PALPATE_SIZE(Found, 32);
 
-// What an edit knows of points by their ids; null where it is not kept. Places for `ids` points.
+// Tables of an edit by the points' ids; null if a table is not kept. They hold `ids` points.
 struct PointTables {
   PALPATE_ADDRESS(Uints) colors;     // RGBA8
   PALPATE_ADDRESS(Uints) parents;    // of the points from firstNew on
   PALPATE_ADDRESS(Floats) spacings;  // target, of the points before firstNew, model units
-  PALPATE_ADDRESS(Places) rests;     // where points stood as loaded; of later ones, half way between their ends
-  PALPATE_ADDRESS(Floats) reaches;   // of the points from firstNew on: how far others may come from there
+  PALPATE_ADDRESS(Places) rests;    // positions as loaded; for later points, half way between the rests of the two ends
+  PALPATE_ADDRESS(Floats) reaches;  // of the points from firstNew on: how far from them new points may be created
   PALPATE_ADDRESS(Founds) founds;
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(BrushTools) tool;
@@ -61,41 +60,41 @@ struct PointTables {
   PALPATE_ADDRESS(Uints) movesOf;
   uint firstNew;
   uint ids;
-  uint mostMoves;  // that there is room for; as many requests
+  uint mostMoves;  // capacity of the list; the same for requests
   uint unused;
 };
 PALPATE_SIZE(PointTables, 128);
 
-// What a point that was examined requests for the next tick: at least to be examined again.
+// Request of an examined point for the next tick: at least to be examined again.
 struct PointRequest {
   vec3 position;  // of the point
   uint id;
   vec3 place;    // of the new point
-  uint inserts;  // not 0: it requests one
-  vec3 normal;   // of that, and so on
+  uint inserts;  // not 0: a new point is requested
+  vec3 normal;   // of the new point, like `color`, `parent` and `reach`
   uint color;
   uint parent;
   uint other;   // id of the point on the other side of the gap
-  float reach;  // how far others may come from there
+  float reach;  // how far from it other new points may be created
 };
 PALPATE_SIZE(PointRequest, 60);
 
 struct Resampling {
   uint requests;
-  uint births;  // new points that come with the next edit
+  uint births;  // new points of the next edit
   uint nextId;
   uint tick;
-  uint thinning;  // only requests of every 2^thinning-th point for a new one count
+  uint thinning;  // only every 2^thinning-th point's request for a new point counts
 };
 const uint kResamplingBytes = 20;
 PALPATE_SIZE(Resampling, kResamplingBytes);
 
 // What happens to the requests of the last tick.
 const uint kRecallsNothing = 0;
-const uint kRecallsRequests = 1;  // they become moves
+const uint kRecallsRequests = 1;  // turns them into moves
 const uint kForgetsRequests = 2;
 
-// The points that a brush reaches, and where it brings them.
+// The points in reach of a brush, and their moves.
 struct CollectArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
@@ -104,13 +103,13 @@ struct CollectArgs {
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(Tables) tables;
   uint recalls;  // kRecalls...
-  uint cells;    // of the brush's box, along one side; 0: slots from firstSlot on are examined
+  uint cells;    // along one side of the brush's box; 0: slots from firstSlot on are examined
   uint firstSlot;
   uint slots;
 };
 PALPATE_SIZE(CollectArgs, 112);
 
-// Workgroups that visit these cells or slots; those beyond carry out the requests.
+// Workgroups that visit these cells or slots; those after them carry out the requests.
 PALPATE_FUNCTION uint selectGroups(uint cells, uint slots) {
   if (cells == 0u) return (slots + kUpdateWorkgroup - 1u) / kUpdateWorkgroup;
   const uint all = cells * cells * cells;
@@ -128,15 +127,15 @@ struct SmoothArgs {
 };
 PALPATE_SIZE(SmoothArgs, 96);
 
-// What the last pass of an edit does besides: it reports to the host what the edit came to, and empties the counters.
+// Additional task of the last pass of an edit: it reports the result to the host, and resets the counters.
 struct EditEnd {
-  PALPATE_ADDRESS(Uints) report;      // of the HashUpdate; null in passes that are not the last
-  PALPATE_ADDRESS(Uints) resampling;  // of the Resampling; null where there is none
-  PALPATE_ADDRESS(Uints) empty;       // counters as they begin
+  PALPATE_ADDRESS(Uints) report;      // copy of the HashUpdate; null in all passes but the last
+  PALPATE_ADDRESS(Uints) resampling;  // copy of the Resampling; null without resampling
+  PALPATE_ADDRESS(Uints) empty;       // initial values of the counters
 };
 PALPATE_SIZE(EditEnd, 24);
 
-// After the index has followed: normals as they were fitted, and the requests that were carried out are dropped.
+// After the index update: writes the fitted normals, and drops the requests that were carried out.
 struct SettleArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
@@ -148,7 +147,7 @@ struct SettleArgs {
 };
 PALPATE_SIZE(SettleArgs, 120);
 
-// New requests, and which of those for new points are granted.
+// New requests, and the granted ones among those for new points.
 struct RequestArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
@@ -158,31 +157,31 @@ struct RequestArgs {
   PALPATE_ADDRESS(ResampleLists) lists;
   EditEnd end;
   float radius;  // support radius, model units
-  uint most;     // requests that there is room for
+  uint most;     // capacity for requests
 };
 PALPATE_SIZE(RequestArgs, 128);
 
-// Target spacings, measured once on the cloud as it was loaded.
+// Target spacings, measured once on the cloud as loaded.
 struct SpacingArgs {
   CloudView cloud;
   PALPATE_ADDRESS(Tables) tables;
   float radius;  // support radius, model units
-  uint counts;   // not 0: finds out which points count, in `examined`; 0: measures
+  uint counts;   // not 0: marks the points that count, in `examined`; 0: measures
 };
 PALPATE_SIZE(SpacingArgs, 72);
 
-// A change as the host gives it; both states have the same number.
+// A change given by the host; both states have the same id.
 struct GivenChange {
   EditEntry from;
   EditEntry to;
 };
 PALPATE_SIZE(GivenChange, 72);
 
-// After the update, what it leaves to do.
+// Finishes the remaining work after the update.
 const uint kRestoreFinishes = 1;
-// A point that does not stand where its change says stays as it is; without this all of the changes fail then.
+// A point that is not at the position of its change stays as it is; without this flag all changes fail then.
 const uint kRestoreOffered = 2;
-// In the id of `from`: the change was left out.
+// In the id of `from`: the change was dropped.
 const uint kChangeLeftOut = 0xffffffffu;
 
 struct RestoreArgs {
@@ -206,7 +205,7 @@ struct RefitNormalsArgs {
   PALPATE_ADDRESS(Uints) head;
   PALPATE_ADDRESS(Tables) tables;
   PALPATE_ADDRESS(ResampleLists) lists;
-  uint capacityMask;  // entries in the ring, less one; a power of two less one
+  uint capacityMask;  // entries in the ring minus one; their number is a power of two
   float radius;       // support radius, model units
 };
 PALPATE_SIZE(RefitNormalsArgs, 120);

@@ -4,17 +4,17 @@
 
 PALPATE_SHARED_BEGIN
 
-// Set in the id of a point that is not there any more.
+// Set in the id of a point that was removed.
 const uint kPointGone = 0x80000000u;
 
 // A point as an edit left it (PointState of engine/core/point_state.hpp). Entries of one tick name each point once and
-// may stand in any order; ticks stand in order, so applying entries front to back gives the cloud as it is.
+// may be in any order; ticks are in order, so applying entries front to back gives the present cloud.
 struct EditEntry {
   vec3 position;  // model units relative to the cloud's origin
-  uint id;        // with kPointGone where it was taken away
+  uint id;        // with kPointGone if it was removed
   vec3 normal;    // unit
-  uint color;     // RGBA8; 0 where the cloud has none
-  uint parent;    // the point that it took its other properties from; itself where the file had it
+  uint color;     // RGBA8; 0 if the cloud has no colours
+  uint parent;    // the point from which it took its other properties; itself for a point of the file
 };
 PALPATE_SIZE(EditEntry, 36);
 

@@ -4,9 +4,8 @@
 
 PALPATE_SHARED_BEGIN
 
-// Unit eigenvector of the smallest eigenvalue of a symmetric matrix, in closed form (Smith 1961 for the eigenvalue;
-// the vector is the longest cross product of two rows of A - lambda I). Zero when the matrix has no direction that
-// stands out.
+// Unit eigenvector of the smallest eigenvalue of a symmetric matrix, in closed form (Smith 1961 for the eigenvalue; the
+// vector is the longest cross product of two rows of A - lambda I). Zero when no direction of the matrix stands out.
 PALPATE_FORMULA PALPATE_VEC3 smallestEigenvector(PALPATE_MAT3 a) {
   const Real third = (a[0][0] + a[1][1] + a[2][2]) / Real(3.0);
   const PALPATE_MAT3 b = a - PALPATE_MAT3(third);

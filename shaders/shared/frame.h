@@ -4,8 +4,8 @@
 
 PALPATE_SHARED_BEGIN
 
-// Two unit vectors that complete the unit vector `n` to a right-handed frame (Duff et al. 2017). It turns over where
-// the sign of n.z does, and -0 is on the side of the negative numbers.
+// Two unit vectors that complete the unit vector `n` to a right-handed frame (Duff et al. 2017). The frame flips where
+// the sign of n.z changes; -0 counts as negative.
 PALPATE_FORMULA void frameAround(PALPATE_VEC3 n, PALPATE_OUT(PALPATE_VEC3) u, PALPATE_OUT(PALPATE_VEC3) v) {
   const Real sign = isNegative(n.z) ? Real(-1.0) : Real(1.0);
   const Real a = Real(-1.0) / (sign + n.z);

@@ -1,9 +1,9 @@
-// How a depth frame changes a map of surfels: after Keller, Lefloch, Lambers, Izadi, Weyrich and Kolb 2013 ("Real-time
+// Fuses a depth frame into a map of surfels, after Keller, Lefloch, Lambers, Izadi, Weyrich and Kolb 2013 ("Real-time
 // 3D reconstruction in dynamic scenes using point-based fusion"), with these differences. Each point of the map looks
-// for its pixel, not each pixel for its point: a point has one pixel at most, no pass has to settle who is the
-// nearest, and no sum depends on an order. A point is moved along the ray by which it is seen, so that points keep
-// their distances. And where a point stands in its pixel is remembered in 16 parts of it, so that no new one is put
-// close to it. Who walks over points and pixels: engine/motion/surfel_map.cpp, shaders/motion.
+// up its pixel, not each pixel its point: a point has at most one pixel, no pass has to determine the nearest point,
+// and no sum depends on an order. A point moves along the ray on which it is seen, so that points keep their distances.
+// And the position of a point in its pixel is recorded in 16 parts of it, so that no new point is created close to it.
+// The loops over points and pixels are in engine/motion/surfel_map.cpp and shaders/motion.
 #ifndef PALPATE_SHARED_FUSION_H
 #define PALPATE_SHARED_FUSION_H
 #include "shaders/shared/depth_image.h"
@@ -12,36 +12,37 @@
 
 PALPATE_SHARED_BEGIN
 
-// In deviations of the noise: a point so near to the plane of its pixel belongs to the same surface.
+// In standard deviations of the noise: a point this near to the plane of its pixel belongs to the same surface.
 const float kGateDeviations = 4.0f;
-// In the same: a point so far in front of all depths about its pixel stands where the camera has seen through.
+// In the same unit: a point this far in front of all depths around its pixel is in space that the camera sees through.
 const float kFreeDeviations = 5.0f;
-// The least cosine between the normals of a point and its pixel.
+// Minimum cosine between the normals of a point and its pixel.
 const float kSameNormal = 0.5f;
-// The least cosine, of either sign, between a point's normal and the ray that sees through it: at the rim of a body a
-// pose that is a little off sees past it.
+// Minimum cosine, of either sign, between a point's normal and the ray that sees through it: at the rim of a body a
+// slightly wrong pose looks past the body.
 const float kMinFreeFacing = 0.1f;
-// A point that was measured so often is stable.
+// A point measured this many times is stable.
 const uint kStableCount = 4u;
-// Doubts about a point grow by these in each frame, go when it is measured, and end its life at kMaxDoubts: a stable
-// point is seen through in 4 frames, an unstable one in 2, or is looked for in vain in 30.
+// Doubts about a point grow by these in each frame, are cleared when it is measured, and remove it at kMaxDoubts: a
+// stable point after it is seen through in 4 frames, an unstable one after 2, or after 30 frames in which it is not
+// found.
 const uint kMaxDoubts = 60u;
 const uint kDoubtsStableFree = 15u;
 const uint kDoubtsUnstableFree = 30u;
 const uint kDoubtsUnstable = 2u;
 // Parts of a pixel along a side.
 const uint kPartsOfPixel = 4u;
-// The least share of a new colour: 8 bits would not take up a smaller one.
+// Minimum share of a new colour: 8 bits could not represent a smaller change.
 const float kMinColorShare = 0.125f;
 // RGBA8 of a point whose colour was never seen.
 const uint kUnseenColor = 0xffb0b0b0u;
 
-// What a frame says of a point of the map.
-const uint kSightNone = 0u;     // nothing: it is out of view, or no depth was measured there
+// How a frame sees a point of the map.
+const uint kSightNone = 0u;     // not at all: it is out of view, or no depth was measured there
 const uint kSightMatched = 1u;  // it was measured
-const uint kSightHidden = 2u;   // it stands behind what is seen
+const uint kSightHidden = 2u;   // it is behind the surface seen
 const uint kSightFree = 3u;     // the camera sees through it
-const uint kSightUnclear = 4u;  // it should be seen, and something else is
+const uint kSightUnclear = 4u;  // it should be visible, but something else is seen
 
 // One frame, and the rules by which it is fused.
 struct FusionView {
@@ -50,23 +51,23 @@ struct FusionView {
   vec3 ahead;
   vec3 centre;  // of the camera, in the map, m
   DepthSensor sensor;
-  float memory;  // measurements that a point remembers at most
+  float memory;  // maximum measurements that a point remembers
   uint width;    // pixels
   uint height;
   uint number;   // of the frame
   uint colored;  // not 0: it has colours
-  // Where somebody feels the map (`felt` not 0): points still had a way of `left` seconds before them when the frame
-  // came, and come to where it puts them within 1 / `perSecond` s.
+  // If the map is felt (`felt` not 0): points still had `left` seconds of their motion ahead when the frame arrived,
+  // and reach the frame's positions within 1 / `perSecond` s.
   uint felt;
   float left;
   float perSecond;
 };
 PALPATE_SIZE(FusionView, 108);
 
-// What is known of a point besides place and normal, by its id.
+// Data of a point besides position and normal, by its id.
 struct SurfelRecord {
   float weight;  // sum of the measurements' weights, 1 / m^2
-  uint seen;     // number of the frame that has measured it last
+  uint seen;     // number of the last frame that measured it
   uint counts;   // measurements in the low 16 bits, doubts above
   uint color;    // RGBA8; alpha 0: none was seen
 };
@@ -90,11 +91,11 @@ PALPATE_FUNCTION vec3 placeOfPixel(FusionView view, uvec2 pixel, float depth) {
   return depth * rayThrough(view.sensor.camera, vec2(float(pixel.x), float(pixel.y)));
 }
 
-// Where a point of the map is looked for in the frame.
+// Projection of a point of the map into the frame.
 struct Projection {
   bool inView;
   uvec2 pixel;
-  uint part;   // the bit of its part of the pixel
+  uint part;   // bit of its part of the pixel
   vec3 place;  // in the camera's coordinates
 };
 
@@ -118,18 +119,18 @@ PALPATE_FUNCTION Projection projectionOf(FusionView view, vec3 placeInTheMap) {
   return projection;
 }
 
-// What a pixel has measured.
+// Measurement of a pixel.
 struct Measurement {
   uvec2 pixel;
   float depth;           // m; 0: none
-  uint color;            // RGBA8, where the frame has any
+  uint color;            // RGBA8, if the frame has colours
   PixelSurface surface;  // fitted there
 };
 
-// What a pixel says of a point that is looked for there, before anyone has looked whether the camera sees through it.
+// How a pixel sees a point that projects to it, before the depths around it are checked.
 struct Sight {
-  uint kind;    // kSight...; kSightFree: may be, and the depths around have to say so, too
-  bool covers;  // no new point is needed where it is
+  uint kind;    // kSight...; kSightFree is provisional: the depths around have to confirm it
+  bool covers;  // no new point is needed there
 };
 
 // `normal`: of the point, in the camera's coordinates.
@@ -158,7 +159,7 @@ PALPATE_FUNCTION Sight sightOf(FusionView view, Projection projection, vec3 norm
   return sight;
 }
 
-// Whether a depth beside the point's pixel lets it stand where the camera has seen through; no depth says nothing.
+// Whether a depth next to the point's pixel is consistent with the camera seeing through the point; a missing depth is.
 PALPATE_FUNCTION bool seesThrough(FusionView view, float placeDepth, float depth) {
   return !(depth > 0.0f) || placeDepth < depth - kFreeDeviations * depthDeviation(view.sensor.noise, depth);
 }
@@ -168,8 +169,8 @@ PALPATE_FUNCTION float measurementWeight(FusionView view, float depth) {
   return 1.0f / (deviation * deviation);
 }
 
-// The weight after one more measurement. As many as `memory` like this one are remembered, so that a map follows what
-// changes; what is known better, from nearer by, is not forgotten for what is seen from afar.
+// The weight after one more measurement, limited to `memory` measurements like this one, so that a map follows changes;
+// a weight from nearer by is not reduced by measurements from afar.
 PALPATE_FUNCTION float weightAfter(float before, float measurement, float memory) {
   return max(before, min(before + measurement, memory * measurement));
 }
@@ -187,21 +188,21 @@ PALPATE_FUNCTION uint mixedColor(uint before, uint measured, float share) {
   return mixed;
 }
 
-// A point of the map, on its way through a frame.
+// A point of the map while a frame is fused.
 struct Surfel {
   vec3 place;   // in the map
   vec3 normal;  // unit
   SurfelRecord record;
 };
 
-// How a point comes to where a frame puts it.
+// Motion of a point to the pose that a frame gives it.
 struct SurfelWay {
   vec3 velocity;  // m/s
-  vec3 turn;      // of its normal, 1/s
+  vec3 turn;      // rate of its normal, 1/s
 };
 
-// Of a point that was at a place, with a normal, on a way of its own. One that is turned away does not come: it is
-// there.
+// Motion of a point with a present position, normal and motion. A point whose normal rotates by 90 degrees or more does
+// not move: it is at its new pose at once.
 PALPATE_FUNCTION SurfelWay wayOn(FusionView view, vec3 place, vec3 normal, SurfelWay way, vec3 toPlace, vec3 toNormal) {
   const vec3 from = normalAfter(normal, way.turn, -view.left);
   SurfelWay on;
@@ -213,9 +214,9 @@ PALPATE_FUNCTION SurfelWay wayOn(FusionView view, vec3 place, vec3 normal, Surfe
   return on;
 }
 
-// The weighted average of a point and what its pixel has measured. It moves along the ray from the camera, towards the
-// plane through the place that was measured: noise of depth, which has put it where it is, leads back along the same
-// ray, and not beside its neighbours.
+// The weighted average of a point and the measurement of its pixel. The point moves along the ray from the camera,
+// towards the plane through the measured position: depth noise, which has displaced it along this ray, is undone along
+// the same ray, and not towards its neighbours.
 PALPATE_FUNCTION Surfel averaged(FusionView view, Surfel before, Measurement measured) {
   Surfel after = before;
   const float weight = measurementWeight(view, measured.depth);
@@ -232,7 +233,7 @@ PALPATE_FUNCTION Surfel averaged(FusionView view, Surfel before, Measurement mea
   return after;
 }
 
-// A new point where a pixel has measured one.
+// A new point at the measurement of a pixel.
 PALPATE_FUNCTION Surfel bornAt(FusionView view, Measurement measured) {
   Surfel surfel;
   surfel.place = placeInMap(view, placeOfPixel(view, measured.pixel, measured.depth));
@@ -244,7 +245,7 @@ PALPATE_FUNCTION Surfel bornAt(FusionView view, Measurement measured) {
   return surfel;
 }
 
-// A record after a frame in which its point was not measured; unchanged where that says nothing of it.
+// A record after a frame in which its point was not measured; unchanged if that is not evidence against the point.
 PALPATE_FUNCTION SurfelRecord doubted(SurfelRecord record, uint sight) {
   uint doubts = 0u;
   if (sight == kSightFree) doubts = isStable(record) ? kDoubtsStableFree : kDoubtsUnstableFree;
@@ -254,15 +255,15 @@ PALPATE_FUNCTION SurfelRecord doubted(SurfelRecord record, uint sight) {
 }
 PALPATE_FUNCTION bool isGivenUp(SurfelRecord record) { return doubtsOf(record) >= kMaxDoubts; }
 
-// Parts of a pixel, and of those beside it, in which a point of the map stands close to the pixel's middle: within it,
-// or by a quarter of a pixel beside it. Where one does, no new one is put.
+// Parts of a pixel, and of the pixels beside it, in which a point of the map is close to the pixel's middle: within the
+// pixel, or at most a quarter of a pixel beside it. If there is one, no new point is created.
 const uint kPartsWithin = 0xffffu;
 const uint kPartsLeft = 0x8888u;  // of the pixel to the left
 const uint kPartsRight = 0x1111u;
 const uint kPartsAbove = 0xf000u;
 const uint kPartsBelow = 0x000fu;
 
-// Whether points stand close to a pixel's middle, by the parts of it and of those beside it.
+// Whether points are close to a pixel's middle, by the parts of it and of the pixels beside it.
 PALPATE_FUNCTION bool isCovered(uint within, uint left, uint right, uint above, uint below) {
   return (within & kPartsWithin) != 0u || (left & kPartsLeft) != 0u || (right & kPartsRight) != 0u ||
          (above & kPartsAbove) != 0u || (below & kPartsBelow) != 0u;

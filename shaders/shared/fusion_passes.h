@@ -8,16 +8,16 @@ PALPATE_SHARED_BEGIN
 
 // Bits of a word of the masks below.
 const uint kMaskBits = 32u;
-// Of a workgroup, whatever its size.
+// Maximum for a workgroup of any size.
 const uint kMaxMaskWords = 32u;
 
-// The bits beside a point's normal in the live cloud: its colour, red in the lowest byte and 0 in the highest, grey
-// where none was seen.
+// The bits next to a point's normal in the live cloud: its colour, red in the lowest byte and 0 in the highest; grey if
+// its colour was never seen.
 PALPATE_FUNCTION uint colorBeside(SurfelRecord record) {
   return (record.color >> 24 != 0u ? record.color : kUnseenColor) & 0xffffffu;
 }
 
-// What became of the points in a frame.
+// Counts of the points in a frame.
 struct FusionTotals {
   uint points;  // before new ones are appended
   uint matched;
@@ -55,7 +55,7 @@ struct FusePointsArgs {
   PALPATE_ADDRESS(Depths) depths;
   PALPATE_ADDRESS(Uints) colors;
   PALPATE_ADDRESS(PixelSurfaces) surfaces;
-  PALPATE_ADDRESS(Uints) covered;      // by pixel: the parts in which points stand
+  PALPATE_ADDRESS(Uints) covered;      // by pixel: the parts that contain points
   PALPATE_ADDRESS(Vec4s) positionsIn;  // by slot
   PALPATE_ADDRESS(Vec4s) normalsIn;
   PALPATE_ADDRESS(Vec4s) positionsOut;
@@ -64,7 +64,7 @@ struct FusePointsArgs {
   PALPATE_ADDRESS(Uints) freeIds;          // a bit for each id that a new point may have
   PALPATE_ADDRESS(Uints) emptySlots;       // out: a bit for each slot without a point
   PALPATE_ADDRESS(FusionTotalsAt) totals;
-  PALPATE_ADDRESS(Vec4s) velocitiesIn;  // as shaders/shared/motion.h has them, with turns; where the map is felt
+  PALPATE_ADDRESS(Vec4s) velocitiesIn;  // as in shaders/shared/motion.h, with rates of the normals; if the map is felt
   PALPATE_ADDRESS(Vec4s) velocitiesOut;
   uint slots;
   uint unused;
@@ -76,14 +76,14 @@ struct FindNewArgs {
   PALPATE_ADDRESS(PixelSurfaces) surfaces;
   PALPATE_ADDRESS(Uints) covered;
   PALPATE_ADDRESS(Uints) newPixels;  // out: a bit for each pixel that needs a new point
-  PALPATE_ADDRESS(Uints) counts;     // out: bits of each word of it
-  PALPATE_ADDRESS(UVec2s) places;    // out: none (kEmptySlot) for each pixel
+  PALPATE_ADDRESS(Uints) counts;     // out: set bits in each word of newPixels
+  PALPATE_ADDRESS(UVec2s) places;    // out: kEmptySlot for each pixel
   uint pixels;
   uint unused;
 };
 PALPATE_SIZE(FindNewArgs, 56);
 
-// Bits of each word of two masks of the same length.
+// Set bits in each word of two masks of the same length.
 struct CountFreeArgs {
   PALPATE_ADDRESS(Uints) freeIds;
   PALPATE_ADDRESS(Uints) emptySlots;
@@ -94,9 +94,9 @@ struct CountFreeArgs {
 };
 PALPATE_SIZE(CountFreeArgs, 40);
 
-// The counts are sums of what stands before by now.
+// The counts are exclusive prefix sums by now.
 struct ListFreeArgs {
-  PALPATE_ADDRESS(Uints) freeIds;  // those that are given away go
+  PALPATE_ADDRESS(Uints) freeIds;  // in and out: assigned ids are cleared
   PALPATE_ADDRESS(Uints) emptySlots;
   PALPATE_ADDRESS(Uints) idsBefore;
   PALPATE_ADDRESS(Uints) slotsBefore;
@@ -123,7 +123,7 @@ struct AppendPointsArgs {
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(SurfelRecords) records;
   PALPATE_ADDRESS(FusionTotalsAt) totals;
-  PALPATE_ADDRESS(Vec4s) velocities;  // where the map is felt
+  PALPATE_ADDRESS(Vec4s) velocities;  // if the map is felt
   uint pixels;
   uint slots;
 };

@@ -5,33 +5,34 @@
 
 PALPATE_SHARED_BEGIN
 
-// Fragment shaders read nothing but these arguments and what the vertex shader tells them: they are invoked often, and
-// the validation layer of Debian 12 would take their reads through addresses for wrong on a software driver, where
-// lanes outside a disc read nothing and never end its search for the buffer.
-// Units of weight in each sample that something covers.
+// Fragment shaders read only these arguments and the outputs of the vertex shader: they are invoked often, and the
+// validation layer of Debian 12 would report their reads through addresses as wrong on a software driver, where lanes
+// outside a disc read nothing and never end its search for the buffer.
+
+// Units of weight in each covered sample.
 const float kHardwareWeight = 1 << 20;
 
 struct HardwareDiscArgs {
   PALPATE_ADDRESS(RenderFrames) frame;
-  PALPATE_ADDRESS(Vec4s) positions;  // as in SplatArgs, and so on
+  PALPATE_ADDRESS(Vec4s) positions;  // as in SplatArgs, like the next three
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(Uints) colors;
   PALPATE_ADDRESS(Uints) clips;
-  vec2 center_px;  // of the view, and so on
+  vec2 center_px;  // of the view, like the next two
   float focal_px;
   float nearDepth;
-  float depthScale;      // times a depth: what the depth attachment holds; a power of two, so that no bit is lost
-  float lead;            // in radii: fragments are tested as if they were so much nearer
-  float leastWeight;     // of a fragment: what only thin ones cover must not be lost in the sums' fixed point
-  uint count;            // of the points; vertices are rounded up
-  uint largestPoint_px;  // side of a point sprite at most
-  uint tiles;            // of that size, along each side of a disc's box; a vertex for each
+  float depthScale;  // factor from a depth to the value in the depth attachment; a power of two, so that no bit is lost
+  float lead;        // in radii: fragments are tested as if they were nearer by this
+  float leastWeight;  // minimum for a fragment, so that samples covered only by light ones are not lost in fixed point
+  uint count;         // of the points; vertices are rounded up
+  uint largestPoint_px;  // maximum side of a point sprite
+  uint tiles;            // of that size, along each side of a disc's box; one vertex for each
 };
 PALPATE_SIZE(HardwareDiscArgs, 80);
 
 struct HardwareSumsArgs {
   PALPATE_ADDRESS(RenderFrames) frame;
-  PALPATE_ADDRESS(Uints) depth;  // as in SplatArgs, and so the sums
+  PALPATE_ADDRESS(Uints) depth;  // as in SplatArgs, like the sums
   PALPATE_ADDRESS(Uints) normalSums;
   PALPATE_ADDRESS(Uints) colorSums;
   float depthUnit;  // 1 / depthScale

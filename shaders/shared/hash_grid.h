@@ -8,12 +8,12 @@
 
 PALPATE_SHARED_BEGIN
 
-// Cell coordinates stay within this, so that a far outlier or a wild query cannot overflow an int.
+// Cell coordinates are clamped to this, so that a far outlier or an extreme query cannot overflow an int.
 const float kMaxCellCoordinate = 1073741824.0f;
 
-// A regular grid without bounds whose cells are hashed into `bucketMask + 1` buckets (a power of two). Cells in a block
-// of 2^blockBits a side keep their Morton order (Morton 1966), so that neighbours lie near one another in memory;
-// blocks are scattered by Teschner's hash. With blockBits 0 every cell is, as in the thesis.
+// An unbounded regular grid whose cells are hashed into `bucketMask + 1` buckets (a power of two). Cells in a block of
+// 2^blockBits a side keep their Morton order (Morton 1966), so that neighbours are near each other in memory; blocks
+// are scattered by Teschner's hash. With blockBits 0 every cell is scattered, as in the thesis.
 struct HashGrid {
   vec3 origin;        // corner of cell (0, 0, 0), model units
   float inverseCell;  // 1 / edge of a cell, 1 / model unit
@@ -28,10 +28,10 @@ PALPATE_FUNCTION ivec3 cellOf(HashGrid grid, vec3 position) {
   return ivec3(clamp(floor(scaled), -kMaxCellCoordinate, kMaxCellCoordinate));
 }
 
-// The low four bits of `v`, three apart.
+// Spreads the low four bits of `v`, three apart.
 PALPATE_FUNCTION uint spreadBits(uint v) { return (v & 1u) | (v & 2u) << 2 | (v & 4u) << 4 | (v & 8u) << 6; }
 
-// Teschner et al. 2003, section 4.1, of the cell's block; the cell's place in the block stands in the low bits.
+// Teschner et al. 2003, section 4.1, for the cell's block; the cell's position in the block is in the low bits.
 PALPATE_FUNCTION uint bucketOf(HashGrid grid, ivec3 cell) {
   const int bits = int(grid.blockBits);
   const uvec3 block = uvec3(cell.x >> bits, cell.y >> bits, cell.z >> bits);

@@ -1,20 +1,20 @@
-// Where a camera stands in a map, by point-to-plane ICP (Chen and Medioni 1992; linearised as in Low 2004): one pair
-// of a pixel and the point of the map that it falls on, as a row of six unknowns. Who sums up: engine/motion/icp.cpp.
+// Pose of a camera in a map, by point-to-plane ICP (Chen and Medioni 1992; linearised as in Low 2004): one pair of a
+// pixel and the map point that it sees, as a row of six unknowns. The sums over pairs are in engine/motion/icp.cpp.
 #ifndef PALPATE_SHARED_ICP_H
 #define PALPATE_SHARED_ICP_H
 #include "shaders/shared/fusion.h"
 
 PALPATE_SHARED_BEGIN
 
-// The least cosine between the normals of a pair.
+// Minimum cosine between the normals of a pair.
 const float kPairedNormals = 0.7f;
-// In deviations of the noise: from here on a residual pulls no harder (Huber 1964).
+// In standard deviations of the noise: above this a residual pulls no harder (Huber 1964).
 const float kHuberDeviations = 1.5f;
 
 PALPATE_STRUCT(IcpPair) {
   bool isPair;
-  PALPATE_VEC3 turn;   // what a rotation about the pivot adds to the residual, per rad and unit of `scale`
-  PALPATE_VEC3 shift;  // what a translation adds: the normal
+  PALPATE_VEC3 turn;   // change of the residual by a rotation about the pivot, per rad and unit of `scale`
+  PALPATE_VEC3 shift;  // change of the residual by a translation: the normal
   Real residual;       // along the normal, m
   Real weight;         // 1 / m^2
 };
@@ -25,15 +25,15 @@ PALPATE_FORMULA Real huberWeight(Real residual, Real deviation) {
   return min(Real(1.0), most / max(abs(residual), Real(1e-12)));
 }
 
-// What a pair is made of: a place and its normal.
+// One side of a pair: a position and its normal.
 PALPATE_STRUCT(Oriented) {
   PALPATE_VEC3 place;
   PALPATE_VEC3 normal;  // unit
 };
 PALPATE_SINGLE(Oriented);
 
-// How pairs are made: rotations are about the pivot, and an angle times `scale` is the unknown; what is farther apart
-// than the gate is no pair.
+// How pairs are made: rotations are about the pivot, and an angle times `scale` is the unknown. Two positions farther
+// apart than the gate are not a pair.
 PALPATE_STRUCT(Pairing) {
   PALPATE_VEC3 pivot;
   Real scale;
@@ -41,7 +41,8 @@ PALPATE_STRUCT(Pairing) {
 };
 PALPATE_SINGLE(Pairing);
 
-// Of what a pixel sees, with the deviation of its depth, and a point of the map; all in one system.
+// The pair of a pixel's surface, with the standard deviation of its depth, and a point of the map; both in one
+// coordinate system.
 PALPATE_FORMULA PALPATE_OF(IcpPair)
     icpPair(PALPATE_OF(Oriented) seen, PALPATE_OF(Oriented) mapped, PALPATE_OF(Pairing) pairing, Real deviation) {
   PALPATE_OF(IcpPair) pair;
@@ -55,13 +56,13 @@ PALPATE_FORMULA PALPATE_OF(IcpPair)
   return pair;
 }
 
-// Whether a point of the map may be the one in front in its pixel.
+// Whether a point of the map may be the front one in its pixel.
 PALPATE_FUNCTION bool isFront(FusionView view, Projection projection, vec3 normal) {
   return projection.inView && dot(directionInCamera(view, normal), projection.place) < 0.0f;
 }
 
-// The variance, in one direction, of the normal of a point whose measurements weigh `weight`, seen at `depth`: that of
-// a slope over the square of pixels that a plane is fitted to, less by how often it was measured.
+// Variance, in one direction, of the normal of a point whose measurements weigh `weight`, seen at `depth`: that of a
+// slope divided by the sum of squares of the fitted pixels, reduced by the number of measurements.
 PALPATE_FUNCTION float normalVariance(FusionView view, float depth, float weight) {
   const float squares = squaresWithin(float(fitReach(view.sensor, depth)));
   return slopeVariance(view.sensor, depth) / squares * min(1.0f, measurementWeight(view, depth) / weight);

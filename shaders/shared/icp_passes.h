@@ -6,7 +6,7 @@
 
 PALPATE_SHARED_BEGIN
 
-// Sums over pairs, in this order: the upper triangle of the matrix row by row, the right side, and what is named here.
+// Sums over pairs, in this order: the upper triangle of the matrix row by row, the right side, and the sums named here.
 const uint kIcpUnknowns = 6u;
 const uint kIcpRightSide = 21u;
 const uint kIcpWeights = 27u;
@@ -15,11 +15,11 @@ const uint kIcpFeigned = 29u;
 const uint kIcpSeen = 30u;
 const uint kIcpPairs = 31u;
 const uint kIcpSums = 32u;
-// A workgroup sums up so many pixels at a time, so many times: in an order of its own, but always the same.
+// A workgroup sums up kIcpPixels pixels per invocation: in a fixed order, so that results are reproducible.
 const uint kIcpWorkgroup = 64u;
 const uint kIcpPixels = 8u;
 
-// Which pairs are asked for, in the map.
+// A query for pairs, in the map.
 struct IcpView {
   vec3 right;  // axes of the camera, unit
   vec3 down;
@@ -39,7 +39,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer IcpViews { I
 
 PALPATE_SHARED_BEGIN
 
-// Turns of finding the points in front: nearest depths, then the lowest ids of those, then these points.
+// Rounds of finding the points in front: nearest depths, then the lowest ids at those depths, then these points.
 const uint kFrontDepths = 0u;
 const uint kFrontIds = 1u;
 const uint kFrontPoints = 2u;
@@ -50,7 +50,7 @@ struct MapFrontArgs {
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(SurfelRecords) records;  // by id
   PALPATE_ADDRESS(Uints) nearest;          // by pixel: bits of the depth
-  PALPATE_ADDRESS(Uints) ids;              // kEmptySlot where there is no point
+  PALPATE_ADDRESS(Uints) ids;              // kEmptySlot if there is no point
   PALPATE_ADDRESS(Vec4s) frontPlaces;      // xyz, w: the weight of its measurements
   PALPATE_ADDRESS(Vec4s) frontNormals;
   uint slots;
@@ -67,7 +67,7 @@ struct IcpSumsArgs {
   PALPATE_ADDRESS(Vec4s) frontPlaces;
   PALPATE_ADDRESS(Vec4s) frontNormals;
   PALPATE_ADDRESS(Depths) sums;  // out: kIcpSums for each workgroup
-  uint stride;                   // every so many pixels, along rows and columns
+  uint stride;                   // every stride-th pixel, along rows and columns
   uint groups;
 };
 PALPATE_SIZE(IcpSumsArgs, 72);

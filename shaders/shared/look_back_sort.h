@@ -3,17 +3,18 @@
 #include "shaders/shared/radix_sort.h"
 
 #ifndef __cplusplus
-// Read by other workgroups while this one runs. A word holds its state and its count, so no order between words counts.
+// Read by other workgroups while this one runs. One word holds both state and count, so no order between words is
+// needed.
 layout(buffer_reference, scalar, buffer_reference_align = 4) volatile buffer TileWords { uint at[]; };
 #endif
 
 PALPATE_SHARED_BEGIN
 
 const uint kSweepHistogramItems = 16;  // keys per invocation of the histogram; a multiple of 8
-// A tile's word for one digit: what it knows stands in the top bits, a count in the rest.
+// A tile's word for one digit: its state in the top bits, a count in the others.
 const uint kSweepCountBits = 30;
 const uint kSweepOwn = 1u << kSweepCountBits;  // the count of the tile alone
-const uint kSweepAll = 2u << kSweepCountBits;  // of the tile and all before it, from the digit's first place
+const uint kSweepAll = 2u << kSweepCountBits;  // of the tile and all before it, from the digit's first position
 const uint kSweepCountMask = kSweepOwn - 1u;
 
 struct RadixHistogramArgs {

@@ -6,32 +6,32 @@
 
 PALPATE_SHARED_BEGIN
 
-// Where a body is, and how it moves.
+// Pose and motion of a body.
 PALPATE_STRUCT(BodyPose) {
   PALPATE_VEC3 place;
   PALPATE_VEC3 velocity;
   PALPATE_VEC3 spin;
-  PALPATE_MAT3 turn;  // from its own axes to the world's
-  Real grown;         // so far from its middle points count: a body that was placed in matter grows from there, m
+  PALPATE_MAT3 turn;  // rotation from its own axes to the world's
+  Real grown;         // points up to this far from its middle count: a body placed in matter grows from there, m
 };
 PALPATE_SINGLE(BodyPose);
 
-// A place as the body sees it: from its middle, along its own axes.
+// A position in the frame of the body: from its middle, along its own axes.
 PALPATE_FORMULA PALPATE_VEC3 inBody(PALPATE_OF(BodyPose) pose, PALPATE_VEC3 place) {
   return transpose(pose.turn) * (place - pose.place);
 }
 
-// A point of a body near a place.
+// A point of a body near a position.
 PALPATE_STRUCT(BodyMeeting) {
-  PALPATE_VEC3 offset;    // from the point to the place
+  PALPATE_VEC3 offset;    // from the point to the position
   PALPATE_VEC3 arm;       // from the middle of the body to the point
   PALPATE_VEC3 velocity;  // of the point
   Real r;                 // the length of the offset, in support radii
-  Real volume;            // that the point stands for, in cubes of the spacing
+  Real volume;            // that the point represents, in cubes of the spacing
 };
 PALPATE_SINGLE(BodyMeeting);
 
-// `offset`: from the point to the place, along the axes of the body.
+// `offset`: from the point to the position, along the axes of the body.
 PALPATE_FORMULA PALPATE_OF(BodyMeeting)
     bodyMeeting(PALPATE_OF(BodyPose) pose, PALPATE_VEC3 place, PALPATE_VEC3 offset, Real support, Real volume) {
   PALPATE_OF(BodyMeeting) met;
@@ -39,12 +39,12 @@ PALPATE_FORMULA PALPATE_OF(BodyMeeting)
   met.arm = place - pose.place - met.offset;
   met.velocity = pose.velocity + cross(pose.spin, met.arm);
   met.r = length(offset) / support;
-  // Points come behind the matter that makes room for them: a spacing later, and within another one.
+  // Points appear after the matter has made room for them: a spacing later, and over another spacing.
   met.volume = volume * clamp((pose.grown - length(met.arm)) / (Real(0.5) * support) - Real(1.0), Real(0.0), Real(1.0));
   return met;
 }
 
-// How the velocity of what is within a ball changes, which nothing stays in: it goes outwards by `most` in a step, m,
+// Change of the velocity of matter inside a ball, which is emptied: it moves outwards by at most `most` in a step, m,
 // until it is `radius` from the middle, or as far as the ball has grown.
 PALPATE_FORMULA PALPATE_VEC3 pushedOut(PALPATE_OF(BodyPose) pose, PALPATE_VEC3 place, Real radius, Real most,
                                        Real step) {
@@ -56,7 +56,7 @@ PALPATE_FORMULA PALPATE_VEC3 pushedOut(PALPATE_OF(BodyPose) pose, PALPATE_VEC3 p
   return deep / step * (far > Real(0.0) ? away / far : up);
 }
 
-// What holds a body to a hand.
+// Spring and damper between a body and a hand.
 PALPATE_STRUCT(ToolSpring) {
   Real mass;       // kg, of the body
   Real stiffness;  // N/m
@@ -65,8 +65,8 @@ PALPATE_STRUCT(ToolSpring) {
 };
 PALPATE_SINGLE(ToolSpring);
 
-// The velocity of the body at the end of a substep, in which the hand goes `handMove` and comes to `stretch` from where
-// the body was as it began. Implicit, so that no mass and no step is too small for the spring.
+// The velocity of the body at the end of a substep, in which the hand moves by `handMove` and ends at `stretch` from
+// the body's position at its start. Implicit, so that the spring is stable for every mass and step.
 PALPATE_FORMULA PALPATE_VEC3 velocityOnSpring(PALPATE_OF(ToolSpring) spring, PALPATE_VEC3 velocity,
                                               PALPATE_VEC3 stretch, PALPATE_VEC3 handMove) {
   const Real share =

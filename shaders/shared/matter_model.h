@@ -1,7 +1,7 @@
-// A model that stands still in matter, closed and rigid, as a field on the nodes of a lattice: the share of all weight
-// about a place that lies inside of it (density maps; Koschier, Bender 2017), and how far its surface is. Between nodes
-// both are trilinear, and the slope of the share is that of what is read, so that its pushes are the slope of an
-// energy, too.
+// A model at rest in matter, closed and rigid, as a field on the nodes of a lattice: the share of all weight around a
+// position that is inside the model (density maps; Koschier, Bender 2017), and the distance of its surface. Both are
+// trilinear between nodes, and the slope of the share is that of the interpolated value, so that its pushes are the
+// slope of an energy, too.
 #ifndef PALPATE_SHARED_MATTER_MODEL_H
 #define PALPATE_SHARED_MATTER_MODEL_H
 #include "shaders/shared/matter.h"
@@ -9,26 +9,26 @@
 
 PALPATE_SHARED_BEGIN
 
-// A node holds what stands along x between itself and the next one: the share at both, then the distance at both.
+// A node holds the values along x at itself and at the next one: the share at both, then the distance at both.
 struct ModelField {
   vec3 corner;  // the node at 0, m
   float nodesPerMetre;
-  ivec3 nodes;    // along each axis; 0: there is no model
-  float nearest;  // to its surface that a particle may come, m
+  ivec3 nodes;    // along each axis; 0: no model
+  float nearest;  // minimum distance of a particle from its surface, m
 };
 PALPATE_SIZE(ModelField, 32);
 
-// The nodes about a place.
+// The nodes around a position.
 struct ModelCell {
   ivec3 node;  // the lowest
-  vec3 part;   // of the way to the next ones
+  vec3 part;   // of the distance to the next ones
   bool isOutside;
 };
 
 PALPATE_FUNCTION ModelCell modelCell(ModelField field, vec3 place) {
   const vec3 along = (place - field.corner) * field.nodesPerMetre;
   ModelCell cell;
-  // Written so that what is no number is outside.
+  // Written so that a NaN is outside.
   cell.isOutside = !(along.x >= 0.0f && along.y >= 0.0f && along.z >= 0.0f && along.x < float(field.nodes.x - 1) &&
                      along.y < float(field.nodes.y - 1) && along.z < float(field.nodes.z - 1));
   cell.node = cell.isOutside ? ivec3(0) : ivec3(along);
@@ -39,7 +39,7 @@ PALPATE_FUNCTION uint modelNode(ModelField field, ivec3 node) {
   return uint((node.z * field.nodes.y + node.y) * field.nodes.x + node.x);
 }
 
-// The model about a place.
+// The model at a position.
 struct ModelAt {
   float share;     // of all weight
   float distance;  // from its surface, below 0 inside, m
@@ -49,8 +49,8 @@ struct ModelAt {
 
 PALPATE_FUNCTION float between(float a, float b, float part) { return a + part * (b - a); }
 
-// The slope along the three axes, of nodes, and the value. Of four rows along x the beginnings and the ends; y changes
-// first.
+// The slope along the three axes, per node, and the value, from the beginnings and the ends of four rows along x; y
+// varies fastest.
 PALPATE_FUNCTION vec4 trilinear(vec4 begins, vec4 ends, vec3 part) {
   const vec4 steps = ends - begins, rows = begins + part.x * steps;
   const float low = between(rows.x, rows.y, part.y), high = between(rows.z, rows.w, part.y);
@@ -58,7 +58,7 @@ PALPATE_FUNCTION vec4 trilinear(vec4 begins, vec4 ends, vec3 part) {
   return vec4(along, between(rows.y - rows.x, rows.w - rows.z, part.z), high - low, between(low, high, part.z));
 }
 
-// `a` to `d`: the nodes at the low end of the four rows about the place.
+// `a` to `d`: the nodes at the low end of the four rows around the position.
 PALPATE_FUNCTION ModelAt modelAt(ModelField field, vec3 part, vec4 a, vec4 b, vec4 c, vec4 d) {
   const vec4 share = trilinear(vec4(a.x, b.x, c.x, d.x), vec4(a.y, b.y, c.y, d.y), part);
   const vec4 away = trilinear(vec4(a.z, b.z, c.z, d.z), vec4(a.w, b.w, c.w, d.w), part);
@@ -80,12 +80,13 @@ PALPATE_FUNCTION ModelAt noModel() {
   return at;
 }
 
-// How far a particle is to go so that it is no nearer to the surface than it may be.
+// Displacement that keeps a particle at least `nearest` from the surface.
 PALPATE_FUNCTION vec3 keptOut(ModelField field, ModelAt at) {
   return max(field.nearest - at.distance, 0.0f) * at.outwards;
 }
 
-// How a ball that a hand holds meets the model: it goes out of it at once, and no further into it.
+// Contact of a ball held by a hand with the model: the ball leaves the model at once, and does not move further into
+// it.
 struct StoppedBall {
   vec3 move;    // m
   vec3 change;  // of its velocity, m/s
@@ -98,8 +99,8 @@ PALPATE_FUNCTION StoppedBall stoppedBall(ModelAt at, float radius, vec3 velocity
   return stopped;
 }
 
-// What the model is to a particle of water, as a wall that is bent: inside stands what is like it, at rest density.
-// Where it meets walls, shares are combined as if they were independent of each other.
+// Effect of the model on a particle of water, as a curved wall: the inside holds the same matter, at rest density.
+// Where it meets walls, shares are combined as if they were independent.
 PALPATE_FUNCTION WallEffect modelEffect(WaterRules rules, ModelAt at, WallEffect walls) {
   const float open = 1.0f - walls.sum / rules.wallSum;
   WallEffect effect;
@@ -108,7 +109,7 @@ PALPATE_FUNCTION WallEffect modelEffect(WaterRules rules, ModelAt at, WallEffect
   effect.drag = length(effect.slope) / max(at.distance, rules.nearest);
   return effect;
 }
-// And what is left of the walls beside it.
+// The remaining effect of the walls next to the model.
 PALPATE_FUNCTION WallEffect wallsBesideModel(WallEffect walls, ModelAt at) {
   const float open = 1.0f - at.share;
   WallEffect effect;

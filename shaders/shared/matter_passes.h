@@ -5,28 +5,28 @@
 
 PALPATE_SHARED_BEGIN
 
-// Where particles and tools go by themselves, and how far the farthest one has come; empties the counts of cells.
+// Predicts particles and tools, and how far the farthest particle has moved; clears the counts of cells.
 struct MatterPredictArgs {
   PALPATE_ADDRESS(MatterControls) control;
   PALPATE_ADDRESS(MatterSettings) setting;
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Vec4s) velocities;  // two halves
-  PALPATE_ADDRESS(Vec4s) listedAt;    // places when the lists were made
+  PALPATE_ADDRESS(Vec4s) listedAt;    // positions when the lists were made
   PALPATE_ADDRESS(Vec4s) places;      // out
   PALPATE_ADDRESS(Uints) firsts;      // out: `counts` zeros
   PALPATE_ADDRESS(HandSteps) hands;   // substep by substep
   PALPATE_ADDRESS(ToolStates) tools;
-  PALPATE_ADDRESS(Vec4s) bodyPoints;  // of a ball; the nodes of the model stand behind them
+  PALPATE_ADDRESS(Vec4s) bodyPoints;  // of a ball; the nodes of the model follow them
   uint particles;
   uint counts;
   uint threads;
   uint toolCount;
   uint substep;  // in its step
-  uint ahead;    // substeps beyond this one for which lists are to be good
+  uint ahead;    // substeps after this one for which lists have to stay valid
 };
 PALPATE_SIZE(MatterPredictArgs, 104);
 
-// The cell of each particle, and its place among those of the cell in the order of their arrival.
+// The cell of each particle, and its rank in that cell in the order of arrival.
 struct MatterCountArgs {
   PALPATE_ADDRESS(MatterControls) control;
   PALPATE_ADDRESS(MatterSettings) setting;
@@ -39,7 +39,7 @@ struct MatterCountArgs {
 };
 PALPATE_SIZE(MatterCountArgs, 56);
 
-// Counts to where each cell begins: reduce, then scan (engine/spatial/prefix_scan.hpp).
+// Turns counts into the first index of each cell: reduce, then scan (engine/spatial/prefix_scan.hpp).
 struct MatterScanArgs {
   PALPATE_ADDRESS(MatterControls) control;
   PALPATE_ADDRESS(MatterSettings) setting;
@@ -62,7 +62,7 @@ struct MatterPlaceArgs {
 };
 PALPATE_SIZE(MatterPlaceArgs, 56);
 
-// Particles in the order of their cells, and within a cell as they stood.
+// Sorts particles by cell, and within a cell by their previous order.
 struct MatterSortArgs {
   PALPATE_ADDRESS(MatterControls) control;
   PALPATE_ADDRESS(MatterSettings) setting;
@@ -73,7 +73,7 @@ struct MatterSortArgs {
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Vec4s) velocities;
   PALPATE_ADDRESS(Uints) ids;
-  PALPATE_ADDRESS(Vec4s) sortedPlaces;  // out, as all that follow
+  PALPATE_ADDRESS(Vec4s) sortedPlaces;  // out, like all that follow
   PALPATE_ADDRESS(Vec4s) sortedPositions;
   PALPATE_ADDRESS(Vec4s) sortedVelocities;
   PALPATE_ADDRESS(Uints) sortedIds;
@@ -82,7 +82,7 @@ struct MatterSortArgs {
 };
 PALPATE_SIZE(MatterSortArgs, 112);
 
-// Lists of neighbours; what was sorted goes back to where it is used.
+// Makes the neighbour lists; copies the sorted arrays back to the ones in use.
 struct MatterListArgs {
   PALPATE_ADDRESS(MatterControls) control;
   PALPATE_ADDRESS(MatterSettings) setting;
@@ -91,7 +91,7 @@ struct MatterListArgs {
   PALPATE_ADDRESS(Vec4s) sortedPositions;
   PALPATE_ADDRESS(Vec4s) sortedVelocities;
   PALPATE_ADDRESS(Uints) sortedIds;
-  PALPATE_ADDRESS(Vec4s) places;  // out, as all that follow
+  PALPATE_ADDRESS(Vec4s) places;  // out, like all that follow
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Vec4s) velocities;
   PALPATE_ADDRESS(Uints) ids;
@@ -108,9 +108,9 @@ struct MatterCompressArgs {
   PALPATE_ADDRESS(Vec4s) places;
   PALPATE_ADDRESS(UVec4s) lists;
   PALPATE_ADDRESS(Uints) listLengths;
-  PALPATE_ADDRESS(Vec4s) pressed;  // out: places; w: compression
+  PALPATE_ADDRESS(Vec4s) pressed;  // out: positions; w: compression
   PALPATE_ADDRESS(ToolStates) tools;
-  PALPATE_ADDRESS(Vec4s) bodyPoints;  // in the order of their cells: place in their box; w: volume
+  PALPATE_ADDRESS(Vec4s) bodyPoints;  // in the order of their cells: position in their box; w: volume
   PALPATE_ADDRESS(Uints) bodyFirsts;
   uint particles;
   uint stride;
@@ -127,7 +127,7 @@ struct MatterPushArgs {
   PALPATE_ADDRESS(Vec4s) velocities;  // one half in, the other one out
   PALPATE_ADDRESS(UVec4s) lists;
   PALPATE_ADDRESS(Uints) listLengths;
-  PALPATE_ADDRESS(Vec4s) sums;  // out: a row of blocks for each (blockSums of shaders/lib/matter_sums.glsl)
+  PALPATE_ADDRESS(Vec4s) sums;  // out: a row of blocks for each (addUp() of shaders/lib/matter_sums.glsl)
   PALPATE_ADDRESS(ToolStates) tools;
   PALPATE_ADDRESS(Vec4s) bodyPoints;
   PALPATE_ADDRESS(Uints) bodyFirsts;
@@ -148,7 +148,7 @@ struct MatterRubArgs {
   PALPATE_ADDRESS(Uints) ids;
   PALPATE_ADDRESS(UVec4s) lists;
   PALPATE_ADDRESS(Uints) listLengths;
-  PALPATE_ADDRESS(UVec4s) contacts;      // by id, two halves: bits of the slip, and with whom
+  PALPATE_ADDRESS(UVec4s) contacts;      // by id, two halves: bits of the slip, and the partner
   PALPATE_ADDRESS(Uints) contactCounts;  // by id, two halves
   PALPATE_ADDRESS(Vec4s) sums;
   PALPATE_ADDRESS(ToolStates) tools;
@@ -161,7 +161,7 @@ struct MatterRubArgs {
 };
 PALPATE_SIZE(MatterRubArgs, 128);
 
-// The end of a substep: sums of all blocks, what they do to the tools, and how the simulation is.
+// The end of a substep: the sums of all blocks, their effect on the tools, and the state of the simulation.
 struct MatterFinishArgs {
   PALPATE_ADDRESS(MatterControls) control;
   PALPATE_ADDRESS(MatterSettings) setting;
@@ -171,7 +171,7 @@ struct MatterFinishArgs {
   uint blocks;
   uint toolCount;
   uint substep;
-  uint makesLists;  // whether they could be made in this one
+  uint makesLists;  // whether lists could be made in this substep
 };
 PALPATE_SIZE(MatterFinishArgs, 56);
 

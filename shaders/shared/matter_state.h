@@ -1,5 +1,5 @@
-// What a simulation of matter on a GPU knows of itself, in memory there (engine/matter/matter_memory.hpp). Particles
-// stand in slots, in the order of their cells; all that is by slot but the lists has one entry for each.
+// State of a simulation of matter on a GPU, in memory (engine/matter/matter_memory.hpp). Particles are in slots, in the
+// order of their cells; all arrays by slot except the lists have one entry for each.
 #ifndef PALPATE_SHARED_MATTER_STATE_H
 #define PALPATE_SHARED_MATTER_STATE_H
 #include "shaders/shared/matter.h"
@@ -9,44 +9,44 @@
 
 PALPATE_SHARED_BEGIN
 
-// Slots of a block: a workgroup, whose sums have one order.
+// Slots of a block: a workgroup, whose sums have a fixed order.
 const uint kMatterBlock = 256u;
-// Neighbours that stand side by side in a list, so that one load brings them: `stride` times so many words lie between
-// the first four of a slot and the next four.
+// Neighbours that are adjacent in a list, so that one load reads them: the first four of a slot and its next four are
+// `stride` times as many words apart.
 const uint kListedAtOnce = 4u;
-// Bits of a neighbour's slot; the image of it that is near stands above them.
+// Bits of a neighbour's slot; the bits above hold the image that is near.
 const uint kSlotBits = 27u;
-// Particles of a cell that can be put in order. A cell is no wider than lists reach, so that an eighth of it with more
-// than the longest list in it is crowded for sure.
+// Maximum particles of a cell that can be sorted. A cell is at most as wide as the reach of lists: with more particles
+// one of its octants holds more than the longest list, and is crowded in any case.
 const uint kMaxInCell = 1040u;
-// Lists that are to be good for some substeps are made as if particles went so much farther in them than they will at
-// their present velocities: these change.
+// Factor on the predicted displacement of particles, if lists have to stay valid for some substeps: velocities change
+// meanwhile.
 const float kForesight = 1.25f;
-// Cells that an invocation empties at the most.
+// Maximum cells that an invocation clears.
 const uint kEmptiedAtOnce = 4u;
 
-// As MatterState has them.
+// Values of MatterState.
 const uint kMatterRunning = 0u;
 const uint kMatterDiverged = 1u;
 const uint kMatterCrowded = 2u;
 
-// From this on the bits of a float that is not below 0 are those of no finite number.
+// From this value on the bits of a non-negative float are not those of a finite number.
 const uint kNotFinite = 0x7f800000u;
 
-// How the simulation is; all zero in the beginning.
+// State of the simulation; initially zero.
 struct MatterControl {
   uint state;
-  uint parity;       // half of velocities and contacts that is read in this substep, while the other one is written
-  uint late;         // substeps in which lists could not be made and should have been
-  uint lists;        // how often they were made
-  uint farthest;     // bits of the square of what a particle will have gone at most since they were made, m^2
-  uint crowdedCell;  // whether one holds more than can be put in order
-  uint crowdedList;  // whether one has no room
-  uint substeps;     // of this step that were run
+  uint parity;    // half of velocities and contacts that is read in this substep, while the other one is written
+  uint late;      // substeps in which lists should have been made but could not
+  uint lists;     // number of times they were made
+  uint farthest;  // bits of the square of the maximum displacement that a particle will have since they were made, m^2
+  uint crowdedCell;  // whether a cell holds more particles than can be sorted
+  uint crowdedList;  // whether a list is full
+  uint substeps;     // of this step that have run
 };
 PALPATE_SIZE(MatterControl, 32);
 
-// All particles together, after a substep; what the walls and the model got since the step began.
+// Sums over all particles after a substep; for the walls and the model, impulses since the step began.
 struct MatterSums {
   vec3 onWalls;  // kg m/s
   float kinetic;
@@ -54,11 +54,11 @@ struct MatterSums {
   float mostCompression;
   vec3 onModel;      // kg m/s
   vec3 turnOfModel;  // about the middle of its volume, kg m^2/s
-  uint unused;       // validation takes what is written to a vec3 for 16 bytes, which have to be there
+  uint unused;       // validation counts a write to a vec3 as 16 bytes, which have to exist
 };
 PALPATE_SIZE(MatterSums, 60);
 
-// What is the same in all substeps, in memory.
+// Constants of all substeps, in memory.
 struct MatterSetting {
   MatterCells cells;      // of the particles
   MatterCells bodyCells;  // of the points of a tool's ball
@@ -68,20 +68,20 @@ struct MatterSetting {
   ModelField model;
   vec3 modelMiddle;   // of its volume, m
   vec3 bodyMiddle;    // of the ball in the box of its cells, m
-  float bodyReach;    // of its points and their support from there, m
-  vec3 fall;          // what gravity adds to a velocity in a substep, m/s
+  float bodyReach;    // of its points and their support from bodyMiddle, m
+  vec3 fall;          // velocity change by gravity in a substep, m/s
   float bodySupport;  // m
   float ballRadius;   // m
-  float bodyKept;     // so far from its middle nothing is within the ball, m
-  float bodyPush;     // what is goes outwards so far in a substep at most, m
-  float listed;       // so far lists reach, m
-  float allowed;      // so far a particle may go until they are made again, m
-  float nearest;      // to a wall that a particle may come, m
+  float bodyKept;     // radius around its middle in which the ball holds no particles, m
+  float bodyPush;     // maximum outward displacement of particles within it in a substep, m
+  float listed;       // reach of lists, m
+  float allowed;      // displacement of a particle after which lists are made again, m
+  float nearest;      // minimum distance of a particle from a wall, m
   float step;         // s
   float mass;         // of a particle, kg
   float mostKinetic;  // J
   uint bodyPoints;
-  uint mostListed;  // in a list, a multiple of kListedAtOnce
+  uint mostListed;  // maximum in a list, a multiple of kListedAtOnce
 };
 PALPATE_SIZE(MatterSetting, 276);
 
@@ -93,11 +93,11 @@ struct HandStep {
   vec3 x;  // its axes in the world
   vec3 y;
   vec3 z;
-  float grown;  // of the ball, m; validation takes what it says of a vec3 for 16 bytes, which have to be there
+  float grown;  // of the ball, m; validation counts a read of a vec3 as 16 bytes, which have to exist
 };
 PALPATE_SIZE(HandStep, 76);
 
-// The ball of a tool. Where it is from the hand keeps digits that its place has not.
+// The ball of a tool. Its offset from the hand keeps digits that its position has lost.
 struct ToolState {
   vec3 lag;  // from the hand, m
   vec3 place;
@@ -107,10 +107,10 @@ struct ToolState {
   vec3 y;
   vec3 z;
   float grown;         // m
-  vec3 springImpulse;  // since the step began, as what follows: kg m/s
-  vec3 impulse;        // of the matter
-  vec3 angular;        // of the matter, about its middle, kg m^2/s
-  vec3 modelImpulse;   // of the model that stands in the matter
+  vec3 springImpulse;  // since the step began, like the following: kg m/s
+  vec3 impulse;        // by the matter
+  vec3 angular;        // by the matter, about its middle, kg m^2/s
+  vec3 modelImpulse;   // by the model at rest in the matter
   float portWork;      // of the hand, J
 };
 PALPATE_SIZE(ToolState, 140);

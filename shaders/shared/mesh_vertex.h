@@ -4,12 +4,12 @@
 
 PALPATE_SHARED_BEGIN
 
-// What the mesh passes make and the render passes draw. Triangles are three numbers of vertices each, anticlockwise as
-// seen from outside.
+// Written by the mesh passes and drawn by the render passes. A triangle is three vertex numbers, anticlockwise as seen
+// from outside.
 struct MeshVertex {
   vec3 position;  // model units
   vec3 normal;    // unit, outwards
-  uint color;     // RGBA8; 0 where the cloud has none
+  uint color;     // RGBA8; 0 if the cloud has no colours
 };
 PALPATE_SIZE(MeshVertex, 28);
 

@@ -5,7 +5,7 @@
 
 PALPATE_SHARED_BEGIN
 
-// Side of a tile, pixels; an invocation for each.
+// Side of a tile, pixels; one invocation for each pixel.
 const uint kPanelTile_px = 16u;
 const uint kPanelWorkgroup = kPanelTile_px * kPanelTile_px;
 
@@ -29,31 +29,31 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelClips {
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelLayer { uvec2 at[]; };
 #endif
 
-// What lies over a picture, for each of its pixels: its own light, and how much it lets through of what is below, in
-// pairs of 16 bits from 0 to 1 (red and green, blue and through).
+// The layer over a picture, for each of its pixels: its own light, and the share of the light below that it lets
+// through, in pairs of 16 bits from 0 to 1 (red and green, blue and through).
 struct PanelLayerArgs {
-  PALPATE_ADDRESS(PanelLayer) layer;  // out, size_px; only the tiles to be made
+  PALPATE_ADDRESS(PanelLayer) layer;  // out, size_px; only the tiles in `tiles`
   PALPATE_ADDRESS(PanelVertices) vertices;
   PALPATE_ADDRESS(PanelTriangles) triangles;
   PALPATE_ADDRESS(PanelClips) clips;  // left, top, right, bottom; pixels
-  PALPATE_ADDRESS(Uints) starts;      // of each tile's entries; one more at the end
-  PALPATE_ADDRESS(Uints) entries;     // triangles of the tiles, from the lowest to the uppermost
-  PALPATE_ADDRESS(Uints) tiles;       // to be made
-  PALPATE_ADDRESS(Uints) texture;     // how much of a texel is covered, 8 bits each
+  PALPATE_ADDRESS(Uints) starts;      // first entry of each tile; one more at the end
+  PALPATE_ADDRESS(Uints) entries;     // triangles of the tiles, from the lowest to the topmost
+  PALPATE_ADDRESS(Uints) tiles;       // tiles to draw
+  PALPATE_ADDRESS(Uints) texture;     // coverage of each texel, 8 bits
   uvec2 size_px;
   uvec2 texture_px;
-  uint tileCount;  // to be made
+  uint tileCount;  // tiles to draw
 };
 PALPATE_SIZE(PanelLayerArgs, 88);
 
 struct PanelComposeArgs {
-  PALPATE_ADDRESS(Uints) picture;  // RGBA8; null: there is none, and `background` is seen
+  PALPATE_ADDRESS(Uints) picture;  // RGBA8; null: no picture, `background` is shown
   PALPATE_ADDRESS(PanelLayer) layer;
   PALPATE_ADDRESS(Uints) shown;  // out, size_px
   uvec2 size_px;
   uint background;  // RGBA8
-  uint blueFirst;   // not 0: blue is in the lowest byte of what is shown
-  uint shrink;      // pixels that one of the picture covers, along each side
+  uint blueFirst;   // not 0: blue is in the lowest byte of `shown`
+  uint shrink;      // pixels along each side that one pixel of the picture covers
   uint pictureWidth_px;
 };
 PALPATE_SIZE(PanelComposeArgs, 48);

@@ -4,26 +4,26 @@
 
 PALPATE_SHARED_BEGIN
 
-// The patch that the host goes on with while the GPU is late: all points within kCarriedReach support radii of its
-// centre. A surface at a place takes one support radius of it, so the hand may move the rest before the border. More
-// reach costs points, less costs forces that end at the border.
+// The patch from which the host continues while the GPU is late: all points within kCarriedReach support radii of its
+// centre. A surface at a position uses one support radius around it, so the hand may move by the rest before it reaches
+// the border. More reach costs points; with less, forces end at the border sooner.
 const float kCarriedReach = 2.5f;
-const uint kMaxCarriedPoints = 2048;   // where more are in reach they are thinned evenly, and the patch says so
-const uint kCarriedCellsPerSide = 16;  // visited at most; smaller cells than allow for that make the reach smaller
+const uint kMaxCarriedPoints = 2048;   // if more are in reach they are subsampled evenly, and `thinned` is set
+const uint kCarriedCellsPerSide = 16;  // visited at most; if smaller cells would need more, the reach is reduced
 
 struct CarriedHead {
   uint count;    // points
-  uint thinned;  // not 0: only every so-manyth was taken
+  uint thinned;  // not 0: neighbours were subsampled
   uint unused[2];
 };
 PALPATE_SIZE(CarriedHead, 16);
 
 struct PatchFetchArgs {
   CloudView cloud;
-  PALPATE_ADDRESS(Vec4s) centre;          // xyz: among the points as the index has them; w: how old they are, s
-  PALPATE_ADDRESS(FetchedPatch) fetched;  // 2 vec4 per point, as the live cloud has them: position and id, normal
-  PALPATE_ADDRESS(NearPoints) near;       // numbers of the points in reach; for the pass alone
-  PALPATE_ADDRESS(Vec4s) velocities;      // where points move: as shaders/shared/motion.h has them
+  PALPATE_ADDRESS(Vec4s) centre;  // xyz: position in the index, at the time of its points; w: the points' age, s
+  PALPATE_ADDRESS(FetchedPatch) fetched;  // 2 vec4 per point, as in the live cloud: position and id, normal
+  PALPATE_ADDRESS(NearPoints) near;       // numbers of the points in reach; used by the pass alone
+  PALPATE_ADDRESS(Vec4s) velocities;      // if points move: as in shaders/shared/motion.h
   float reach;                            // model units
   uint mostCells;
 };

@@ -1,5 +1,6 @@
-// The plane through the neighbours of a place, weighed by Wendland's function: its normal is the direction of least
-// spread (Hoppe et al. 1992, section 3.2). engine/edit/normal_fit.hpp finds the same in double precision, by rotations.
+// The plane through the neighbours of a position, weighted by Wendland's function: its normal is the direction of least
+// spread (Hoppe et al. 1992, section 3.2). engine/edit/normal_fit.hpp computes the same in double precision, by Jacobi
+// rotations.
 #ifndef PALPATE_SHARED_PLANE_FIT_H
 #define PALPATE_SHARED_PLANE_FIT_H
 #include "shaders/shared/contact.h"
@@ -8,7 +9,7 @@
 
 PALPATE_SHARED_BEGIN
 
-// Weighted moments of the neighbours about a place.
+// Weighted moments of the neighbours about a position.
 PALPATE_STRUCT(Moments) {
   Real weight;
   uint neighbours;
@@ -43,7 +44,7 @@ PALPATE_FORMULA PALPATE_MAT3 covarianceOf(PALPATE_OF(Moments) m) {
                       mixed.z, mixed.y, diagonal.z);
 }
 
-// Unit, of either sign; zero where the neighbours are too few to say, or do not spread over a surface.
+// Unit, of either sign; zero where there are too few neighbours, or where they do not spread over a surface.
 PALPATE_FORMULA PALPATE_VEC3 planeNormal(PALPATE_OF(Moments) m) {
   if (m.neighbours < kMinNeighbours || m.weight <= Real(0.0)) return PALPATE_VEC3(Real(0.0));
   return smallestEigenvector(covarianceOf(m));

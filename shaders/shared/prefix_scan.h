@@ -4,7 +4,7 @@
 
 PALPATE_SHARED_BEGIN
 
-// Consecutive values that one invocation scans by itself. More means fewer tiles; too many spill registers.
+// Consecutive values that one invocation scans alone. More give fewer tiles; too many spill registers.
 const uint kScanItems = 8;
 const uint kScanWorkgroup = 256;
 const uint kScanTile = kScanWorkgroup * kScanItems;  // values that one workgroup scans

@@ -1,23 +1,23 @@
 // The proxy from tick to tick: contact begins where the HIP's motion crosses the surface, and the proxy tracks the
-// tangent plane (Salisbury and Tarr 1997), held or dragged by friction (Ruspini, Kolarov, Khatib 1997). All places are
-// relative to the HIP. Who walks: shaders/contact/contact_step.comp, engine/contact/proxy_tracker.cpp in double
-// precision, engine/cuda/contact_step.cuh.
+// tangent plane (Salisbury and Tarr 1997), held or dragged by friction (Ruspini, Kolarov, Khatib 1997). All positions
+// are relative to the HIP. The loops over sub-steps and tracking steps are in shaders/contact/contact_step.comp,
+// engine/contact/proxy_tracker.cpp (double precision) and engine/cuda/contact_step.cuh.
 #ifndef PALPATE_SHARED_PROXY_H
 #define PALPATE_SHARED_PROXY_H
 #include "shaders/shared/contact.h"
 
 PALPATE_SHARED_BEGIN
 
-// Free: whether a HIP at this face (kFace...) crosses the surface with its next sub-step, after which it is in front of
-// the surface or not.
+// Whether a free HIP crosses the surface in its next sub-step. `face`: its kFace... before it; `inFront`: whether it is
+// in front of the surface afterwards.
 PALPATE_FUNCTION bool crosses(uint face, bool inFront) { return inFront ? face == kFaceBehind : face == kFaceOutside; }
 
-// Sub-steps of a free HIP that has come so far since the last tick, in kLongestStep support radii.
+// Sub-steps of a free HIP for its displacement since the last tick, `way`, in units of kLongestStep support radii.
 PALPATE_FORMULA uint substepsOn(Real way) { return clamp(uint(ceil(min(way, Real(kMaxSubsteps)))), 1u, kMaxSubsteps); }
 
-// The face at which a HIP is that has not crossed a surface. `defined`: there is one in reach, or where it `ends`;
-// `traced`: the sub-steps cover the way since the last tick. Who was lost within a body stays so until it is out, and
-// who is past the rim of a sheet is out.
+// The face of a HIP that has not crossed a surface. `defined`: a surface is in reach; `ends`: the HIP is past the rim
+// of a sheet; `traced`: the sub-steps cover the path since the last tick. A HIP lost inside a body stays inside until
+// it is out; a HIP past the rim of a sheet is out.
 PALPATE_FUNCTION uint faceAfter(uint face, bool defined, bool ends, bool inFront, bool traced) {
   if (!defined) return face == kFaceInside && !ends ? face : kFaceUnknown;
   if (inFront) return kFaceOutside;
@@ -25,15 +25,15 @@ PALPATE_FUNCTION uint faceAfter(uint face, bool defined, bool ends, bool inFront
   return traced ? kFaceBehind : kFaceInside;
 }
 
-// No longer than `longest`.
+// Limited to the length `longest`.
 PALPATE_FORMULA PALPATE_VEC3 shortened(PALPATE_VEC3 step, Real longest) {
   const Real size = length(step);
   return size > longest ? step * (longest / size) : step;
 }
 
-// The part of a slide that friction leaves: the proxy is held while the force stays in the cone, and dragged along its
-// border once it has left it. `depth`: of the HIP below the surface; `friction`: coefficient while the proxy slides;
-// `sticking`: it has not slid in the last tick.
+// The part of a slide that friction leaves: the proxy is held while the force is inside the friction cone, and dragged
+// along the cone's border outside it. `depth`: of the HIP below the surface; `friction`: coefficient while the proxy
+// slides; `sticking`: the proxy did not slide in the last tick.
 PALPATE_FORMULA PALPATE_VEC3 againstFriction(PALPATE_VEC3 slide, Real depth, Real friction, bool sticking) {
   const Real size = length(slide);
   const Real held = friction * max(Real(0.0), depth);
@@ -41,13 +41,13 @@ PALPATE_FORMULA PALPATE_VEC3 againstFriction(PALPATE_VEC3 slide, Real depth, Rea
   return slide * (Real(1.0) - held / size);
 }
 
-// From the proxy to where the HIP is nearest in the tangent plane, as far as friction lets it.
+// From the proxy to the point of the tangent plane nearest to the HIP, as far as friction allows.
 PALPATE_FORMULA PALPATE_VEC3 slideAlong(PALPATE_VEC3 normal, PALPATE_VEC3 proxy, Real friction, bool sticking) {
   const Real depth = dot(proxy, normal);
   return againstFriction(depth * normal - proxy, depth, friction, sticking);
 }
 
-// What the steps of one tick leave to one another.
+// State that the steps of one tick pass on to each other.
 PALPATE_STRUCT(Tracking) {
   PALPATE_VEC3 lastSlide;
   Real relaxation;
@@ -55,7 +55,7 @@ PALPATE_STRUCT(Tracking) {
   bool slid;  // in this tick
 };
 
-// The proxy goes `firstSlide` at once where it is not less than `arrived`, without evaluating the surface there.
+// The proxy takes `firstSlide` at once, without an evaluation of the surface, if the slide is at least `arrived` long.
 PALPATE_FORMULA PALPATE_OF(Tracking) trackingFrom(PALPATE_VEC3 firstSlide, bool sticking, Real arrived) {
   PALPATE_OF(Tracking) tracking;
   tracking.lastSlide = firstSlide;
@@ -65,14 +65,14 @@ PALPATE_FORMULA PALPATE_OF(Tracking) trackingFrom(PALPATE_VEC3 firstSlide, bool 
   return tracking;
 }
 
-// The step that a proxy wants to take.
+// The step that a proxy is to take.
 PALPATE_STRUCT(TrackingStep) {
   PALPATE_VEC3 lift;  // onto the surface
   PALPATE_VEC3 slide;
   Real size;
 };
 
-// `normal` and `distance`: of the surface at the proxy, its outside the face that is felt.
+// `normal` and `distance`: of the surface at the proxy; its outside is the felt face.
 PALPATE_FORMULA PALPATE_OF(TrackingStep)
     nextStep(PALPATE_OF(Tracking) tracking, PALPATE_VEC3 proxy, PALPATE_VEC3 normal, Real distance, Real friction) {
   PALPATE_OF(TrackingStep) step;
@@ -82,10 +82,10 @@ PALPATE_FORMULA PALPATE_OF(TrackingStep)
   return step;
 }
 
-// Takes the step; how the proxy moves.
+// Takes the step; returns the displacement of the proxy.
 PALPATE_FORMULA PALPATE_VEC3 takeStep(PALPATE_INOUT(PALPATE_OF(Tracking)) tracking, PALPATE_OF(TrackingStep) step,
                                       Real longest) {
-  // A slide that turns back has overshot, as it does in a hollow narrower than the HIP is deep.
+  // A slide that reverses has overshot, as it does in a hollow narrower than the HIP is deep.
   if (dot(step.slide, tracking.lastSlide) < Real(0.0)) tracking.relaxation *= Real(0.5);
   tracking.lastSlide = step.slide;
   if (step.slide != PALPATE_VEC3(Real(0.0))) {

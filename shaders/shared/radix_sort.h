@@ -4,11 +4,11 @@
 
 PALPATE_SHARED_BEGIN
 
-const uint kSortMaxDigitBits = 8;  // digits of one pass; the histograms in shared memory grow with two to its power
+const uint kSortMaxDigitBits = 8;  // digits of one pass; the histograms in shared memory grow with two to this power
 const uint kSortRadix = 1 << kSortMaxDigitBits;
 const uint kSortMaxPasses = 4;
-// Keys per invocation of the reduce-then-scan form. Fewer leave more workgroups to hide each other's waits, and more
-// counts to scan; 8 serves a million keys on a large GPU better than 16 and costs one byte of scratch a key.
+// Keys per invocation of the reduce-then-scan form. Fewer give more workgroups to hide latency, and more counts to
+// scan; 8 is faster than 16 for a million keys on a large GPU and costs one byte of scratch a key.
 const uint kSortItems = 8;
 
 struct RadixSortArgs {

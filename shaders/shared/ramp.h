@@ -5,7 +5,7 @@
 
 PALPATE_SHARED_BEGIN
 
-// From deep blue over green to warm yellow for x from 0 to 1, ever brighter, sRGB.
+// From deep blue over green to warm yellow for x from 0 to 1, with increasing brightness, sRGB.
 PALPATE_FUNCTION vec3 rampColor(float x) {
   const vec3 a = vec3(0.10f, 0.13f, 0.38f), b = vec3(0.11f, 0.37f, 0.58f), c = vec3(0.16f, 0.60f, 0.55f);
   const vec3 d = vec3(0.58f, 0.78f, 0.40f), e = vec3(0.98f, 0.87f, 0.45f);

@@ -1,10 +1,10 @@
-// What lets one text be a formula for GLSL and CUDA in single precision, and for C++ in single and double. A formula is
-// a template over `Real` there, and over nothing in GLSL, where Real is float:
+// Lets one text be a formula for GLSL and CUDA in single precision, and for C++ in single and double. In C++ and CUDA a
+// formula is a template over `Real`; in GLSL it is a plain function and Real is float:
 //
 //   PALPATE_FORMULA Real heightOver(PALPATE_VEC3 place, PALPATE_VEC3 normal) { return Real(2.0) * dot(place, normal); }
 //
-// Constants that are not of type Real are converted by name, as Real(0.5), or C++ would mix the precisions. All of them
-// compute in the order that is written: nothing is contracted or reassociated in C++ and CUDA.
+// Constants that are not of type Real are converted explicitly, as Real(0.5), or C++ would mix the precisions. All
+// languages compute in the written order: nothing is contracted or reassociated in C++ and CUDA.
 #ifndef PALPATE_SHARED_REAL_H
 #define PALPATE_SHARED_REAL_H
 
@@ -24,8 +24,8 @@
 #define PALPATE_SHARED_BEGIN namespace palpate::shared {
 #define PALPATE_SHARED_END }
 #ifdef __CUDACC__
-// Each translation unit has its own, and always inlined: the device linker takes clones of a function that units share
-// for the same code, though one may have been specialised for what its own unit calls it with.
+// Static and always inlined: the device linker takes clones of a function that translation units share for the same
+// code, though one clone may have been specialised for the arguments of its own unit.
 #define PALPATE_FORMULA \
   template <class Real> \
   static __forceinline__ __host__ __device__
@@ -42,7 +42,7 @@
 #define PALPATE_OUT(type) type&
 #define PALPATE_INOUT(type) type&
 // A struct of Reals: PALPATE_STRUCT(Ball) {...}; is named PALPATE_OF(Ball) in formulas, and BallOf<double> in C++.
-// PALPATE_SINGLE(Ball); behind it makes Ball the one in single precision, as GLSL has it.
+// PALPATE_SINGLE(Ball); after it makes Ball the single-precision struct, as in GLSL.
 #define PALPATE_STRUCT(name) \
   template <class Real>      \
   struct name##Of
@@ -70,7 +70,7 @@ using glm::sqrt;
 using glm::transpose;
 using std::lerp;
 
-/// Whether the sign bit is set, as it is of -0.
+/// Whether the sign bit is set, also of -0.
 PALPATE_FORMULA bool isNegative(Real x) { return std::signbit(x); }
 
 }  // namespace palpate::shared

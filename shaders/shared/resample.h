@@ -1,91 +1,94 @@
-// How a surface that is stretched or crowded by an edit keeps its points: small functions and constants that C++ and
-// GLSL share. The decisions themselves: engine/edit/resampling.hpp.
+// Keeps the density of points where an edit stretches or crowds a surface: small functions and constants that C++ and
+// GLSL share. The decisions themselves are in engine/edit/resampling.hpp.
 #ifndef PALPATE_SHARED_RESAMPLE_H
 #define PALPATE_SHARED_RESAMPLE_H
 #include "shaders/shared/hash_grid.h"
 
 PALPATE_SHARED_BEGIN
 
-// In target spacings, which are those of the cloud as it was loaded. Where the ends of a pair have two, the coarser one
-// counts, so that dense ground never grows into sparse ground.
-// A direction in which the nearest neighbour is further than this may have a gap. Less fills places that are only
-// uneven, more leaves holes.
+// In target spacings, the local spacings of the cloud as loaded. If the ends of a pair have different ones, the coarser
+// one counts, so that a dense region never grows into a sparse one.
+
+// A direction whose nearest neighbour is further than this may have a gap. Less fills regions that are only uneven,
+// more leaves holes.
 const float kWidestGap = 1.5f;
-// It has one where its ends stand at least so far from how they stood to one another in the cloud as it was loaded: how
-// uneven that was is no edit's business.
+// It has one if the offset between its ends has changed by at least this since the cloud was loaded: edits do not
+// repair the unevenness of the cloud itself.
 const float kTorn = 0.25f;
-// A new point stands at least so far from every other one: less than half a gap, or no gap could be filled, and enough
-// that no lattice of the target density has room for one (the middle of a rhombus with this clearance has its corners
-// nearer than a gap).
+// Minimum distance of a new point from every other one: less than half a gap, or no gap could be filled, and large
+// enough that no lattice of the target density has room for one (the middle of a rhombus with this clearance has its
+// corners nearer than a gap).
 const float kMinClearance = 0.7f;
-// Of two points nearer to one another than this, one goes. Well below the clearance, or points would come and go.
+// Of two points nearer to each other than this, one is removed. Well below the clearance, or points would be added and
+// removed repeatedly.
 const float kCrowded = 0.4f;
-// Two points of the file are crowded only where they have come nearer to one another than this share of their distance
-// as loaded, or stood in the same place, which is less than this many spacings wide.
+// Two points of the file are crowded only if they are nearer to each other than this share of their distance as loaded,
+// or had the same position, which is less than kSamePlace spacings apart.
 const float kComeNearer = 0.75f, kSamePlace = 1e-3f;
 
-// Of the support radius. The neighbourhood of a point is no wider than this, or kNeighbourhoodSpacings of its own
-// target where that is more: far enough for what one tick may tear open, and on ground much denser than the radius is
-// made for not so far that its neighbours are too many to visit.
+// Of the support radius. The neighbourhood of a point is no wider than this, or than kNeighbourhoodSpacings of its own
+// target if that is more: far enough for what one tick may tear open, but in regions much denser than the radius is
+// chosen for not so far that there are too many neighbours to visit.
 const float kMinNeighbourhood = 0.5f;
 const float kNeighbourhoodSpacings = 8.0f;
-// Of the support radius: how far from a point that the brush has moved others may come because of it, from one to the
-// next. With the longest move it makes one support radius beyond the brush.
+// Of the support radius: how far from a point that the brush has moved new points may be created because of it, in a
+// chain from one to the next. With the longest move that is one support radius beyond the brush.
 const float kReach = 0.75f;
 
-// Of the support radius: no target is smaller, and points nearer to one another than this count as one when the targets
-// are measured, so that a heap of points in one place does not ask for more of them all around.
+// Of the support radius: minimum target; points nearer to each other than this count as one when the targets are
+// measured, so that a cluster of points in one position does not request more of them all around.
 const float kMinSpacing = 0.03125f;
-// Of the support radius: no target is larger, or a gap could be wider than what a point sees.
+// Of the support radius: maximum target, or a gap could be wider than a point's neighbourhood.
 const float kMaxSpacing = 0.5f;
 
-// Of the weights that a place sums up: fewer are no surface to measure a target by.
+// Minimum sum of weights at a position: with less there is no surface to measure a target by.
 const float kMinWeights = 0.1f;
 
-// Directions in the tangent plane that are examined by themselves: each neighbour of an even lattice has its own.
+// Directions in the tangent plane that are examined separately: each neighbour of an even lattice has its own.
 const uint kGapSectors = 6u;
-// The least cosine between the normals of two points of one sheet; others are not neighbours here.
+// Minimum cosine between the normals of two points of one sheet; other points are not neighbours here.
 const float kSameSheet = 0.0f;
-// At most so much are two points of the two sheets of a plate for one another.
+// Maximum cosine between the normals of two points on the opposite sheets of a plate.
 const float kFarSheet = -0.5f;
 
-// How much a neighbour counts when the normal of a point is fitted, 0 to 1, from the cosine between the two as they
-// were: wholly along a bent sheet, a little across a right angle, by which a normal may turn at a fresh edge, and not
-// at all from the far sheet of a plate.
+// Weight of a neighbour in the fit of a point's normal, 0 to 1, by the cosine between the two normals before: full
+// along a bent sheet, small across a right angle, by which a normal may rotate at a fresh edge, and zero for the far
+// sheet of a plate.
 PALPATE_FUNCTION float fitShare(float cosine) { return max(0.0f, min(1.0f, 0.25f + cosine)); }
 
-// While a ball carves, nothing may stand outside the solid that it cuts, in target spacings. A place is through where
-// a point that faces the other way, no further aside than kBeside, has less than kSkin before it. It has risen where
-// nearly all that stand as they were loaded, the nearest of them most (weights fall with the fourth power), say that it
-// is more than kSkin outside their tangent planes. At rest is what stands no further than kAtRest from where it stood.
+// While a ball carves, no point may be outside the solid that it cuts; in target spacings. A position is through if it
+// is less than kSkin inside the surface at a point that faces the other way, at most kBeside aside. It has risen if
+// nearly all neighbours at rest, weighted by the inverse fourth power of their distance, have it more than kSkin
+// outside their tangent planes. A point is at rest if it is no further than kAtRest from its position as loaded.
 const float kSkin = 0.1f, kBeside = 2.0f, kAtRest = 0.02f, kNearlyAll = 0.8f;
-// No new point comes so near to where one would have to go, and not where half of them say so: else points would come
-// and go for ever.
+// No new point is created this near to where a point would be removed, nor where half of the neighbours at rest say so:
+// otherwise points would be added and removed for ever.
 const float kBirthMargin = 0.1f, kHalfOfThem = 0.5f;
 
-// A point that a tool pushes stops so many of its spacings before a sheet that is turned away from the tool.
+// A pushed point stops this many of its spacings before a sheet that faces away from the tool.
 const float kStopMargin = 0.4f;
 
-// Whether a place is through, `offset` from a point that faces the other way, whose unit normal is `normal`.
+// Whether a position is through, `offset` from a point that faces the other way, whose unit normal is `normal`.
 PALPATE_FUNCTION bool isThrough(vec3 offset, vec3 normal, float spacing, float margin) {
   const float before = dot(offset, normal);  // negative inside
   const vec3 aside = offset - before * normal;
   return before > -(kSkin + margin) * spacing && dot(aside, aside) < kBeside * kBeside * spacing * spacing;
 }
 
-// Whether a point at rest with this unit normal says that a place so far from it has risen.
+// Whether a position at this offset from a point at rest, with this unit normal, has risen over it.
 PALPATE_FUNCTION bool isAbove(vec3 offset, vec3 normal, float spacing, float margin) {
   return dot(offset, normal) > (kSkin - margin) * spacing;
 }
 
-// How thick the solid is under a new point, between two that know it or do not (kUnseen).
+// Thickness of the solid under a new point, from the thicknesses at its two ends, either of which may be unknown
+// (kUnseen).
 const float kUnseen = 3.0e38f;
 PALPATE_FUNCTION float middleThickness(float a, float b) {
   return a < kUnseen && b < kUnseen ? 0.5f * (a + b) : min(a, b);
 }
 
-// Slots of the table in which insertions claim their place: a power of two. A slot that two far places share makes one
-// of them wait for the next tick.
+// Slots of the table in which requests for new points claim their positions: a power of two. If two distant positions
+// share a slot, one of them waits for the next tick.
 const uint kClaimSlots = 65536u;
 
 // The sector of a direction, `u` and `v` its coordinates in a tangent plane: counter-clockwise from the u axis.
@@ -98,17 +101,16 @@ PALPATE_FUNCTION uint sectorOf(float u, float v) {
   return up ? third : third + 3u;
 }
 
-// How much of a bulge over the chord to a neighbour `offset` away stays below the tangent plane of the point, which is
-// convex there, or adds nothing to what the chord itself is above it: 0 to 1.
+// Factor on a bulge over the chord to a neighbour `offset` away, with which the bulge stays below the tangent plane of
+// the point, which is convex there, or adds nothing to the chord's own height above it: 0 to 1.
 PALPATE_FORMULA Real bulgeBelow(PALPATE_VEC3 offset, PALPATE_VEC3 normal, PALPATE_VEC3 bulge) {
   const Real rises = dot(bulge, normal), falls = max(Real(0.0), Real(-0.5) * dot(offset, normal));
   return rises > falls ? falls / rises : Real(1.0);
 }
 
-// Half way on the curved surface from a point to a neighbour `offset` away: the middle of a cubic that is tangent to
-// the surface at both ends (Vlachos et al. 2001, section 3.1), right to the second order in curvature. At an edge,
-// where the normals of the ends disagree, such a cubic leaves the solid: no more of it than stays within both tangent
-// planes. Relative to the point.
+// Relative to a point, the middle of the curved surface to a neighbour `offset` away: that of a cubic tangent to the
+// surface at both ends (Vlachos et al. 2001, section 3.1), right to the second order in curvature. At an edge, where
+// the normals disagree, such a cubic leaves the solid: only its part within both tangent planes is used.
 PALPATE_FORMULA PALPATE_VEC3 halfWay(PALPATE_VEC3 offset, PALPATE_VEC3 normal, PALPATE_VEC3 otherNormal) {
   const PALPATE_VEC3 bulge = Real(0.125) * (dot(offset, otherNormal) * otherNormal - dot(offset, normal) * normal);
   return Real(0.5) * offset + min(bulgeBelow(offset, normal, bulge), bulgeBelow(-offset, otherNormal, bulge)) * bulge;
@@ -119,14 +121,13 @@ PALPATE_FUNCTION float neighbourhoodRadius(float target, float radius) {
   return min(radius, max(kNeighbourhoodSpacings * target, kMinNeighbourhood * radius));
 }
 
-// In target spacings: the upper median of the distances to the nearest neighbours in those sectors that have one, on
-// even ground without order. No target is smaller than the one that this gives: beside a dense patch the sparse side
-// counts.
+// In target spacings: the upper median of the distances to the nearest neighbours in the sectors that have one, on even
+// ground without order. The target that it gives is a lower bound: beside a dense patch the sparse side counts.
 const float kSectorSpacings = 1.15f;
 
-// Insertions claim their places on a grid whose cells are as wide as the clearance, with one slot for a cell: the point
-// with the smallest number has it; its insertion stands unless a point with a smaller number has one of the 26 cells
-// about it and wants a place nearer than the clearance. `spacing`: the widest target, model units.
+// Requests claim positions on a grid whose cells are as wide as the clearance, with one slot for a cell: the point with
+// the smallest id owns it; its request stands unless a point with a smaller id owns one of the 26 cells around it and
+// claims a position nearer than the clearance. `spacing`: the widest target, model units.
 PALPATE_FUNCTION HashGrid claimGrid(float spacing) {
   HashGrid grid;
   grid.origin = vec3(0.0f);

@@ -1,7 +1,7 @@
-// What the passes of a soft body on a GPU read and write (engine/matter/soft_passes.hpp). Its cells stand in slots:
-// first those with a place of the skin, which take longest, then, from a whole block on, those without. What is by slot
-// and by corner or axis stands in planes of `stride` floats, one behind the other; behind the last slot is one that is
-// no cell, where all planes are 0.
+// What the passes of a soft body on a GPU read and write (engine/matter/soft_passes.hpp). Its cells are in slots: first
+// those with skin points, which take longest, then, from a whole block on, those without. Arrays by slot and by corner
+// or axis are in planes of `stride` floats, one after another; after the last slot is one without a cell, where all
+// planes are 0.
 #ifndef PALPATE_SHARED_SOFT_PASSES_H
 #define PALPATE_SHARED_SOFT_PASSES_H
 #include "shaders/shared/matter_state.h"
@@ -9,42 +9,42 @@
 
 PALPATE_SHARED_BEGIN
 
-// vec4s of a node: how far it is from rest (m) and its mass (kg); its velocity (m/s) and whether it is free (1) or
+// vec4s of a node: its displacement from rest (m) and its mass (kg); its velocity (m/s) and whether it is free (1) or
 // pinned (0).
 const uint kNodeVec4s = 2u;
-// uvec4s of a node: the words of the planes of forces where the eight cells about it say what they do along x.
+// uvec4s of a node: indices, in the planes of forces, of the x forces on it by the eight cells around it.
 const uint kIncidentUVec4s = 2u;
-// vec4s of a place of the skin: its share of the cell along each axis and its stiffness (N/m); where it rests (m).
+// vec4s of a skin point: its share of the cell along each axis and its stiffness (N/m); its position at rest (m).
 const uint kSkinVec4s = 2u;
-// vec4s of a node's gradient, a column each.
+// vec4s of a node's gradient, one for each column.
 const uint kGradientVec4s = 3u;
 // Planes of the forces, x, y and z of each corner, and of the gradients.
 const uint kForcePlanes = 24u;
 const uint kGradientPlanes = 9u;
-// Rows of sums: what holds the body got and the kinetic energy; momentum and the most compression; then for each tool
-// the impulse it got, and the angular one.
+// Rows of sums: impulse on walls and pins, and the kinetic energy; momentum and the maximum compression; then for each
+// tool its impulse, and its angular impulse.
 const uint kSoftRowsOfAll = 2u;
 
-// What is the same for all cells and nodes.
+// Constants of all cells and nodes.
 struct SoftSetting {
   SoftRules rules;
   ToolSpring spring;
-  vec3 box;       // walls from 0 to there, m
+  vec3 box;       // walls are at 0 and at this, m
   float ball;     // radius of the balls, m
-  vec3 fall;      // what gravity adds to a velocity in a substep, m/s
+  vec3 fall;      // velocity change by gravity in a substep, m/s
   float step;     // s
   float spacing;  // m
-  float beyond;   // so far a place of the skin may be beyond its cell, as a share of the cell's extent
-  float damping;  // of a touch, of its stiffness, s
+  float beyond;   // how far a skin point may be outside its cell, as a share of the cell's extent
+  float damping;  // of a contact, per stiffness, s
   float friction;
-  float carriedSpeed;  // share of their velocities that points are carried with: 1, or 0 while all is held
+  float carriedSpeed;  // factor on the velocities of carried points: 1, or 0 while all is held
 };
 PALPATE_SIZE(SoftSetting, 100);
 
-// A cell with places of the skin, in the order of the slots; one more at the end says where the last ones end.
+// A cell with skin points, in the order of the slots; one more at the end marks the end of the last points.
 struct SoftSkinCell {
-  vec3 corner;  // the lowest one at rest, m
-  uint first;   // of its places
+  vec3 corner;  // its lowest corner at rest, m
+  uint first;   // of its skin points
 };
 PALPATE_SIZE(SoftSkinCell, 16);
 
@@ -55,7 +55,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SoftSkinCel
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CellRests { CellRest at[]; };
 #endif
 
-// The balls of tools at the end of the first substep, before the others.
+// Predicts the balls of tools for the end of the first substep, before the other passes.
 struct SoftPredictArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(HandSteps) hands;  // substep by substep
@@ -65,31 +65,32 @@ struct SoftPredictArgs {
 };
 PALPATE_SIZE(SoftPredictArgs, 32);
 
-// What each cell does to its nodes, with what walls and balls do to the places of the skin in it.
+// Forces of each cell on its nodes, including those of walls and balls on its skin points.
 struct SoftCellsArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(Vec4s) nodes;
-  PALPATE_ADDRESS(UVec4s) corners;  // of each slot: the nodes of corners 0, 2, 4 and 6; next to them are 1, 3, 5 and 7
-  PALPATE_ADDRESS(Floats) volumes;  // of what is in each slot, m^3
+  PALPATE_ADDRESS(UVec4s)
+  corners;  // nodes of corners 0, 2, 4 and 6 of each slot; the nodes after them are corners 1, 3, 5 and 7
+  PALPATE_ADDRESS(Floats) volumes;  // of the matter in each slot, m^3
   PALPATE_ADDRESS(Floats) forces;   // out: planes, N
   PALPATE_ADDRESS(SoftSkinCells) skinCells;
   PALPATE_ADDRESS(Vec4s) skin;
   PALPATE_ADDRESS(ToolStates) tools;
   PALPATE_ADDRESS(Vec4s) sums;       // out: rows of blocks of slots
-  PALPATE_ADDRESS(CellRests) rests;  // of each slot; without a volume: a cube; nothing where all are
-  PALPATE_ADDRESS(Vec4s) present;    // the nodes as they are, for a trial
-  uint skinCount;                    // cells with places of the skin
+  PALPATE_ADDRESS(CellRests) rests;  // of each slot; without a volume: a cube; null if all are cubes
+  PALPATE_ADDRESS(Vec4s) present;    // the present nodes, for a trial
+  uint skinCount;                    // cells with skin points
   uint firstInner;                   // slot of the first one without
   uint slots;
   uint stride;
   uint blocks;
   uint toolCount;
-  uint begins;  // whether the substep is the first one of its step
-  uint ends;    // the last one
+  uint begins;  // whether the substep is the first of its step
+  uint ends;    // whether it is the last
 };
 PALPATE_SIZE(SoftCellsArgs, 120);
 
-// Where the nodes go; one workgroup more, the first one, has what that did to the tools, and where they go next.
+// Moves the nodes; one additional workgroup, the first one, applies the forces on the tools, and predicts them.
 struct SoftNodesArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(Vec4s) nodes;
@@ -103,7 +104,7 @@ struct SoftNodesArgs {
   uint stride;
   uint blocks;
   uint cellBlocks;
-  uint skinBlocks;  // of those of cells
+  uint skinBlocks;  // of the cells' blocks, those with skin
   uint toolCount;
   uint hasPins;
   uint substep;
@@ -122,7 +123,7 @@ struct SoftFinishArgs {
 };
 PALPATE_SIZE(SoftFinishArgs, 32);
 
-// Change of displacements over each cell, by what it holds.
+// Gradient of the displacements in each cell, weighted by its volume.
 struct SoftStrainArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(Vec4s) nodes;
@@ -136,7 +137,7 @@ struct SoftStrainArgs {
 };
 PALPATE_SIZE(SoftStrainArgs, 56);
 
-// The mean of those of the cells about each node.
+// Weighted mean of the gradients of the cells around each node.
 struct SoftBlendArgs {
   PALPATE_ADDRESS(UVec4s) incident;
   PALPATE_ADDRESS(Floats) volumes;
@@ -147,21 +148,21 @@ struct SoftBlendArgs {
 };
 PALPATE_SIZE(SoftBlendArgs, 40);
 
-// Where the points are that the body carries.
+// Positions of the points that the body carries.
 struct SoftCarryArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(Vec4s) nodes;
   PALPATE_ADDRESS(Vec4s) nodeGradients;
   PALPATE_ADDRESS(UVec4s) corners;
-  PALPATE_ADDRESS(Vec4s) rests;         // where each rests, m; bits of the slot of its cell
+  PALPATE_ADDRESS(Vec4s) rests;         // position at rest of each, m; bits of the slot of its cell
   PALPATE_ADDRESS(Vec4s) shares;        // of the cell along each axis; x of the normal at rest
   PALPATE_ADDRESS(UVec2s) normalRests;  // bits of y and z
-  PALPATE_ADDRESS(Vec4s) positions;     // out, as what follows, as a live cloud has them; bits of the id
+  PALPATE_ADDRESS(Vec4s) positions;     // out, like the next two, as in a live cloud; bits of the id
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(Vec4s) velocities;  // by id
   uint points;
-  float unitsPerMetre;  // of what is written
-  vec3 origin;          // of it, in those units
+  float unitsPerMetre;  // of the output
+  vec3 origin;          // of the output, in its units
   uint unused;
 };
 PALPATE_SIZE(SoftCarryArgs, 104);

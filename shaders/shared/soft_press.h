@@ -1,43 +1,43 @@
-// Hands that press on the surface of a soft body on a GPU (engine/matter/gpu_soft_press.hpp). What a press holds are
-// nodes, in the order of their numbers, with their shares of its place: at most as many as have a part in the skin.
+// Hands that press on the surface of a soft body on a GPU (engine/matter/gpu_soft_press.hpp). A press holds nodes, in
+// the order of their numbers, with their shares of its position: at most all nodes of cells with skin.
 #ifndef PALPATE_SHARED_SOFT_PRESS_H
 #define PALPATE_SHARED_SOFT_PRESS_H
 #include "shaders/shared/soft_passes.h"
 
 PALPATE_SHARED_BEGIN
 
-// Each has an invocation of one workgroup.
+// Each press has one invocation of a workgroup.
 const uint kMaxPresses = kMatterBlock;
-// vec4s of a box: its low end, its high end.
+// vec4s of a box: its low corner, its high corner.
 const uint kBoxVec4s = 2u;
 
-// A press when a step begins.
+// A press at the start of a step.
 struct SoftPressed {
   vec3 place;  // m
   float radius;
   vec3 normal;
   float stiffness;  // N/m
-  vec3 stretch;     // of the place from the hand, which has more digits than places have, m
+  vec3 stretch;     // of its position from the hand, which has more digits than positions have, m
   float damping;    // N s/m
   vec3 move;        // of the hand in the step, m
   float friction;
   vec3 velocity;  // of the hand, m/s
-  float most;     // N, of all presses of the hand
+  float most;     // maximum of all presses of the hand, N
   vec3 force;     // on the hand, in the substep before, N
   uint hand;
-  uint row;   // where its nodes stand, and their number, from step to step
-  uint same;  // not 0: they are those of the step before
+  uint row;   // of its nodes and their number, kept from step to step
+  uint same;  // not 0: its nodes are those of the step before
 };
 PALPATE_SIZE(SoftPressed, 104);
 
-// What came of it. The nodes that are pinned have the share `pinned` of it.
+// Result of a press. The pinned nodes have the share `pinned` of it.
 struct SoftPressDone {
   vec3 force;    // on the hand, in the last substep, N
   float work;    // of the hand, J
   vec3 impulse;  // on the hand, kg m/s
   float pinned;
-  vec3 moved;  // of the place, m
-  uint alone;  // not 0: no place of the skin was in reach when its nodes were found
+  vec3 moved;  // of its position, m
+  uint alone;  // not 0: no skin point was in reach when its nodes were found
 };
 PALPATE_SIZE(SoftPressDone, 48);
 
@@ -56,7 +56,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer SoftHelds { 
 layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer SoftMovedNodes { vec4 at[]; };
 #endif
 
-// The box in which all places of the skin are that a cell has.
+// The box around all skin points of a cell.
 struct SoftBoxArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(Vec4s) nodes;
@@ -70,7 +70,7 @@ struct SoftBoxArgs {
 };
 PALPATE_SIZE(SoftBoxArgs, 56);
 
-// The box of all places of the skin in which the nodes of a block have a part.
+// The box around all skin points to which the nodes of a block contribute.
 struct SoftReachArgs {
   PALPATE_ADDRESS(UVec4s) incident;
   PALPATE_ADDRESS(Vec4s) boxes;
@@ -82,10 +82,10 @@ struct SoftReachArgs {
 };
 PALPATE_SIZE(SoftReachArgs, 40);
 
-// Which nodes each press may hold; a workgroup for each.
+// Nodes that each press may hold; one workgroup for each.
 struct SoftHoldArgs {
   PALPATE_ADDRESS(SoftPresses) presses;
-  PALPATE_ADDRESS(Uints) counts;  // how many presses there are; then, out, how many nodes each row holds
+  PALPATE_ADDRESS(Uints) counts;  // number of presses; then, out, number of nodes in each row
   PALPATE_ADDRESS(UVec4s) incident;
   PALPATE_ADDRESS(Vec4s) boxes;
   PALPATE_ADDRESS(Vec4s) blockBoxes;
@@ -99,8 +99,8 @@ struct SoftHoldArgs {
 };
 PALPATE_SIZE(SoftHoldArgs, 72);
 
-// Their shares; a workgroup for each press. Where the press has no place of the skin within its radius, it holds the
-// nodes of the nearest one.
+// Their shares; one workgroup for each press. A press without a skin point within its radius holds the nodes of the
+// nearest one.
 struct SoftShareArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(SoftPresses) presses;
@@ -108,12 +108,12 @@ struct SoftShareArgs {
   PALPATE_ADDRESS(UVec4s) incident;
   PALPATE_ADDRESS(Vec4s) boxes;
   PALPATE_ADDRESS(SoftHelds) held;
-  PALPATE_ADDRESS(SoftPressesDone) done;  // out: as it begins
+  PALPATE_ADDRESS(SoftPressesDone) done;  // out: initial values
   PALPATE_ADDRESS(Vec4s) nodes;
   PALPATE_ADDRESS(UVec4s) corners;
   PALPATE_ADDRESS(SoftSkinCells) skinCells;
   PALPATE_ADDRESS(Vec4s) skin;
-  PALPATE_ADDRESS(Vec4s) normals;  // of the places of the skin, at rest; bits of their numbers
+  PALPATE_ADDRESS(Vec4s) normals;  // of the skin points, at rest; bits of their numbers
   uint stride;
   uint skinCount;
   uint firstInner;
@@ -123,8 +123,7 @@ struct SoftShareArgs {
 };
 PALPATE_SIZE(SoftShareArgs, 120);
 
-// How much the place of one press is accelerated by a force on another one's, or on its own: 1/kg. A workgroup for
-// each.
+// Acceleration of the position of one press by a force on another one's, or on its own: 1/kg. One workgroup for each.
 struct SoftCoupleArgs {
   PALPATE_ADDRESS(SoftPresses) presses;
   PALPATE_ADDRESS(Uints) counts;
@@ -136,8 +135,8 @@ struct SoftCoupleArgs {
 };
 PALPATE_SIZE(SoftCoupleArgs, 48);
 
-// The presses of a substep, one workgroup, behind what cells do and before nodes move: the nodes get what presses do to
-// them in their velocities.
+// The presses of a substep, one workgroup, after the forces of the cells and before the nodes move: the presses change
+// the velocities of the nodes.
 struct SoftPressArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(SoftPresses) presses;
@@ -150,8 +149,8 @@ struct SoftPressArgs {
   PALPATE_ADDRESS(Floats) forces;
   uint stride;
   uint heldStride;
-  float share;    // of the step that is over at the end of the substep
-  float perStep;  // the substep, of the step
+  float share;    // fraction of the step that is completed at the end of the substep
+  float perStep;  // fraction of the step that the substep is
 };
 PALPATE_SIZE(SoftPressArgs, 88);
 

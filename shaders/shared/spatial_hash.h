@@ -4,23 +4,24 @@
 
 PALPATE_SHARED_BEGIN
 
-// The id in a slot that holds no point. A build gives empty slots a bucket of their own behind all others, and with it
-// the end of the slots.
+// The id in a slot without a point. A build puts empty slots into a separate bucket after all others, at the end of the
+// slots.
 const uint kEmptySlot = 0xffffffffu;
 
-// A cloud in hash order with its index: what a query reads. The points of a bucket stand in consecutive slots.
+// A cloud in hash order with its index, as queries read it. The points of a bucket are in consecutive slots.
 struct CloudView {
   PALPATE_ADDRESS(Vec4s) positions;  // xyz: model units; w: bits of the point's id, or of kEmptySlot
   PALPATE_ADDRESS(Vec4s) normals;    // xyz: unit; w: 0, or a kMark... of shaders/shared/hash_update.h during an edit
-  PALPATE_ADDRESS(UVec2s) ranges;    // first and one-past-last slot of every bucket; last, of the empty slots
+  PALPATE_ADDRESS(UVec2s)
+  ranges;  // first and one-past-last slot of every bucket; the last range is that of the empty slots
   HashGrid grid;
   uint slots;
   uint unused;
 };
 PALPATE_SIZE(CloudView, 56);
 
-// Points that an invocation on a walk over neighbours asks memory for at once: more hide its latency better and take
-// more registers.
+// Points that an invocation loads at once on a walk over neighbours: more hide memory latency better and take more
+// registers.
 const uint kWalkedAtOnce = 4;
 
 PALPATE_FUNCTION uint emptyBucket(HashGrid grid) { return grid.bucketMask + 1u; }
@@ -53,20 +54,19 @@ struct HashReorderArgs {
 };
 PALPATE_SIZE(HashReorderArgs, 64);
 
-// A bucket with more points than this is called crowded, and the next build sorts by radix: ranking costs the square of
-// the points in a bucket.
+// A bucket with more points than this is crowded, and the next build sorts by radix: the cost of ranking is the square
+// of the points in a bucket.
 const uint kCrowdedBucket = 512;
-// Points of a larger bucket are left in the order of their arrival. Above kCrowdedBucket, so that hardly an edit gets
-// there before the sort has changed. Each point visits all of its bucket, and validation on the GPU searches every
-// buffer at each access: a larger bucket would take it past the 65,535 rounds after which one software driver stops a
-// shader, and it would call good addresses bad.
+// Points of a larger bucket stay in the order of their arrival. Above kCrowdedBucket, so that an edit rarely gets there
+// before the sort has changed. More would, with validation on the GPU, which searches every buffer at each access,
+// exceed the 65,535 iterations after which one software driver stops a shader, and report valid addresses as invalid.
 const uint kMaxRanked = 1024;
 
 struct HashCountArgs {
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Uints) keys;      // out: the bucket of every point
-  PALPATE_ADDRESS(Uints) arrivals;  // out: points of the same bucket that were counted before
-  PALPATE_ADDRESS(Uints) counts;    // one per bucket, zero before
+  PALPATE_ADDRESS(Uints) arrivals;  // out: points of the same bucket counted before this one
+  PALPATE_ADDRESS(Uints) counts;    // one per bucket, initially zero
   HashGrid grid;
   uint count;
   uint unused;
@@ -104,7 +104,7 @@ struct HashSettleArgs {
   PALPATE_ADDRESS(Vec4s) normalsIn;
   PALPATE_ADDRESS(Vec4s) positionsOut;
   PALPATE_ADDRESS(Vec4s) normalsOut;
-  PALPATE_ADDRESS(Uints) crowded;  // host-read: points of a crowded bucket; untouched where there is none
+  PALPATE_ADDRESS(Uints) crowded;  // host-read: points of a crowded bucket; not written if there is none
   uint count;
   uint emptyBucket;
 };

@@ -1,9 +1,9 @@
-// The implicit surface that the points define around a place, from weighted sums over its neighbours. Three kinds
-// (SurfaceKind): the weighted average (Leeper, Chan, Salisbury 2012; Adamson and Alexa 2003), the algebraic sphere that
-// fits places and normals (Guennebaud and Gross 2007; in closed form Guennebaud, Germann, Gross 2008), and that sphere
-// with weights that let go of points across an edge (Oztireli, Guennebaud, Gross 2009). Sums are relative to the place
-// and in support radii: their differences are small. Who sums: shaders/lib/surface.glsl,
-// engine/contact/surface.hpp in double precision, engine/cuda/surface.cuh.
+// The implicit surface that the points define around a position, from weighted sums over its neighbours. Three kinds
+// (SurfaceKind): the weighted average (Leeper, Chan, Salisbury 2012; Adamson and Alexa 2003), the algebraic sphere
+// fitted to positions and normals (Guennebaud and Gross 2007; in closed form Guennebaud, Germann, Gross 2008), and that
+// sphere with weights that drop points across an edge (Oztireli, Guennebaud, Gross 2009). Sums are relative to the
+// position and in support radii, so that small differences keep their precision. The summation is in
+// shaders/lib/surface.glsl, engine/contact/surface.hpp (double precision) and engine/cuda/surface.cuh.
 #ifndef PALPATE_SHARED_SURFACE_H
 #define PALPATE_SHARED_SURFACE_H
 #include "shaders/shared/contact.h"
@@ -16,43 +16,43 @@ PALPATE_STRUCT(Surface) {
   Real distance;        // signed, model units, positive outside
   PALPATE_VEC3 normal;  // unit
   uint neighbours;
-  bool ends;  // none is defined, as all that is near lies to one side: the place is past the rim of a sheet
+  bool ends;  // not defined because all neighbours lie to one side: the position is past the rim of a sheet
 };
 
 PALPATE_STRUCT(SurfaceSums) {
-  PALPATE_VEC4 offsets;   // sum of w d, sum of w; d from the place to a neighbour, support radii
+  PALPATE_VEC4 offsets;   // sum of w d, sum of w; d from the position to a neighbour, support radii
   PALPATE_VEC4 normals;   // sum of w n, neighbours
   PALPATE_VEC2 products;  // sum of w d.d, sum of w d.n
 };
 
-// How much a neighbour counts that the surface of the pass before, whose unit normal and distance (in support radii)
-// are given, does not follow: `d` and `n` its offset in support radii and its normal.
+// Weight of a neighbour by how well it fits the surface of the previous pass, whose unit normal and distance (in
+// support radii) are given; `d` and `n`: the neighbour's offset in support radii and its normal.
 PALPATE_FORMULA Real robustWeight(PALPATE_VEC3 normalBefore, Real distanceBefore, PALPATE_VEC3 d, PALPATE_VEC3 n) {
   const PALPATE_VEC3 turn = (n - normalBefore) / Real(kSharpNormal);
   const Real height = (-dot(d, n) - distanceBefore) / Real(kSharpHeight);
   return exp(-dot(turn, turn) - height * height);
 }
 
-// How much a normal counts where the turn of a surface of this kind (kSurface...) is judged; `cosine`: of it and the
-// face that is felt.
+// Weight of a normal when the bending of a surface of this kind (kSurface...) is estimated; `cosine`: between it and
+// the felt face.
 PALPATE_FORMULA Real turnWeight(uint kind, Real cosine) {
   if (kind == kSurfaceSharp) return smoothstep(Real(kAcrossEdge), Real(kThisFace), cosine);
   return facingWeight(cosine);
 }
 
-// The support radius that holds kSupportSpacings local spacings, where the weights within `radius` sum up to `weights`.
+// The support radius that holds kSupportSpacings local spacings, if the weights within `radius` sum up to `weights`.
 PALPATE_FORMULA Real localRadius(Real radius, Real weights, Real smallest, Real largest) {
   const Real spacing = spacingFrom(radius, max(weights, Real(1e-30)));
   return clamp(Real(kSupportSpacings) * spacing, smallest, largest);
 }
 
-// The support radius between a narrow and a wide one, where the weighted mean of the normals within the wide one is
-// `meanNormal` long: wide where they agree.
+// The support radius between a narrow and a wide one, by the length `meanNormal` of the weighted mean normal within the
+// wide one: wide where the normals agree.
 PALPATE_FORMULA Real wideWhereFlat(Real narrow, Real wide, Real meanNormal) {
   return lerp(wide, narrow, smoothstep(Real(kFlatTurn), Real(kFoldTurn), Real(1.0) - meanNormal));
 }
 
-// The zero set of u(y) = u0 + ul.y + u4 y.y, y relative to the place: a sphere, or a plane where u4 = 0. `spread` and
+// The zero set of u(y) = u0 + ul.y + u4 y.y, y relative to the position: a sphere, or a plane if u4 = 0. `spread` and
 // `turn`: the weighted variance of the offsets, and their covariance with the normals.
 PALPATE_FORMULA void fitSphere(PALPATE_OF(SurfaceSums) sums, Real spread, Real turn,
                                PALPATE_INOUT(PALPATE_OF(Surface)) surface) {
@@ -66,7 +66,7 @@ PALPATE_FORMULA void fitSphere(PALPATE_OF(SurfaceSums) sums, Real spread, Real t
   surface.defined = slope > Real(kMinNormal);
   if (!surface.defined) return;
   surface.normal = ul / slope;
-  // The nearer root, in the form that does not cancel where the sphere is almost a plane.
+  // The nearer root, in the form that does not cancel if the sphere is almost a plane.
   surface.distance = Real(2.0) * u0 / (slope + sqrt(max(Real(0.0), slope * slope - Real(4.0) * u0 * u4)));
 }
 
@@ -80,7 +80,7 @@ PALPATE_FORMULA PALPATE_OF(Surface)
   none.neighbours = uint(sums.normals.w);
   none.ends = false;
   const Real normalLength = length(PALPATE_VEC3(sums.normals));
-  // A NaN is no surface either.
+  // Written so that a NaN does not give a surface.
   if (none.neighbours < kMinNeighbours || !(normalLength > Real(kMinNormal) * sums.offsets.w)) return none;
   PALPATE_OF(Surface) surface = none;
   const PALPATE_VEC3 mean = PALPATE_VEC3(sums.offsets) / sums.offsets.w;
@@ -95,7 +95,7 @@ PALPATE_FORMULA PALPATE_OF(Surface)
   return surface;
 }
 
-// With `spread` and `turn` from the sums alone.
+// With `spread` and `turn` computed from the sums.
 PALPATE_FORMULA PALPATE_OF(Surface) surfaceFrom(PALPATE_OF(SurfaceSums) sums, Real radius, uint kind) {
   const Real weights = sums.offsets.w;
   const PALPATE_VEC3 offsets = PALPATE_VEC3(sums.offsets);

@@ -1,6 +1,6 @@
-// What lets C++ and GLSL read the same struct. Everything that crosses has scalar layout: a vec3 takes 12 bytes and
-// aligns to 4, an address takes 8 and aligns to 8. Each struct is followed by PALPATE_SIZE with its bytes, so that
-// a C++ compiler stops when the two sides would part.
+// Lets C++ and GLSL read the same struct. Every shared struct has scalar layout: a vec3 takes 12 bytes and aligns to 4,
+// an address takes 8 and aligns to 8. PALPATE_SIZE with its bytes follows each struct, so that a C++ compiler stops
+// where the layouts differ.
 #ifndef PALPATE_SHARED_TYPES_H
 #define PALPATE_SHARED_TYPES_H
 #include "shaders/shared/real.h"
@@ -42,8 +42,8 @@ using glm::floor;
 #define PALPATE_ADDRESS(reference) reference
 #define PALPATE_FUNCTION
 
-// A reference that stands in memory itself says 8, as the addresses there do: glslang aligns the load of an address to
-// what it refers to.
+// A reference type that is itself stored in memory declares an alignment of 8, as addresses have there: glslang aligns
+// the load of an address to the type it refers to.
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Uints { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer UVec2s { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at[]; };

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// How many points each bucket holds becomes where they stand: reduce-then-scan, second half. The counts are left at
-// zero for the next build.
+// Turns the number of points of each bucket into the range of their slots: reduce-then-scan, second half. Resets the
+// counts to zero for the next build.
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/shared/prefix_scan.h"
 #include "shaders/lib/index.glsl"

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Compaction, 3 of 4: every noted bucket is copied again, in its order: over its first copy where it fits there, else
-// into new slots. One subgroup for each. Nothing is done when not all of them fit.
+// Compaction, 3 of 4: copies every noted bucket again, in its order: over its first copy if it fits there, else into
+// new slots. One subgroup for each. Does nothing if not all of them fit.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_compaction.glsl"
 

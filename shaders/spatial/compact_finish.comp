@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Compaction, 4 of 4: the back half is ready to be used, or is not, and buckets are no longer noted.
+// Compaction, 4 of 4: marks the back half as ready, or as failed, and ends the noting of buckets.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_compaction.glsl"
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Compaction, 2 of 4: room for the buckets that were changed while they were copied and have outgrown their first copy.
+// Compaction, 2 of 4: counts slots for the buckets that changed while they were copied and outgrew their first copy.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_compaction.glsl"
 
@@ -12,7 +12,7 @@ void main() {
     if (threadIndex() == 0) atomicOr(args.state.at[0].failed, kCompactionTooDirty);
     return;
   }
-  if (threadIndex() == 0) {  // one by one: as a whole, validation on the GPU takes them for four
+  if (threadIndex() == 0) {  // one by one: validation on the GPU counts the whole vector as four words
     args.state.at[0].againGroups.x = updateGroups(noted, gl_NumSubgroups);
     args.state.at[0].againGroups.y = 1;
     args.state.at[0].againGroups.z = 1;

@@ -1,16 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Compaction, 1 of 4: a slice of the copy in the background. Each workgroup takes 256 buckets, gives them consecutive
-// slots of the back half and copies their points there, each bucket in its order. Edits may change a bucket while it is
-// read: it is noted and copied again, and what is read here must only do no harm.
+// Compaction, 1 of 4: a slice of the background copy. Each workgroup takes 256 buckets, assigns them consecutive slots
+// of the back half and copies their points there, each bucket in its order. Edits may change a bucket while it is read:
+// it is noted and copied again, and the data read here must only be harmless.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_compaction.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 
 layout(push_constant, scalar) uniform Push { CompactionArgs args; };
 
-shared uint starts[kUpdateWorkgroup];  // slots before this bucket's, in this workgroup
-shared uint firsts[kUpdateWorkgroup];  // its first slot in the half that is read
+shared uint starts[kUpdateWorkgroup];  // slots of the buckets before this one, in this workgroup
+shared uint firsts[kUpdateWorkgroup];  // its first slot in the source half
 shared uint target;
 
 void emptySlots(uvec2 slots) {
@@ -21,8 +21,8 @@ void emptySlots(uvec2 slots) {
   }
 }
 
-// The last bucket whose slots begin at or before `slot`; steps written out, since a loop would count against the work
-// that one software driver allows an invocation.
+// The last bucket whose slots begin at or before `slot`; unrolled, since a loop would count against the work that one
+// software driver allows an invocation.
 uint ownerOf(uint slot) {
   uint owner = 0;
   if (starts[owner + 128] <= slot) owner += 128;
@@ -45,7 +45,7 @@ void main() {
   uvec2 range = uvec2(0);
   if (mine) range = soundRange(args.from.ranges.at[bucket], args.from.slots);
   const uint count = range.y - range.x;
-  // More than there are slots: torn ranges. Sums of whole and of broken hundreds stay within 32 bits.
+  // More points than slots mean torn ranges. Sums of count / 256 and of sound counts stay within 32 bits.
   uint whole, total;
   workgroupExclusiveScan(count >> 8, whole);
   const bool sound = whole <= args.from.slots >> 8;

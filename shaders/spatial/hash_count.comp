@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The bucket of every point, and the point's place among those of its bucket in the order of their arrival. Neighbours
-// in memory mostly share a bucket, since the points stand in the order of the last build: each run of equal buckets in
-// a subgroup is counted with one atomic.
+// The bucket of every point, and the point's rank in it in the order of arrival. Neighbours in memory mostly share a
+// bucket, since the points are in the order of the last build: each run of equal buckets in a subgroup is counted with
+// one atomic.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The bucket of every point, and the points' numbers in their present order, ready to be sorted by it.
+// The bucket of every point, and the points' indices in their present order, as the input of the sort.
 #include "shaders/shared/spatial_hash.h"
 #include "shaders/lib/index.glsl"
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Every point's number goes into its bucket, in the order of arrival.
+// Writes every point's index into its bucket, in the order of arrival.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/spatial_hash.h"
 

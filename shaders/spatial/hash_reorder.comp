@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Brings the points into the order of their buckets and writes each bucket's range where neighbouring keys differ.
-// Buckets without points keep what the ranges were cleared to.
+// Empty buckets keep the cleared range.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/spatial_hash.h"
 

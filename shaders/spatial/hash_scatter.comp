@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Brings the points into the order of their buckets and, within a bucket, of their arrival: one pass less than settling
-// them, and another order every time.
+// Brings the points into the order of their buckets and, within a bucket, of their arrival: one pass less than
+// hash_settle.comp, but the order differs every time.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/spatial_hash.h"
 

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Brings the points into the order of their buckets and, within a bucket, into the order in which they stood: a point's
-// rank is the number of points of its bucket that stood before it. Neighbouring invocations rank against the same
-// bucket, so its numbers come from cache.
+// Brings the points into the order of their buckets and, within a bucket, keeps their previous order: a point's rank is
+// the number of points of its bucket before it. Neighbouring invocations rank against the same bucket, so its indices
+// come from cache.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/spatial_hash.h"
 
@@ -16,7 +16,7 @@ void main() {
   const uvec2 range = args.ranges.at[key];
   const uint points = range.y - range.x;
   uint to = place;
-  const bool empty = key == args.emptyBucket;  // such slots stand in any order
+  const bool empty = key == args.emptyBucket;  // empty slots are in any order
   if (points <= kMaxRanked && !empty) {
     to = range.x;
     for (uint other = range.x; other < range.y; ++other) to += args.order.at[other] < from ? 1 : 0;

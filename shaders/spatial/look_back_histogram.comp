@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Look-back radix sort: how many keys there are of every digit of every pass, in one reading. The atomics in shared
-// memory cost more than the reading, so a workgroup keeps several copies side by side: neighbouring invocations count
-// in different banks, and equal digits seldom meet in one word.
+// Look-back radix sort: the number of keys of every digit of every pass, in one read. The atomics in shared memory cost
+// more than the read, so a workgroup keeps several copies side by side: neighbouring invocations count in different
+// banks, and equal digits seldom meet in one word.
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/shared/look_back_sort.h"
 #include "shaders/lib/index.glsl"
@@ -17,7 +17,7 @@ layout(push_constant, scalar) uniform Push { RadixHistogramArgs args; };
 
 const uint kRadix = 1u << kMaxBits;
 const uint kBins = kPasses * kRadix;
-// Keys of an invocation that are on their way at once. More take registers, and then fewer workgroups run together.
+// Keys of an invocation in flight at once. More take registers, and then fewer workgroups run concurrently.
 const uint kTogether = 8;
 
 shared uint histogram[kBins * kCopies];  // [pass][digit][copy]
@@ -46,7 +46,7 @@ void main() {
   barrier();
   for (uint bin = t; bin < kBins; bin += gl_WorkGroupSize.x) {
     uint sum = 0;
-    // Neighbours begin with different copies, for the sake of the banks.
+    // Neighbours begin with different copies, to avoid bank conflicts.
     for (uint c = 0; c < kCopies; ++c) sum += histogram[bin * kCopies + ((c + bin) & (kCopies - 1))];
     if (sum != 0) atomicAdd(args.histograms.at[bin / kRadix * kSortRadix + bin % kRadix], sum);
   }

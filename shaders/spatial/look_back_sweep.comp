@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // One pass of a look-back radix sort ("onesweep", Adinets and Merrill 2022): each workgroup counts a tile of keys by
-// digit, learns from the tiles before it where its own go, and writes them there. Every key is read and written once a
-// pass. A tile waits for earlier ones, so this needs a driver on which workgroups that have started go on; tiles are
-// numbered as they start, and the earliest one that is not done never waits.
+// digit, determines from the preceding tiles where its own keys go, and writes them there. Every key is read and
+// written once a pass. A tile waits for earlier ones, so this requires forward progress of workgroups that have
+// started; tiles are numbered as they start, and the earliest unfinished one never waits.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
@@ -22,16 +22,16 @@ const uint kSubgroupSize = gl_WorkGroupSize.x / kSubgroups;
 const uint kRadix = 1u << kDigitBits;
 const uint kTile = gl_WorkGroupSize.x * kItems;
 const uint kCounters = kSubgroups * kRadix;
-const uint kWindow = 4;  // tiles that one look goes back over: their words are on their way together
+const uint kWindow = 4;  // tiles in one step back: their words are in flight together
 
 // First the counts [subgroup][digit], then keys, then values in the order of this digit.
 shared uint pool[kCounters > kTile ? kCounters : kTile];
-shared uint destination[kRadix];  // of a digit's first key here, less its place in the sorted tile
+shared uint destination[kRadix];  // of a digit's first key here, minus its index in the sorted tile
 shared uint sharedTile;
 
 uint digitOf(uint key) { return bitfieldExtract(key, int(args.shift), int(kDigitBits)); }
 
-// The next place for a key of this digit, in the order of the subgroup's keys.
+// The next index for a key of this digit, in the order of the subgroup's keys.
 uint takePlace(uint digit, uint counters) {
   uint peers = subgroupBallot(true).x;  // the invocations whose key has the same digit
   [[unroll]] for (uint bit = 0; bit < kDigitBits; ++bit) {
@@ -45,16 +45,16 @@ uint takePlace(uint digit, uint counters) {
   return subgroupShuffle(first, findLSB(peers)) + before;
 }
 
-// Keys of digit `d` in all tiles before this one, from the digit's first place in the output.
+// Keys of digit `d` in all preceding tiles, plus the digit's first index in the output.
 uint lookBack(uint tile, uint d) {
   uint sum = 0;
-  uint end = tile;  // of the tiles that are not in the sum
+  uint end = tile;  // of the tiles that are not summed yet
   while (true) {
     uint words[kWindow];
     [[unroll]] for (uint k = 0; k < kWindow; ++k)
       words[k] = k < end ? args.tiles.at[(end - 1 - k) * kRadix + d] : 0;
     [[unroll]] for (uint k = 0; k < kWindow; ++k) {
-      if (words[k] < kSweepOwn) break;  // not known yet: look again
+      if (words[k] < kSweepOwn) break;  // not known yet: read again
       sum += words[k] & kSweepCountMask;
       if (words[k] >= kSweepAll) return sum;
       --end;
@@ -74,12 +74,12 @@ void main() {
   // A subgroup takes consecutive keys, one row of its size after another, so that rank follows the order of the input.
   const uint mine = gl_SubgroupID * kSubgroupSize * kItems + gl_SubgroupInvocationID;
   uint keys[kItems];
-  // Past the end the largest key stands in: it ranks behind every true key and is never written.
+  // Beyond the end the largest key is used: it ranks behind every true key and is never written.
   [[unroll]] for (uint item = 0; item < kItems; ++item) {
     const uint i = mine + item * kSubgroupSize;
     keys[item] = i < inTile ? args.keysIn.at[start + i] : 0xFFFFFFFFu;
   }
-  // Counted before they are ranked, which takes longer: the later tiles wait for the counts alone.
+  // Counted before they are ranked, which takes longer: later tiles wait only for the counts.
   const uint counters = gl_SubgroupID * kRadix;
   [[unroll]] for (uint item = 0; item < kItems; ++item) atomicAdd(pool[counters + digitOf(keys[item])], 1);
   barrier();
@@ -108,7 +108,7 @@ void main() {
   [[unroll]] for (uint item = 0; item < kItems; ++item) places[item] = takePlace(digitOf(keys[item]), counters);
   barrier();
   [[unroll]] for (uint item = 0; item < kItems; ++item) pool[places[item]] = keys[item];
-  // The values are on their way while this looks back and writes the keys.
+  // The values are in flight while this looks back and writes the keys.
   uint values[kItems];
   [[unroll]] for (uint item = 0; item < kItems; ++item) {
     const uint i = mine + item * kSubgroupSize;
@@ -125,7 +125,7 @@ void main() {
     const uint key = pool[place];
     const uint digit = digitOf(key);
     if (place < inTile) args.keysOut.at[destination[digit] + place] = key;
-    places[item] |= digit << 16;  // for the value that goes there, too
+    places[item] |= digit << 16;  // also for the value that goes there
   }
   barrier();
   [[unroll]] for (uint item = 0; item < kItems; ++item) pool[places[item] & 0xFFFFu] = values[item];

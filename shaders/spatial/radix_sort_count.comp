@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// LSD radix sort, pass 1 of 3: how many keys of each digit a partition holds.
+// LSD radix sort, pass 1 of 3: the number of keys of each digit in a partition.
 #include "shaders/shared/radix_sort.h"
 #include "shaders/lib/index.glsl"
 

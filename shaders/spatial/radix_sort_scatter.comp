@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// LSD radix sort, pass 3 of 3: each workgroup ranks its partition by digit, stably, and writes it where the scanned
-// counts say. Keys are ranked within a subgroup by matching digits with ballots (Ashkiani et al. 2016, multisplit),
-// so no workgroup waits for another and any subgroup size works.
+// LSD radix sort, pass 3 of 3: each workgroup ranks its partition by digit, stably, and writes it to the positions from
+// the scanned counts. Keys are ranked within a subgroup by matching digits with ballots (Ashkiani et al. 2016,
+// multisplit), so no workgroup waits for another and any subgroup size works.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
@@ -16,8 +16,8 @@ layout(push_constant, scalar) uniform Push { RadixSortArgs args; };
 
 shared uint subgroupCounts[kSubgroups * kSortRadix];         // [subgroup][digit]
 shared uint sorted[gl_WorkGroupSize.x * kSortItems];         // keys, then values, in the order of this digit
-shared uint destination[kSortRadix];                         // of a digit's first key here, less its place in `sorted`
-shared uint digitStart[kSortRadix];                          // of a digit in `sorted`
+shared uint destination[kSortRadix];                         // of a digit's first key here, minus its index in `sorted`
+shared uint digitStart[kSortRadix];                          // first index of a digit in `sorted`
 
 uint digitOf(uint key) { return (key >> args.shift) & ((1u << args.digitBits) - 1); }
 
@@ -32,7 +32,7 @@ uvec4 peersOf(uint digit) {
   return peers;
 }
 
-// Turns subgroupCounts into places before each subgroup's keys of a digit, and fills digitStart and destination.
+// Turns subgroupCounts into exclusive sums over the subgroups, and fills digitStart and destination.
 void scanCounts(uint part, uint radix) {
   const uint perThread = (radix + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x;
   const uint firstDigit = scanIndex() * perThread;
@@ -72,7 +72,7 @@ void main() {
   uint ranks[kSortItems];
   for (uint item = 0; item < kSortItems; ++item) {
     const uint i = mine + item * gl_SubgroupSize;
-    // Past the end the largest key stands in: it ranks behind every true key and is never written.
+    // Beyond the end the largest key is used: it ranks behind every true key and is never written.
     keys[item] = i < partitionCount ? args.keysIn.at[partitionStart + i] : 0xFFFFFFFFu;
     const uint digit = digitOf(keys[item]);
     const uvec4 peers = peersOf(digit);

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Index update: in every bucket that moves concern, points that stay go where their moves say, those that leave leave
-// no gap, and arrivals follow by the order of their ids, in its slots or, where it outgrows them, in new ones. One
-// subgroup for each. When the update is refused it clears the marks alone.
+// Index update: in every bucket with moves, remaining points get the positions of their moves, leaving points leave no
+// gap, and arriving points follow in the order of their ids, in its slots or, if it outgrows them, in new ones. One
+// subgroup for each bucket. If the update is refused it only clears the marks.
 #extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
@@ -11,7 +11,7 @@
 
 layout(push_constant, scalar) uniform Push { HashUpdateArgs args; };
 
-uint moves;  // listed
+uint moves;  // number of listed moves
 
 void leaveEmpty(uint slot) { args.cloud.positions.at[slot].w = uintBitsToFloat(kEmptySlot); }
 vec4 placeOf(PointMove move) { return vec4(move.position, uintBitsToFloat(move.id)); }
@@ -24,7 +24,7 @@ void noteDirty(uint bucket) {
   if (at < args.dirty.capacity) args.dirty.words[dirtyListFrom(args.cloud.grid) + at] = bucket;
 }
 
-// The slots that a bucket has taken: the last to take any has taken the most.
+// The new slots of a bucket: the last move that took slots took the most.
 uint newSlots(uint mark) {
   uint move = mark & kMarkMove;
   while (args.moves.at[move - 1].room == kEmptySlot) move = args.moves.at[move - 1].before;
@@ -36,8 +36,8 @@ void noteChanged(bool changed, uint slot) {
   if (changed) args.changed.at[at] = slot;
 }
 
-// Brings the points that stay to `to` and on, in order; says where they end, and how many of this invocation's are gone
-// for good. They may be the same slots.
+// Moves the points that stay to `to` and on, in order; returns their end, and the number of this invocation's points
+// that are removed. Source and target may be the same slots.
 uint closeGaps(uint bucket, uvec2 range, uint to, out uint gone) {
   gone = 0;
   const bool relocates = to != range.x;
@@ -76,11 +76,11 @@ uint closeGaps(uint bucket, uvec2 range, uint to, out uint gone) {
   return to;
 }
 
-// Arrivals of buckets that more come to than a subgroup holds, move and id, behind the list of touched buckets.
+// Arrivals of buckets where more points arrive than a subgroup holds, move and id, after the list of touched buckets.
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Arrivals { uvec2 at[]; };
 
-// Follows the arrivals that a mark tells of. Each invocation keeps the one of its number; where there are more, all of
-// them are in the list from `run` on.
+// Follows the arrivals from a mark. Each invocation keeps the one of its number; if there are more, all of them are in
+// the list from `run` on.
 uvec2 arrivalOf(uint mark, Arrivals list, out uint run) {
   const uint arrivals = arrivalsOf(mark);
   const bool spills = arrivals > gl_SubgroupSize;
@@ -104,7 +104,7 @@ uvec2 arrivalOf(uint mark, Arrivals list, out uint run) {
   return first;
 }
 
-// Takes them in from slot `to` on, by their ids; says how many of this invocation's are new.
+// Inserts them from slot `to` on, by their ids; returns the number of this invocation's that are new.
 uint takeIn(uint mark, uint to) {
   const uint arrivals = arrivalsOf(mark);
   if (arrivals == 0) return 0;
@@ -142,7 +142,7 @@ void update(uint bucket) {
   const uvec2 range = args.cloud.ranges.at[bucket];
   const uint points = range.y - range.x, arrivals = arrivalsOf(mark);
   const uint before = max(args.capacities.at[bucket], points);
-  // Points that leave are not counted: a bucket may grow early, never late.
+  // Leaving points are not subtracted: a bucket may grow early, never late.
   const uint capacity = capacityFor(before, points + arrivals);
   const uint first = capacity == before ? range.x : newSlots(mark);
   uint gone;

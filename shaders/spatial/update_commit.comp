@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What becomes of the moves when a full build follows: each is written where its point stands, and new points into the
-// empty slots at the end. The marks of their buckets are taken away; where the list is not whole, that is all.
+// Applies the moves before a full build: each is written to the slot of its point, and new points into the empty slots
+// at the end. Clears the marks of their buckets; if the list is incomplete, it does only that.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_update.glsl"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// After a full build: lists the slots whose points changed, and finds where the empty slots begin. A compaction that
-// was under way is given up.
+// After a full build: lists the slots whose points changed, and finds where the empty slots begin. A compaction in
+// progress is abandoned.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_update.glsl"
 
