@@ -33,8 +33,7 @@ class BackgroundTask {
   Semaphore begin_, end_;
   bool running_ = false;  // as known by the thread that starts and waits
   std::atomic<bool> stop_ = false;
-  std::exception_ptr
-      failure_;  // of the last run; owned by the waiting thread between the end of a run and the next start
+  std::exception_ptr failure_;  // of the last run; read only between the end of a run and the next start
   std::jthread thread_;
 };
 

@@ -35,8 +35,7 @@ struct Pose {
   DVec3 hip{0};  ///< haptic interface point
   /// Whether the hand sculpts what it touches, if there is a tool. Otherwise it only feels.
   bool sculpts = true;
-  DQuat turn{1, 0, 0,
-             0};  ///< orientation of the tool's frame in the model's frame; used only by tools with several points
+  DQuat turn{1, 0, 0, 0};  ///< rotation from the tool's to the model's frame; used only by tools of many points
   /// Force at the last tick. Only simulations use it, to account for the hand's work.
   FeltForce felt;
 };

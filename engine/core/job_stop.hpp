@@ -17,8 +17,7 @@ class Stopped : public Error {
 /// The stop request of a thread's job; its helper threads inherit it.
 struct JobStop {
   const std::atomic<bool>* flag = nullptr;  ///< null: the job cannot be stopped
-  bool mayCut =
-      false;  ///< any loop that checks may cut the job; otherwise only explicit checks of the code that started it
+  bool mayCut = false;  ///< any loop that checks may cut the job; otherwise only the code that started it
 };
 
 inline thread_local JobStop jobStop;  // of this thread

@@ -22,8 +22,7 @@ void parallelRadixSort(BareVector<T>& values, unsigned bits, unsigned threads, K
   constexpr unsigned kDigitBits = 11;  // so that the counts stay in the fastest cache
   constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
   const ParallelRanges ranges(values.size(), threads);
-  std::vector<std::array<std::size_t, kDigits>> next(
-      ranges.count());  // counts, then the position of a range's next value
+  std::vector<std::array<std::size_t, kDigits>> next(ranges.count());  // counts, then the next index of each range
   BareVector<T> sorted(values.size());
   for (unsigned shift = 0; shift < bits; shift += kDigitBits) {
     const std::uint64_t digits = bits - shift < kDigitBits ? (1u << (bits - shift)) - 1 : kDigits - 1;
