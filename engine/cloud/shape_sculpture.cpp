@@ -1,4 +1,4 @@
-// The built-in sculpture: a tube along a trefoil knot that swells and thins, polished in one part, fluted in the next,
+// The built-in sculpture: a tube of varying thickness along a trefoil knot: smooth in one part, fluted in the next,
 // covered with scales in the third.
 #include <numbers>
 
@@ -20,7 +20,7 @@ class Sculpture {
   DVec2 moved(const DVec2& site, const DVec2& change) const { return site + change; }
 
   JetVec3 at(const DVec2& site) const {
-    // Tables and seeds ask for one place after the other around the same place of the knot.
+    // Tables and seeds query consecutive sites around the same position of the knot.
     thread_local Ring ring = ringAt(site.x);
     if (ring.t.value != site.x) ring = ringAt(site.x);
     const Jet a = Jet::parameterV(site.y);
@@ -42,7 +42,7 @@ class Sculpture {
     JetVec3 point, normal, binormal;
   };
 
-  /// What is the same all around the tube.
+  /// Values that are constant around the tube.
   struct Ring {
     Jet t, along, body, scaled, fluted;
     Knot knot;
@@ -51,7 +51,7 @@ class Sculpture {
   static Ring ringAt(double place) {
     const Jet t = Jet::parameterU(place);
     return {.t = t,
-            .along = t + 0.08 * sin(3.0 * t),  // about the length of the knot, so that scales are equally long
+            .along = t + 0.08 * sin(3.0 * t),  // about the arc length of the knot, so that scales are equally long
             .body = 0.60 + 0.13 * cos(t - 1.2) + 0.02 * cos(6.0 * t),
             .scaled = plateau(t, 1.2, 0.35, 9.0),
             .fluted = plateau(t, 3.7, 0.60, 14.0),
