@@ -15,7 +15,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kRounding = 0.05;  // of a cell: of places up to 2^18 cells from the grid's origin
+constexpr double kRounding = 0.05;  // in cells: rounding of positions up to 2^18 cells from the grid's origin
 constexpr double kMargin = 1.001;   // of the reach: boxAround() in shaders/lib/cells.glsl
 
 }  // namespace

@@ -50,7 +50,7 @@ class BareAllocator {
   static bool isLarge(std::size_t count) { return count >= kLarge / sizeof(T); }
 };
 
-/// As std::vector, but BareVector(count) and resize(count) initialise nothing, whatever T is. Initialising a large
+/// As std::vector, but BareVector(count) and resize(count) initialise nothing, for any T. Initialising a large
 /// array and allocating its pages on one thread takes longer than filling it with many threads. The caller writes every
 /// element before it is read.
 template <class T>
