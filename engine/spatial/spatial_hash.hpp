@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// Whether some slots of the cloud may be empty: this takes an additional bucket, which may make a sort slower.
+/// Whether some slots of the cloud may be empty: this takes an additional bucket, which may cost a sort time.
 enum class Slots { full, spare };
 
 /// The index of a live cloud: a hashed regular grid, built by key, sort, ranges and reorder (thesis section 4.2; grid
