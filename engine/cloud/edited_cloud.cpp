@@ -16,7 +16,7 @@ namespace {
 std::uint32_t ancestor(std::span<const PointState> points, std::uint32_t point, std::size_t inFile) {
   for (std::size_t steps = 0; point >= inFile; ++steps) {
     if (steps == points.size() || point >= points.size())
-      throw Error("a new point descends from none of the file; the edits are not of this model, or are damaged");
+      throw Error("a new point has no ancestor in the file; the edits are of another model, or are damaged");
     point = points[point].parent;
   }
   return point;

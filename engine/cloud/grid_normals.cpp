@@ -65,7 +65,7 @@ class Grid {
 std::vector<Vec3> gridNormals(std::span<const Vec3> places, const SensorGrid& grid) {
   const std::uint64_t cells = std::uint64_t{grid.width} * grid.height;
   if (grid.cells.size() != places.size() || (!grid.cells.empty() && grid.cells.back() >= cells))
-    throw Error("{} places in {} cells of a grid of {} x {}", places.size(), grid.cells.size(), grid.width,
+    throw Error("{} positions in {} cells of a grid of {} x {}", places.size(), grid.cells.size(), grid.width,
                 grid.height);
   const Grid seen(places, grid);
   std::vector<Vec3> normals(places.size());

@@ -319,7 +319,7 @@ std::optional<Upright> asSheet(const Shape& shape) {
     if (extent[k] < extent[thin]) thin = k;
   const double next = std::min(extent[(thin + 1) % 3], extent[(thin + 2) % 3]);
   if (extent[thin] > kThin * next) return std::nullopt;
-  if (extent[thin] < kFlat * next) return Upright{UpAxis::y, "a flat sheet, which says nothing"};
+  if (extent[thin] < kFlat * next) return Upright{UpAxis::y, "a flat sheet, which is ambiguous"};
   if (shape.layers(thin) > kMaxLayers) return std::nullopt;
   if (shape.isFacade(thin)) return Upright{thin == 1 ? UpAxis::z : UpAxis::y, "a wall with straight openings"};
   const auto positive = static_cast<UpAxis>(thin);
@@ -472,10 +472,10 @@ Upright byStand(const Shape& shape) {
   for (const auto& [name, up] : kUpAxes)
     if (scoreOf(up) > scoreOf(best)) best = up;
   const auto number = [](UpAxis up) { return static_cast<std::size_t>(up); };
-  if (scoreOf(best) < kMin) return {UpAxis::y, "nothing in the shape says otherwise"};
+  if (scoreOf(best) < kMin) return {UpAxis::y, "the shape is ambiguous"};
   if (shape.isSymmetric(static_cast<int>(best) % 3)) return {UpAxis::y, "the shape is the same upside down"};
   if (best != UpAxis::y && scoreOf(best) < kClearly * scoreOf(UpAxis::y))
-    return {UpAxis::y, "the shape stands as well one way as another"};
+    return {UpAxis::y, "the shape is as stable in another direction"};
   const Stand& stand = stands[number(best)];
   constexpr double kFloor = 0.3;  // of all places
   const DVec3 extent = shape.extent();

@@ -22,7 +22,7 @@ constexpr double kMargin = 1.001;   // of the reach: boxAround() in shaders/lib/
 
 QueryMethod queryMethodNamed(std::string_view name) {
   if (const auto method = valueNamed(kQueryMethods, name)) return *method;
-  throw UsageError("'{}' is no query method", name);
+  throw UsageError("'{}' is not a query method", name);
 }
 
 std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius) {

@@ -81,11 +81,12 @@ std::vector<ToolPoint> spatulaPoints(std::size_t count, double size) {
 
 ToolShape makeTool(ToolKind kind, std::size_t points, double size) {
   if (points < 1 || points > kMaxToolPoints)
-    throw UsageError("a tool of {} points: it has 1 to {}", points, kMaxToolPoints);
+    throw UsageError("a tool of {} points: 1 to {} are supported", points, kMaxToolPoints);
   if (!(size > 0) || !std::isfinite(size))
     throw UsageError("a tool of size {}: it must be finite and above zero", size);
   if (points == 1 || kind == ToolKind::point) {
-    if (points > 1) throw UsageError("a point of {} points: it has one; take another tool for more", points);
+    if (points > 1)
+      throw UsageError("a point tool of {} points: it has exactly one; choose another tool for more", points);
     return {.points = {ToolPoint{}}};
   }
   switch (kind) {
@@ -103,7 +104,7 @@ ToolShape makeTool(ToolKind kind, std::size_t points, double size) {
 ToolShape facing(ToolShape tool, const DVec3& axis) {
   const double length = glm::length(axis);
   if (!(length > 0) || !std::isfinite(length))
-    throw UsageError("the axis ({}, {}, {}) of a tool looks nowhere", axis.x, axis.y, axis.z);
+    throw UsageError("the axis ({}, {}, {}) of a tool has no direction", axis.x, axis.y, axis.z);
   const DVec3 to = axis / length, from(0, 0, -1);
   const double cosine = glm::dot(from, to);
   if (cosine >= 1) return tool;

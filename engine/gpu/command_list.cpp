@@ -98,7 +98,7 @@ VkRenderingAttachmentInfo target(const Attachment& image, bool clear, const VkCl
 GroupGrid groupGrid(std::uint64_t groups, std::uint32_t largestAxis) {
   if (groups <= largestAxis) return {static_cast<std::uint32_t>(groups), 1};
   const std::uint64_t rows = (groups + largestAxis - 1) / largestAxis;
-  if (rows > largestAxis) throw GpuError("a pass of {} workgroups is more than a GPU grid holds", groups);
+  if (rows > largestAxis) throw GpuError("a pass of {} workgroups is larger than a GPU grid", groups);
   return {static_cast<std::uint32_t>((groups + rows - 1) / rows), static_cast<std::uint32_t>(rows)};
 }
 

@@ -85,7 +85,7 @@ ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const P
   PALPATE_CHECK_EQ(workgroupSize_ % 32, 0u);  // lavapipe's subgroup operations are wrong otherwise
   const std::uint32_t most = widestWorkgroup(device);
   if (workgroupSize_ > most)
-    throw GpuError("{}: {} wants workgroups of {} invocations, the device has {} at most", device.name(), name_,
+    throw GpuError("{}: {} needs workgroups of {} invocations; the device supports {} at most", device.name(), name_,
                    workgroupSize_, most);
   const WorkgroupWatch* watch = device.pipelines().watch();
   const auto twin = watch ? watch->twinOf(code) : std::nullopt;

@@ -123,7 +123,7 @@ void Device::readProperties() {
 
 void Device::createLogicalDevice(QueueArrangement arrangement) {
   const auto roles = chooseQueues(queueFamiliesOf(physical_), arrangement);
-  if (!roles) throw GpuError("{} has no queue that computes; choose another GPU", name_);
+  if (!roles) throw GpuError("{} has no compute queue; choose another GPU", name_);
   roles_ = *roles;
 
   const bool globalPriority = hasExtension(physical_, VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);

@@ -42,7 +42,7 @@ Instance::Instance(Validation validation, std::span<const std::string> windowExt
   std::vector<const char*> layers, extensions;
   for (const std::string& name : windowExtensions) {
     if (!hasExtension(nullptr, name.c_str()))
-      throw GpuError("the {} has no {}, so that nothing can be shown in a window", kLoader, name);
+      throw GpuError("the {} does not support {}, which windows require", kLoader, name);
     extensions.push_back(name.c_str());
   }
   if (validate) {

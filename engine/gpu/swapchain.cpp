@@ -23,7 +23,7 @@ VkSurfaceFormatKHR formatOf(const Device& device, VkSurfaceKHR surface) {
   for (const VkFormat wanted : {kRedFirst, kBlueFirst})
     for (const VkSurfaceFormatKHR& format : formats)
       if (format.format == wanted) return format;
-  throw GpuError("{} shows windows in no format of 8 bits a colour", device.name());
+  throw GpuError("{} supports no window format with 8 bits per colour", device.name());
 }
 
 VkPresentModeKHR modeOf(const Device& device, VkSurfaceKHR surface, bool waitsForDisplay) {
