@@ -73,7 +73,7 @@ void Journal::receive(std::span<const PointState> states) {
     const std::uint32_t point = state.number();
     lastReceived_[point] = received_;
     if (!isInStroke(point)) continue;
-    // The rest of the stroke changes the state that was received.
+    // From now on the stroke's edits of this point start from the received state.
     open_.points[slot_[point]] = open_.points.back();
     slot_[open_.points.back().number()] = slot_[point];
     open_.points.pop_back();
