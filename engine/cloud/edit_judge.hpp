@@ -49,8 +49,8 @@ struct EditVerdict {
   double nearest = 1;       ///< smallest distance of new points to others of their sheet, in local spacings or those of
                             ///< their ancestor, whichever is smaller; 1 at most
   std::size_t outside = 0;  ///< new points off the old surface by more than EditTolerance::kOutside
-  double farthestOutside = 0;       ///< of new points, support radii
-  double reachSlack = 0;            ///< of BrushPath
+  double farthestOutside = 0;       ///< maximum of the new points, support radii
+  double reachSlack = 0;            ///< BrushPath::reachSlack
   std::size_t changed = 0;          ///< points that moved or are new
   double deepest = 0, highest = 0;  ///< of these, under and over the original surface, model units
   std::size_t doubled = 0;  ///< of these, points with another one that faces the other way within half a spacing

@@ -34,7 +34,7 @@ struct Walk {
   int mostSteps;
 };
 constexpr Walk kShort{2, 2.5f, 0.5f, 2.5f, 6}, kLong{5, 7, 5, 1.5f, 16};
-constexpr std::size_t kOneOfThick = 20;  // a scene is thick if more than one in this many seeds found no face
+constexpr std::size_t kOneOfThick = 20;  // a scene is thick if one in this many seeds is too far from its face
 
 float levelOf(std::span<const GaussianSheet> sheets, unsigned threads) {
   const auto densities = parallelCollect(

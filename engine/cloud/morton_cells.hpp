@@ -50,7 +50,7 @@ class MortonCells {
  private:
   struct Cube {
     std::uint64_t code;      // of its cells, without their last three bits
-    std::uint32_t first;     // of its cells
+    std::uint32_t first;     // index of its first cell
     std::uint32_t occupied;  // a bit for each of the eight
   };
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};

@@ -34,8 +34,8 @@ class Sculpture {
   }
 
  private:
-  static constexpr double kRing = 2.0;   // of the knot's middle line around the z axis
-  static constexpr double kWide = 0.95;  // of the winding around that line, in the plane
+  static constexpr double kRing = 2.0;   // radius of the knot's middle line around the z axis
+  static constexpr double kWide = 0.95;  // radius of the winding around that line, in the plane
   static constexpr double kHigh = 1.0;   // and along z
 
   struct Knot {
@@ -61,7 +61,7 @@ class Sculpture {
   static Knot knotAt(const Jet& t) {
     const Jet c2 = cos(2.0 * t), s2 = sin(2.0 * t), c3 = cos(3.0 * t), s3 = sin(3.0 * t);
     const Jet ring = kRing + kWide * c3;
-    const Jet ring1 = -3.0 * kWide * s3, ring2 = -9.0 * kWide * c3;  // by t
+    const Jet ring1 = -3.0 * kWide * s3, ring2 = -9.0 * kWide * c3;  // derivatives by t
     const JetVec3 first{ring1 * c2 - 2.0 * ring * s2, ring1 * s2 + 2.0 * ring * c2, 3.0 * kHigh * c3};
     const JetVec3 second{ring2 * c2 - 4.0 * ring1 * s2 - 4.0 * ring * c2,
                          ring2 * s2 + 4.0 * ring1 * c2 - 4.0 * ring * s2, -9.0 * kHigh * s3};

@@ -477,7 +477,7 @@ Upright byStand(const Shape& shape) {
   if (best != UpAxis::y && scoreOf(best) < kClearly * scoreOf(UpAxis::y))
     return {UpAxis::y, "the shape is as stable in another direction"};
   const Stand& stand = stands[number(best)];
-  constexpr double kFloor = 0.3;  // of all places
+  constexpr double kFloor = 0.3;  // share of all positions
   const DVec3 extent = shape.extent();
   const int axis = sidesOf(best).axis;
   const bool wide = extent[axis] < std::min(extent[(axis + 1) % 3], extent[(axis + 2) % 3]);

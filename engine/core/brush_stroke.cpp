@@ -29,8 +29,8 @@ constexpr double kShaftMargin = 0.25;  // in brush radii, over the surface as th
 constexpr double kMaxShaft = 2;        // in brush radii
 // In brush radii: maximum distance of the ends of the tool's reach, without the ball at each end.
 constexpr double kMaxLength = 2.9;
-// The surface is measured by the points in a ball of the brush's radius, kHeardOver radii over the hand, that lie no
-// further from the hand than kHearing times its depth.
+// The surface is measured by the points in a ball of the brush's radius, kHeardOver radii over the hand, that the
+// stroke found no further from the hand than kHearing times its depth.
 constexpr double kHeardOver = 1.0 / 3, kHearing = 1.3;
 // In brush radii: inflate measures the smallest possible neighbourhood, since a wide piece of a curved surface lies
 // lower than its centre, and the height that counts is that of the centre.

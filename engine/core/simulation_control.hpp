@@ -11,7 +11,7 @@ namespace palpate {
 struct SimulationParameter {
   std::string name;   ///< the name in files
   std::string label;  ///< for display
-  std::string unit;   ///< empty: 1
+  std::string unit;   ///< empty: dimensionless
   double value = 0;
   double low = 0, high = 0;  ///< accepted range
 

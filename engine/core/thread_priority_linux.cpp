@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-constexpr int kNice = 10;  // of 19; a tenth of the time of an ordinary thread
+constexpr int kNice = 10;  // of at most 19; gives a tenth of the time of an ordinary thread
 
 // Linux has a nice value for each thread.
 void makeNice(std::uint32_t thread) noexcept {

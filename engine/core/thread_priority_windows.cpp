@@ -41,7 +41,7 @@ void RunningThreads::laterOnesGiveWay() const noexcept {
     for (const std::uint32_t number : runningThreads()) {
       if (std::ranges::binary_search(threads_, number)) continue;
       const HANDLE thread = ::OpenThread(THREAD_QUERY_INFORMATION | THREAD_SET_INFORMATION, FALSE, number);
-      if (!thread) continue;  // it has ended since
+      if (!thread) continue;  // the thread has ended
       makeNice(thread);
       ::CloseHandle(thread);
     }

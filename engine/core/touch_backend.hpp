@@ -70,7 +70,7 @@ struct EditCosts {
   std::span<const double> requests_us;
   std::uint64_t states = 0;            ///< point states that the edits have produced
   std::uint32_t lastTouched = 0;       ///< points that the last edit changed, moved or removed
-  double longestCompactionEnd_us = 0;  ///< time that the touch thread waited for the end of a compaction
+  double longestCompactionEnd_us = 0;  ///< longest wait of the touch thread for the end of a compaction
 };
 
 /// Memory of an edited cloud on the answering machine, bytes.

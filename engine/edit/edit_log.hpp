@@ -72,7 +72,7 @@ class EditLog {
 
  private:
   static constexpr std::size_t kMaxReaders = 4;
-  static constexpr std::uint64_t kMarks = 1024, kMarksPerTick = 4;  // two of a stroke and a change, two of an offer
+  static constexpr std::uint64_t kMarks = 1024, kMarksPerTick = 4;  // two for a stroke and a change, two for an offer
 
   struct Seat {
     std::atomic<bool> taken = false;
