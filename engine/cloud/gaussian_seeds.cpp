@@ -30,7 +30,7 @@ std::size_t seedsOfDisc(const GaussianDisc& disc, std::size_t i) {
 /// Writes `count` seeds over disc `i`.
 void seedDisc(const GaussianDisc& disc, std::size_t i, std::size_t count, GaussianSeed* seeds) {
   constexpr std::uint64_t kStream = 2;
-  constexpr double kGoldenCosine = -0.7373688780783197, kGoldenSine = 0.6754902942615238;  // of the golden angle
+  constexpr double kGoldenCosine = -0.7373688780783197, kGoldenSine = 0.6754902942615238;  // of 2.399963229728653
   const double turned = 2 * std::numbers::pi * randomUnit(kStream, i);
   double cosine = std::cos(turned), sine = std::sin(turned);
   for (std::size_t k = 0; k < count; ++k) {

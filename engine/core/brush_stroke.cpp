@@ -13,11 +13,10 @@ namespace palpate {
 
 namespace {
 
-constexpr double kGap_s = 0.3;    // longest time without contact within one stroke
-constexpr double kTick_s = 1e-3;  // the interval that a brush's strength and beta refer to
-constexpr double kMaxTicks = 16;  // maximum number of ticks that one edit makes up for
-constexpr double kWithdrawing =
-    0.5;  // a hand withdraws above this cosine between its motion and the direction to its proxy
+constexpr double kGap_s = 0.3;        // longest time without contact within one stroke
+constexpr double kTick_s = 1e-3;      // the interval that a brush's strength and beta refer to
+constexpr double kMaxTicks = 16;      // maximum number of ticks that one edit makes up for
+constexpr double kWithdrawing = 0.5;  // cosine between motion and direction to the proxy above which a hand withdraws
 // In brush radii: the tool's longest and shortest step between two edits, and the spacing of the remembered positions
 // of its path. Lower values cost edits, higher ones leave ripples.
 constexpr double kLongestStep = 0.25, kShortestStep = 1.0 / 256, kWayStep = 1.0 / 16;
@@ -287,7 +286,7 @@ void BrushStroke::note(const SurfaceMeasure& measure) {
   const DVec3 mean = DVec3(asSigned(measure.normals[0]), asSigned(measure.normals[1]), asSigned(measure.normals[2])) /
                      (weights * normalSteps());
   const double height = asSigned(measure.heights) / (weights * static_cast<double>(shared::kHeightSteps));
-  // Implausible sums have overflowed.
+  // Implausible sums have wrapped around.
   const double length = glm::length(mean);
   if (!(length > kMinLength && length < 1.01 && std::abs(height) <= static_cast<double>(shared::kMaxHeight))) return;
   foundAt_ = tool_.hand + height * brush_.radius * tool_.outward;

@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// Sums over the points that a tool measures (shaders/shared/brush.h). The integers may overflow: the sums of one edit
-/// are the difference of two measures.
+/// Sums over the points that a tool measures (shaders/shared/brush.h). The integers may wrap around: the sums of one
+/// edit are the difference of two measures.
 struct SurfaceMeasure {
   std::uint32_t weights = 0;
   std::array<std::uint32_t, 3> normals{};

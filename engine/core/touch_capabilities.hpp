@@ -5,7 +5,7 @@
 namespace palpate {
 
 /// Capabilities of a back end beyond touching the averaged surface with one point and pushing it. Configuration checks
-/// use them, so that none depends on a back end's name.
+/// use them, so that they do not depend on a back end's name.
 struct TouchCapabilities {
   bool allSurfaces = true;       ///< every SurfaceKind; otherwise the averaged surface alone
   bool localRadius = true;       ///< supports a local support radius

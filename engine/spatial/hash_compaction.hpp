@@ -17,8 +17,8 @@ struct CompactionOptions {
 };
 
 /// Compacts the points of an index after incremental edits, in the back half of the live cloud, while edits and queries
-/// continue in the front half. One call at a time, by the thread that edits; calls block only where stated, and none
-/// allocates or records. The order of points within a bucket is kept.
+/// continue in the front half. One call at a time, by the thread that edits; calls block only where stated, and never
+/// allocate or record. The order of points within a bucket is kept.
 ///
 /// Stages: idle, begin(), noting, advance(), copying, advance(), …, copied, end(), ending, collect(), idle. During
 /// copying nothing else may write the back half; call abandon() first.
