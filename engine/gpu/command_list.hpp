@@ -35,7 +35,7 @@ struct DrawTargets {
 ///
 /// On a throughput or background queue it yields to other queues: their work waits until a dispatch in progress has
 /// started all of its workgroups, however short these are and regardless of priorities (seen on an H200). Long
-/// dispatches are therefore split into slices.
+/// dispatches recorded while there is urgent work (Device::hasUrgentWork) are therefore split into slices.
 class CommandList {
  public:
   /// The timed parts: none; outermost sections; every section and pass. Each timestamp pair delays the GPU by 1.3 us on
