@@ -1,5 +1,5 @@
-// Turns a density over the unit square into a map that spreads points by it: first the row by the marginal
-// distribution, then the place in the row by the conditional one (Devroye 1986, section XI.2). The density is taken as
+// Converts a density over the unit square into a map that distributes points by it: first the row by the marginal
+// distribution, then the position in the row by the conditional one (Devroye 1986, section XI.2). The density is
 // bilinear between grid nodes and inverted exactly, so the map has no seams at the cells.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace palpate {
 
 class AreaTable {
  public:
-  /// `density` must be positive. It is asked at (rows + 1) x (columns + 1) nodes, from several threads.
+  /// `density` must be positive. It is evaluated at (rows + 1) x (columns + 1) nodes, from several threads.
   AreaTable(std::size_t rows, std::size_t columns, const std::function<double(const DVec2&)>& density,
             unsigned threads);
 

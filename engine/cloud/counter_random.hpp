@@ -1,6 +1,6 @@
-// Random numbers by counter: number `index` of stream `seed` is a pure function of both, so any thread can make any of
-// them and the result never depends on how the work was split. The mixing is the finaliser of SplitMix64 (Steele, Lea
-// and Flood 2014, "Fast splittable pseudorandom number generators").
+// Random numbers by counter: number `index` of stream `seed` is a pure function of both, so any thread can compute any
+// of them and the result never depends on how the work was split. The mixing is the finaliser of SplitMix64 (Steele,
+// Lea and Flood 2014, "Fast splittable pseudorandom number generators").
 #pragma once
 
 #include <cmath>

@@ -10,11 +10,11 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kFewestOfAFit = 6;
-constexpr double kWallFrom = 0.85, kWallTo = 1.02;  // brush radii from its way, between which a point is on its wall
-constexpr double kEdgeOn = 0.5;   // cosine of a normal and a direction, up to which it tells neither side of that
-constexpr double kCrushed = 0.1;  // of an area: what is left of it, below which it has no side
+constexpr double kWallFrom = 0.85, kWallTo = 1.02;  // brush radii from the path: the wall that the tool leaves
+constexpr double kEdgeOn = 0.5;   // cosine of a normal and a direction up to which the normal shows no side
+constexpr double kCrushed = 0.1;  // share of the original area below which a crushed piece shows no side
 
-// Normal of the plane through `places`, of either sign; nothing where they are too few for one, or lie on none.
+// Normal of the plane through `places`, of either sign; empty if there are too few, or if they do not span a plane.
 std::optional<DVec3> planeThrough(std::span<const DVec3> places) {
   if (places.size() < kFewestOfAFit) return std::nullopt;
   DVec3 mean(0);
@@ -80,8 +80,8 @@ std::optional<DVec3> EditAftermath::fit(std::uint32_t i) const {
   return planeThrough(offsets);
 }
 
-// Other brushes than those that leave a wall bend a sheet, and its normals with it. What is on no wall and was not bent
-// faces as the point that it goes back to; as the nearest one where it has come too far for that.
+// Brushes that leave no wall bend a sheet and its normals. A point that is neither on a wall nor bent faces like its
+// ancestor; like the nearest point if it is too far from its ancestor.
 DVec3 EditAftermath::facingOf(std::uint32_t i) {
   const std::uint32_t ancestor = ancestorOf(i);
   if (isNew(i) || moved(i)) {
@@ -94,9 +94,9 @@ DVec3 EditAftermath::facingOf(std::uint32_t i) {
   return normalBefore(nearestTo(treeBefore_, position(i)).points[0]);
 }
 
-// On the ball's wall, towards its centre or away from it, as where it comes from did when the ball came: a ball that
-// goes in sideways lines its tunnel with the sheet before it, and lifts the sheet above it from behind. What it met
-// edge on may face either way. Nothing elsewhere.
+// On the ball's wall, towards its centre or away from it, by the side that the ancestor showed the arriving ball: a
+// ball that enters sideways lines its tunnel with the sheet in front of it, and lifts the sheet above it from behind.
+// Sheets met edge on may face either way. Empty for a point off the wall.
 std::optional<DVec3> EditAftermath::wallFacing(std::uint32_t i, std::uint32_t ancestor) {
   if ((!way_.carves && !way_.pushes) || way_.centers.empty()) return std::nullopt;
   const DVec3 outward = nearestCenter(position(i)) - position(i);
@@ -106,8 +106,8 @@ std::optional<DVec3> EditAftermath::wallFacing(std::uint32_t i, std::uint32_t an
   return std::abs(side) > kEdgeOn ? std::copysign(1 / distance, side) * outward : normal(i);
 }
 
-// A normal says where outside was only if it stands on the plane of its surroundings: in noise it may look along that,
-// or there is none.
+// A normal shows which side was outside only if it is roughly perpendicular to the local plane: in noise it may lie
+// along that plane, or there is no plane.
 bool EditAftermath::tellsItsSide(std::uint32_t point) {
   if (tells_[point]) return *tells_[point];
   const DVec3 facing = normalBefore(point);
@@ -120,8 +120,8 @@ bool EditAftermath::tellsItsSide(std::uint32_t point) {
   return tells_[point].emplace(plane && std::abs(glm::dot(*plane, facing)) > kEdgeOn);
 }
 
-// The normal of a point, turned as its sheet was bent: across what has become of two directions along it, as its
-// neighbours tell. Nothing where they have been crushed and tell no direction.
+// The normal of a point, rotated as its sheet was bent: the cross product of the transformed tangent directions, from
+// the displacements of its neighbours. Empty if they were crushed so that they show no direction.
 std::optional<DVec3> EditAftermath::carriedNormal(std::uint32_t point) const {
   const DVec3 facing = normalBefore(point);
   const Frame3 frame = frameAround(facing);
@@ -145,7 +145,7 @@ std::optional<DVec3> EditAftermath::carriedNormal(std::uint32_t point) const {
   return across / area;
 }
 
-// How much a point faced the ball when that first touched it, or was nearest: from -1, it turned its back on it, to 1.
+// How much a point faced the ball at the first contact, or at the smallest distance: from -1 (facing away) to 1.
 double EditAftermath::sideOf(std::uint32_t point) {
   if (sides_[point]) return *sides_[point];
   const DVec3 place = placeBefore(point);

@@ -1,5 +1,5 @@
-// A cloud after an edit, held against how it was: which points are new, who stands near whom, and which way each should
-// face. In double precision, and with nothing of what edits points.
+// A cloud after an edit, compared with the cloud before: which points are new, which points are near each other, and
+// which way each should face. In double precision, and independent of the code that edits points.
 #pragma once
 
 #include <array>
@@ -11,41 +11,43 @@
 
 namespace palpate {
 
-/// Points of a PointTree, the nearest first.
+/// Points of a PointTree, nearest first.
 struct NearestPoints {
-  static constexpr std::size_t kMax = 48;  ///< of which those of one sheet are taken
+  static constexpr std::size_t kMax = 48;  ///< candidates, from which the points of one sheet are chosen
   std::array<std::uint32_t, kMax> points;
   std::array<double, kMax> squared;  ///< distances, model units squared
   std::size_t count = 0;
 };
 NearestPoints nearestTo(const PointTree& tree, const DVec3& place);
 
-/// So many neighbours make the plane, or the sphere, of a place.
+/// Number of neighbours that define a local plane or sphere.
 inline constexpr std::size_t kOfAFit = 16;
-/// In support radii: what is so near to a point is of one sheet with it.
+/// In support radii: points within this distance belong to one sheet.
 inline constexpr double kKin = 2;
 
 class EditAftermath {
  public:
-  /// `tree`: of the points before. `after[i]` has the number i, the points before first. All of them must outlive this.
+  /// `tree`: of the points before. `after[i]` has the number i, the points before first. All arguments must outlive
+  /// this.
   EditAftermath(const PointCloud& before, const PointTree& tree, std::span<const PointState> after,
                 const BrushPath& way);
 
-  /// Numbers of the points that are not gone.
+  /// Numbers of the points that are not removed.
   std::span<const std::uint32_t> there() const { return there_; }
   bool isNew(std::uint32_t i) const { return i >= before_.size(); }
   bool moved(std::uint32_t i) const { return !isNew(i) && after_[i].position != before_.positions[i]; }
   DVec3 position(std::uint32_t i) const { return DVec3(after_[i].position); }
   DVec3 normal(std::uint32_t i) const { return DVec3(after_[i].normal); }
 
-  /// Which way its sheet faces, unit: what is known of it without its own normal, and that where nothing is.
+  /// Unit direction that the point's sheet faces, derived without the point's own normal if possible, otherwise from
+  /// it.
   const DVec3& facing(std::uint32_t i) const { return facings_[i]; }
-  /// The point before the edit that it goes back to.
+  /// The point before the edit from which it descends.
   std::uint32_t ancestorOf(std::uint32_t i) const;
-  /// To the nearest other point that faces the same way, `most` at most; model units.
+  /// Distance to the nearest other point that faces the same way, limited to `most`; model units.
   double nearestOfSheet(std::uint32_t i, double most) const;
-  /// Normal of the plane through the nearest points of its sheet, unit, of either sign; nothing where they are too few
-  /// for one, or lie on none.
+  /// Normal of the plane through the nearest points of its sheet, unit, of either sign; empty if there are too few, or
+  /// if they do not span a plane.
   std::optional<DVec3> fit(std::uint32_t i) const;
 
  private:
@@ -62,12 +64,12 @@ class EditAftermath {
   const PointTree& treeBefore_;
   std::span<const PointState> after_;
   const BrushPath& way_;
-  // Of the points before, once they were asked for.
+  // Caches for the points before, filled on demand.
   std::vector<std::optional<double>> sides_;
   std::vector<std::optional<bool>> tells_;
   std::vector<DVec3> facings_;  // by number
   std::vector<std::uint32_t> there_;
-  std::vector<Vec3> positions_;  // of those that are there
+  std::vector<Vec3> positions_;  // of the points in there_
   std::optional<PointTree> tree_;
 };
 

@@ -14,15 +14,15 @@ namespace palpate {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr std::size_t kFirstDisc = 4, kLastDisc = 16;  // neighbours whose discs make a point's area
-constexpr std::size_t kOfAPlace = 6;                   // points whose spacing makes that of a place
+constexpr std::size_t kFirstDisc = 4, kLastDisc = 16;  // neighbours whose discs give a point's area
+constexpr std::size_t kOfAPlace = 6;                   // number of points whose mean spacing is the local spacing
 constexpr std::size_t kTangentPlanes = 4;
-constexpr double kOnGround = 0.4;  // spacings of a place, to one of the points before
-constexpr double kStep = 2;        // spacings, from one point of a sheet to the next
-constexpr double kSided = 0.3;     // cosine of fit and known side, from which on the fit's side is known
+constexpr double kOnGround = 0.4;  // local spacings: maximum distance from a point before, on its surface
+constexpr double kStep = 2;        // in spacings: maximum step from one point of a sheet to the next
+constexpr double kSided = 0.3;     // minimum cosine between fit and known side for the fit's side to be known
 
-// The algebraic sphere that fits places and normals (Guennebaud, Germann and Gross 2008, "Dynamic sampling and
-// rendering of algebraic point set surfaces", section 3), relative to some place.
+// The algebraic sphere that fits positions and normals (Guennebaud, Germann and Gross 2008, "Dynamic sampling and
+// rendering of algebraic point set surfaces", section 3), relative to a local origin.
 class SphereFit {
  public:
   void add(const DVec3& p, const DVec3& n, double w) {
@@ -132,7 +132,7 @@ double EditJudge::spacingOf(std::uint32_t point) {
     areas += std::numbers::pi * near.squared[i] / (static_cast<double>(places.size() - 1) + 0.25);
     ++discs;
   }
-  spacing = discs > 0 ? std::sqrt(areas / static_cast<double>(discs)) : kFar;  // alone: nothing can crowd it
+  spacing = discs > 0 ? std::sqrt(areas / static_cast<double>(discs)) : kFar;  // a single point cannot be crowded
   return spacing;
 }
 
@@ -149,8 +149,8 @@ double EditJudge::spacingAt(const DVec3& place, const DVec3& facing) {
   return count > 0 ? sum / static_cast<double>(count) : kFar;
 }
 
-// A place near one of the points before, for how far these are from one another, is on their ground. One deep in a dent
-// or a tunnel is on none, and what is near it by chance may be sparse: there the ground counts that it comes from.
+// A position close to one of the points before, relative to their spacing, is on their surface. A position deep in a
+// dent or a tunnel is not, and the points near it by chance may be sparse: there the spacing of its ancestor applies.
 double EditJudge::spacingFor(const DVec3& place, std::uint32_t ancestor) {
   const double here = spacingAt(place, normal(ancestor));
   const NearestPoints near = nearestTo(tree_, place);
@@ -187,9 +187,8 @@ double EditJudge::heightOver(const Sheet& sheet, const DVec3& place) const {
   return std::min(sphere.height(place - middle) - own, highest);
 }
 
-// Above whatever surface is nearest is not outside where that is another one than the new point comes from, such as the
-// floor under a roof: what counts is the sheet around its ancestor, to which one goes from point to point. What grows
-// begins there.
+// A new point above the nearest surface is not outside if that surface is a different sheet, such as the floor under a
+// roof: the sheet around its ancestor counts, connected from point to point. Outgrowths start on that sheet.
 double EditJudge::heightFrom(const DVec3& place, std::uint32_t ancestor, double least, double support) {
   const double height = heightAt(place);
   if (height <= least) return height;
@@ -235,9 +234,9 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const BrushPath&
     const DVec3 place = aftermath.position(i);
     verdict.farthestInserted = std::max(verdict.farthestInserted, beyond(place));
     const double spacing = spacingFor(place, aftermath.ancestorOf(i));
-    if (spacing == kFar) continue;  // what was alone had no surface around it
+    if (spacing == kFar) continue;  // a single point had no surface around it
     const double nearest = aftermath.nearestOfSheet(i, spacing) / spacing;
-    // On top of one another are points for the ground that they come from, too.
+    // Points are also too close by the spacing of their ancestor's surface.
     const double finest = std::min(spacing, spacingOf(aftermath.ancestorOf(i)));
     verdict.nearest = std::min(verdict.nearest, nearest * spacing / finest);
     verdict.crowded += nearest < EditTolerance::kCrowded;

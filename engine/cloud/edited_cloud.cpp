@@ -12,11 +12,11 @@ namespace palpate {
 
 namespace {
 
-// The point of the file that a point has its other properties from.
+// The point of the file from which a point has its other properties.
 std::uint32_t ancestor(std::span<const PointState> points, std::uint32_t point, std::size_t inFile) {
   for (std::size_t steps = 0; point >= inFile; ++steps) {
     if (steps == points.size() || point >= points.size())
-      throw Error("a new point descends from none of the file; the edits are not of this model, or are damaged");
+      throw Error("a new point has no ancestor in the file; the edits are of another model, or are damaged");
     point = points[point].parent;
   }
   return point;
@@ -77,7 +77,7 @@ PointCloud editedCloud(const PointCloud& file, std::span<const PointState> point
   if (file.hasNormals()) cloud.normals.reserve(there);
   if (colors) cloud.colors.reserve(there);
   if (!file.exactPositions.empty()) cloud.exactPositions.reserve(there);
-  std::vector<std::uint32_t> sources;  // in the file, of every point's other properties
+  std::vector<std::uint32_t> sources;  // for every point: the point in the file with its other properties
   sources.reserve(there);
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const PointState& point = points[i];

@@ -1,4 +1,4 @@
-// An edited cloud, point by point, and back as a cloud that can be written.
+// Converts a cloud to the states of its points, and edited states to a cloud that can be written.
 #pragma once
 
 #include <span>
@@ -8,23 +8,23 @@
 
 namespace palpate {
 
-/// The colour of a point as PointState has it: red in the lowest byte; 0 where the cloud has no colours.
+/// The colour of a point as in PointState: red in the lowest byte; 0 if the cloud has no colours.
 std::uint32_t packedColor(const PointCloud& cloud, std::size_t point);
 
-/// All points as the file had them, by id.
+/// All points as in the file, by id.
 std::vector<PointState> statesOf(const PointCloud& file);
 
-/// Tells clouds apart: of all that the points which are there are, bit by bit, and of the origin. Points that are not
-/// there change nothing.
+/// Checksum to distinguish clouds: of all properties of the existing points, bit by bit, and of the origin. Removed
+/// points do not affect it.
 std::uint64_t checksumOf(const DVec3& origin, std::span<const PointState> points);
 
-/// How many of `points` stand elsewhere than in the file or have another colour, are gone, or are new; `points[i]` has
-/// the number i, and the file's come first.
+/// Number of `points` that have moved, have another colour, were removed, or are new; `points[i]` has the number i, and
+/// the file's points come first.
 std::size_t changedPoints(const PointCloud& file, std::span<const PointState> points);
 
-/// The cloud with its points as `points` say (as for changedPoints()): those of the file that are still there in its
-/// order, then the new ones by id. A point that has not moved keeps the file's coordinates to the last bit, a new one
-/// has all that `points` does not say from its parent. Where the file has no colours and a point was given one, the
+/// The cloud with its points in the states `points` (as for changedPoints()): those of the file that still exist in its
+/// order, then the new ones by id. An unmoved point keeps the file's coordinates to the last bit; a new one takes all
+/// properties that `points` does not contain from its parent. If the file has no colours and a point was given one, the
 /// others get kUnpainted. Throws Error for a point without an ancestor in the file.
 PointCloud editedCloud(const PointCloud& file, std::span<const PointState> points);
 

@@ -23,7 +23,7 @@ struct SymmetricMatrix3 {
 
 struct Eigen3 {
   std::array<double, 3> values;  ///< ascending
-  std::array<DVec3, 3> vectors;  ///< of these values; unit length, pairwise perpendicular, of either sign
+  std::array<DVec3, 3> vectors;  ///< of these values in order; unit length, pairwise perpendicular, of either sign
 };
 
 /// Defined for every matrix of finite entries; the zero matrix gives the axes.

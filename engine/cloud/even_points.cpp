@@ -13,18 +13,18 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kEvenCellsAtOnce = 256;  // that a thread takes
-constexpr std::size_t kPasses = 8;             // as many as the parities of three coordinates
+constexpr std::size_t kEvenCellsAtOnce = 256;  // taken by a thread at a time
+constexpr std::size_t kPasses = 8;             // the number of parities of three coordinates
 
-// Distances along a cell: looking cells up costs more than looking at points, unless all of them are looked at.
+// Distance in cell sides: looking cells up costs more than visiting points, unless all points are visited.
 constexpr float kWide = 2, kNarrow = 1;
-constexpr float kSameSide = 0.5f;  // cosine of the normals of points that keep company
+constexpr float kSameSide = 0.5f;  // minimum cosine of the normals of points on the same face
 
 struct OrientedPoint {
   Vec3 place, normal;
 };
 
-/// Points coordinate by coordinate, so that compilers let several of them be compared at once.
+/// Points stored by coordinate, so that compilers vectorise comparisons.
 class PointLanes {
  public:
   void clear() { blocks_.clear(), count_ = 0; }
@@ -38,7 +38,7 @@ class PointLanes {
     }
   }
 
-  /// The sum of the normals of those nearer than `distance` that are of the same face.
+  /// The sum of the normals of points nearer than `distance` that are on the same face.
   Vec3 normalsNear(const OrientedPoint& point, float distance) const {
     std::array<Lanes, 3> sums{};
     for (const Block& block : blocks_)
@@ -67,7 +67,7 @@ class PointLanes {
       return normal[0][k] * point.normal.x + normal[1][k] * point.normal.y + normal[2][k] * point.normal.z;
     }
   };
-  /// Lanes without a point are farther off than any distance.
+  /// Unused lanes are farther than any distance.
   static Block nowhere() {
     Block block{};
     for (Lanes& places : block.place) places.fill(std::numeric_limits<float>::infinity());
@@ -78,7 +78,7 @@ class PointLanes {
   std::size_t count_ = 0;
 };
 
-/// Points by the cells of a grid, those of a cell in their order.
+/// Points sorted by grid cells, in their order within a cell.
 class GriddedPoints {
  public:
   GriddedPoints(std::span<const Vec3> points, std::span<const Vec3> normals, float distance, float side,
@@ -124,7 +124,7 @@ class GriddedPoints {
         const Around around = cellsAround(cell);
         for (std::size_t c = 0; c < around.count; ++c)
           for (std::size_t k = begins_[around.cells[c]]; k < begins_[around.cells[c] + 1]; ++k) near.add(points_[k]);
-        // A point's own normal is among them, and all are on its side.
+        // A point's own normal is included, and all are on its side, so the sum is not zero.
         for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k)
           smooth[order_[k].point] = glm::normalize(near.normalsNear(points_[k], distance_));
       }
@@ -141,7 +141,7 @@ class GriddedPoints {
     std::array<std::uint32_t, 27> cells;
     std::size_t count = 0;
   };
-  /// The cell itself first, where most is near by.
+  /// The cell itself first: most near points are in it.
   Around cellsAround(std::size_t cell) const {
     Around around;
     around.cells[around.count++] = static_cast<std::uint32_t>(cell);
@@ -161,7 +161,7 @@ class GriddedPoints {
     });
   }
 
-  /// Calls use(other) for the points nearer than the distance, itself included, until it says that it has enough.
+  /// Calls use(other) for the points nearer than the distance, including the point itself, until it returns true.
   template <class Use>
   void forNear(std::size_t point, const Around& around, Use&& use) const {
     const Vec3 place = points_[point].place;
@@ -216,13 +216,13 @@ class GriddedPoints {
 
   float distance_, side_;  // of a cell
   unsigned threads_;
-  BareVector<Entry> order_;           // by cell
+  BareVector<Entry> order_;           // sorted by cell
   BareVector<OrientedPoint> points_;  // in that order
-  BareVector<std::size_t> begins_;    // of the cells, and the end of the last
+  BareVector<std::size_t> begins_;    // first point of each cell, and the end of the last
   MortonCells cells_;
   BareVector<std::uint8_t> kept_;         // in the order of the cells
-  BareVector<OrientedPoint> keptOnes_;    // of each cell, from where its points begin
-  BareVector<std::uint32_t> keptCounts_;  // of these in each cell
+  BareVector<OrientedPoint> keptOnes_;    // kept points of each cell, starting at the cell's first index
+  BareVector<std::uint32_t> keptCounts_;  // kept points in each cell
 };
 
 }  // namespace

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdint>
 
-// Eight or sixteen lanes go together on processors that can (AVX2, AVX-512, but not their fused multiplications, which
-// this file is compiled without, so that results are the same on all), where the compiler can leave the choice to the
-// moment when the program starts.
+// Vectorised eight or sixteen lanes wide on processors that support it (AVX2, AVX-512, but without fused
+// multiplications, which are disabled for this file so that results are the same everywhere), where the compiler can
+// defer the choice to program start.
 #if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PALPATE_WIDEST_LANES [[gnu::target_clones("avx512f", "avx2", "default")]]
@@ -21,13 +21,13 @@ namespace palpate {
 
 namespace {
 
-/// e^(-x / 2) for x >= 0 to 4e-6 of itself, e^-40 from 80 on: without a branch, a call or a comparison of floats, so
-/// that compilers let lanes go together.
+/// e^(-x / 2) for x >= 0 with a relative error of 4e-6, e^-40 from 80 on: without branches, calls or comparisons of
+/// floats, so that compilers vectorise it.
 PALPATE_INTO_CALLER inline float fallingExp(float x) {
   constexpr float kHalfLog2E = 0.72134752f, kMax = 80;
   constexpr float kWhole =
-      12582912 + 127;  // floats of this size are whole; their last bits become those of an exponent
-  // Positive numbers are in the order of their bits.
+      12582912 + 127;  // floats of this magnitude are integers; their last bits become the exponent
+  // Positive floats are ordered like their bits.
   const float most = std::bit_cast<float>(std::min(std::bit_cast<std::int32_t>(x), std::bit_cast<std::int32_t>(kMax)));
   const float power = -kHalfLog2E * most, shifted = power + kWhole;
   const float y = power - (shifted - kWhole);  // in [-0.5, 0.5]
@@ -35,7 +35,7 @@ PALPATE_INTO_CALLER inline float fallingExp(float x) {
   return series * std::bit_cast<float>(std::bit_cast<std::int32_t>(shifted) << 23);
 }
 
-/// In one order, whatever the lanes that go together.
+/// Pairwise, so that the order does not depend on the vector width.
 template <std::size_t kCount>
 PALPATE_INTO_CALLER inline float sum(const std::array<float, kCount>& lanes) {
   if constexpr (kCount == 1) {
@@ -58,8 +58,8 @@ FeltGaussian::FeltGaussian(const GaussianDisc& disc)
   }
 }
 
-/// What a block of Gaussians makes of a place: their densities there, and their precision times the way from their
-/// centres.
+/// Contribution of a block of Gaussians at a position: their densities there, and their precision matrices times the
+/// offsets from their centres.
 struct GaussianDensity::Felt {
   Lanes density, x, y, z;
 };
@@ -121,7 +121,7 @@ PALPATE_WIDEST_LANES GaussianDensity::Slope GaussianDensity::slopeAt(const Vec3&
 PALPATE_WIDEST_LANES GaussianDensity::Curvature GaussianDensity::curvatureAt(const Vec3& p) const {
   Lanes density{};
   std::array<Lanes, 3> slope{};
-  std::array<Lanes, 6> bend{};  // of the density itself, with the sign changed
+  std::array<Lanes, 6> bend{};  // negated second derivatives of the density
   forEach(p, [&](const Block& block, const Felt& felt) PALPATE_INTO_CALLER {
     const auto& c = block.columns;
     for (std::size_t k = 0; k < kLanes; ++k) {

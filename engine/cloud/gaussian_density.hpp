@@ -1,5 +1,5 @@
-// The density of Gaussians, sum(opacity exp(-d^2 / 2)), d being the distance in deviations: single precision, sixteen
-// Gaussians at a time.
+// The density of Gaussians, sum(opacity exp(-d^2 / 2)), with d the distance in standard deviations: single precision,
+// sixteen Gaussians at a time.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// What the density asks of a Gaussian. Lengths in usual radii.
+/// The properties of a Gaussian that the density needs. Lengths in usual radii.
 struct FeltGaussian {
   FeltGaussian() = default;
   explicit FeltGaussian(const GaussianDisc& disc);
@@ -22,13 +22,14 @@ struct FeltGaussian {
   float opacity = 0;
   float xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;  ///< its precision, the inverse of its covariance
   Vec3 color{0};                                         ///< 0 to 1
-  Vec3 reach{0};                                         ///< as of the disc
+  Vec3 reach{0};                                         ///< as GaussianDisc::reach
 };
 
-/// Of the Gaussians near some place. Lengths in usual radii. One thread at a time fills it; then any number asks.
+/// Density of the Gaussians near a position. Lengths in usual radii. Filled by one thread; afterwards any number of
+/// threads may query it.
 class GaussianDensity {
  public:
-  /// With those `gaussians` whose numbers are in `chosen`, and no others.
+  /// Contains only the `gaussians` whose numbers are in `chosen`.
   void fill(std::span<const FeltGaussian> gaussians, std::span<const std::uint32_t> chosen);
 
   float densityAt(const Vec3& p) const;
@@ -43,14 +44,15 @@ class GaussianDensity {
     Vec3 logGradient{0};         ///< of the density's logarithm
     SymmetricMatrix3 downwards;  ///< minus the second derivatives of the density's logarithm
   };
-  /// For a place where there is any density at all.
+  /// Requires a position with nonzero density.
   Curvature curvatureAt(const Vec3& p) const;
 
   struct Behind {
-    float depth = 0;  ///< of the Gaussians' middles, each counting by its density and by how thin it is that way
-    Vec3 color{0};    ///< each counting by its density; 0 to 1
+    float depth = 0;  ///< of the Gaussians' centres, weighted by density and by thinness in that direction
+    Vec3 color{0};    ///< weighted by density; 0 to 1
   };
-  /// What of the Gaussians that are felt at `p` is along `-normal` from it. For a place where there are any.
+  /// Depth along `-normal`, and colour, of the Gaussians that contribute at `p`. Requires a position with such
+  /// Gaussians.
   Behind behind(const Vec3& p, const Vec3& normal) const;
 
  private:

@@ -12,19 +12,19 @@ namespace palpate {
 
 namespace {
 
-constexpr float kFaint = 0.05f;                        // opacity
-constexpr float kNotFelt = 0.02f;                      // density
-constexpr float kOversized = 10;                       // usual radii, of the longest deviation
-constexpr float kFarthest = 5e5f;                      // usual radii: single precision tells a tenth of one there
-constexpr float kLargestLog = 60;                      // of deviations: beyond, their squares leave single precision
-constexpr float kThinnest = 0.2f, kThickest = 1;       // usual radii
-constexpr double kMaxMeanArea = 2;                     // of the usual one
+constexpr float kFaint = 0.05f;                   // opacity
+constexpr float kNotFelt = 0.02f;                 // density below which a Gaussian has no effect
+constexpr float kOversized = 10;                  // in usual radii, of the longest deviation
+constexpr float kFarthest = 5e5f;                 // in usual radii: single precision resolves a tenth of one there
+constexpr float kLargestLog = 60;                 // of deviations: squares of larger ones overflow single precision
+constexpr float kThinnest = 0.2f, kThickest = 1;  // usual radii
+constexpr double kMaxMeanArea = 2;                // in units of the usual area
 constexpr float kZeroHarmonic = 0.28209479177387814f;  // 1 / (2 sqrt(pi))
 constexpr std::size_t kSample = 20'000;
 
 float opacityOf(float logit) { return static_cast<float>(1 / (1 + std::exp(-static_cast<double>(logit)))); }
 
-/// Which axes of a Gaussian are its longest, middle and shortest.
+/// Indices of a Gaussian's longest, middle and shortest axes.
 std::array<int, 3> byLength(const Vec3& logScales) {
   std::array<int, 3> order{0, 1, 2};
   std::ranges::stable_sort(order, [&](int a, int b) { return logScales[a] > logScales[b]; });
@@ -33,7 +33,7 @@ std::array<int, 3> byLength(const Vec3& logScales) {
 
 enum class Use : std::uint8_t { disc, faint, oversized, outlying };
 
-/// What is asked of each Gaussian before any can be judged.
+/// Properties of each Gaussian needed before any can be classified.
 struct Size {
   float opacity = 0, logLongest = 0, logRadius = 0;
   Use use = Use::disc;
@@ -52,7 +52,7 @@ BareVector<Size> sizesOf(const GaussianScene& scene, unsigned threads) {
   });
 }
 
-/// Counts in whole numbers, so that no order of summing shows.
+/// Counts in integers, so that the order of summation does not matter.
 class RadiusHistogram {
  public:
   void add(const Size& size) { counts_[binOf(size.logRadius)] += static_cast<std::uint64_t>(size.opacity * 65536); }
@@ -102,7 +102,7 @@ double usualRadiusOf(const BareVector<Size>& sizes, unsigned threads) {
     return Share{size.opacity * std::pow(std::exp(size.logRadius) / median, 2), size.opacity};
   });
   double area = 0, weight = 0;
-  for (const Share& share : shares) area += share.area, weight += share.weight;  // in one order, to be the same always
+  for (const Share& share : shares) area += share.area, weight += share.weight;  // in a fixed order, to be reproducible
   return weight > 0 ? median * std::max(1.0, std::sqrt(area / weight / kMaxMeanArea)) : median;
 }
 
@@ -124,7 +124,7 @@ DVec3 middleOf(const GaussianScene& scene, const BareVector<Size>& sizes) {
   return middle;
 }
 
-/// The axes that a quaternion turns x, y and z into.
+/// The axes into which a quaternion rotates x, y and z.
 std::array<DVec3, 3> axesOf(const Vec4& rotation) {
   const DVec4 q(rotation);
   const double length = glm::length(q);

@@ -16,10 +16,10 @@ namespace palpate {
 
 namespace {
 
-constexpr float kSeedArea = 0.8f;                // of the discs, for each seed
-constexpr float kRim = 1.1f;                     // deviations that a disc is covered to
-constexpr int kFinestLevel = 2;                  // cells of four voxels: about as wide as what is felt in them reaches
-constexpr std::uint64_t kMaxCellsOfDisc = 1000;  // on average, so that many large discs cost no more than coarser cells
+constexpr float kSeedArea = 0.8f;  // area of the discs per seed
+constexpr float kRim = 1.1f;       // in deviations: the covered part of a disc
+constexpr int kFinestLevel = 2;    // cells of four voxels: about as wide as the reach of the Gaussians in them
+constexpr std::uint64_t kMaxCellsOfDisc = 1000;  // on average; with many large discs coarser cells are cheaper
 
 std::size_t seedsOfDisc(const GaussianDisc& disc, std::size_t i) {
   constexpr std::uint64_t kStream = 1;  // of random numbers
@@ -43,7 +43,7 @@ void seedDisc(const GaussianDisc& disc, std::size_t i, std::size_t count, Gaussi
   }
 }
 
-/// Of the seeds in a voxel, in the order of their discs, the first one.
+/// The first of the seeds in a voxel, in the order of their discs.
 GaussianSeed firstOf(std::span<const GaussianSeed> seeds) {
   const auto order = [](const GaussianSeed& s) { return std::tie(s.disc, s.place.x, s.place.y, s.place.z); };
   std::size_t first = 0;
@@ -52,7 +52,7 @@ GaussianSeed firstOf(std::span<const GaussianSeed> seeds) {
   return seeds[first];
 }
 
-/// The voxels, counted from the outermost one, that a disc is in and that it gets to; both ends included.
+/// The voxels, counted from the outermost one, of a disc's centre and of its reach; both ends included.
 struct VoxelBox {
   IVec3 low, middle, high;
 
@@ -73,7 +73,7 @@ struct VoxelBox {
   }
 };
 
-/// Where a Gaussian is felt.
+/// The box in which a Gaussian has an effect.
 GaussianRegion regionOf(const FeltGaussian& felt) { return {felt.center - felt.reach, felt.center + felt.reach}; }
 
 }  // namespace
@@ -105,7 +105,7 @@ SeedCells::SeedCells(std::span<const GaussianDisc> discs, std::span<const Gaussi
   sortDiscs(discs, threads);
 }
 
-/// Of cells as fine as may be where discs are large.
+/// The finest level at which large discs do not cover too many cells.
 int SeedCells::finestLevel(std::span<const GaussianDisc> discs, unsigned threads) const {
   const auto cellsOfDiscs = [&](int level) {
     const auto cellsOf = [&](std::size_t begin, std::size_t end) {
@@ -194,7 +194,7 @@ void GaussiansAround::moveTo(std::size_t cell) {
   }
 }
 
-/// As GaussianRegion::meets(), but without a branch, so that boxes go together.
+/// As GaussianRegion::meets(), but without branches, so that boxes are tested in parallel.
 void GaussiansAround::chooseIn(const GaussianRegion& region) {
   chosen_.resize(boxes_.size() * kLanes);
   std::size_t count = 0;

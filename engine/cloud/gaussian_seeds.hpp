@@ -1,4 +1,4 @@
-// Places spread over the discs of Gaussians, and which Gaussians are felt around each of them.
+// Positions spread over the discs of Gaussians, and the Gaussians that contribute around each of them.
 #pragma once
 
 #include <array>
@@ -24,11 +24,11 @@ struct GaussianSeed {
   std::uint32_t disc = 0;
 };
 
-/// Over each disc as many as its area asks for, in a spiral of even area (Vogel 1979), no two in one voxel, where the
-/// first disc's comes first; in the order of the voxels. The result does not depend on `threads`.
+/// The number of seeds on a disc is proportional to its area; they lie in a spiral of even area (Vogel 1979). Each
+/// voxel keeps only the first disc's seed. Ordered by voxels. The result does not depend on `threads`.
 BareVector<GaussianSeed> seedsOver(std::span<const GaussianDisc> discs, unsigned threads);
 
-/// A box, usual radii; nothing is in one that was not widened.
+/// A box, usual radii; empty until it was widened.
 struct GaussianRegion {
   Vec3 low{std::numeric_limits<float>::max()}, high{std::numeric_limits<float>::lowest()};
 
@@ -39,12 +39,12 @@ struct GaussianRegion {
   }
 };
 
-inline constexpr std::size_t kCellsAtOnce = 64;  ///< that a thread takes: many hold next to nothing, some very much
+inline constexpr std::size_t kCellsAtOnce = 64;  ///< taken by a thread at a time: many are nearly empty, some full
 
-/// Seeds by cells of a grid, and the discs that are felt around each cell. Keeps a view of the seeds.
+/// Seeds by cells of a grid, and the discs that contribute around each cell. Keeps a view of the seeds.
 class SeedCells {
  public:
-  /// `margin`: how far outside of its cell a place may be and still feel all that is felt there, usual radii.
+  /// `margin`: how far outside its cell a position may be and still get all contributions there, usual radii.
   SeedCells(std::span<const GaussianDisc> discs, std::span<const GaussianSeed> seeds, float margin, unsigned threads);
 
   std::size_t count() const { return begins_.size() - 1; }
@@ -52,23 +52,23 @@ class SeedCells {
     std::size_t begin, end;
   };
   Range seedsOf(std::size_t cell) const { return {begins_[cell], begins_[cell + 1]}; }
-  /// Where what is felt around a cell can be asked for.
+  /// The region around a cell in which contributions are complete.
   GaussianRegion withMargin(std::size_t cell) const { return withMargin(cell, level_); }
 
-  /// The cells of a cube of four times the side have one number: much of what is felt in one of them is felt in others.
+  /// The cells of a cube of four times the side share this number: their contributing Gaussians largely coincide.
   std::uint64_t cubeOf(std::size_t cell) const { return seeds_[begins_[cell]].voxel >> (3 * cubeLevel()); }
-  /// All that are felt in the cube that a cell is of, or within its margin.
+  /// All Gaussians that contribute in the cell's cube or within its margin.
   void collectAround(std::size_t cell, std::vector<FeltGaussian>& felt) const;
 
  private:
-  /// Discs by the cells that their middles are in, of a grid so coarse that none of them, with the margin around it,
-  /// gets farther than into the next cell; none is finer than the cubes.
+  /// Discs by the cells of their centres, on a grid so coarse that each disc with its margin reaches at most the
+  /// adjacent cells; no grid is finer than the cubes.
   struct Grid {
     int level;
     std::size_t firstDisc;
     MortonCells cells;
-    BareVector<std::size_t> begins;      // of the cells' discs, counted from the first, and the end of the last
-    BareVector<GaussianRegion> regions;  // of each cell: where its discs are felt
+    BareVector<std::size_t> begins;      // first disc of each cell, relative to firstDisc, and the end of the last
+    BareVector<GaussianRegion> regions;  // of each cell: where its discs have an effect
   };
   int finestLevel(std::span<const GaussianDisc> discs, unsigned threads) const;
   void sortDiscs(std::span<const GaussianDisc> discs, unsigned threads);
@@ -78,21 +78,21 @@ class SeedCells {
   std::span<const GaussianSeed> seeds_;
   float margin_;
   int level_;                       // a cell has 2^level voxels along its side
-  BareVector<std::size_t> begins_;  // of the cells' seeds, and the end of the last
-  BareVector<FeltGaussian> felt_;   // of all discs, grid by grid and cell by cell
+  BareVector<std::size_t> begins_;  // first seed of each cell, and the end of the last
+  BareVector<FeltGaussian> felt_;   // all discs, sorted by grid and cell
   std::vector<Grid> grids_;
 };
 
-/// Looks for what is felt around cells, for one thread: once for all cells of a cube that come one after the other.
+/// Finds the Gaussians that contribute around cells, for one thread: once for consecutive cells of the same cube.
 class GaussiansAround {
  public:
   explicit GaussiansAround(const SeedCells& cells) : cells_(cells) {}
-  /// Fills `density` with what is felt in the part of `region` that is in the cell or within its margin.
+  /// Fills `density` with the Gaussians that contribute in the part of `region` within the cell or its margin.
   void gather(std::size_t cell, const GaussianRegion& region, GaussianDensity& density);
 
  private:
   static constexpr std::size_t kLanes = 16;
-  /// Where sixteen Gaussians are felt; nowhere where there are fewer.
+  /// Boxes of sixteen Gaussians; empty boxes fill unused lanes.
   struct Boxes {
     std::array<std::array<float, kLanes>, 3> low, high;
   };

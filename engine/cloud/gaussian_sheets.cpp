@@ -16,22 +16,23 @@ namespace palpate {
 
 namespace {
 
-constexpr float kMinDensity = 0.05f;  // that of the faintest disc
+constexpr float kMinDensity = 0.05f;  // peak density of the faintest disc
 constexpr std::size_t kMaxPlaces = 200'000;
 constexpr std::size_t kNeighbours = 10;
-constexpr float kApart = 2.5;  // sides of a place's cell, between sheets that do not hang together
+constexpr float kApart = 2.5;  // in cell sides: distance between sheets that are not connected
 constexpr std::size_t kFewestGaussians = 8;
 constexpr std::uint32_t kNobody = NeighbourGraph::kNobody;
 
-/// The direction of the largest eigenvalue, by squaring (power iteration); zero for a matrix that has none, or is not
-/// finite. Far fewer operations than all eigenvectors take, and as good where there is one such direction.
+/// The direction of the largest eigenvalue, by repeated squaring (power iteration); zero for a matrix without one, or
+/// that is not finite. Needs far fewer operations than all eigenvectors, and is as accurate if that direction is
+/// unique.
 DVec3 steepestOf(const SymmetricMatrix3& a) {
   constexpr int kSquarings = 6;
-  // All eigenvalues become positive, so that the largest one is that of the largest size.
+  // Makes all eigenvalues positive, so that the largest one also has the largest magnitude.
   const double shift =
       std::abs(a.xx) + std::abs(a.yy) + std::abs(a.zz) + 2 * (std::abs(a.xy) + std::abs(a.xz) + std::abs(a.yz));
   if (!(shift > 0)) return DVec3(0);
-  // Of trace 1, so that the largest eigenvalue is a third at least, and 3^-64 at the end.
+  // Scales to trace 1, so that the largest eigenvalue is at least a third, and 3^-64 at the end.
   const double scale = 1 / (a.xx + a.yy + a.zz + 3 * shift);
   SymmetricMatrix3 power{scale * (a.xx + shift), scale * (a.yy + shift), scale * (a.zz + shift),
                          scale * a.xy,           scale * a.xz,           scale * a.yz};
@@ -65,10 +66,10 @@ GaussianSheet sheetAt(const GaussianDensity& density, const Vec3& place) {
           .sharpness = static_cast<float>(sharpness)};
 }
 
-/// The densest seed of each cell of a grid, and those near by.
+/// The densest seed of each cell of a grid, and its neighbours.
 struct SheetPlaces {
   float side = 0;                     ///< of a cell
-  BareVector<std::uint32_t> placeOf;  ///< of each seed; kNobody where it has no sheet
+  BareVector<std::uint32_t> placeOf;  ///< for each seed; kNobody if it has no sheet
   BareVector<Vec3> points, normals;
   NeighbourGraph graph;
 };
@@ -118,7 +119,7 @@ SheetPlaces placesOf(std::span<const GaussianSeed> seeds, std::span<const Gaussi
   return places;
 }
 
-/// For each place the first one of those that hang together with it.
+/// For each position the first one of its connected group.
 std::vector<std::uint32_t> groupsOf(const SheetPlaces& places) {
   std::vector<std::uint32_t> parent(places.points.size());
   std::iota(parent.begin(), parent.end(), 0u);
@@ -136,7 +137,8 @@ std::vector<std::uint32_t> groupsOf(const SheetPlaces& places) {
   return parent;
 }
 
-/// Gaussians of each group, at its first place. One whose seeds are of several groups may count more than once.
+/// Number of Gaussians of each group, at its first position. A Gaussian with seeds in several groups may count more
+/// than once.
 std::vector<std::atomic<std::uint32_t>> countGaussians(std::span<const GaussianSeed> seeds, const SheetPlaces& places,
                                                        const std::vector<std::uint32_t>& groups, unsigned threads) {
   struct Member {
@@ -151,7 +153,7 @@ std::vector<std::atomic<std::uint32_t>> countGaussians(std::span<const GaussianS
   parallelRadixSort(members, 32, threads, [](const Member& member) { return member.disc; });
   std::vector<std::atomic<std::uint32_t>> counts(groups.size());
   parallelFor(members.size(), threads, [&](std::size_t begin, std::size_t end) {
-    std::uint32_t own = 0;  // of the group that comes last: nearly all are of the same one
+    std::uint32_t own = 0;  // of the current group: nearly all consecutive members are of the same one
     for (std::size_t k = begin; k < end; ++k) {
       own += k == 0 || members[k] != members[k - 1];
       if (k + 1 < end && members[k + 1].group == members[k].group) continue;
@@ -178,14 +180,14 @@ std::size_t dropSmallGroups(std::span<const GaussianSeed> seeds, std::span<Gauss
   return parallelCount(seeds.size(), threads, isSmall);
 }
 
-/// Whether a seed's normal looks to the other side than those of the places around: of the one that is most likely to
-/// be of the same sheet, as if both lay on a circle (orientNormals()).
+/// Whether a seed's normal points to the other side than the position around it that most likely belongs to the same
+/// sheet, as if both lay on a circle (orientNormals()).
 bool looksAway(const SheetPlaces& places, std::uint32_t own, const Vec3& point, const Vec3& normal) {
   float best = std::numeric_limits<float>::infinity();
   bool away = false;
   const auto ask = [&](std::uint32_t place) {
     const Vec3 way = places.points[place] - point;
-    // No agreement makes up for being too far off, so that most need no square root.
+    // Distance alone can exceed the best cost, so most candidates need no square root.
     if (glm::dot(way, way) >= best * best * places.side * places.side) return;
     const float distance = glm::length(way);
     const Vec3 along = distance > 0 ? way / distance : Vec3(0);

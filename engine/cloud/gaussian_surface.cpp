@@ -17,23 +17,24 @@ namespace {
 
 constexpr float kShareOfUsual = 0.3f, kMinLevel = 0.2f, kMaxLevel = 1;  // densities
 constexpr float kLongestStep = 0.7f, kLastStep = 0.05f;                 // usual radii
-constexpr float kMaxToMiddle = 1, kMaxToFace = 2;  // usual radii that the first guess may be off the seed
-constexpr float kFacing = 0.3f;                    // cosine between the sheet's normal and the level's
+constexpr float kMaxToMiddle = 1, kMaxToFace = 2;  // in usual radii: limits of the first guess's distance from the seed
+constexpr float kFacing = 0.3f;                    // minimum cosine between the sheet's normal and the level's
 constexpr float kNearest = 0.75f;                  // usual radii between points
 constexpr float kCompanyWithin = 2;                // usual radii
-constexpr std::size_t kMinCompany = 4;             // of some twelve on an even surface
+constexpr std::size_t kMinCompany = 4;             // of about twelve on an even surface
 constexpr float kSmoothWithin = 2.25f;             // usual radii
-constexpr float kClear = 1.5f;                     // usual radii in front of a face where there is none
+constexpr float kClear = 1.5f;                     // in usual radii: free space required in front of a face
 
-/// How far seeds go to the level. What is thick asks for more, and costs more; where hardly any of it is, it is inside.
+/// Limits of the path from a seed to the level. Thick scenes need longer paths, at a higher cost; in thin scenes seeds
+/// without a face are inside.
 struct Walk {
   float margin, farthest;  ///< usual radii
-  float aside;             ///< usual radii across the normal
-  float mostDepth;         ///< usual radii back from the level to the discs' middles, which in thick haze mean nothing
+  float aside;             ///< in usual radii across the normal
+  float mostDepth;  ///< in usual radii back from the level to the discs' centres, which are meaningless in thick haze
   int mostSteps;
 };
 constexpr Walk kShort{2, 2.5f, 0.5f, 2.5f, 6}, kLong{5, 7, 5, 1.5f, 16};
-constexpr std::size_t kOneOfThick = 20;  // so many seeds that got nowhere make a scene thick
+constexpr std::size_t kOneOfThick = 20;  // a scene is thick if one in this many seeds is too far from its face
 
 float levelOf(std::span<const GaussianSheet> sheets, unsigned threads) {
   const auto densities = parallelCollect(
@@ -45,12 +46,12 @@ float levelOf(std::span<const GaussianSheet> sheets, unsigned threads) {
 }
 
 struct SurfacePlace {
-  Vec3 place{0}, normal{0}, color{0};  ///< usual radii; unit, or zero where there is none; 0 to 1
+  Vec3 place{0}, normal{0}, color{0};  ///< usual radii; unit, or zero if there is none; 0 to 1
 };
 
 enum class Arrival { face, farther, none };
 
-/// Walks to the face of the level that the seed's sheet has on its outer side. `farther`: it is not within the walk.
+/// Walks to the face of the level on the outer side of the seed's sheet. `farther`: the face is beyond the walk.
 Arrival findFace(const GaussianDensity& density, const Vec3& seed, const GaussianSheet& sheet, float level,
                  const Walk& walk, SurfacePlace& face) {
   const float logLevel = std::log(level);
@@ -62,7 +63,7 @@ Arrival findFace(const GaussianDensity& density, const Vec3& seed, const Gaussia
     const auto [value, gradient] = density.slopeAt(place);
     const float steepness = glm::length(gradient);
     if (!(value > 0) || !(steepness > 0)) return Arrival::none;
-    // Of the logarithm, which over a Gaussian's flank is nearly straight.
+    // Newton step on the logarithm, which is nearly straight on a Gaussian's flank.
     const float way = std::clamp((std::log(value) - logLevel) * value / steepness, -kLongestStep, kLongestStep);
     const Vec3 outwards = -gradient / steepness;
     place += way * outwards;
@@ -76,7 +77,7 @@ Arrival findFace(const GaussianDensity& density, const Vec3& seed, const Gaussia
   return Arrival::farther;
 }
 
-/// The face as a place of the surface: at the middle of the discs behind it, in their colour.
+/// Moves the face to the middle of the discs behind it and takes their colour.
 SurfacePlace middleBehind(const GaussianDensity& density, SurfacePlace face, float mostDepth) {
   const auto [depth, color] = density.behind(face.place, face.normal);
   face.place -= std::clamp(depth, 0.0f, mostDepth) * face.normal;
@@ -84,7 +85,7 @@ SurfacePlace middleBehind(const GaussianDensity& density, SurfacePlace face, flo
   return isFinite(face.place) && isFinite(face.color) ? face : SurfacePlace{};
 }
 
-/// Where the seeds of a cell may get to: outwards as far as the walk goes, and a little to the sides.
+/// The region that the seeds of a cell can reach: outwards as far as the walk goes, and a little to the sides.
 GaussianRegion regionOf(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets, std::size_t first,
                         std::size_t last, const Walk& walk) {
   GaussianRegion region;
@@ -99,7 +100,7 @@ GaussianRegion regionOf(std::span<const GaussianSeed> seeds, std::span<const Gau
 }
 
 struct Projected {
-  BareVector<SurfacePlace> places;     ///< one for each seed; without a normal where there is none
+  BareVector<SurfacePlace> places;     ///< one for each seed; without a normal if it found none
   BareVector<std::uint8_t> isFarther;  ///< for each seed
 };
 
@@ -124,7 +125,7 @@ Projected projected(const SeedCells& cells, std::span<const GaussianSeed> seeds,
   return made;
 }
 
-/// All places that the seeds get to; where many have farther to go than those of thin sheets, these once more.
+/// The surface positions that the seeds reach; if many have farther to go than on thin sheets, these seeds walk again.
 BareVector<SurfacePlace> surfacePlaces(const SeedCells& cells, std::span<const GaussianDisc> discs,
                                        std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets,
                                        float level, unsigned threads) {
@@ -142,7 +143,8 @@ BareVector<SurfacePlace> surfacePlaces(const SeedCells& cells, std::span<const G
       [&](std::size_t i) { return made.places[i]; });
 }
 
-/// Places at even distances, without those that are alone, and without the noise of single Gaussians in their normals.
+/// Thins positions to even distances, removes isolated ones, and smooths the noise of single Gaussians in their
+/// normals.
 BareVector<SurfacePlace> evened(BareVector<SurfacePlace> places, unsigned threads) {
   BareVector<Vec3> points, normals;
   const auto divide = [&] {
@@ -164,7 +166,7 @@ BareVector<SurfacePlace> evened(BareVector<SurfacePlace> places, unsigned thread
   return places;
 }
 
-/// Points in model units, with the origin that they ask for.
+/// Points in model units, with a suitable origin.
 PointCloud cloudOf(std::span<const SurfacePlace> places, const GaussianDiscs& frame, unsigned threads) {
   PointCloud cloud;
   if (places.empty()) return cloud;

@@ -1,4 +1,4 @@
-// A surface that can be touched, of a scene of Gaussians.
+// A touchable surface from a scene of Gaussians.
 #pragma once
 
 #include "engine/cloud/gaussian_scene.hpp"
@@ -7,23 +7,23 @@
 namespace palpate {
 
 struct GaussianSurface {
-  PointCloud cloud;    ///< with normals, outwards, and colours; its points are about `spacing` apart everywhere
-  double spacing = 0;  ///< model units: the usual radius of the Gaussians; 0: there is none that shows
-  double level = 0;    ///< density that the surface was looked for at
-  /// Gaussians that were left out: see discsOf().
+  PointCloud cloud;    ///< with outward normals and colours; its points are about `spacing` apart everywhere
+  double spacing = 0;  ///< model units: the usual radius of the Gaussians; 0: none is visible
+  double level = 0;    ///< density at which the surface was extracted
+  /// Excluded Gaussians: see discsOf().
   std::size_t faint = 0, oversized = 0, outlying = 0;
 };
 
-/// Follows the sheets that the Gaussians make up, wherever their density, sum(opacity exp(-d^2 / 2)), reaches a level
-/// of 0.3 of what is usual in the scene (and of 0.2 to 1): from places all over the discs to the level's face that
-/// looks outwards, along the gradient by Newton's method (the level as a surface and its gradient as normal: Guedon and
-/// Lepetit 2024, "SuGaR"). That face stands in front of the discs by their thickness, so that each point then goes back
-/// against its normal to where the Gaussians that are felt there have their middles. Places that get to no such face
-/// are within what is thick, and make no point, nor do a few Gaussians that stand apart from all others. Normals are
-/// means over the points near by, colours those of all Gaussians at a point, by their densities.
+/// Follows the sheets that the Gaussians form, where their density, sum(opacity exp(-d^2 / 2)), reaches a level of 0.3
+/// of the scene's usual density (clamped to 0.2 to 1): from positions all over the discs to the level's outward face,
+/// along the gradient by Newton's method (the level as a surface and its gradient as normal: Guedon and Lepetit 2024,
+/// "SuGaR"). That face lies in front of the discs by their thickness, so each point then moves back along its normal to
+/// the centres of the Gaussians that contribute there. Positions that reach no such face are inside thick matter and
+/// give no point, nor do small isolated groups of Gaussians. Normals are means over the near points, colours those of
+/// all Gaussians at a point, weighted by density.
 ///
-/// O(N), nearly all of it on all threads: a million Gaussians took four seconds of processor time.
-/// The result does not depend on `threads` (0: one per core). Empty for a scene of which nothing shows.
+/// O(N), nearly all of it on all threads: a million Gaussians took four seconds of processor time. The result does not
+/// depend on `threads` (0: one per core). Empty if no Gaussian of the scene is visible.
 GaussianSurface surfaceOf(const GaussianScene& scene, unsigned threads = 0);
 
 }  // namespace palpate

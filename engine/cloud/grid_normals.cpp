@@ -11,8 +11,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kSteepest = 10;   // tangent of the angle at which a surface is seen that is worth a normal
-constexpr double kMinJump = 0.01;  // of the distance
+constexpr double kSteepest = 10;   // tangent of the largest angle of incidence at which a surface gets a normal
+constexpr double kMinJump = 0.01;  // relative to the distance
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 class Grid {
@@ -44,7 +44,7 @@ class Grid {
     const double step = glm::distance(place / far, other / otherFar);
     return std::abs(otherFar - far) <= std::max(kMinJump, kSteepest * step) * far;
   }
-  // From the ray before to the one behind, where they see the same surface.
+  // Difference from the previous to the next ray, where they see the same surface.
   std::optional<DVec3> way(const DVec3& place, std::uint32_t before, std::uint32_t behind) const {
     const auto seen = [&](std::uint32_t i) -> std::optional<DVec3> {
       if (i == kNone || !isSameSurface(place, fromSensor(i))) return std::nullopt;
@@ -57,7 +57,7 @@ class Grid {
 
   std::span<const Vec3> places_;
   const SensorGrid& grid_;
-  std::vector<std::uint32_t> at_;  // which place a cell has
+  std::vector<std::uint32_t> at_;  // index of the position in each cell
 };
 
 }  // namespace
@@ -65,7 +65,7 @@ class Grid {
 std::vector<Vec3> gridNormals(std::span<const Vec3> places, const SensorGrid& grid) {
   const std::uint64_t cells = std::uint64_t{grid.width} * grid.height;
   if (grid.cells.size() != places.size() || (!grid.cells.empty() && grid.cells.back() >= cells))
-    throw Error("{} places in {} cells of a grid of {} x {}", places.size(), grid.cells.size(), grid.width,
+    throw Error("{} positions in {} cells of a grid of {} x {}", places.size(), grid.cells.size(), grid.width,
                 grid.height);
   const Grid seen(places, grid);
   std::vector<Vec3> normals(places.size());

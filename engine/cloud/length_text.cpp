@@ -8,7 +8,7 @@
 namespace palpate {
 
 std::string lengthText(double length, int digits) {
-  constexpr double kDoubles = 1e15;  // which hold no more whole digits
+  constexpr double kDoubles = 1e15;  // doubles hold no more whole digits
   const double size = std::abs(length);
   return size >= std::pow(10.0, digits) && size < kDoubles ? fmt::format("{:.0f}", length)
                                                            : fmt::format("{:.{}g}", length, digits);

@@ -1,4 +1,4 @@
-// Lengths and coordinates as people read them: no digit that is not known, and none that is lost.
+// Lengths and coordinates for display: all digits that are known, and no others.
 #pragma once
 
 #include <string>
@@ -10,21 +10,21 @@
 namespace palpate {
 
 inline constexpr int kLengthDigits = 6, kFewLengthDigits = 3;
-/// So many digits, and all digits of the whole part: never 4.87775e+06.
+/// With at least `digits` significant digits, and all digits of the integer part: never 4.87775e+06.
 std::string lengthText(double length, int digits = kLengthDigits);
 /// With the unit: "2.31 m", "2.31 units".
 std::string lengthText(double length, LengthUnit unit, int digits = kLengthDigits);
 
-/// How large a model is in the hand: "100 mm in the hand for 2.31 m".
+/// Size of a model in the hand: "100 mm in the hand for 2.31 m".
 std::string touchScaleText(const ModelScale& scale, double longestSide, LengthUnit unit);
 
-/// The smallest difference of coordinates that float32 holds everywhere in the box, which is relative to the cloud's
+/// The smallest difference of coordinates that float32 resolves everywhere in the box, which is relative to the cloud's
 /// origin.
 double resolutionOf(const Bounds& box);
-/// With as many decimals as are true at that resolution, and no zeros at the end; 0: with all 15 digits of
-/// double precision.
+/// With as many decimals as that resolution justifies, and no trailing zeros; 0: with all 15 digits of double
+/// precision.
 std::string coordinateText(double coordinate, double resolution);
-/// The three, with `between` between them.
+/// The three coordinates, separated by `between`.
 std::string coordinateText(const DVec3& place, double resolution, const std::string& between);
 
 }  // namespace palpate

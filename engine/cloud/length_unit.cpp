@@ -35,7 +35,7 @@ constexpr std::array<std::pair<std::string_view, LengthUnit>, 20> kWords{{{"mm",
                                                                           {"ft", LengthUnit::foot},
                                                                           {"feet", LengthUnit::foot}}};
 
-/// In small letters, without what stands between.
+/// Splits into words of letters, in lower case.
 std::vector<std::string> wordsOf(std::string_view text) {
   std::vector<std::string> words(1);
   for (const char c : text) {

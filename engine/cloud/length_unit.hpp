@@ -1,5 +1,5 @@
-// The unit of a file's lengths, for what people read: scale bars, heights, sizes. It scales nothing; what does is the
-// number of millimetres that a unit is in the hand.
+// The unit of a file's lengths, for display: scale bars, heights, sizes. It does not scale the model; the number of
+// millimetres per unit in the hand does.
 #pragma once
 
 #include <array>
@@ -15,27 +15,27 @@ namespace palpate {
 
 enum class LengthUnit : std::uint8_t { unknown, mm, cm, m, inch, foot };
 
-/// As on the command line.
+/// Names on the command line.
 inline constexpr std::array<std::pair<std::string_view, LengthUnit>, 5> kLengthUnits{{{"mm", LengthUnit::mm},
                                                                                       {"cm", LengthUnit::cm},
                                                                                       {"m", LengthUnit::m},
                                                                                       {"in", LengthUnit::inch},
                                                                                       {"ft", LengthUnit::foot}}};
-/// "units" for an unknown one.
+/// "units" if unknown.
 std::string_view nameOf(LengthUnit unit);
 
-/// What a file's comments say, as in `comment units: mm` or `obj_info unit = metres`; unknown where none says it.
+/// The unit in a file's comments, as in `comment units: mm` or `obj_info unit = metres`; unknown if they do not contain
+/// one.
 LengthUnit unitSaidIn(std::span<const std::string> comments);
-/// Has the comments say it, as a format does whose files have one unit; what a comment says already stays.
+/// Adds the unit to the comments, for formats whose files have a fixed unit; an existing unit stays.
 void sayUnit(std::vector<std::string>& comments, LengthUnit unit);
 
-/// How many millimetres a unit is, as in `comment mm_per_unit: 137.2`; nothing where none says it, or no positive
-/// number.
+/// Millimetres per unit, as in `comment mm_per_unit: 137.2`; empty if missing or not a positive number.
 std::optional<double> scaleSaidIn(std::span<const std::string> comments);
-/// Has the comments say that, in the place of any other scale.
+/// Adds the scale to the comments, replacing any other.
 void sayScale(std::vector<std::string>& comments, double mm_per_unit);
 
-/// The longest of 1, 2, 5, 10, … units, of 0.1, 0.2, 0.5 and so on, that is at most `length`; 0 where that is not
+/// The longest of 1, 2, 5, 10, … units, of 0.1, 0.2, 0.5 and so on, that is at most `length`; 0 if `length` is not
 /// positive.
 double roundLength(double length);
 

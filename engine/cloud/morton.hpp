@@ -1,5 +1,5 @@
-// Cells of a cubic grid by Morton codes of 63 bits (Morton 1966): the cells that share all but the last 3 k bits make
-// up a cell of 2^k times the side, so that one sort serves grids of many sizes.
+// Cells of a cubic grid by Morton codes of 63 bits (Morton 1966): cells that share all but the last 3 k bits form a
+// cell of 2^k times the side, so that one sort serves grids of many sizes.
 #pragma once
 
 #include <algorithm>
@@ -10,10 +10,10 @@
 namespace palpate {
 
 inline constexpr int kMortonBits = 21;  // of each coordinate
-/// Cells reach so far to both sides of the origin; what lies farther off is in the outermost ones.
+/// Cells extend this far to both sides of the origin; positions farther away are in the outermost cells.
 inline constexpr std::int32_t kMortonReach = 1 << (kMortonBits - 1);
 
-/// The bits of a coordinate, two zeros between each two of them.
+/// The bits of a coordinate, with two zeros after each.
 inline std::uint64_t spreadBits(std::uint64_t v) {
   v &= 0x1FFFFF;
   v = (v | v << 32) & 0x001F00000000FFFFull;
@@ -23,7 +23,7 @@ inline std::uint64_t spreadBits(std::uint64_t v) {
   return (v | v << 2) & 0x1249249249249249ull;
 }
 
-/// What spreadBits() spread: every third bit.
+/// Inverse of spreadBits(): every third bit.
 inline std::uint64_t gatherBits(std::uint64_t v) {
   v &= 0x1249249249249249ull;
   v = (v | v >> 2) & 0x10C30C30C30C30C3ull;
@@ -38,7 +38,7 @@ inline std::uint64_t mortonCode(const IVec3& cell) {
          spreadBits(static_cast<std::uint64_t>(cell.z)) << 2;
 }
 
-/// The coordinates of the cell with a side of `side` that a place is in, from 0 on.
+/// The coordinates, from 0 on, of the cell of side `side` that contains a position.
 inline IVec3 mortonCell(const Vec3& place, float side) {
   IVec3 cell;
   for (int k = 0; k < 3; ++k) {
@@ -50,7 +50,7 @@ inline IVec3 mortonCell(const Vec3& place, float side) {
   return cell;
 }
 
-/// The cell that a code is of.
+/// The cell of a code.
 inline IVec3 mortonCellOf(std::uint64_t code) {
   IVec3 cell;
   for (int k = 0; k < 3; ++k) cell[k] = static_cast<std::int32_t>(gatherBits(code >> k));

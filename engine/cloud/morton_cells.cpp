@@ -18,7 +18,7 @@ MortonCells::MortonCells(BareVector<std::uint64_t> codes, unsigned threads) : co
   parallelFor(cubes_.size(), threads, [&](std::size_t begin, std::size_t end) {
     std::fill(&cubes_[begin], cubes_.data() + end, Cube{kNone, 0, 0});
   });
-  // Who comes first takes a slot; whichever that is, each cube is found.
+  // The first thread takes a slot; each cube can be found, in any order of insertion.
   parallelFor(begins.size() - 1, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint64_t code = codes_[begins[k]] >> 3;

@@ -11,9 +11,9 @@
 
 namespace palpate {
 
-/// A hash table by open addressing over cells that do not change. Its entries are cubes of eight cells, which follow
-/// each other in the order of the codes, so that what is around a cell takes eight look-ups and not 27. Safe to ask
-/// from any thread.
+/// A hash table with open addressing over cells that do not change. Its entries are cubes of eight cells, which are
+/// consecutive in the order of the codes, so that the surroundings of a cell take eight look-ups instead of 27. Safe to
+/// query from any thread.
 class MortonCells {
  public:
   MortonCells() = default;
@@ -23,7 +23,7 @@ class MortonCells {
   std::size_t count() const { return codes_.size(); }
   std::uint64_t code(std::size_t cell) const { return codes_[cell]; }
 
-  /// Calls use(number) for each occupied one of the cell with these coordinates and the 26 around it.
+  /// Calls use(number) for each occupied cell among the one with these coordinates and the 26 around it.
   template <class Use>
   void forEachAround(const IVec3& at, Use&& use) const {
     // Of the two cubes along each axis one holds two of the three cells, the other one the third.
@@ -50,14 +50,15 @@ class MortonCells {
  private:
   struct Cube {
     std::uint64_t code;      // of its cells, without their last three bits
-    std::uint32_t first;     // of its cells
+    std::uint32_t first;     // index of its first cell
     std::uint32_t occupied;  // a bit for each of the eight
   };
   static constexpr std::uint64_t kNone = ~std::uint64_t{0};
   static constexpr std::uint8_t kAll = 0xFF;
 
   static std::uint64_t spread(std::int32_t coordinate) { return spreadBits(static_cast<std::uint64_t>(coordinate)); }
-  /// Cubes that share all but the last bit of each coordinate are side by side, as those around a cell mostly do.
+  /// Cubes that share all but the last bit of each coordinate are adjacent in the table, as those around a cell mostly
+  /// are.
   std::size_t slotOf(std::uint64_t code) const {
     return static_cast<std::size_t>(((code >> 3) * 0x9E3779B97F4A7C15u) >> 20 << 3 | (code & 7)) & (cubes_.size() - 1);
   }
@@ -68,7 +69,7 @@ class MortonCells {
   }
 
   BareVector<std::uint64_t> codes_;
-  BareVector<Cube> cubes_{Cube{kNone, 0, 0}};  // a power of two of them, never all in use
+  BareVector<Cube> cubes_{Cube{kNone, 0, 0}};  // size is a power of two; never full
 };
 
 }  // namespace palpate

@@ -11,9 +11,9 @@
 
 namespace palpate {
 
-/// Sorts by codeOf(value), a Morton code of 63 bits; values of equal codes keep their order, whatever the number of
-/// `threads` (0: one per core). The first bit of a coordinate says on which side of the middle a cell is. Each one
-/// below it is its opposite, down to those that tell the cells of a cloud apart, and only these are sorted by.
+/// Sorts by codeOf(value), a Morton code of 63 bits; stable for any number of `threads` (0: one per core). The first
+/// bit of a coordinate gives the side of the middle that a cell is on. The bits below it are its complement, down to
+/// those that distinguish the cells of the cloud; only these are sorted by.
 template <class T, class CodeOf>
 void sortByMorton(BareVector<T>& values, unsigned threads, CodeOf&& codeOf) {
   constexpr int kFirst = 3 * (kMortonBits - 1);

@@ -10,10 +10,11 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kCoefficients = 6;
-constexpr double kSingular = 1e-9;  // of a pivot, over the number of points: lengths are of the order of one
+constexpr double kSingular = 1e-9;  // of a pivot, relative to the number of points: lengths are of the order of one
 
-// Chi-squared of kNoisePoints - kCoefficients degrees of freedom, its lower quartile over their number (NIST/SEMATECH
-// e-Handbook of Statistical Methods, section 1.3.6.7.4): so far below its mean a quarter of the variances lies.
+// Lower quartile of chi-squared with kNoisePoints - kCoefficients degrees of freedom, divided by that number
+// (NIST/SEMATECH e-Handbook of Statistical Methods, section 1.3.6.7.4): a quarter of the variances is below this share
+// of their mean.
 constexpr double kLowerQuartile = 6.737 / 10;
 static_assert(kNoisePoints - kCoefficients == 10);
 
@@ -43,7 +44,7 @@ std::optional<double> varianceOffQuadric(std::span<const DVec3> points) {
       for (std::size_t j = i; j <= kCoefficients; ++j) rows[i][j] += terms[i] * terms[j];
     left += z * z;
   }
-  // Elimination in the upper triangle; each pivot takes its share out of the squares.
+  // Elimination in the upper triangle; each pivot removes its share of the squares.
   for (std::size_t i = 0; i < kCoefficients; ++i) {
     const double pivot = rows[i][i];
     if (!(pivot > kSingular * count)) return std::nullopt;

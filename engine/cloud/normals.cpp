@@ -15,24 +15,25 @@
 namespace palpate {
 namespace {
 
-/// A noisy neighbourhood needs more points than a clean one, whose detail they would blur. The plane's slope is off by
-/// about sqrt(off / (points * along)), of the least and the middle variance; from a degree on a wider one is tried.
+/// A noisy neighbourhood needs more points than a clean one, whose detail they would blur. The error of the plane's
+/// slope is about sqrt(off / (points * along)), of the smallest and the middle variance; from one degree on a wider
+/// neighbourhood is tried.
 constexpr double kClean = 0.005;  // off / along, with 16 points
-constexpr unsigned kWider = 4;    // times the points
-/// It is taken where it is flatter by this, off / along of one over that of the other: noise stays as thick while the
-/// place grows, whereas over an edge the points come as much farther off the plane as along it, and on a curved surface
-/// more.
+constexpr unsigned kWider = 4;    // factor of the number of points
+/// The wider one is used if it is flatter by this factor, comparing off / along of both: noise keeps its thickness as
+/// the neighbourhood grows, whereas across an edge the points move off the plane in proportion to its size, and on a
+/// curved surface faster.
 constexpr double kFlatter = 0.5;
 
-/// A plane that cuts across an edge has points so far off it, in local spacings, beyond those of the flattest plane
-/// near by (six times whose variance, the least of many, may be noise): from there on, and surely. On a sphere of ten
-/// spacings they lie 0.1 off everywhere, at a cube's edge 0.43 and a spacing beside it 0.3.
+/// Edge detection: offset of points from a plane, in local spacings, beyond the flattest plane near by (six times its
+/// variance, since the minimum of many may be noise), where an edge starts to count and where it is certain. On a
+/// sphere of ten spacings the offset is 0.1 everywhere, at a cube's edge 0.43 and a spacing beside it 0.3.
 constexpr double kEdgeFrom = 0.12, kEdgeSurely = 0.2, kEdgeOfNoise = 6;
-/// Next to an edge normals count by how flat their places are, and by the point's height over their planes: so many
-/// spacings away a weight falls to 1/e, and by so much of the noise's variance more.
+/// Next to an edge normals are weighted by the flatness of their neighbourhoods and by the point's height over their
+/// planes: the distance in spacings at which a weight falls to 1/e, and the additional share of the noise variance.
 constexpr double kOwnFlatness = 0.06, kOwnFlatnessOfNoise = 0.5;
 constexpr double kOwnHeight = 0.08, kOwnHeightOfNoise = 3;
-constexpr double kSameFace = 0.9;  // cosine between normals of one face
+constexpr double kSameFace = 0.9;  // minimum cosine between normals of one face
 constexpr double kMinWeight = 1e-6;
 constexpr std::size_t kAroundEdge = 50;  // points, four spacings wide
 
@@ -43,7 +44,7 @@ struct PlaneFit {
 
 double wendland(double r) { return r < 1 ? std::pow(1 - r, 4) * (4 * r + 1) : 0; }
 
-/// The plane of the points `around`, some of those near `center`.
+/// The plane of the points `around`, relative to the near `center`.
 PlaneFit fitPlane(std::span<const Vec3> points, std::span<const std::uint32_t> around, const Vec3& center) {
   DVec3 mean(0);
   for (const std::uint32_t j : around) mean += DVec3(points[j]) - DVec3(center);

@@ -12,14 +12,14 @@
 namespace palpate {
 namespace {
 
-/// Groups of points whose signs hang together. Each point knows whether it is flipped against its group.
+/// Groups of points with known relative signs. Each point knows whether it is flipped against its group.
 class SignGroups {
  public:
   explicit SignGroups(std::size_t count) : parent_(count), flipped_(count, 0) {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
-  /// The root of the group of `i`; afterwards `i` hangs directly below it.
+  /// The root of the group of `i`; afterwards `i` is a direct child of it.
   std::uint32_t root(std::uint32_t i) {
     std::uint32_t top = i;
     std::uint8_t sign = 0;
@@ -38,7 +38,8 @@ class SignGroups {
     root(i);
     return flipped_[i] != 0;
   }
-  /// Joins the groups of `a` and `b` so that their signs differ if `differ` says so; nothing if they are one already.
+  /// Joins the groups of `a` and `b` so that their signs differ if `differ` is set; does nothing if they are already
+  /// joined.
   void join(std::uint32_t a, std::uint32_t b, bool differ) {
     const std::uint32_t rootA = root(a), rootB = root(b);
     if (rootA == rootB) return;
@@ -53,11 +54,11 @@ class SignGroups {
 
 constexpr std::size_t kClasses = 256;
 
-/// An edge as the spanning tree sees it. The cost is rounded to a byte, which makes the sort one counting pass and
-/// changes the tree only among edges that are as good as each other.
+/// An edge of the spanning tree. The cost is rounded to a byte, which makes the sort one counting pass and changes the
+/// tree only among edges of about equal cost.
 struct Edge {
   std::size_t costClass;
-  bool differ;  ///< the normals, as they stand, do not agree
+  bool differ;  ///< whether the current normals disagree
 };
 
 Edge edgeBetween(std::span<const Vec3> points, std::span<const Vec3> normals, std::size_t i, std::size_t j) {
@@ -86,7 +87,7 @@ std::vector<EdgeEnds> edgesByCost(std::span<const Vec3> points, std::span<const 
       }
   };
   WorkerTeam team(threads);
-  std::vector<std::array<std::size_t, kClasses>> next(chunks);  // first counts, then where a chunk's next edge goes
+  std::vector<std::array<std::size_t, kClasses>> next(chunks);  // first counts, then the index of a chunk's next edge
   team.forEach(chunks, [&](std::size_t chunk) {
     next[chunk].fill(0);
     forEachEdge(chunk, [&](std::uint32_t, std::uint32_t, const Edge& edge) { ++next[chunk][edge.costClass]; });
@@ -103,7 +104,7 @@ std::vector<EdgeEnds> edgesByCost(std::span<const Vec3> points, std::span<const 
   return edges;
 }
 
-/// For each point whether its normal turns round, so that each group's highest point looks upwards.
+/// For each point whether its normal is flipped, so that each group's highest point faces upwards.
 std::vector<std::uint8_t> turnsOf(std::span<const Vec3> points, std::span<const Vec3> normals, SignGroups& groups) {
   const auto count = static_cast<std::uint32_t>(points.size());
   std::vector<std::uint32_t> highest(count);

@@ -23,13 +23,13 @@ struct NeighbourGraph {
   bool hasEdge(std::size_t from, std::uint32_t to) const { return std::ranges::find(of(from), to) != of(from).end(); }
 };
 
-/// Turns normals so that neighbours agree: the signs are carried along a minimum spanning tree of the graph (Hoppe,
-/// DeRose, Duchamp, McDonald and Stuetzle 1992, section 3.3), where an edge costs by how much the normals turn along it
-/// and by how far each end lies off the plane of the other. Two normals agree when one is the mirror image of the other
-/// in the plane half-way between their points, as on a circle through both (Koenig and Gumhold 2009, "Consistent
-/// propagation of normal orientations in point clouds"), which goes round edges and tells the two faces of a sheet
-/// apart. In each connected part the highest point (largest z) looks upwards. The points must be distinct. The result
-/// does not depend on `threads` (0: one per core).
+/// Orients normals so that neighbours agree: the signs are propagated along a minimum spanning tree of the graph
+/// (Hoppe, DeRose, Duchamp, McDonald and Stuetzle 1992, section 3.3). The cost of an edge is the rotation of the
+/// normals along it plus the distance of each end from the plane of the other. Two normals agree if one is the mirror
+/// image of the other in the plane half-way between their points, as on a circle through both (Koenig and Gumhold 2009,
+/// "Consistent propagation of normal orientations in point clouds"), which follows edges and distinguishes the two
+/// faces of a sheet. In each connected part the highest point (largest z) faces upwards. The points must be distinct.
+/// The result does not depend on `threads` (0: one per core).
 void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const NeighbourGraph& graph,
                    unsigned threads = 0);
 

@@ -18,19 +18,19 @@
 
 namespace palpate {
 
-/// How finely a form is looked at, rows by columns over its unit square.
+/// Grid over the unit square on which a form is sampled.
 struct GridSize {
   std::size_t rows, columns;
 };
 
-/// A `Form` is a closed surface in its own units, written as
-///   Site                          a place on it, a vector of GLM
-///   Site site(DVec2)              the place at a point of the unit square, which covers the form
-///   JetVec3 at(Site)              the point there, with its derivatives in a chart (u, v) around the site, u x v
-///   outward Site moved(Site, DVec2)       the site at (u, v) of that chart double areaDensity(DVec2)     area per area
-///   of the unit square kSeeds, kTable                GridSize: of the starts for Newton (finer than a quarter of the
-///   smallest detail), and
-///                                 of the area table
+/// A `Form` is a closed surface in its own units with these members:
+/// - Site: a position on it, a vector of GLM
+/// - Site site(DVec2): the site for a point of the unit square, which covers the form
+/// - JetVec3 at(Site): the point there, with derivatives in a chart (u, v) around the site; u x v points outward
+/// - Site moved(Site, DVec2): the site at (u, v) of that chart
+/// - double areaDensity(DVec2): area per area of the unit square
+/// - kSeeds, kTable: GridSize of the starts for Newton (finer than a quarter of the smallest detail), and of the area
+/// table
 template <class Form>
 class ParametricShape final : public AnalyticShape {
  public:
@@ -54,7 +54,7 @@ class ParametricShape final : public AnalyticShape {
     tree_ = std::make_unique<PointTree>(seedPositions_);
   }
 
-  /// The best of Newton's method from the nearest seeds.
+  /// The best result of Newton's method from the nearest seeds.
   SurfacePoint closest(const DVec3& p) const override {
     constexpr std::size_t kStarts = 8;
     const DVec3 local = (p - center()) / scale_ + middle_;
@@ -71,7 +71,7 @@ class ParametricShape final : public AnalyticShape {
   }
 
   AreaMap areaMap(unsigned threads) const override {
-    // It takes longer than a small sampling, and is the same for all.
+    // Takes longer than a small sampling, and is the same for all samplings.
     std::call_once(tableMade_, [&] {
       const auto density = [this](const DVec2& square) { return form_.areaDensity(square); };
       table_ = std::make_unique<const AreaTable>(Form::kTable.rows, Form::kTable.columns, density, threads);
@@ -84,8 +84,8 @@ class ParametricShape final : public AnalyticShape {
     return {(surface.value() - middle_) * scale_ + center(), glm::normalize(glm::cross(surface.u(), surface.v()))};
   }
 
-  /// The least (side -1) or greatest (side 1) coordinate of the form: the point closest to one far out, from the best
-  /// seed.
+  /// The minimum (side -1) or maximum (side 1) coordinate of the form: that of the point closest to a far position,
+  /// from the best seed.
   double extreme(int axis, double side) const {
     constexpr double kFar = 100;  // form units
     const auto further = [&](const Vec3& a, const Vec3& b) { return side * a[axis] < side * b[axis]; };
@@ -100,8 +100,8 @@ class ParametricShape final : public AnalyticShape {
     Site site;
     double squaredDistance;
   };
-  /// Newton's method on half the squared distance to `p`, halving a step that does not lead down. Where the Hessian is
-  /// not positive (p lies beyond a centre of curvature) the metric alone takes its place, which still leads down.
+  /// Newton's method on half the squared distance to `p`, halving a step that does not decrease it. Where the Hessian
+  /// is not positive definite (p is beyond a centre of curvature) the metric alone replaces it, which still descends.
   Descent descend(Site site, const DVec3& p) const {
     constexpr int kMaxSteps = 60;
     JetVec3 surface = form_.at(site);
@@ -116,9 +116,9 @@ class ParametricShape final : public AnalyticShape {
         lower = squaredThere < squared;
         if (lower) site = next, surface = there, squared = squaredThere;
       }
-      if (!lower) break;  // as low as double precision can tell
+      if (!lower) break;  // converged to double precision
     }
-    // The squared distance is flat to rounding near its minimum; one more step gives the place itself all its digits.
+    // The squared distance is flat to rounding near its minimum; one more step makes the position itself exact.
     const DVec2 last = newtonStep(surface, p);
     if (glm::dot(last, last) < 1e-10) site = form_.moved(site, last);
     return {site, squared};

@@ -1,4 +1,4 @@
-// Coincident points as one place. Real scans hold duplicates by the thousand; a neighbourhood of equal points says
+// Distinct positions of a cloud. Real scans contain thousands of duplicates; a neighbourhood of equal points says
 // nothing about the surface, and a k-d tree degenerates to a list among them.
 #pragma once
 
@@ -11,8 +11,8 @@
 namespace palpate {
 
 struct Places {
-  std::vector<Vec3> positions;         ///< each once, ordered by x, y, z
-  std::vector<std::uint32_t> placeOf;  ///< for each point, its place
+  std::vector<Vec3> positions;         ///< distinct, ordered by x, y, z
+  std::vector<std::uint32_t> placeOf;  ///< for each point, the index of its position
 };
 
 /// O(N log N). Fewer than 2^32 points.

@@ -27,7 +27,7 @@ bool Bounds::contains(const DVec3& p) const {
 }
 
 Bounds boundsOf(const PointCloud& cloud) {
-  constexpr std::size_t kMany = std::size_t{1} << 20;  // points, for which it is worth to start threads
+  constexpr std::size_t kMany = std::size_t{1} << 20;  // points from which starting threads pays off
   if (cloud.empty()) return {};
   struct Corners {
     Vec3 low, high;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kLeafSize = 24;
 
-// Takes the points of a ball as the tree comes upon them.
+// Collects the points of a ball that the tree visits.
 class Ball {
  public:
   Ball(double radius, std::vector<std::uint32_t>& found) : squared_(radius * radius), found_(found) {}
@@ -18,7 +18,7 @@ class Ball {
     if (squaredDistance < squared_) found_.push_back(index);
     return true;
   }
-  // What the tree may leave out: its sums are rounded, the test above is exact.
+  // For the tree's pruning, whose sums are rounded; the test above is exact.
   double worstDist() const { return squared_ * (1 + 1e-9); }
   bool full() const { return true; }
 
@@ -32,7 +32,7 @@ class Ball {
 struct PointTree::Index {
   struct PointsView {
     std::span<const Vec3> points;
-    bool isBuilding = true;  // by one thread; queries are of many
+    bool isBuilding = true;  // built by one thread; queried by many
     mutable StopChecks checks = {};
     std::size_t kdtree_get_point_count() const { return points.size(); }
     double kdtree_get_pt(std::size_t i, std::size_t axis) const {
@@ -45,7 +45,8 @@ struct PointTree::Index {
     }
   };
 
-  // Everything in double: squares of float32 would underflow for small models, and the centre of a ball is no point.
+  // Everything in double: squares of float32 would underflow for small models, and the centre of a ball is not a point
+  // of the cloud.
   using Metric = nanoflann::L2_Simple_Adaptor<double, PointsView, double, std::uint32_t>;
   using Tree = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointsView, 3, std::uint32_t>;
 

@@ -12,8 +12,7 @@
 
 namespace palpate {
 
-/// A k-d tree. Keeps a view of the points, which must outlive it and stay as they are. Queries are safe from any
-/// thread.
+/// A k-d tree. Keeps a view of the points, which must outlive it unchanged. Queries are safe from any thread.
 class PointTree {
  public:
   explicit PointTree(std::span<const Vec3> points);
@@ -21,13 +20,13 @@ class PointTree {
   PointTree(const PointTree&) = delete;
   PointTree& operator=(const PointTree&) = delete;
 
-  /// The nearest points to `p`, nearest first, as many as `indices` has room for (one of them is the point itself when
-  /// `p` is in the set). Returns how many were found. `squaredDistances` has the same room.
+  /// The nearest points to `p`, nearest first, up to the size of `indices` (including the point itself if `p` is in the
+  /// set). Returns the number found. `squaredDistances` has the same size.
   std::size_t nearest(const Vec3& p, std::span<std::uint32_t> indices, std::span<double> squaredDistances) const;
   /// Appends every point strictly nearer than `radius` to `center`, in any order.
   void within(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const;
 
-  /// Memory held besides the points.
+  /// Memory in addition to the points.
   std::size_t bytes() const;
 
  private:

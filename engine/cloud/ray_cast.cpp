@@ -6,7 +6,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kClose = 1e-6;  // of the size: a hit
+constexpr double kClose = 1e-6;  // relative to the size: a hit
 constexpr int kMaxSteps = 2000;
 
 }  // namespace
@@ -23,7 +23,7 @@ TracedSurface traced(const TriangleMesh& mesh, const Bounds& bounds) {
 std::optional<RayHit> castRay(const TracedSurface& surface, const Ray& ray) {
   const double scale = glm::length(ray.along);
   const DVec3 direction = ray.along / scale;
-  // A ball around the surface's box, within which alone there is something to look at.
+  // Bounding sphere of the surface's box.
   const double radius = 0.87 * surface.size;
   const DVec3 toCenter = surface.center - ray.from;
   const double along = glm::dot(toCenter, direction);
@@ -36,7 +36,7 @@ std::optional<RayHit> castRay(const TracedSurface& surface, const Ray& ray) {
     const SurfacePoint closest = surface.closest(place);
     const double distance = glm::distance(place, closest.position);
     if (distance < kClose * surface.size) {
-      // Along the tangent plane the rest of the way. The normal of an edge points at the ray.
+      // The remaining distance along the tangent plane. The normal of an edge points at the ray.
       const double slope = glm::dot(closest.normal, direction);
       if (slope < -1e-3) depth += glm::dot(closest.position - place, closest.normal) / slope;
       const SurfacePoint hit = surface.closest(ray.from + (depth + 4 * kClose * surface.size) * direction);

@@ -1,4 +1,4 @@
-// Where rays meet a shape: the truth of a picture.
+// Intersections of rays with a shape: ground truth for pictures.
 #pragma once
 
 #include <functional>
@@ -19,7 +19,7 @@ struct RayHit {
   DVec3 normal{0};  ///< of the surface there, unit
 };
 
-/// What rays may meet. Valid as long as the shape or the mesh that it was made from; safe from any thread.
+/// A surface for rays. Valid while the shape or mesh that it was made from lives; safe from any thread.
 struct TracedSurface {
   DVec3 center{0};
   double size = 0;  ///< side of a cube around the centre that holds all of it, model units
@@ -29,8 +29,9 @@ TracedSurface traced(const AnalyticShape& shape);
 /// `bounds`: of the mesh or a scan of it, model units.
 TracedSurface traced(const TriangleMesh& mesh, const Bounds& bounds);
 
-/// The first point of the surface that a ray from outside meets, by sphere tracing (Hart 1996): no step is longer than
-/// the way to the closest point. Within a millionth of the surface's size; rays that graze it by less may hit or miss.
+/// The first intersection of a ray from outside with the surface, by sphere tracing (Hart 1996): no step exceeds the
+/// distance to the closest point. Accurate to a millionth of the surface's size; rays that graze it by less may hit or
+/// miss.
 std::optional<RayHit> castRay(const TracedSurface& surface, const Ray& ray);
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// The eight number types that PLY knows, and the step from a type known at run time to one known at compile time.
+// The eight number types of PLY, and dispatch from a type known at run time to one known at compile time.
 #pragma once
 
 #include <algorithm>
@@ -52,7 +52,7 @@ inline std::string_view plyName(ScalarType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
-/// Both spellings, `uchar` and `uint8`; nothing for any other word.
+/// Both spellings, `uchar` and `uint8`; empty for any other word.
 inline std::optional<ScalarType> scalarTypeFromPly(std::string_view name) {
   constexpr std::array<std::string_view, 8> kSized{"int8",  "uint8",  "int16",   "uint16",
                                                    "int32", "uint32", "float32", "float64"};
@@ -63,7 +63,7 @@ inline std::optional<ScalarType> scalarTypeFromPly(std::string_view name) {
   return std::nullopt;
 }
 
-/// A value from memory of any alignment, its bytes reversed first when `kSwap`.
+/// A value from memory of any alignment, with its bytes reversed first if `kSwap`.
 template <class T, bool kSwap = false>
 T loadScalar(const std::byte* from) {
   std::array<std::byte, sizeof(T)> bytes;

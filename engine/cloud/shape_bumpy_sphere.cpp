@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-/// r(direction) = 1 + sum of a cos(k . direction): plane waves cut by the unit sphere, which are sums of even spherical
-/// harmonics up to about the degree |k|.
+/// r(direction) = 1 + sum of a cos(k . direction): plane waves restricted to the unit sphere, which are sums of even
+/// spherical harmonics up to about the degree |k|.
 class BumpySphere {
  public:
   using Site = DVec3;  // direction, unit length
@@ -39,7 +39,7 @@ class BumpySphere {
     return glm::normalize(direction + change.x * frame.u + change.y * frame.v);
   }
 
-  /// The square maps to the sphere with constant density (Archimedes); what is left is form against sphere.
+  /// The square maps to the sphere with constant density (Archimedes); the rest is the form relative to the sphere.
   double areaDensity(const DVec2& square) const {
     const JetVec3 surface = at(site(square));
     return glm::length(glm::cross(surface.u(), surface.v()));

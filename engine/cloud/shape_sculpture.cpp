@@ -1,4 +1,4 @@
-// The built-in sculpture: a tube along a trefoil knot that swells and thins, polished in one part, fluted in the next,
+// The built-in sculpture: a tube of varying thickness along a trefoil knot: smooth in one part, fluted in the next,
 // covered with scales in the third.
 #include <numbers>
 
@@ -20,7 +20,7 @@ class Sculpture {
   DVec2 moved(const DVec2& site, const DVec2& change) const { return site + change; }
 
   JetVec3 at(const DVec2& site) const {
-    // Tables and seeds ask for one place after the other around the same place of the knot.
+    // Tables and seeds query consecutive sites around the same position of the knot.
     thread_local Ring ring = ringAt(site.x);
     if (ring.t.value != site.x) ring = ringAt(site.x);
     const Jet a = Jet::parameterV(site.y);
@@ -34,15 +34,15 @@ class Sculpture {
   }
 
  private:
-  static constexpr double kRing = 2.0;   // of the knot's middle line around the z axis
-  static constexpr double kWide = 0.95;  // of the winding around that line, in the plane
+  static constexpr double kRing = 2.0;   // radius of the knot's middle line around the z axis
+  static constexpr double kWide = 0.95;  // radius of the winding around that line, in the plane
   static constexpr double kHigh = 1.0;   // and along z
 
   struct Knot {
     JetVec3 point, normal, binormal;
   };
 
-  /// What is the same all around the tube.
+  /// Values that are constant around the tube.
   struct Ring {
     Jet t, along, body, scaled, fluted;
     Knot knot;
@@ -51,7 +51,7 @@ class Sculpture {
   static Ring ringAt(double place) {
     const Jet t = Jet::parameterU(place);
     return {.t = t,
-            .along = t + 0.08 * sin(3.0 * t),  // about the length of the knot, so that scales are equally long
+            .along = t + 0.08 * sin(3.0 * t),  // about the arc length of the knot, so that scales are equally long
             .body = 0.60 + 0.13 * cos(t - 1.2) + 0.02 * cos(6.0 * t),
             .scaled = plateau(t, 1.2, 0.35, 9.0),
             .fluted = plateau(t, 3.7, 0.60, 14.0),
@@ -61,7 +61,7 @@ class Sculpture {
   static Knot knotAt(const Jet& t) {
     const Jet c2 = cos(2.0 * t), s2 = sin(2.0 * t), c3 = cos(3.0 * t), s3 = sin(3.0 * t);
     const Jet ring = kRing + kWide * c3;
-    const Jet ring1 = -3.0 * kWide * s3, ring2 = -9.0 * kWide * c3;  // by t
+    const Jet ring1 = -3.0 * kWide * s3, ring2 = -9.0 * kWide * c3;  // derivatives by t
     const JetVec3 first{ring1 * c2 - 2.0 * ring * s2, ring1 * s2 + 2.0 * ring * c2, 3.0 * kHigh * c3};
     const JetVec3 second{ring2 * c2 - 4.0 * ring1 * s2 - 4.0 * ring * c2,
                          ring2 * s2 + 4.0 * ring1 * c2 - 4.0 * ring * s2, -9.0 * kHigh * s3};

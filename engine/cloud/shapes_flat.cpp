@@ -38,7 +38,7 @@ class Cube final : public AnalyticShape {
     const DVec3 offset = local - inside;
     const double distance = glm::length(offset);
     if (distance > 0) return {center() + inside, offset / distance};
-    // In the cube or on it: out through the nearest face.
+    // In the cube or on it: projected to the nearest face.
     int axis = 0;
     for (int k = 1; k < 3; ++k)
       if (std::abs(local[k]) > std::abs(local[axis])) axis = k;

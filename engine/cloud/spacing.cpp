@@ -15,14 +15,14 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxProbes = 2000;
-// The neighbour counts whose discs are averaged. On a lattice neighbours come in rings, so that the disc to any one of
-// them is up to a tenth too large or too small; over this range the spacing comes out within two per cent on square,
-// hexagonal, Fibonacci and random samplings alike.
+// Range of neighbour counts whose discs are averaged. On a lattice neighbours come in rings, so that the disc to any
+// single one is up to a tenth too large or too small; over this range the spacing is accurate to two per cent on
+// square, hexagonal, Fibonacci and random samplings alike.
 constexpr std::size_t kFirst = 8, kLast = 32;
 // A k-d tree over more points than this would take longer than a second.
 constexpr std::size_t kLargestTree = 1'000'000;
 
-/// Each place stays with the same probability, decided by its coordinates so that coincident points stay or go
+/// Keeps each position with the same probability, decided by its coordinates so that coincident points stay or go
 /// together.
 BareVector<Vec3> thinned(const std::vector<Vec3>& points, double keep, unsigned threads) {
   const auto stays = [&](std::size_t i) {
@@ -33,8 +33,8 @@ BareVector<Vec3> thinned(const std::vector<Vec3>& points, double keep, unsigned 
   return parallelCollect(points.size(), threads, stays, [&](std::size_t i) { return points[i]; });
 }
 
-/// Area per place around one place. The disc to its k-th neighbour holds on average k areas where points lie at random
-/// and, half of the outermost point belonging to it, k + 1/2 where they lie on a lattice; 1/4 serves both.
+/// Area per position around one of them. The disc to its k-th neighbour holds on average k areas if points are random
+/// and, since half of the outermost point belongs to it, k + 1/2 on a lattice; 1/4 serves both.
 double areaPerPlace(std::span<const double> squaredDistances) {
   const std::size_t neighbours = squaredDistances.size() - 1;
   const std::size_t first = std::min(kFirst, neighbours);
@@ -44,16 +44,16 @@ double areaPerPlace(std::span<const double> squaredDistances) {
   return sum / static_cast<double>(neighbours - first + 1);
 }
 
-/// What the nearest places say about one of them.
+/// Estimates from the nearest neighbours of a position.
 struct Around {
   double areaPerPlace;                     ///< squared model units
-  std::optional<double> varianceOverArea;  ///< off their surface; nothing where that cannot be told
+  std::optional<double> varianceOverArea;  ///< about their surface; empty if unknown
 };
 
 Around lookAround(const PointTree& tree, const std::vector<Vec3>& places, const Vec3& place) {
   std::array<std::uint32_t, kLast + 1> indices;
   std::array<double, kLast + 1> squaredDistances;
-  const std::size_t found = tree.nearest(place, indices, squaredDistances);  // the first is the place itself
+  const std::size_t found = tree.nearest(place, indices, squaredDistances);  // the first is the position itself
   Around around{.areaPerPlace = areaPerPlace({squaredDistances.data(), found}), .varianceOverArea = {}};
   if (found < kNoisePoints) return around;
   std::array<DVec3, kNoisePoints> offsets;
@@ -84,7 +84,7 @@ SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
     if (probe.varianceOverArea) variances.push_back(*probe.varianceOverArea);
   }
   std::ranges::sort(areas);
-  // Thinning to a part makes the area per place grow by 1 / keep.
+  // Keeping a share of the points multiplies the area per position by 1 / keep.
   const auto spacing = [&](std::size_t place) { return std::sqrt(areas[place] * keep); };
   return {.mean = spacing(areas.size() / 2),
           .wide = spacing(areas.size() - 1 - areas.size() / 50),

@@ -1,21 +1,21 @@
-// How far apart the points of a cloud are, and how far off their surface.
+// Spacing of a cloud's points, and their distance from their surface.
 #pragma once
 
 #include "engine/cloud/point_cloud.hpp"
 
 namespace palpate {
 
-/// Mean spacing in model units: the square root of the area per point. Coincident points count once; one far outlier
-/// changes nothing. 0 for fewer than two different points.
+/// Mean spacing in model units: the square root of the area per point. Coincident points count once; a far outlier has
+/// no effect. 0 for fewer than two distinct points.
 double meanSpacing(const PointCloud& cloud, unsigned threads = 0);
 
-/// Over the regions of a cloud; all 0 for fewer than two different points.
+/// Over the regions of a cloud; all 0 for fewer than two distinct points.
 struct SpacingRange {
   double mean = 0;  ///< meanSpacing(), model units
-  double wide = 0;  ///< only 2 % of the places have a wider one around them; model units
-  /// Deviation of the points from their surface in one direction (noiseFrom()), in spacings of the place: almost 0 for
-  /// exact points, but for folds as fine as the spacing. Within 10 % up to half a spacing; a thicker sheet is no
-  /// surface, and comes out thinner than it is. 0 for fewer than kNoisePoints different points.
+  double wide = 0;  ///< 98th percentile of the local spacing; model units
+  /// Standard deviation of the points from their surface in one direction (noiseFrom()), in local spacings: almost 0
+  /// for exact points, except for folds as fine as the spacing. Accurate to 10 % up to half a spacing; a thicker layer
+  /// is not a surface, and is underestimated. 0 for fewer than kNoisePoints distinct points.
   double noise = 0;
 };
 SpacingRange spacingRange(const PointCloud& cloud, unsigned threads = 0);

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-constexpr std::uint32_t kLeafTriangles = 4;  // fewer make more boxes than they save triangles
+constexpr std::uint32_t kLeafTriangles = 4;  // smaller leaves cost more boxes than they save triangles
 
 std::uint64_t edgeKey(std::uint32_t a, std::uint32_t b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
 
@@ -44,7 +44,7 @@ void TriangleMesh::weld(const std::vector<DVec3>& vertices, const std::vector<Tr
   for (const Triangle& triangle : triangles) {
     const Triangle welded{placeOf[triangle[0]], placeOf[triangle[1]], placeOf[triangle[2]]};
     const DVec3 ab = vertices_[welded[1]] - vertices_[welded[0]], ac = vertices_[welded[2]] - vertices_[welded[0]];
-    // A sliver whose height is lost to rounding has no direction of its own; its neighbours cover its place.
+    // A sliver whose height is lost to rounding has no direction; its neighbours cover its area.
     constexpr double kThinnest = 1e-12;
     const double longest = std::max({squared(ab), squared(ac), squared(ac - ab)});
     if (glm::length(glm::cross(ab, ac)) > kThinnest * longest) triangles_.push_back(welded);
@@ -67,7 +67,7 @@ void TriangleMesh::sumNormals() {
     if (const double length = glm::length(normal); length > 0) normal /= length;
 }
 
-// Halves the run at the median of its longest side; the nodes come in the order in which they are walked.
+// Splits the run at the median of its longest side; the nodes are stored in traversal order.
 std::uint32_t TriangleMesh::build(std::uint32_t first, std::uint32_t count) {
   const auto index = static_cast<std::uint32_t>(nodes_.size());
   const auto begin = triangles_.begin() + first;

@@ -1,4 +1,4 @@
-// A triangle mesh as the truth about a surface: exact closest points in double precision.
+// A triangle mesh as ground truth of a surface: exact closest points in double precision.
 #pragma once
 
 #include <array>
@@ -10,22 +10,23 @@
 
 namespace palpate {
 
-/// Corners of one place count as one vertex, and triangles without area are left out. Queries are safe from any thread.
+/// Coincident corners are merged into one vertex, and triangles without area are dropped. Queries are safe from any
+/// thread.
 class TriangleMesh {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
 
-  /// Model units; faces wind anticlockwise seen from outside. Throws Error when no triangle has an area.
+  /// Model units; faces wind anticlockwise seen from outside. Throws Error if no triangle has an area.
   TriangleMesh(const std::vector<DVec3>& vertices, const std::vector<Triangle>& triangles);
 
   std::size_t triangleCount() const { return triangles_.size(); }
 
-  /// The point of the mesh closest to `p`. Its normal is that of the smooth surface which the mesh stands for: the
-  /// normals of the corners, blended.
+  /// The point of the mesh closest to `p`. Its normal is that of the smooth surface that the mesh represents: the
+  /// interpolated normals of the corners.
   SurfacePoint closest(const DVec3& p) const;
 
-  /// Distance to the mesh, positive outside. The side is told by the normal of the closest face, edge or vertex, the
-  /// latter weighted by angle, which is right everywhere on a closed mesh (Baerentzen and Aanaes 2005).
+  /// Distance to the mesh, positive outside. The sign is given by the normal of the closest face, edge or vertex,
+  /// vertex normals weighted by angle, which is correct everywhere on a closed mesh (Baerentzen and Aanaes 2005).
   double signedDistance(const DVec3& p) const;
 
  private:
@@ -34,7 +35,7 @@ class TriangleMesh {
     DVec3 min, max;
     std::uint32_t first = 0, count = 0, second = 0;
   };
-  // Where on a triangle a closest point lies: its shares of the corners, zero exactly where it is on a border.
+  // Closest point on a triangle: its barycentric coordinates, exactly zero on a border.
   struct Foot {
     std::uint32_t triangle = 0;
     DVec3 shares{0}, position{0};
@@ -48,10 +49,10 @@ class TriangleMesh {
   Foot nearest(const DVec3& p) const;
   DVec3 normalFor(const Foot& foot) const;
 
-  std::vector<DVec3> vertices_, vertexNormals_;  // the normals by angle, unit
+  std::vector<DVec3> vertices_, vertexNormals_;  // the normals are weighted by angle, unit
   std::vector<Triangle> triangles_;
   std::vector<DVec3> faceNormals_;                        // unit
-  std::unordered_map<std::uint64_t, DVec3> edgeNormals_;  // by both vertices; not normalised
+  std::unordered_map<std::uint64_t, DVec3> edgeNormals_;  // keyed by both vertices; not normalised
   std::vector<Node> nodes_;
 };
 

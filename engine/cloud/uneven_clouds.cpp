@@ -31,7 +31,7 @@ DVec3 direction(double x, double angle) {
   return {x, r * std::cos(angle), r * std::sin(angle)};
 }
 
-// A spiral whose turns lie `xOf(share)` along the x axis for shares from 0 to 1, kept where `keep` says so.
+// A spiral whose turns are at `xOf(share)` along the x axis for shares from 0 to 1; keeps the points with keep(point).
 template <class XOf, class Keep>
 void addSpiral(PointCloud& cloud, std::size_t count, XOf&& xOf, Keep&& keep) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -53,7 +53,7 @@ PointCloud gradient(std::size_t count) {
   return cloud;
 }
 
-// The middles of the patches: an icosahedron's corners, turned so that the border of a patch runs through +z.
+// The centres of the patches: an icosahedron's corners, rotated so that the border of a patch passes through +z.
 std::array<DVec3, 12> patchMiddles() {
   std::array<DVec3, 12> middles;
   const double tilt = kPatchAngle, height = 1 / std::sqrt(5.0), r = 2 / std::sqrt(5.0);
@@ -72,7 +72,7 @@ PointCloud patches(std::size_t count) {
   const auto inPatch = [&](const DVec3& d) {
     return std::ranges::any_of(middles, [&](const DVec3& m) { return glm::dot(m, d) > std::cos(kPatchAngle); });
   };
-  const double patchArea = 6 * (1 - std::cos(kPatchAngle));  // of the sphere's
+  const double patchArea = 6 * (1 - std::cos(kPatchAngle));  // as a share of the sphere's area
   const auto all = static_cast<double>(count);
   PointCloud cloud;
   addSpiral(cloud, static_cast<std::size_t>((1 - kShareBetween) * all / patchArea), kEvenly, inPatch);
@@ -101,7 +101,7 @@ PointCloud rows(double gap) {
       addTo(cloud, direction(std::cos(latitude), turn + angle));
       if (next() < kClustered)
         for (int k = 0; k < 3; ++k) {
-          // One after the other: compilers differ in which argument of a call they begin with.
+          // In separate statements: compilers differ in the order of evaluating arguments.
           const double along = kClusterWidth * gap * (next() - 0.5) / std::sin(latitude);
           const double across = kClusterWidth * gap * (next() - 0.5);
           addTo(cloud, direction(std::cos(latitude + across), turn + angle + along));

@@ -17,26 +17,26 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kFewest = 100;  // places: fewer are no shape
-constexpr double kFlat = 0.005;       // of the longest side: a sheet as flat as that may hang or lie
-constexpr double kThin = 0.35;        // of the next longer side: a sheet may be ground
+constexpr std::size_t kFewest = 100;  // positions: fewer do not define a shape
+constexpr double kFlat = 0.005;       // of the longest side: the orientation of a flatter sheet is unknown
+constexpr double kThin = 0.35;        // of the next longer side: a thinner shape may be ground
 constexpr double kMaxLayers = 1.4;    // of a sheet, along its thin side
 constexpr double kOneSided = 0.2;     // mean of the normals, along the thin side
-constexpr double kTail = 0.005;       // of the places, at each end of a height
-constexpr double kBase = 0.02;        // of the height: what stands, stands on that
-constexpr double kContact = 0.015;    // share of the places that is in such a base at least
-constexpr double kSteady = 0.15;      // tangent of the tilt at which it would fall: more is no better
-constexpr double kOpenBelow = 1.5;    // how much the mean of the normals counts: what is open is open below
-constexpr double kOneView = 0.55;     // mean of the normals towards the only side from which a thing was seen
-constexpr double kFacing = 0.85;      // cosine of 32 degrees: a place faces a direction
-constexpr double kMin = 0.12;         // score of what stands at all
-constexpr double kClearly = 1.15;     // better than y, or it stays y
-constexpr double kAlike = 0.03;       // share of the places in which a shape differs from itself upside down
-constexpr double kLikelyY = 1.0, kLikelyZ = 0.97, kUnlikely = 0.9;  // how files mostly are
+constexpr double kTail = 0.005;       // share of the positions cut off at each end of an axis
+constexpr double kBase = 0.02;        // of the height: the lowest layer, on which a shape stands
+constexpr double kContact = 0.015;    // minimum share of the positions in such a base
+constexpr double kSteady = 0.15;  // tangent of the tilt at which it would fall; larger values do not improve the score
+constexpr double kOpenBelow = 1.5;  // weight of the mean normal: open shapes are open below
+constexpr double kOneView = 0.55;   // mean of the normals towards the viewer, for a shape seen from one side only
+constexpr double kFacing = 0.85;    // cosine of 32 degrees: a normal within it faces a direction
+constexpr double kMin = 0.12;       // minimum score of a standing shape
+constexpr double kClearly = 1.15;   // factor by which another axis must beat y
+constexpr double kAlike = 0.03;  // share of the positions by which a symmetric shape may differ from itself upside down
+constexpr double kLikelyY = 1.0, kLikelyZ = 0.97, kUnlikely = 0.9;  // prior weights by how files mostly are
 
 struct Sides {
-  int axis;           // that of the height
-  int across, along;  // the others
+  int axis;           // the axis of the height
+  int across, along;  // the other axes
   double sign;
 };
 Sides sidesOf(UpAxis up) {
@@ -77,7 +77,7 @@ double areaOf(const std::vector<DVec2>& hull) {
   return 0.5 * twice;
 }
 
-/// How far inside the hull; negative outside.
+/// Depth inside the hull; negative outside.
 double depthIn(const std::vector<DVec2>& hull, const DVec2& p) {
   double depth = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < hull.size(); ++i) {
@@ -87,10 +87,10 @@ double depthIn(const std::vector<DVec2>& hull, const DVec2& p) {
   return hull.size() < 3 ? -1 : depth;
 }
 
-/// Heights of places in the cells of a plane, sorted.
+/// Sorted heights of the positions in the cells of a plane.
 using Columns = std::map<std::pair<int, int>, std::vector<double>>;
 
-/// Of a mean column, with gaps of two widths of a column between them.
+/// Number of layers in a mean column, separated by gaps of two column widths.
 double layersOf(const Columns& columns, double width) {
   constexpr double kGap = 2;
   std::size_t layers = 0;
@@ -101,12 +101,12 @@ double layersOf(const Columns& columns, double width) {
   return static_cast<double>(layers) / static_cast<double>(columns.size());
 }
 
-/// How well the shape stands this way up.
+/// Stability of the shape in an orientation.
 struct Stand {
   double score = 0;
-  double base = 0;    // the area on which it stands, of all that is over it
-  double share = 0;   // of the places that are in it
-  double filled = 0;  // the area of the base that has places, of all that is over it
+  double base = 0;    // area of the base, relative to the outline
+  double share = 0;   // share of the positions in the base
+  double filled = 0;  // occupied area of the base, relative to the outline
 };
 
 class Shape {
@@ -145,11 +145,11 @@ class Shape {
     return stand;
   }
 
-  /// Whether it looks the same upside down, as far as heights tell.
+  /// Whether the distribution of heights is the same upside down.
   bool isSymmetric(int axis) const {
     std::vector<double> heights = heights_[static_cast<std::size_t>(axis)];
     std::ranges::sort(heights);
-    double most = 0;  // of the differences between the distribution and its mirror image (Kolmogorov, Smirnov)
+    double most = 0;  // maximum difference between the distribution and its mirror image (Kolmogorov, Smirnov)
     const double both = low_[axis] + high_[axis], count = static_cast<double>(heights.size());
     for (std::size_t i = 0; i < heights.size(); ++i) {
       const auto mirrored = std::ranges::upper_bound(heights, both - heights[i]);
@@ -159,10 +159,11 @@ class Shape {
     return most < kAlike;
   }
 
-  /// Places over one another, along an axis, with a gap between them.
+  /// Number of layers along an axis that are separated by gaps.
   double layers(int axis) const { return layersOf(columns(axis), widthOfColumn(axis)); }
 
-  /// Median over columns along an axis of how far its places reach, of the whole height. 1 where no column has two.
+  /// Median over columns along an axis of the extent of their positions, relative to the whole height. 1 if no column
+  /// has two positions.
   double reach(int axis) const {
     std::vector<double> reaches;
     for (const auto& [cell, heights] : columns(axis))
@@ -170,19 +171,19 @@ class Shape {
     return reaches.empty() ? 1 : quantile(reaches, 0.5);
   }
 
-  /// Median of the places' heights, 0 at the lowest and 1 at the highest.
+  /// Median height of the positions, 0 at the lowest and 1 at the highest.
   double medianHeight(int axis) const {
     return (quantile(heights_[static_cast<std::size_t>(axis)], 0.5) - low_[axis]) / extent()[axis];
   }
 
-  /// Of all places, the share that faces a direction.
+  /// Share of all positions that face a direction.
   double facing(UpAxis up) const {
     std::size_t count = 0;
     for (const Vec3& normal : sample_.normals) count += glm::dot(DVec3(normal), directionOf(up)) > kFacing;
     return static_cast<double>(count) / static_cast<double>(sample_.places.size());
   }
 
-  /// Of all places, the share that faces a direction with its low end behind it, as the walls of a room do.
+  /// Share of all positions at the low end of a direction that face along it, as the walls of a room do.
   double facingIn(UpAxis up) const {
     std::size_t count = 0;
     for (const std::uint32_t i : lowestPlaces(up))
@@ -190,7 +191,7 @@ class Shape {
     return static_cast<double>(count) / static_cast<double>(sample_.places.size());
   }
 
-  /// Of all places, the share that faces up between the floor and a man's height in a room: what stands in it.
+  /// Share of all positions that face up between the floor and head height in a room: the furniture.
   double furniture(UpAxis up) const {
     constexpr double kFloor = 0.08, kHead = 0.65;
     const Sides sides = sidesOf(up);
@@ -203,7 +204,7 @@ class Shape {
     return static_cast<double>(count) / static_cast<double>(sample_.places.size());
   }
 
-  /// Median height of the places that face upwards, as in medianHeight(); 1 without any.
+  /// Median height of the positions that face upwards, as in medianHeight(); 1 without any.
   double heightOfFacing(UpAxis up) const {
     const Sides sides = sidesOf(up);
     std::vector<double> heights;
@@ -215,13 +216,13 @@ class Shape {
     return heights.empty() ? 1 : quantile(heights, 0.5);
   }
 
-  /// The share of places in the rim where a plane across an axis cuts the shape, if one does: that runs all round at
-  /// the low end of a direction and faces aside, where a base faces down. 0 without one.
+  /// If a plane across an axis cuts the shape, the share of positions in the rim of the cut: a rim surrounds the low
+  /// end of a direction and faces sideways, where a base faces down. 0 without one.
   double cutBelow(UpAxis up) const {
-    constexpr double kAside = 0.5;     // mean size of the cosine between normals and axis, at most
-    constexpr double kMinRim = 0.007;  // share of the places
-    constexpr double kWide = 0.1;      // area of the rim, of the outline
-    constexpr double kAllRound = 0.8;  // of the sectors around the middle
+    constexpr double kAside = 0.5;     // maximum mean magnitude of the cosine between normals and axis
+    constexpr double kMinRim = 0.007;  // minimum share of the positions
+    constexpr double kWide = 0.1;      // minimum area within the rim, relative to the outline
+    constexpr double kAllRound = 0.8;  // minimum share of the sectors around the middle
     constexpr unsigned kNeighbours = 12;
     constexpr std::size_t kSectors = 24, kFewestPlaces = 40;
     const Sides sides = sidesOf(up);
@@ -255,8 +256,8 @@ class Shape {
     return aside < kAside ? share : 0;
   }
 
-  /// Of what is not seen from the thin side, how much faces along one of the other two axes: reveals of windows do, the
-  /// slopes of ground face anywhere.
+  /// Of the positions that do not face the thin side, whether most face along one of the other two axes: window reveals
+  /// do, slopes of ground face anywhere.
   bool isFacade(int thin) const {
     constexpr double kAside = 0.85, kAligned = 0.966;  // cosines of 32 and 15 degrees
     constexpr double kMaxly = 0.65, kEnough = 0.03;
@@ -276,7 +277,7 @@ class Shape {
   static DVec2 flat(const DVec3& p, const Sides& sides) { return {p[sides.across], p[sides.along]}; }
   double lowEnd(const Sides& sides) const { return sides.sign > 0 ? low_[sides.axis] : -high_[sides.axis]; }
 
-  /// On which the shape would stand.
+  /// The positions on which the shape would stand.
   std::vector<std::uint32_t> lowestPlaces(UpAxis up) const {
     const Sides sides = sidesOf(up);
     const double top = lowEnd(sides) + std::max(kBase * extent()[sides.axis], sample_.cell);
@@ -286,7 +287,7 @@ class Shape {
     return lowest;
   }
 
-  /// Wide enough that some places are in each.
+  /// Wide enough for some positions in each column.
   double widthOfColumn(int axis) const {
     constexpr double kPlaces = 4;
     const double area = extent()[(axis + 1) % 3] * extent()[(axis + 2) % 3];
@@ -318,7 +319,7 @@ std::optional<Upright> asSheet(const Shape& shape) {
     if (extent[k] < extent[thin]) thin = k;
   const double next = std::min(extent[(thin + 1) % 3], extent[(thin + 2) % 3]);
   if (extent[thin] > kThin * next) return std::nullopt;
-  if (extent[thin] < kFlat * next) return Upright{UpAxis::y, "a flat sheet, which says nothing"};
+  if (extent[thin] < kFlat * next) return Upright{UpAxis::y, "a flat sheet, which is ambiguous"};
   if (shape.layers(thin) > kMaxLayers) return std::nullopt;
   if (shape.isFacade(thin)) return Upright{thin == 1 ? UpAxis::z : UpAxis::y, "a wall with straight openings"};
   const auto positive = static_cast<UpAxis>(thin);
@@ -328,15 +329,15 @@ std::optional<Upright> asSheet(const Shape& shape) {
                              std::abs(shape.meanNormal(positive)) > kOneSided ? ", seen from above" : "")};
 }
 
-/// A room from within, from one place or from one side: nothing faces away from there, and the floor, seen from above,
-/// is wider than all that faces another way across the view, and lies lowest.
+/// A room seen from inside, from one position or from one side: nothing faces away from the viewer, and the floor, seen
+/// from above, is wider than any other surface across the view, and lies lowest.
 std::optional<Upright> asRoom(const Shape& shape) {
-  constexpr double kView = 0.5;      // mean of the normals towards the side from which it was seen
-  constexpr double kHidden = 0.02;   // share of the places that faces away from there, at most
-  constexpr double kFloor = 0.08;    // that faces up, at least,
-  constexpr double kWider = 2;       // and by how much more than any other way across the view
-  constexpr double kLowest = 0.25;   // height of a floor
-  constexpr double kSideways = 0.5;  // how often x is up
+  constexpr double kView = 0.5;      // minimum mean of the normals towards the viewer
+  constexpr double kHidden = 0.02;   // maximum share of the positions that face away from the viewer
+  constexpr double kFloor = 0.08;    // minimum share that faces up
+  constexpr double kWider = 2;       // factor to the next direction across the view
+  constexpr double kLowest = 0.25;   // maximum height of a floor
+  constexpr double kSideways = 0.5;  // weight of x as the up axis
   UpAxis view = UpAxis::y;
   for (const auto& [name, from] : kUpAxes)
     if (shape.meanNormal(from) > shape.meanNormal(view)) view = from;
@@ -357,13 +358,13 @@ std::optional<Upright> asRoom(const Shape& shape) {
   return std::nullopt;
 }
 
-/// A room from within, all round: its walls face in, and more of what stands between them is seen from above than from
-/// any other side.
+/// A room seen from inside, all round: its walls face in, and more of the objects between them is seen from above than
+/// from any other side.
 std::optional<Upright> asInterior(const Shape& shape) {
-  constexpr double kWall = 0.02;       // share of the places, of a wall
-  constexpr std::size_t kWalls = 4;    // at least
-  constexpr double kFurniture = 0.02;  // share of the places, at least,
-  constexpr double kMore = 1.5;        // and how much more than faces any other way
+  constexpr double kWall = 0.02;       // minimum share of the positions in a wall
+  constexpr std::size_t kWalls = 4;    // minimum number
+  constexpr double kFurniture = 0.02;  // minimum share of the positions
+  constexpr double kMore = 1.5;        // factor to the next direction
   std::size_t walls = 0;
   UpAxis up = UpAxis::y;
   double most = 0, next = 0;
@@ -380,12 +381,12 @@ std::optional<Upright> asInterior(const Shape& shape) {
   return Upright{up, "a room from within, and what stands in it"};
 }
 
-/// A body that was cut off, as a head in a scanner is at its neck: it is open there, and ends there as a rim. Cut off
-/// at one side alone it stands on that, unless the other side is a base. Cut out of a volume at more sides z goes along
-/// it, from where the cut goes through more of it.
+/// A body that was cut off, as a head in a scanner is at its neck: it is open there, and ends in a rim. If cut off at
+/// one side alone it stands on that, unless the other side is a base. If cut out of a volume at several sides, z is
+/// along it, starting from the larger cut.
 std::optional<Upright> asCutBody(const Shape& shape) {
   constexpr double kMore = 1.5;
-  constexpr double kBaseFilled = 0.3;  // of the outline: a base and no round end
+  constexpr double kBaseFilled = 0.3;  // relative to the outline: a base rather than a round end
   std::array<double, 6> cuts;
   std::size_t count = 0;
   UpAxis only = UpAxis::y;
@@ -401,13 +402,13 @@ std::optional<Upright> asCutBody(const Shape& shape) {
   return Upright{high > kMore * low ? UpAxis::minusZ : UpAxis::z, fmt::format("a body cut off at {} sides", count)};
 }
 
-/// What a camera saw from the origin of the file's coordinates, along z: one place in each direction, within its field
+/// A camera view from the origin of the file's coordinates, along z: one position in each direction, within its field
 /// of view. Cameras that look along z have y down, those that look against it have y up.
 std::optional<Upright> asCameraView(const PointCloud& cloud, const VoxelSample& sample, const Shape& shape) {
-  constexpr double kBehind = 0.005;                  // share of the places that may lie behind
-  constexpr double kNarrowest = 0.2, kWidest = 1.5;  // tangents of half a field of view
+  constexpr double kBehind = 0.005;                  // maximum share of the positions behind the camera
+  constexpr double kNarrowest = 0.2, kWidest = 1.5;  // tangents of half the field of view
   constexpr double kSkew = 0.35;                     // between its two sides
-  constexpr double kDeep = 1.3;                      // farthest over nearest
+  constexpr double kDeep = 1.3;                      // minimum ratio of farthest to nearest
   constexpr double kPlaces = 6;                      // in a cell of the picture
   if (cloud.origin != DVec3(0)) return std::nullopt;
   const double ahead = shape.middle().z > 0 ? 1 : -1;
@@ -440,11 +441,11 @@ std::optional<Upright> asCameraView(const PointCloud& cloud, const VoxelSample& 
   return Upright{ahead > 0 ? UpAxis::minusY : UpAxis::y, "the view of a camera at the origin"};
 }
 
-/// What was seen from the air: one height over nearly all of the ground, however high what stands on it. Without
-/// normals a facade looks like that, too; but files of scans from the air have z up, and ground lies low.
+/// A scan from the air: one height over nearly all of the ground, however high the buildings. Without normals a facade
+/// looks the same; but files of airborne scans have z up, and ground lies low.
 std::optional<Upright> asAirborne(const Shape& shape) {
-  constexpr double kReach = 0.08;       // of the height, of a usual column
-  constexpr double kClearlyLess = 0.5;  // than columns along other axes reach
+  constexpr double kReach = 0.08;       // of the height, in a typical column
+  constexpr double kClearlyLess = 0.5;  // relative to the reach of columns along the other axes
   constexpr double kLow = 0.5;          // median height
   constexpr double kLayers = 1.5;
   for (int axis = 2; axis >= 0; --axis) {
@@ -471,12 +472,12 @@ Upright byStand(const Shape& shape) {
   for (const auto& [name, up] : kUpAxes)
     if (scoreOf(up) > scoreOf(best)) best = up;
   const auto number = [](UpAxis up) { return static_cast<std::size_t>(up); };
-  if (scoreOf(best) < kMin) return {UpAxis::y, "nothing in the shape says otherwise"};
+  if (scoreOf(best) < kMin) return {UpAxis::y, "the shape is ambiguous"};
   if (shape.isSymmetric(static_cast<int>(best) % 3)) return {UpAxis::y, "the shape is the same upside down"};
   if (best != UpAxis::y && scoreOf(best) < kClearly * scoreOf(UpAxis::y))
-    return {UpAxis::y, "the shape stands as well one way as another"};
+    return {UpAxis::y, "the shape is as stable in another direction"};
   const Stand& stand = stands[number(best)];
-  constexpr double kFloor = 0.3;  // of all places
+  constexpr double kFloor = 0.3;  // share of all positions
   const DVec3 extent = shape.extent();
   const int axis = sidesOf(best).axis;
   const bool wide = extent[axis] < std::min(extent[(axis + 1) % 3], extent[(axis + 2) % 3]);
@@ -509,7 +510,7 @@ DVec3 frontOf(UpAxis up) {
 }
 
 std::optional<UpAxis> upOfCameras(const DVec3& meanUp) {
-  constexpr double kUpright = 0.8;  // length of the mean, and cosine between it and the axis
+  constexpr double kUpright = 0.8;  // minimum length of the mean, and minimum cosine between it and the axis
   const double size = glm::length(meanUp);
   if (!(size > kUpright)) return std::nullopt;
   for (const auto& [name, axis] : kUpAxes)

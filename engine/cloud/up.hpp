@@ -1,4 +1,4 @@
-// Which way is up in a model.
+// The up direction of a model.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace palpate {
 /// A direction along an axis of the file's coordinates.
 enum class UpAxis : std::uint8_t { x, y, z, minusX, minusY, minusZ };
 
-/// As on the command line.
+/// Names on the command line.
 inline constexpr std::array<std::pair<std::string_view, UpAxis>, 6> kUpAxes{{{"x", UpAxis::x},
                                                                              {"y", UpAxis::y},
                                                                              {"z", UpAxis::z},
@@ -27,7 +27,7 @@ std::string_view nameOf(UpAxis up);
 
 /// Unit.
 DVec3 directionOf(UpAxis up);
-/// Unit: from the model towards whoever looks at it from the front. That is +z where y is up, and turns with up.
+/// Unit: from the model towards a viewer in front of it: +z if y is up, and rotated with up.
 DVec3 frontOf(UpAxis up);
 
 struct Upright {
@@ -35,18 +35,17 @@ struct Upright {
   std::string why;  ///< a few words that follow "up is y:"
 };
 
-/// What a file's comments say, as in `comment up: -y`; nothing where none says it.
+/// The up axis in a file's comments, as in `comment up: -y`; empty if they do not contain one.
 std::optional<UpAxis> upSaidIn(std::span<const std::string> comments);
 
-/// The axis that cameras take for up, from the mean of their unit ups; nothing where they disagree too much, or hang
-/// between two axes.
+/// The up axis of cameras, from the mean of their unit up vectors; empty if they disagree too much, or lie between two
+/// axes.
 std::optional<UpAxis> upOfCameras(const DVec3& meanUp);
 
-/// What the file says; else looks at the shape: ground lies flat and is seen from above; a room stands on its floor,
-/// seen from one side or from within; a camera at the origin that looks along z has y down; a scan from the air has one
-/// height over each place; a body that was cut off is open below; and what stands does so on a wide base under its
-/// middle. A shape that says nothing, or the same in two directions, has y up. The same answer for
-/// the same cloud.
+/// The axis in the file's comments; otherwise found from the shape: ground lies flat and is seen from above; a room
+/// stands on its floor, seen from one side or from inside; a camera at the origin that looks along z has y down; a scan
+/// from the air has one height over each position; a body that was cut off is open below; and standing objects have a
+/// wide base under their centre. An ambiguous shape has y up. Deterministic.
 Upright findUp(const PointCloud& cloud);
 
 }  // namespace palpate

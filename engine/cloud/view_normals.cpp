@@ -12,15 +12,15 @@ namespace palpate {
 
 namespace {
 
-constexpr double kViewEdgeOn = 0.2;  // cosine of a plane and its views below which those do not tell its side
-constexpr double kNoPlane = 1e-9;    // of the largest variance: where the middle one is less, the points are on a line
+constexpr double kViewEdgeOn = 0.2;  // cosine of a plane and its views below which the views do not determine its side
+constexpr double kNoPlane = 1e-9;    // of the largest variance: if the middle one is less, the points are on a line
 
 DVec3 unitOr(const DVec3& v, const DVec3& otherwise) {
   const double size = glm::length(v);
   return size > 0 ? v / size : otherwise;
 }
 
-/// The place that normals are wanted for, and what its neighbours say.
+/// The position of a normal, and its neighbours.
 struct Neighbourhood {
   std::span<const Vec3> points;
   std::span<const PointSight> sights;
@@ -29,7 +29,7 @@ struct Neighbourhood {
 
   double weightOf(std::size_t k) const {
     const double reach = squaredDistances.back() > 0 ? squaredDistances.back() : 1.0;
-    // At the farthest of them half as much as at the place itself.
+    // The farthest neighbour has half the weight of the position itself.
     return sights[around[k]].weight * (1 - 0.5 * squaredDistances[k] / reach);
   }
 

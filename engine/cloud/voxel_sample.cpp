@@ -11,17 +11,17 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxSamples = 1 << 15;
-constexpr double kSampleTail = 0.02;  // of the points, that may lie anywhere at each end of an axis
-constexpr double kBeyond = 1.0;       // of the extent between the tails: farther out nothing belongs to the shape
-constexpr double kFineCells = 64;     // along the longest side, for the places
-// Cells in which company is counted are so large that a surface has about as many points in each.
+constexpr double kSampleTail = 0.02;  // share of the points that may lie anywhere at each end of an axis
+constexpr double kBeyond = 1.0;    // relative to the extent between the tails: farther out nothing belongs to the shape
+constexpr double kFineCells = 64;  // along the longest side, for the positions
+// Cells for counting neighbours are so large that a surface has about this many points in each.
 constexpr double kPointsInCell = 12, kFewestCells = 4, kMaxCells = 32;
-// A cell is alone where it and those around it have less than this share of what is usual.
+// A cell is isolated if it and its neighbours have less than this share of the usual number of points.
 constexpr double kCompany = 0.05;
-constexpr double kPlacesCompany = 0.3;      // the same for places, which are as dense everywhere
-constexpr std::size_t kEnoughToTell = 256;  // points: with fewer, none can be called an outlier
-constexpr double kMaxOutliers = 0.02;       // of the points: more are a part of the model, and so is
-constexpr double kMuchLarger = 1.25;        // what makes the box larger by less
+constexpr double kPlacesCompany = 0.3;      // the same for the sampled positions, whose density is even
+constexpr std::size_t kEnoughToTell = 256;  // points: with fewer, outliers cannot be distinguished
+constexpr double kMaxOutliers = 0.02;       // share of the points: more are a part of the model
+constexpr double kMuchLarger = 1.25;        // outliers that enlarge the box by less are part of the model
 
 std::vector<std::uint32_t> sampled(const PointCloud& cloud) {
   const std::size_t count = std::min(cloud.size(), kMaxSamples);
@@ -31,7 +31,7 @@ std::vector<std::uint32_t> sampled(const PointCloud& cloud) {
   return sample;
 }
 
-/// Where nearly all points are, and a good way around.
+/// The region of nearly all points, with a wide margin.
 Bounds windowOf(const PointCloud& cloud, const std::vector<std::uint32_t>& sample) {
   Bounds window;
   std::vector<float> along(sample.size());
@@ -45,14 +45,14 @@ Bounds windowOf(const PointCloud& cloud, const std::vector<std::uint32_t>& sampl
     window.min[axis] = low;
     window.max[axis] = high;
   }
-  // By the longest side: a flat shape may stand out of its plane.
+  // By the longest side: parts of a flat shape may project from its plane.
   const double around = kBeyond * window.longestSide();
   window.min -= around;
   window.max += around;
   return window;
 }
 
-/// Numbers of cells, and the points of each one after the other.
+/// Points sorted by the numbers of their cells.
 class Cells {
  public:
   Cells(const PointCloud& cloud, const std::vector<std::uint32_t>& sample, const Bounds& window, double side)
@@ -76,19 +76,19 @@ class Cells {
     const std::size_t end = cell + 1 < begins_.size() ? begins_[cell + 1] : entries_.size();
     return std::span(entries_).subspan(begins_[cell], end - begins_[cell]);
   }
-  /// Points in the cell and in those around it.
+  /// Number of points in the cell and in the cells around it.
   std::size_t companyOf(std::size_t cell) const {
     const std::uint64_t key = entries_[begins_[cell]].key;
     std::size_t company = 0;
     for (std::uint64_t dz = 0; dz < 3; ++dz)
-      for (std::uint64_t dy = 0; dy < 3; ++dy)  // three cells in a row of x have keys one after the other
+      for (std::uint64_t dy = 0; dy < 3; ++dy)  // three cells in a row of x have consecutive keys
         company += inRow(key + ((dz << 42) + (dy << 21)) - ((1ull << 42) + (1ull << 21)));
     return company;
   }
 
  private:
   std::uint64_t keyOf(const DVec3& p) const {
-    const DVec3 cell = glm::floor((p - window_.min) / side_) + 1.0;  // so that none lies before the first
+    const DVec3 cell = glm::floor((p - window_.min) / side_) + 1.0;  // so that the first cell has a predecessor
     return static_cast<std::uint64_t>(cell.z) << 42 | static_cast<std::uint64_t>(cell.y) << 21 |
            static_cast<std::uint64_t>(cell.x);
   }
@@ -106,7 +106,7 @@ class Cells {
   std::vector<std::size_t> begins_;
 };
 
-/// The points of cells that have `least` of the usual company.
+/// The points of cells with at least the share `least` of the usual number of points around.
 std::vector<std::uint32_t> inCompany(const Cells& cells, double least) {
   std::vector<std::size_t> company(cells.count());
   for (std::size_t i = 0; i < company.size(); ++i) company[i] = cells.companyOf(i);
@@ -121,12 +121,12 @@ std::vector<std::uint32_t> inCompany(const Cells& cells, double least) {
   return kept;
 }
 
-/// The sample without those that have no company.
+/// The sample without isolated points.
 std::vector<std::uint32_t> withoutOutliers(const PointCloud& cloud, const std::vector<std::uint32_t>& sample,
                                            const Bounds& window) {
   const double count = static_cast<double>(sample.size());
   const double across = std::clamp(std::sqrt(count / kPointsInCell), kFewestCells, kMaxCells);
-  // The window is longer than what is in it.
+  // The window is longer than its contents.
   const double side = window.longestSide() / (1 + 2 * kBeyond) / across;
   if (sample.size() < kEnoughToTell || !(side > 0)) return sample;
   return inCompany(Cells(cloud, sample, window, side), kCompany);
@@ -166,7 +166,7 @@ VoxelSample voxelSampleOf(const PointCloud& cloud) {
     places.normals.emplace_back(length > 0 ? normal / length : DVec3(0));
     all.push_back(i);
   }
-  // Beside the surface an outlying place has cells of it around, but few.
+  // An outlying position next to the surface has cells of it around, but few.
   for (const std::uint32_t i : inCompany(Cells(places, all, box, voxels.cell), kPlacesCompany)) {
     voxels.places.push_back(places.positions[i]);
     if (cloud.hasNormals()) voxels.normals.push_back(places.normals[i]);
@@ -183,7 +183,7 @@ Bounds coreBoundsOf(const PointCloud& cloud) {
   const Bounds core = boxOf(cloud, kept);
   const bool widen = all.longestSide() > kMuchLarger * core.longestSide();
   if (!widen || outliers > kMaxOutliers || !(core.longestSide() > 0)) return all;
-  // The sample need not have the outermost points.
+  // The sample may miss the outermost points.
   const double slack = core.longestSide() / kMaxCells;
   return {glm::max(all.min, core.min - slack), glm::min(all.max, core.max + slack)};
 }

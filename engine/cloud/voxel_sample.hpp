@@ -8,16 +8,16 @@
 namespace palpate {
 
 struct VoxelSample {
-  std::vector<Vec3> places;   ///< evenly over the shape however uneven the points are; relative to the cloud's origin
-  std::vector<Vec3> normals;  ///< unit or zero, one for each place where the cloud has normals; else empty
-  double cell = 0;            ///< how far apart places are, model units
+  std::vector<Vec3> places;   ///< evenly over the shape, at any density of the points; from the cloud's origin
+  std::vector<Vec3> normals;  ///< unit or zero, one for each position if the cloud has normals; else empty
+  double cell = 0;            ///< distance between positions, model units
 };
 
-/// The same for the same cloud. From a sample: a million points take some milliseconds.
+/// Deterministic. From a sample: a million points take some milliseconds.
 VoxelSample voxelSampleOf(const PointCloud& cloud);
 
-/// The box that a picture should show: that of all points, unless a few that lie far from all others make it much
-/// larger. All points within are as in boundsOf().
+/// The box that a picture should show: that of all points, unless a few isolated points make it much larger. All points
+/// within are as in boundsOf().
 Bounds coreBoundsOf(const PointCloud& cloud);
 
 }  // namespace palpate

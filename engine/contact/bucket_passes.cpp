@@ -13,7 +13,7 @@ BucketPasses::BucketPasses(Device& device, std::uint32_t cells)
       planned_(Buffer::of<shared::GatherCell>(device, cells, Memory::device, "gather cells")) {}
 
 std::uint64_t BucketPasses::slots() const {
-  // Every cell may leave its last chunk almost empty.
+  // Each cell may leave its last chunk almost empty.
   return std::uint64_t{cells_} * shared::kGatherChunk +
          std::uint64_t{gatherRounds(cells_)} * shared::kPatchRoundCandidates;
 }

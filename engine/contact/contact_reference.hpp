@@ -7,13 +7,12 @@
 
 namespace palpate {
 
-/// The fused step in double precision on the CPU: the truth that the GPU is held against. Knows nothing of patches or
-/// budgets.
+/// The fused step in double precision on the CPU: the reference for the GPU. Without patches and budgets.
 class ContactReference final : public OneHandQuery, public SurfaceField {
  public:
   /// Keeps a reference to `cloud`, which must have normals.
   ContactReference(const PointCloud& cloud, const SurfaceOptions& options, double friction = 0);
-  /// The average. `radius`: support radius, model units.
+  /// With the averaged surface. `radius`: support radius, model units.
   ContactReference(const PointCloud& cloud, double radius)
       : ContactReference(cloud, SurfaceOptions{.radius = radius}) {}
 

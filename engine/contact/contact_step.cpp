@@ -14,14 +14,14 @@ namespace palpate {
 
 namespace {
 
-// Of so many points of a patch those that a workgroup does not share.
+// Number of a patch's points that do not fit into a workgroup's shared memory.
 std::uint64_t spilledPoints(std::uint64_t points, std::uint32_t held) {
   const std::uint64_t most = std::min<std::uint64_t>(points, shared::kMaxPatchPoints);
   return most - std::min<std::uint64_t>(most, held);
 }
 
-// Points of a patch that a workgroup shares: 24 bytes each, and 4 for the id of one that moves, beside some 6 KiB for
-// everything else. Fewer than all leave the others to memory, and give the same bits.
+// Number of a patch's points in shared memory: 24 bytes each, and 4 for the id of a moving one, beside some 6 KiB for
+// everything else. The remaining points stay in global memory, with bitwise identical results.
 std::uint32_t sharedPatch(const Device& device, bool pointsMove) {
   constexpr std::uint32_t kPointBytes = 24, kIdBytes = 4, kElse = 6 * 1024, kStep = 128;
   const std::uint32_t bytes = kPointBytes + (pointsMove ? kIdBytes : 0);
@@ -29,15 +29,15 @@ std::uint32_t sharedPatch(const Device& device, bool pointsMove) {
   return std::min(room, shared::kMaxSharedPatch);
 }
 
-// How often a step that waits polls for its question: some 20 ms on a GPU. A software driver needs our cores for it,
-// and stops a shader silently after 65,535 rounds, of which GPU-assisted validation makes some at each access.
+// Number of polls for its question by a waiting step: some 20 ms on a GPU. A software driver needs our cores for it,
+// and silently stops a shader after 65,535 rounds; GPU-assisted validation adds rounds at each access.
 std::uint32_t pollsOn(Device& device) {
   if (device.instance().validates()) return 50;
   return device.isCpu() ? 2'000 : 30'000;
 }
 
-// The forms of the fused step that a session may need: which one a tick takes shows in the answer before it, but for
-// cells so small that one workgroup would need many rounds for them.
+// The forms of the fused step that a session may need. The answer before a tick determines its form, except for cells
+// so small that one workgroup would need many rounds for them.
 std::vector<std::uint32_t> fusedForms(const ContactOptions& options, std::uint32_t cells) {
   if (options.probes > 1) return {shared::kGatherAlone};
   if (options.split) return {*options.split ? shared::kGatherSplit : shared::kGatherAlone};
@@ -45,8 +45,8 @@ std::vector<std::uint32_t> fusedForms(const ContactOptions& options, std::uint32
   return {shared::kGatherAlone, shared::kGatherSplit};
 }
 
-// For each probe, two for a point that shared memory does not hold. Many probes have room for what one gather can bring
-// them, where a single one has it for the largest gather there is.
+// Two slots per probe for each point that does not fit into shared memory. Several probes have room for the points of
+// one round-limited gather, a single probe for the largest possible gather.
 std::uint32_t spillSlots(const Device& device, const ContactOptions& options, std::uint32_t cells,
                          std::uint64_t points) {
   std::uint64_t most = points;
@@ -58,7 +58,7 @@ std::uint32_t spillSlots(const Device& device, const ContactOptions& options, st
 }  // namespace
 
 double smallestCell(double radius) {
-  // A gather spans 2 (1 + slack) radii, and one cell more for its place within the cells.
+  // A gather spans 2 (1 + slack) radii, and one cell more for its offset within the cells.
   const double cellsPerSide = std::floor(std::cbrt(shared::kPatchMaxCells)) - 1.0;
   return 1.01 * 2.0 * (1.0 + static_cast<double>(shared::kPatchSlack)) * radius / cellsPerSide;
 }
@@ -148,8 +148,7 @@ void ContactStep::put(shared::ContactQuestion question, std::uint32_t probe) {
   words[shared::kQuestionSealAt] = 0;
   for (std::uint32_t i = 0; canWait() && i < shared::kQuestionSealAt; ++i)
     words[shared::kQuestionSealAt] += shared::questionShare(words[i], i);
-  // The GPU may be looking, where it can wait for a question: every word is written once, and none stays behind in a
-  // buffer of the processor.
+  // A waiting GPU may be polling: every word is written once, and the fence flushes the processor's write buffers.
   volatile std::uint32_t* to = pose_.mapped<std::uint32_t>().data() + std::size_t{probe} * kWords;
   for (std::size_t i = 0; i < kWords; ++i) to[i] = words[i];
   if (canWait()) std::atomic_thread_fence(std::memory_order_seq_cst);
@@ -175,7 +174,7 @@ void ContactStep::recordSolve(CommandList& commands, const shared::ContactStepAr
 }
 
 std::uint64_t ContactStep::predictedBytes(std::uint64_t points) {
-  constexpr std::uint64_t kPerPoint = 2 * sizeof(Vec4);  // place and normal
+  constexpr std::uint64_t kPerPoint = 2 * sizeof(Vec4);  // position and normal
   return kPerPoint * (spilledPoints(points, shared::kMaxSharedPatch) + shared::kPatchRoundCandidates);
 }
 

@@ -15,14 +15,14 @@ namespace palpate {
 
 namespace {
 
-constexpr double kRounding = 0.05;  // of a cell: of places up to 2^18 cells from the grid's origin
+constexpr double kRounding = 0.05;  // in cells: rounding of positions up to 2^18 cells from the grid's origin
 constexpr double kMargin = 1.001;   // of the reach: boxAround() in shaders/lib/cells.glsl
 
 }  // namespace
 
 QueryMethod queryMethodNamed(std::string_view name) {
   if (const auto method = valueNamed(kQueryMethods, name)) return *method;
-  throw UsageError("'{}' is no query method", name);
+  throw UsageError("'{}' is not a query method", name);
 }
 
 std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius) {

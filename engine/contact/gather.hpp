@@ -1,4 +1,4 @@
-// What a query method does before the contact step: it fills the first patch of a tick.
+// The gather of a query method before the contact step: it fills the first patch of a tick.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// What a gather reads, and the GatheredPatch that it fills.
+/// Inputs of a gather, and the GatheredPatch that it fills.
 struct GatherIo {
   shared::CloudView cloud;
   DeviceAddress pose = 0, state = 0, patch = 0;
@@ -21,23 +21,23 @@ class Gather {
  public:
   virtual ~Gather() = default;
 
-  /// Points that its patch has room for.
+  /// Capacity of its patch, points.
   virtual std::uint64_t slots() const = 0;
-  /// Command lists that have to run one after another, with resume() between them.
+  /// Number of command lists to run one after another, with resume() between them.
   virtual std::uint32_t submissions() const { return 1; }
   virtual void record(CommandList& list, std::uint32_t submission, const GatherIo& io) const = 0;
-  /// The host's part, once the first submission has run.
+  /// The host's part after the first submission.
   virtual void resume() const {}
 };
 
-/// Cells of edge 1 / grid.inverseCell that one gather visits at most.
+/// Maximum number of cells of edge 1 / grid.inverseCell that one gather visits.
 std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius);
-/// The reach, model units, that a gather over so many cells a side has wherever it stands within them.
+/// Guaranteed reach, model units, of a gather over this number of cells a side, for any offset within them.
 double widestReach(const shared::HashGrid& grid, std::uint32_t cellsPerSide);
-/// Rounds that so many cells are visited in.
+/// Number of rounds for this number of cells.
 std::uint32_t gatherRounds(std::uint32_t cells);
 
-/// The gather of a method, for a cloud of up to `points` points; none for the fused one.
+/// The gather of a method, for a cloud of up to `points` points; null for fused.
 std::unique_ptr<Gather> makeGather(Device& device, QueryMethod method, const shared::HashGrid& grid, double radius,
                                    std::uint32_t points);
 

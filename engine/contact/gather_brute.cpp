@@ -24,7 +24,7 @@ GatherBrute::GatherBrute(Device& device, std::uint32_t points, std::uint32_t mos
       gather_(device, shader_code::contact_gather_brute, brutePipeline()),
       sum_(device, shader_code::contact_gather_brute_sum, brutePipeline()),
       starts_(Buffer::of<std::uint32_t>(device, std::uint64_t{chunksOf(points)} + 1, Memory::device, "brute starts")) {
-  // Each invocation of the sum walks its run of chunks twice.
+  // Each invocation of the sum iterates over its run of chunks twice.
   PALPATE_CHECK_LE(2 * (chunksOf(points) / shared::kContactWorkgroup + 1), shared::kContactWorkBudget);
 }
 

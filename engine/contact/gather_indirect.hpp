@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// Array-based dynamic parallelism (thesis section 4.3.3): the GPU lists the buckets that hold points and makes one
-/// launch, a workgroup for each.
+/// Array-based dynamic parallelism (thesis section 4.3.3): the GPU lists the occupied buckets and makes one launch,
+/// with a workgroup for each.
 class GatherIndirect final : public Gather {
  public:
   GatherIndirect(Device& device, std::uint32_t cells);

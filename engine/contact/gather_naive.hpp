@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// Naive dynamic parallelism (thesis section 4.3.3): a launch for each bucket, as large as the bucket holds points. In
-/// Vulkan that is a dispatch for every cell there may be, recorded ahead, whose size the plan writes.
+/// Naive dynamic parallelism (thesis section 4.3.3): a launch for each bucket, of as many threads as the bucket has
+/// points. In Vulkan: an indirect dispatch for every possible cell, recorded ahead, whose size the plan writes.
 class GatherNaive final : public Gather {
  public:
   GatherNaive(Device& device, std::uint32_t cells);

@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// Two steps (thesis section 4.3.2): a first submission counts what the buckets hold, the host reads the largest count
-/// and launches buckets x largest count threads with a second one, recorded ahead like the first.
+/// Two steps (thesis section 4.3.2): a first submission counts the points of the buckets; the host reads the largest
+/// count and launches buckets x largest count threads with a second one, recorded ahead like the first.
 class GatherTwoStep final : public Gather {
  public:
   GatherTwoStep(Device& device, std::uint32_t cells);

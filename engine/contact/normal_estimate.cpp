@@ -15,12 +15,12 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kRoomyTable = 4;
-constexpr unsigned kNearest = 16;  // that a plane of the host is fitted to
+constexpr unsigned kNearest = 16;  // points per plane fit on the host
 static_assert(shared::kNoNeighbour == NeighbourGraph::kNobody);
 
 struct Planes {
-  std::vector<FittedPlane> planes;  ///< normals of zero where the GPU leaves a point to the host
-  std::vector<Vec3> normals;        ///< where it does not
+  std::vector<FittedPlane> planes;  ///< zero normals for points that the GPU leaves to the host
+  std::vector<Vec3> normals;        ///< of the other points
   NeighbourGraph graph;
 };
 
@@ -29,7 +29,7 @@ Planes planesOnGpu(Device& device, const std::vector<Vec3>& positions, double ra
   cloud.positions = positions;
   cloud.normals.resize(positions.size());
   LiveCloud live(device, cloud);
-  // Few cells share a bucket of a large table: what is not theirs counts as work, too.
+  // In a large table few cells share a bucket: visiting points of other cells costs time, too.
   SpatialHash hash(device, makeHashGrid(Vec3(boundsOf(cloud).min), radius, kRoomyTable * positions.size()),
                    live.count());
   hash.build(live);
@@ -81,7 +81,7 @@ NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned t
   NormalEstimateCost cost;
   const Places places = distinctPlaces(cloud.positions);
   const double spacing = meanSpacing(cloud, threads);
-  if (spacing <= 0) {  // fewer than two places: no neighbourhood to visit
+  if (spacing <= 0) {  // fewer than two positions: no neighbourhood to visit
     estimateNormals(cloud, kNearest, threads);
     cost.onHost = places.positions.size();
     return cost;

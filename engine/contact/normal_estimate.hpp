@@ -1,4 +1,4 @@
-// Normals for clouds that come without, on the GPU.
+// Normals on the GPU for clouds without normals.
 #pragma once
 
 #include "engine/cloud/point_cloud.hpp"
@@ -7,18 +7,18 @@
 
 namespace palpate {
 
-/// Fits a plane to the neighbours of every point of an indexed cloud, weighed by Wendland's function of the distance
+/// Fits a plane to the neighbours of every point of an indexed cloud, weighted by Wendland's function of the distance
 /// (Hoppe et al. 1992, section 3.2), gives points next to an edge the normal of their own face (keepEdges() of
-/// engine/cloud), and names the nearest neighbours all around each, along which signs can be carried.
+/// engine/cloud), and records the nearest neighbours in all directions, along which signs propagate.
 class NormalEstimate {
  public:
-  /// Room for `points` points.
+  /// Capacity: `points` points.
   NormalEstimate(Device& device, std::uint32_t points);
 
-  /// `radius`: support radius, model units, widened or narrowed where it holds very few or very many points.
+  /// `radius`: support radius, model units, increased or reduced where it contains very few or very many points.
   void record(CommandList& list, const shared::CloudView& cloud, double radius) const;
 
-  // Each by the points' ids.
+  // Indexed by the points' ids.
   const Buffer& planes() const { return planes_; }          ///< vec4: unit normal of either sign, or zero; radius
   const Buffer& fits() const { return fits_; }              ///< vec2: as FittedPlane::off; the spacing squared
   const Buffer& normals() const { return normals_; }        ///< vec4: unit, of either sign; undefined without a plane
@@ -29,16 +29,16 @@ class NormalEstimate {
   Buffer planes_, fits_, normals_, neighbours_;
 };
 
-/// Where the time of an estimate went.
+/// Breakdown of the cost of an estimate.
 struct NormalEstimateCost {
   double planes_ms = 0;    ///< upload, index, GPU pass and download
   double signs_ms = 0;     ///< on the CPU
-  std::size_t onHost = 0;  ///< distinct points whose planes the CPU fitted: too far from others, too crowded, on a line
+  std::size_t onHost = 0;  ///< distinct points whose planes the CPU fitted: isolated, crowded, or on a line
 };
 
-/// Gives every point of `cloud` a unit normal: planes from the GPU, over a support radius of kSupportSpacings; what it
-/// leaves, from the CPU (fitNearestPlanes()); signs on the CPU (orientNormals()), carried from plane to plane.
-/// Coincident points count once. Agrees with estimateNormals() of engine/cloud up to how a neighbourhood is chosen.
+/// Gives every point of `cloud` a unit normal: planes from the GPU, over a support radius of kSupportSpacings; those it
+/// leaves, from the CPU (fitNearestPlanes()); signs on the CPU (orientNormals()), propagated from plane to plane.
+/// Coincident points count once. Agrees with estimateNormals() of engine/cloud except for the choice of neighbourhoods.
 /// Throws OutOfGpuMemory.
 NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned threads = 0);
 

@@ -8,24 +8,24 @@
 
 namespace palpate {
 
-/// The pass that brings the patch to the host. A command list of its own runs it when a new patch is wanted, so that no
-/// answer waits for it, and the list's fence says when the patch is whole.
+/// The pass that copies the patch to the host. It runs in its own command list when a new patch is needed, so that no
+/// answer waits for it; the list's fence signals that the patch is complete.
 class PatchFetch {
  public:
-  /// As ContactOptions' of these names.
+  /// As the members of ContactOptions.
   struct Motion {
     bool pointsMove = false, normalsTurn = false;
   };
-  /// `grid`: of the hash that record() is going to see. `points`: how many the cloud may have. `radius`: support
-  /// radius, model units.
+  /// `grid`: of the hash used in record(). `points`: maximum number of points of the cloud. `radius`: support radius,
+  /// model units.
   PatchFetch(Device& device, const HashGrid& grid, double radius, std::uint32_t points, const Motion& motion);
 
   /// `velocities`: as for ContactStep.
   void record(CommandList& commands, const shared::CloudView& cloud, DeviceAddress velocities) const;
-  /// Where the next run fetches; not while one is under way. Points that move are `age_s` older than their index, and
-  /// what is at `centre` in that is at `now`.
+  /// Sets the position of the next fetch; not during a run. Moving points are `age_s` older than their index; `centre`
+  /// is a position in the index, which has moved to `now`.
   void aimAt(const Vec3& centre, double age_s, const Vec3& now);
-  /// What the last run brought; until the next one begins.
+  /// The patch of the last run; valid until the next run starts.
   CarriedPatch patch() const;
 
  private:

@@ -8,7 +8,7 @@
 namespace palpate {
 
 void ProxyTracker::follow(const SurfaceField& field, const DVec3& hip, double now_s, const PointsTime& points) {
-  DVec3 age(0);  // the way of the surface since the points were so
+  DVec3 age(0);  // displacement of the surface since the points' time
   if (started_ && velocity_ != DVec3(0)) {
     const PointsMotion motion = pointsMotion(now_s, points, time_s_);
     age = motion.age_s * velocity_;
@@ -32,8 +32,7 @@ void ProxyTracker::step(const SurfaceField& field, const DVec3& hip) {
   lastHip_ = hip;
 }
 
-// The surface of the points that belong to the face that was felt last. Past the edge of such a sheet every point
-// counts.
+// The surface of the points of the face felt last. Beyond the edge of that sheet all points count.
 SurfaceSample ProxyTracker::feel(const SurfaceField& field, const DVec3& x) {
   SurfaceSample sample = field.surface(x, facing_);
   if (!sample.defined && facing_ != DVec3(0)) sample = field.surface(x, DVec3(0));
@@ -69,7 +68,7 @@ void ProxyTracker::walkFreely(const SurfaceField& field, const DVec3& hip) {
 void ProxyTracker::track(const SurfaceField& field, const DVec3& hip, bool touched) {
   const double longest = static_cast<double>(shared::kLongestStep) * radius_;
   const double arrived = static_cast<double>(shared::kConvergence) * radius_;
-  // Where the proxy stands the last tick has felt the surface: the first slide goes along that one.
+  // The last tick evaluated the surface at the proxy: the first slide is along that surface.
   DVec3 firstSlide(0);
   if (touched && facing_ != DVec3(0))
     firstSlide =
@@ -87,7 +86,7 @@ void ProxyTracker::track(const SurfaceField& field, const DVec3& hip, bool touch
   sticks_ = !tracking.slid;
   if (!surface_.defined) {
     touching_ = false;
-    face_ = shared::kFaceInside;  // lost within: not caught again on the way out
+    face_ = shared::kFaceInside;  // lost inside: not caught again on the way out
   } else if (glm::dot(hip - proxy_, surface_.normal) > 0) {
     touching_ = false;
   }

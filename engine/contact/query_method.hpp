@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// How the neighbours of the probe are found (thesis section 4.3). All give the same points; all but brute, which takes
-/// them in another order, give the same bits.
+/// How the neighbours of the probe are found (thesis section 4.3). All methods find the same points; all but brute,
+/// which visits them in another order, give bitwise identical results.
 enum class QueryMethod {
   brute,     ///< visits every point
   twoStep,   ///< counts on the GPU, then the host launches buckets x largest count threads
@@ -16,7 +16,7 @@ enum class QueryMethod {
   fused,     ///< gather, surface and proxy in one dispatch
 };
 
-/// The methods by the names that users know.
+/// The methods by the names on the command line.
 inline constexpr std::array<std::pair<std::string_view, QueryMethod>, 5> kQueryMethods{{
     {"fused", QueryMethod::fused},
     {"indirect", QueryMethod::indirect},
@@ -24,7 +24,7 @@ inline constexpr std::array<std::pair<std::string_view, QueryMethod>, 5> kQueryM
     {"two-step", QueryMethod::twoStep},
     {"brute", QueryMethod::brute},
 }};
-/// Throws UsageError for a name that none has.
+/// Throws UsageError for an unknown name.
 QueryMethod queryMethodNamed(std::string_view name);
 
 }  // namespace palpate

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-// The variances are rounded as ever here, which is not quite as surfaceFrom() does by itself.
+// The variances are computed here with this rounding, which differs slightly from surfaceFrom()'s own.
 SurfaceSample SurfaceSums::sample() const {
   const double weights = sums_.offsets.w;
   const DVec3 offsets(sums_.offsets), normals(sums_.normals);
@@ -18,8 +18,8 @@ SurfaceSample SurfaceSums::sample() const {
           .ends = surface.ends};
 }
 
-// Positions that are off by `noise_spacings` leave a ripple of 1.05 noise / (R / spacing) spacings: the sum of the
-// squared weights is 0.222 (R / spacing)^2 on an even plane, that of the weights pi / 7 of it.
+// Position noise leaves a ripple of 1.05 noise / (R / spacing) spacings: the sum of the squared weights is 0.222 (R /
+// spacing)^2 on an even plane, that of the weights pi / 7 of it.
 double wideningFor(double noise_spacings) {
   constexpr double kRipple = 1.05, kMaxRipple_spacings = 0.035, kMax = 2;
   if (!(noise_spacings > 0)) return 1;

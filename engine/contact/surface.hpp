@@ -1,4 +1,4 @@
-// The surface in double precision on the CPU: the formulas of shaders/shared/surface.h, summed up over neighbours.
+// The surface in double precision on the CPU: the formulas of shaders/shared/surface.h, summed over neighbours.
 #pragma once
 
 #include <algorithm>
@@ -11,36 +11,36 @@
 
 namespace palpate {
 
-/// The surface at a place.
+/// The surface at a position.
 struct SurfaceSample {
   bool defined = false;
   double distance = 0;  ///< signed, model units, positive outside
   DVec3 normal{0};      ///< unit
   std::uint32_t neighbours = 0;
-  bool ends = false;  ///< it is not defined past its rim
+  bool ends = false;  ///< it is undefined beyond its border
 };
 
 struct SurfaceOptions {
-  double radius = 0;  ///< support radius, model units; the largest there is
+  double radius = 0;  ///< support radius, model units; the maximum
   SurfaceKind kind = SurfaceKind::average;
-  bool localRadius = false;  ///< where points lie close, take a smaller one: kSupportSpacings of them
-  /// For noisy points: times as large as it would be for clean ones, at least 1, where the surface is flat; where it
-  /// turns, the support radius is so many times smaller.
+  bool localRadius = false;  ///< use a smaller radius where points are dense: kSupportSpacings of them
+  /// For noisy points: factor of `radius` over that of clean points, at least 1, where the surface is flat; where the
+  /// surface curves, the support radius is divided by it.
   double widening = 1;
 };
 
 using shared::wendland;
 
-/// The weighted sums over the neighbours of a place that make its surface: one pass for the average and the sphere,
-/// kSharpPasses for the sharp one. Everything is relative to the place.
+/// The weighted sums over the neighbours of a position that define its surface: one pass for average and sphere,
+/// kSharpPasses for sharp. Everything is relative to the position.
 class SurfaceSums {
  public:
-  /// `radius`: support radius, model units. `facing`: normal of the face that is felt, or zero. `before`: what the pass
-  /// before this one has found, or null.
+  /// `radius`: support radius, model units. `facing`: normal of the face that is felt, or zero. `before`: result of the
+  /// previous pass, or null.
   SurfaceSums(SurfaceKind kind, double radius, const DVec3& facing, const SurfaceSample* before)
       : kind_(kind), radius_(radius), facing_(facing), sided_(facing != DVec3(0)), before_(before) {}
 
-  /// `offset`: from the place to a neighbour within the support radius.
+  /// `offset`: from the position to a neighbour within the support radius.
   void add(const DVec3& offset, const Vec3& normal) {
     const DVec3 d = offset / radius_, n(normal);
     const double squared = glm::dot(d, d);
@@ -63,15 +63,15 @@ class SurfaceSums {
   shared::SurfaceSumsOf<double> sums_{};
 };
 
-/// Passes over the neighbours that a kind takes.
+/// Number of passes over the neighbours for a kind.
 inline std::uint32_t surfacePasses(SurfaceKind kind) { return kind == SurfaceKind::sharp ? shared::kSharpPasses : 1; }
 
-/// The widening of a support radius of kSupportSpacings that evens the noise of positions out, from how noisy they are
-/// (SpacingRange::noise): 1 up to an eighth of a spacing, no more than 2.
+/// The widening of a support radius of kSupportSpacings that averages out the noise of positions (SpacingRange::noise):
+/// 1 up to an eighth of a spacing, at most 2.
 double wideningFor(double noise_spacings);
 
-/// The surface of all neighbours. `forEachNear(radius, visit)` calls visit(offset, normal) for each of them;
-/// `facing`: as for SurfaceSums.
+/// The surface of all neighbours. `forEachNear(radius, visit)` calls visit(offset, normal) for each of them; `facing`:
+/// as for SurfaceSums.
 template <class ForEachNear>
 SurfaceSample surfaceOf(const SurfaceOptions& options, const DVec3& facing, ForEachNear&& forEachNear) {
   const double largest = options.radius / options.widening;

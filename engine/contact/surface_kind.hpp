@@ -8,14 +8,14 @@
 
 namespace palpate {
 
-/// What the points around a place define.
+/// The surface that the points around a position define.
 enum class SurfaceKind : std::uint32_t {
   average = shared::kSurfaceAverage,  ///< weighted mean position and normal: simple, sinks into curvature
-  sphere = shared::kSurfaceSphere,    ///< the algebraic sphere that fits places and normals: no such bias
+  sphere = shared::kSurfaceSphere,    ///< the algebraic sphere fitted to positions and normals: no such bias
   sharp = shared::kSurfaceSharp,      ///< the points' planes, reweighted by normal and height: keeps edges
 };
 
-/// The kinds by the names that users know.
+/// The kinds by the names on the command line.
 inline constexpr std::array<std::pair<std::string_view, SurfaceKind>, 3> kSurfaceKinds{{
     {"average", SurfaceKind::average},
     {"sphere", SurfaceKind::sphere},

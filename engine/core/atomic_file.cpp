@@ -33,7 +33,7 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
-  if (bytes.empty()) return;  // std::fwrite wants a place even for none
+  if (bytes.empty()) return;  // std::fwrite requires a valid pointer even for no bytes
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) throw FileError(target_, whyNotWritten(errno));
 }
 
@@ -80,8 +80,8 @@ std::filesystem::path AtomicFile::nameToKeep(const std::filesystem::path& target
   }
 }
 
-// The older file gets a second name, so that there is one under the first at any moment; a copy where the system allows
-// no second name.
+// The older file gets a second name (a hard link), so that a file of the first name exists at any moment. Copies the
+// file where the system does not support hard links.
 std::filesystem::path AtomicFile::keep() const {
   for (;;) {
     const std::filesystem::path name = nameToKeep(target_);
@@ -89,7 +89,7 @@ std::filesystem::path AtomicFile::keep() const {
     std::error_code error;
     std::filesystem::create_hard_link(target_, name, error);
     if (!error) return name;
-    if (error == std::errc::file_exists) continue;  // since then
+    if (error == std::errc::file_exists) continue;  // created since nameToKeep()
     std::filesystem::copy_file(target_, name, error);
     if (!error) return name;
     if (error == std::errc::file_exists) continue;

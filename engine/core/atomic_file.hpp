@@ -1,4 +1,4 @@
-// Output files appear under their name only when they are whole.
+// Output files appear under their name only when they are complete.
 #pragma once
 
 #include <cstdio>
@@ -10,9 +10,8 @@
 namespace palpate {
 
 /// Writes to a temporary file beside `target`; commit() makes it durable and renames it. If it is destroyed without a
-/// commit, the temporary file is removed and an older file of that name stays as it was. A link is followed, and an
-/// older file's permissions are kept. What is no ordinary file (a device, a pipe) is written to directly. Throws
-/// FileError.
+/// commit, the temporary file is removed and an older file of that name stays as it was. Links are followed, and an
+/// older file's permissions are kept. Devices and pipes are written to directly. Throws FileError.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path target);
@@ -23,11 +22,11 @@ class AtomicFile {
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
   void commit();
-  /// The same, but an older file stays: as NAME.bak, or as NAME.bak2 and so on where that is taken. Says as what; empty
-  /// where there was none. Where it cannot be kept nothing changes.
+  /// Commits, but keeps the older file: as NAME.bak, or as NAME.bak2 and so on where that name is taken. Returns the
+  /// name of the kept file; empty if there was no older file. If it cannot be kept, nothing changes.
   std::filesystem::path commitAndKeep();
 
-  /// What commitAndKeep() would call an older file now; empty where there is none.
+  /// The name that commitAndKeep() would give the older file now; empty if there is no older file.
   static std::filesystem::path nameToKeep(const std::filesystem::path& target);
 
  private:

@@ -9,21 +9,21 @@
 
 namespace palpate {
 
-/// One piece of work that is done again and again on a thread of its own. Starting it and waiting for it allocate
-/// nothing and take no lock, so that a real-time thread may do both: the work may be put aside at any moment without
-/// holding it up past its budget. Both are for one thread.
+/// Repeated work on its own thread. Starting it and waiting for it allocate nothing and take no lock, so that a
+/// real-time thread can do both: preempting the work at any moment cannot delay that thread past its budget. start()
+/// and finishedWithin() are called by the same thread.
 class BackgroundTask {
  public:
   explicit BackgroundTask(std::function<void()> work);
-  /// Waits for a run that is under way.
+  /// Waits for a run in progress.
   ~BackgroundTask();
   BackgroundTask(const BackgroundTask&) = delete;
   BackgroundTask& operator=(const BackgroundTask&) = delete;
 
-  /// Begins a run; the last one must have finished.
+  /// Starts a run; the previous run must have finished.
   void start();
-  /// Waits for the run that is under way, `budget_us` at most (0: as long as it takes). True when none is any more.
-  /// Throws, once, what the run threw.
+  /// Waits for the run in progress, at most `budget_us` (0: without limit). True when no run is in progress. Rethrows
+  /// an exception of the run once.
   bool finishedWithin(double budget_us);
 
  private:
@@ -31,9 +31,9 @@ class BackgroundTask {
 
   std::function<void()> work_;
   Semaphore begin_, end_;
-  bool running_ = false;  // as the thread that starts and waits knows it
+  bool running_ = false;  // as known by the thread that starts and waits
   std::atomic<bool> stop_ = false;
-  std::exception_ptr failure_;  // of the last run; between its end and the next begin for the one who waits
+  std::exception_ptr failure_;  // of the last run; read only between the end of a run and the next start
   std::jthread thread_;
 };
 

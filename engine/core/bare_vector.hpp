@@ -1,4 +1,4 @@
-// Arrays whose elements many threads are about to write.
+// Arrays whose elements are about to be written by many threads.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// Leaves elements that are made without a value as the memory was; large arrays are in large pages.
+/// Leaves default-constructed elements uninitialised; large arrays use large pages.
 template <class T>
 class BareAllocator {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -46,13 +46,13 @@ class BareAllocator {
   }
 
  private:
-  static constexpr std::size_t kLarge = 4 * kLargePage;  // where a page that is not full is no great loss
+  static constexpr std::size_t kLarge = 4 * kLargePage;  // above this a partly used large page is an acceptable loss
   static bool isLarge(std::size_t count) { return count >= kLarge / sizeof(T); }
 };
 
-/// As std::vector, but BareVector(count) and resize(count) write nothing, whatever T asks for: to write all of a large
-/// array on one thread first, and to fetch its memory from the system on that thread, takes longer than many threads
-/// need to fill it. Whoever makes one so writes every element before it is read.
+/// As std::vector, but BareVector(count) and resize(count) initialise nothing, for any T. Initialising a large
+/// array and allocating its pages on one thread takes longer than filling it with many threads. The caller writes every
+/// element before it is read.
 template <class T>
 using BareVector = std::vector<T, BareAllocator<T>>;
 

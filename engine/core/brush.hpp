@@ -7,15 +7,15 @@
 
 namespace palpate {
 
-/// What a brush does to the points that it reaches.
+/// The effect of a brush on the points within its reach.
 enum class BrushKind {
-  push,     ///< down to the underside of a ball (thesis section 5.2)
-  carve,    ///< takes points inside the brush away and closes the surface behind them
-  inflate,  ///< along their normals, outwards
-  smooth,   ///< towards the surface that their neighbours define
-  grab,     ///< along with the hand
-  paint,    ///< gives them a colour
-  flatten   ///< onto the plane of the surface as the stroke found it
+  push,     ///< moves points down to the underside of a ball (thesis section 5.2)
+  carve,    ///< removes the points inside the brush and closes the surface behind them
+  inflate,  ///< moves points along their normals, outwards
+  smooth,   ///< moves points towards the surface that their neighbours define
+  grab,     ///< moves points along with the hand
+  paint,    ///< changes the colour of points
+  flatten   ///< moves points onto the plane of the surface as the stroke found it
 };
 constexpr std::array<std::pair<std::string_view, BrushKind>, 7> kBrushKinds = {{{"push", BrushKind::push},
                                                                                 {"carve", BrushKind::carve},
@@ -25,30 +25,30 @@ constexpr std::array<std::pair<std::string_view, BrushKind>, 7> kBrushKinds = {{
                                                                                 {"paint", BrushKind::paint},
                                                                                 {"flatten", BrushKind::flatten}}};
 
-/// Whether a brush moves what is there, and does no more: it can change the shape in which a soft body rests, whose
-/// cells stay the same ones, so that none can be carved away, and whose colours are not its own.
+/// Whether a brush only moves existing points. Such a brush can change the rest shape of a soft body, whose cells stay
+/// the same: they cannot be carved away, and they have no colours of their own.
 constexpr bool changesShape(BrushKind kind) { return kind != BrushKind::carve && kind != BrushKind::paint; }
 
-/// A brush and its settings. Every brush acts only while the HIP stands deeper than `tau` behind the proxy and does not
-/// withdraw. Its tool is fixed to the hand, and stands upright on the surface as the stroke found it (BrushStroke).
-/// Push and carve work with a ball on a shaft as wide, whose tip stands tau before the HIP; the others about the place
-/// where the surface was found over the hand. Points of a side of the model that faces away stay as they are, but for
-/// carve.
+/// A brush and its settings. Every brush acts only while the HIP is deeper than `tau` behind the proxy and does not
+/// withdraw. Its tool is fixed to the hand and perpendicular to the surface as the stroke found it (BrushStroke). Push
+/// and carve use a ball with a shaft of the same width, whose tip is tau before the HIP; the other brushes act around
+/// the position where the surface was found over the hand. All brushes but carve leave points of a side of the model
+/// that faces away unchanged.
 struct BrushOptions {
   BrushKind kind = BrushKind::push;
-  double tau = 0;     ///< how deep the HIP may stand behind the proxy before the surface yields, model units
-  double beta = 0;    ///< push: share of the way to its target that a point goes in one tick, 0 to 1
-  double radius = 0;  ///< of its ball, model units
-  /// The others: how much of its effect a brush has in one tick, 0 to 1; but for carve, at the middle of the brush. The
-  /// whole effect is for carve the way to the brush, for smooth and flatten that to the surface and to the plane, for
-  /// grab the way of the hand since it took hold, up to two radii, for inflate a thousandth of the brush's radius until
-  /// the surface is raised by as much as the hand presses, for paint the colour.
+  double tau = 0;     ///< depth of the HIP behind the proxy from which the surface yields, model units
+  double beta = 0;    ///< push: share of the distance to its target that a point moves in one tick, 0 to 1
+  double radius = 0;  ///< of the brush's ball, model units
+  /// All but push: share of the full effect applied in one tick, 0 to 1; for all but carve, at the centre of the brush.
+  /// The full effect is, for carve, the path to the brush; for smooth and flatten, the path to the surface and to the
+  /// plane; for grab, the path of the hand since it took hold, up to two radii; for inflate, a thousandth of the
+  /// brush's radius until the surface is raised by as much as the hand presses; for paint, the colour.
   double strength = 0.5;
-  /// All but push and carve: how the effect falls off towards the rim, (1 - r^2)^falloff, r the distance in
-  /// brush radii; a whole number, so that every processor computes the same; 0 is a hard rim, kMaxFalloff the most.
+  /// All but push and carve: falloff of the effect towards the rim, (1 - r^2)^falloff, with r the distance in brush
+  /// radii. An integer, so that every processor computes the same result; 0 is a hard rim, kMaxFalloff the maximum.
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 4> color{255, 0, 0, 255};  ///< paint: RGBA, 0 to 255
-  bool keepsDensity = true;  ///< points are put in where the surface is stretched, and merge where it is crowded
+  bool keepsDensity = true;  ///< points are inserted where the surface is stretched and merged where it is crowded
 
   bool operator==(const BrushOptions&) const = default;
 };

@@ -13,35 +13,33 @@ namespace palpate {
 
 namespace {
 
-constexpr double kGap_s = 0.3;    // without contact, in one stroke
-constexpr double kTick_s = 1e-3;  // in which a brush has its share of the whole effect
-constexpr double kMaxTicks = 16;  // that one edit makes up for
-constexpr double kWithdrawing =
-    0.5;  // cosine between the motion of a hand and the way to its proxy, from which on it withdraws
-// Of the brush's radius: how far the tool goes on between two edits at most, and how far apart places of its way are
-// remembered. Less costs edits, more leaves ripples.
+constexpr double kGap_s = 0.3;        // longest time without contact within one stroke
+constexpr double kTick_s = 1e-3;      // the interval that a brush's strength and beta refer to
+constexpr double kMaxTicks = 16;      // maximum number of ticks that one edit makes up for
+constexpr double kWithdrawing = 0.5;  // cosine between motion and direction to the proxy above which a hand withdraws
+// In brush radii: the tool's longest and shortest step between two edits, and the spacing of the remembered positions
+// of its path. Lower values cost edits, higher ones leave ripples.
 constexpr double kLongestStep = 0.25, kShortestStep = 1.0 / 256, kWayStep = 1.0 / 16;
-// By how many powers of e what is left of a point's way shrinks while the tool comes over it.
+// Number of e-foldings by which a point's remaining distance shrinks while the tool passes over it.
 constexpr double kDecays = 1.5;
-// Of the brush's radius: a hand that yields nothing on its way and goes on further away has not meant what lies
-// between.
+// In brush radii: if the hand moves further than this without the surface yielding, the tool skips the path in between.
 constexpr double kJump = 0.5;
-constexpr double kShaftMargin = 0.25;  // of the brush's radius, over the surface as it was found
-constexpr double kMaxShaft = 2;        // radii of the brush
-// Radii of the brush: how far the ends of what the tool reaches are apart, but for the ball at each of them.
+constexpr double kShaftMargin = 0.25;  // in brush radii, over the surface as the stroke found it
+constexpr double kMaxShaft = 2;        // in brush radii
+// In brush radii: maximum distance of the ends of the tool's reach, without the ball at each end.
 constexpr double kMaxLength = 2.9;
-// Points in a ball as large as the brush's, so many of its radii over the hand, are asked how the surface lies; those
-// that were found no further from the hand than so many times its depth say so.
+// The surface is measured by the points in a ball of the brush's radius, kHeardOver radii over the hand, that the
+// stroke found no further from the hand than kHearing times its depth.
 constexpr double kHeardOver = 1.0 / 3, kHearing = 1.3;
-// Of the brush's radius: inflate hears no further than it must, since a wide piece of a bent surface lies lower than
-// its middle, by which the height counts.
+// In brush radii: inflate measures the smallest possible neighbourhood, since a wide piece of a curved surface lies
+// lower than its centre, and the height that counts is that of the centre.
 constexpr double kInflateHears = 0.5;
-constexpr double kMaxHeld = 1.9, kMaxHeldAside = 0.5;  // radii of the brush: how far grab takes what it holds
-constexpr double kMaxRaised = 0.9;  // of the brush's radius, or it would raise points out of its reach
-constexpr double kMinLength = 0.3;  // of a mean normal that says anything
+constexpr double kMaxHeld = 1.9, kMaxHeldAside = 0.5;  // in brush radii: how far grab moves the points it holds
+constexpr double kMaxRaised = 0.9;  // in brush radii; more would raise points out of the brush's reach
+constexpr double kMinLength = 0.3;  // shortest mean normal that is meaningful
 constexpr double kMaxMeasured = 8192;
 
-// Of the surface that a hand has met. Felt from behind, it is the hand's own side.
+// Outward direction of the surface that a hand touches. Touched from behind, it points to the hand's side.
 DVec3 outwardOf(const Contact& contact, const DVec3& spring) {
   const double length = glm::length(spring);
   const DVec3 springs = length > 0 ? spring / length : DVec3(0, 0, 1);
@@ -150,7 +148,7 @@ void BrushStroke::feel(const Contact& contact, const DVec3& hip, const DVec3& sp
   if (!sculpts || (!holds && wasLifted)) open_ = false;
   const Place place{.hip = hip, .jumps = !acts_, .outward = outwardOf(contact, spring), .found = hip + spring};
   if (yields && !isGoingOn()) begin(place);
-  // Towards the proxy, which trails behind a hand that goes sideways.
+  // Withdraws: moves towards the proxy. A hand that moves sideways does not, although the proxy trails behind it.
   const bool withdraws = brush_.kind != BrushKind::grab && motion != DVec3(0) &&
                          glm::dot(motion, spring) > kWithdrawing * glm::length(motion) * glm::length(spring);
   acts_ = open_ && (holds || yields) && !withdraws;
@@ -173,7 +171,7 @@ void BrushStroke::goOnTo(const Place& place) {
   const auto hipAt = [&](std::size_t back) { return wayCount_ < back ? place_ : at(wayCount_ - back).hip; };
   const bool isFar = std::exchange(isLifted_, false) || glm::distance(hipAt(1), place.hip) > kJump * brush_.radius;
   const bool jumps = place.jumps && brush_.kind != BrushKind::grab && isFar;
-  // The last place is the hand's own, as long as it is near the one before.
+  // The last position follows the hand as long as it is near the position before it.
   if (!jumps && wayCount_ > 0 && glm::distance(hipAt(2), place.hip) < kWayStep * brush_.radius) {
     at(wayCount_ - 1).hip = place.hip;
     return;
@@ -186,7 +184,7 @@ void BrushStroke::goOnTo(const Place& place) {
   at(wayCount_++).jumps = jumps;
 }
 
-// A tool that passes over a point must leave it the time to yield, which goes a share of its way in each edit.
+// A tool that passes over a point must leave it the time to yield: each edit moves the point a share of its path.
 double BrushStroke::longestStep(double share) const {
   const double radius = brush_.radius, depth = std::max(found() - brush_.tau, 0.1 * radius);
   const double low = std::min(depth, radius), halfWidth = std::sqrt(radius * radius - (radius - low) * (radius - low));
@@ -201,7 +199,7 @@ void BrushStroke::advance(double most) {
     const Place& to = way_[wayFirst_];
     const double length = glm::distance(place_, to.hip);
     if (to.jumps) {
-      if (moved) return;  // with the next edit
+      if (moved) return;  // the jump is left to the next edit
       outward_ = to.outward;
       foundAt_ = to.found;
     } else if (length > most) {
@@ -237,7 +235,7 @@ const BrushStroke::Tool& BrushStroke::next(double time_s) {
   return tool_;
 }
 
-// Sideways no further than the surface can follow without being folded over.
+// Limited sideways to the distance that the surface can follow without folding over.
 DVec3 BrushStroke::held() const {
   const DVec3 way = place_ - heldFrom_;
   const double along = glm::dot(way, outward_);
@@ -264,7 +262,7 @@ void BrushStroke::placeTool() {
     tool_.reach = radius + 0.5 * glm::length(tool_.motion);
     return;
   }
-  // All that it reaches lies along its axis, over the hand.
+  // The tool's reach lies along its axis, over the hand.
   const double heard = kHeardOver * radius;
   double first = height;
   if (brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve) {
@@ -288,7 +286,7 @@ void BrushStroke::note(const SurfaceMeasure& measure) {
   const DVec3 mean = DVec3(asSigned(measure.normals[0]), asSigned(measure.normals[1]), asSigned(measure.normals[2])) /
                      (weights * normalSteps());
   const double height = asSigned(measure.heights) / (weights * static_cast<double>(shared::kHeightSteps));
-  // More than can be: the sums have run over.
+  // Implausible sums have wrapped around.
   const double length = glm::length(mean);
   if (!(length > kMinLength && length < 1.01 && std::abs(height) <= static_cast<double>(shared::kMaxHeight))) return;
   foundAt_ = tool_.hand + height * brush_.radius * tool_.outward;

@@ -1,4 +1,4 @@
-// Where the tool is while a hand sculpts: the same for every back end, in double precision.
+// Position of the tool while a hand sculpts: the same for every back end, in double precision.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// Sums over the points that a tool measures, of shaders/shared/brush.h. Whole numbers that may run over: what an edit
-/// adds is their difference.
+/// Sums over the points that a tool measures (shaders/shared/brush.h). The integers may wrap around: the sums of one
+/// edit are the difference of two measures.
 struct SurfaceMeasure {
   std::uint32_t weights = 0;
   std::array<std::uint32_t, 3> normals{};
@@ -22,12 +22,12 @@ struct SurfaceMeasure {
   friend SurfaceMeasure operator-(const SurfaceMeasure& a, const SurfaceMeasure& b);
 };
 
-/// One stroke after another. The tool is fixed to the hand: it follows the way of the HIP, no faster than the points
-/// can yield, and goes on when the hand has left until it has gone all of it, so that the result does not depend on how
-/// many edits a machine gets done. Its axis is the normal of the surface as the stroke found it, averaged over the
-/// brush: never the way from HIP to proxy, since in a drag the proxy trails. While a hand withdraws nothing yields, but
-/// to grab. One press of the button is a stroke, or one contact of a hand that always sculpts, with gaps of up to 0.3
-/// s. Places are relative to the cloud's origin, model units. Allocates nothing.
+/// Consecutive strokes. The tool is fixed to the hand: it follows the path of the HIP, no faster than the points can
+/// yield, and completes that path after the hand has left, so that the result does not depend on how many edits a
+/// machine carries out. Its axis is the normal of the surface as the stroke found it, averaged over the brush; the
+/// direction from HIP to proxy is not used, since the proxy trails in a drag. While the hand withdraws, only grab acts.
+/// A stroke is one press of the button, or one contact of a hand that always sculpts, with gaps of up to 0.3 s.
+/// Positions are relative to the cloud's origin, in model units. Allocates nothing.
 class BrushStroke {
  public:
   using Tool = shared::BrushToolOf<double>;
@@ -35,27 +35,28 @@ class BrushStroke {
   /// `support`: support radius, model units.
   explicit BrushStroke(double support) : support_(support) {}
 
-  /// Another brush from now on. Ends the stroke.
+  /// Replaces the brush. Ends the stroke.
   void setBrush(const BrushOptions& brush);
-  /// An answer to a pose, whose HIP is at `hip`; the contact's proxy is `spring` from there. In order of time.
+  /// Processes the answer to a pose with its HIP at `hip`; the contact's proxy is at hip + spring. Called in order of
+  /// time.
   void feel(const Contact& contact, const DVec3& hip, const DVec3& spring, bool sculpts, double time_s);
-  /// Whether something of the way is left that the hand has gone.
+  /// Whether a part of the hand's path remains.
   bool hasWay() const { return wayCount_ > 0; }
-  /// The stroke goes no further: what is left of its way is forgotten.
+  /// Ends the stroke: the remaining path is dropped.
   void end();
-  /// The hand is put down elsewhere: the tool does not go through what lies between. What is left of its way is still
-  /// gone.
+  /// The hand is put down elsewhere: the tool skips the path in between. The remaining path before it is still
+  /// followed.
   void lift();
 
-  /// Whether a stroke is going on, or something of its way is left.
+  /// Whether a stroke is in progress or a part of its path remains.
   bool isGoingOn() const { return open_ || hasWay(); }
-  /// Whether an edit with next() would do anything.
+  /// Whether an edit with next() would have an effect.
   bool acts() const { return acts_ || hasWay(); }
-  /// Takes the tool on along its way, for an edit at `time_s`. Where nothing acts the tool does not either.
+  /// Moves the tool along its path, for an edit at `time_s`. The tool acts only if this stroke acts.
   const Tool& next(double time_s);
-  /// The tool of the last next().
+  /// The tool that the last next() returned.
   const Tool& tool() const { return tool_; }
-  /// What the edit with that tool has measured.
+  /// Takes in the measure of the edit with that tool.
   void note(const SurfaceMeasure& measure);
 
   std::uint32_t number() const { return number_; }
@@ -64,9 +65,9 @@ class BrushStroke {
   static constexpr std::size_t kMaxWay = 1024;
   struct Place {
     DVec3 hip{0};
-    bool jumps = false;  // nothing yielded on the way here, and then
-    DVec3 outward{0};    // the surface lies so,
-    DVec3 found{0};      // and here
+    bool jumps = false;  // the surface did not yield on the path to here; outward and found then apply
+    DVec3 outward{0};    // outward direction of the surface here
+    DVec3 found{0};      // position of the surface here
   };
 
   void begin(const Place& place);
@@ -83,22 +84,22 @@ class BrushStroke {
   std::uint32_t number_ = 0;
   bool open_ = false, acts_ = false, knowsLast_ = false, touched_ = false, isLifted_ = false;
   double lastTouch_s_ = 0, lastEdit_s_ = 0;
-  bool edited_ = false;            // in this stroke
-  DVec3 lastHip_{0};               // of the last answer
-  DVec3 outward_{0, 0, 1};         // of the surface as the stroke found it
-  DVec3 foundAt_{0};               // a place of it
-  DVec3 place_{0};                 // of the hand, where the tool has come to
-  DVec3 heldAt_{0}, heldFrom_{0};  // grab: where the surface was that it holds, and the hand
-  // What is left of the way, a ring.
+  bool edited_ = false;            // whether this stroke has edited
+  DVec3 lastHip_{0};               // HIP of the last answer
+  DVec3 outward_{0, 0, 1};         // outward normal of the surface as the stroke found it
+  DVec3 foundAt_{0};               // a position on that surface
+  DVec3 place_{0};                 // position of the hand that the tool has reached
+  DVec3 heldAt_{0}, heldFrom_{0};  // grab: position of the held surface and of the hand at the start
+  // Remaining path, a ring buffer.
   std::array<Place, kMaxWay> way_;
   std::size_t wayFirst_ = 0, wayCount_ = 0;
   Tool tool_{};
 };
 
-/// A brush in double precision, as the formulas read it. `support`: support radius, model units. Checks the ranges of
+/// A brush in double precision, as the formulas use it. `support`: support radius, model units. Checks the ranges of
 /// its options.
 shared::BrushOf<double> brushOf(const BrushOptions& options, double support);
-/// The same, and the tool, as shaders read them.
+/// The brush, and the tool, as shaders read them.
 shared::Brush sharedBrush(const BrushOptions& options, double support);
 shared::BrushTool sharedTool(const BrushStroke::Tool& tool);
 

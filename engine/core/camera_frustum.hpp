@@ -1,4 +1,4 @@
-// What a picture saw of the world, for whoever shows where it was taken.
+// The field of view of a picture, to show where it was taken.
 #pragma once
 
 #include <array>
@@ -7,19 +7,18 @@
 
 namespace palpate {
 
-/// The pyramid before a pinhole camera, in the coordinates of the file that names it.
+/// The pyramid in front of a pinhole camera, in the coordinates of the file that names it.
 struct CameraFrustum {
   DVec3 centre{0};
-  /// From the centre to the corners of the picture, where that lies one unit before it: upper left, upper right, lower
-  /// right, lower left.
+  /// From the centre to the corners of the picture at unit distance: upper left, upper right, lower right, lower left.
   std::array<DVec3, 4> corners{};
 
   bool operator==(const CameraFrustum&) const = default;
 };
 
-/// Of a depth camera; metres.
+/// Frustum of a depth camera, metres.
 inline CameraFrustum frustumOf(const DepthCamera& camera, const CameraPose& pose) {
-  // The middle of the first pixel is at (0, 0), so that the picture begins half a pixel before it.
+  // The middle of the first pixel is at (0, 0), so the picture begins half a pixel before it.
   const double left = -0.5, top = -0.5, right = camera.width - 0.5, bottom = camera.height - 0.5;
   const auto corner = [&](double column, double row) { return pose.turn * camera.placeAt(column, row, 1); };
   return {.centre = pose.centre,

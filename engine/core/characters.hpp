@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// The characters of a text in UTF-8; what is no UTF-8 is U+FFFD, byte by byte.
+/// The characters of a UTF-8 text; each byte that is not valid UTF-8 becomes U+FFFD.
 std::vector<char32_t> charactersOf(std::string_view text);
 
 }  // namespace palpate

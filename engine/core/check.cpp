@@ -1,4 +1,4 @@
-// Alone in its file: the library links another definition in its place.
+// Alone in its file, because the library links another definition instead.
 #include "engine/core/check.hpp"
 
 #include <cstdio>

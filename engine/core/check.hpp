@@ -1,12 +1,12 @@
-// Checks for bugs of ours: a broken invariant prints the operands and stops the program; in the library, whose host
-// goes on, it is an exception (haptics/library/bug.cpp).
+// Checks for our own bugs: a broken invariant prints the operands and stops the program. In the library, whose host
+// program continues, it is an exception (haptics/library/bug.cpp).
 #pragma once
 
 #include <fmt/format.h>
 
 namespace palpate {
 
-/// Stops the program. What is linked as a library has a definition of its own in place of that of check.cpp.
+/// Stops the program. The library replaces the definition in check.cpp by its own.
 [[noreturn]] void stopOnBug(const char* file, int line, const char* what, const std::string& operands);
 
 }  // namespace palpate

@@ -6,11 +6,11 @@
 
 namespace palpate {
 
-/// A 64-bit number that tells data from other data: after FNV-1a (Fowler, Noll, Vo), taken eight bytes at a time, each
-/// step folded so that high bits reach low ones. It guards against accidents, not against malice.
+/// A 64-bit hash to distinguish data, after FNV-1a (Fowler, Noll, Vo), taken eight bytes at a time, each step folded so
+/// that high bits reach low ones. It protects against accidents, not against malice.
 class Checksum {
  public:
-  /// Adding in pieces is not the same as adding at once, unless all pieces but the last are multiples of eight bytes.
+  /// Adding in pieces differs from adding at once, unless all pieces but the last are multiples of eight bytes long.
   void add(std::span<const std::byte> bytes) {
     std::size_t at = 0;
     for (; at + sizeof(std::uint64_t) <= bytes.size(); at += sizeof(std::uint64_t)) {

@@ -9,31 +9,32 @@
 
 namespace palpate {
 
-/// So long at most points that move go on with their velocities, where their source says nothing else.
+/// Default limit of extrapolation: moving points continue with their velocities for at most this long.
 constexpr double kMaxPointsAge_s = 0.05;
 
-/// When points that move are where they are. From then on they go on with their velocities, for so long at most; after
-/// that they stand still, as they do before they begin to come there.
+/// The time for which the positions of moving points are true. Afterwards points continue with their velocities for at
+/// most goOn_s; before it they approach these positions for comes_s. Outside these intervals they stand still.
 struct PointsTime {
   double true_s = 0;
   double goOn_s = kMaxPointsAge_s;
-  double comes_s = 0;  ///< so long they come there with their velocities
+  double comes_s = 0;  ///< for this long before true_s, points approach with their velocities
 };
 
-/// Where the points of a cloud are at one time. It may have fewer points than the cloud has ids: the others are not
-/// there.
+/// Positions of a cloud's points at one time. It may contain fewer points than the cloud has ids: the other points are
+/// absent.
 struct CloudFrame {
-  double time_s = 0;                ///< that it is true for, or from which on its points come there
+  double time_s = 0;  ///< time for which the positions are true, or at which points start to approach them
   double goOn_s = kMaxPointsAge_s;  ///< PointsTime::goOn_s
   double comes_s = 0;               ///< PointsTime::comes_s
   std::vector<Vec3> positions;      ///< model units, relative to the cloud's origin
   std::vector<Vec3> normals;        ///< unit
-  std::vector<Vec3> velocities;     ///< model units per second; empty where they are not known
-  bool slides = true;               ///< velocities say how a surface goes along itself, too; false: only how across
-  /// Of the normals, a second, as shaders/shared/motion.h turns them; empty where they stay, or nobody knows.
+  std::vector<Vec3> velocities;     ///< model units per second; empty where unknown
+  bool slides = true;               ///< velocities include motion along the surface; false: only across it
+  /// Change of the normals per second, as shaders/shared/motion.h applies it; empty where normals stay or the change is
+  /// unknown.
   std::vector<Vec3> turns;
-  std::vector<std::array<std::uint8_t, 3>> colors;  ///< empty where points keep theirs
-  std::vector<std::uint32_t> ids;  ///< of the points, ascending; empty where each one's is its place here
+  std::vector<std::array<std::uint8_t, 3>> colors;  ///< empty where points keep their colours
+  std::vector<std::uint32_t> ids;  ///< ids of the points, ascending; empty where each id is the index here
 
   std::size_t size() const { return positions.size(); }
   PointsTime time() const { return {.true_s = time_s + comes_s, .goOn_s = goOn_s, .comes_s = comes_s}; }

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-// A console understands control sequences once it is told to; one that cannot is treated as a file.
+// A console understands control sequences once that mode is enabled; one that does not support it is treated as a file.
 bool isErrorConsole() noexcept {
   const HANDLE console = ::GetStdHandle(STD_ERROR_HANDLE);
   DWORD mode = 0;

@@ -1,5 +1,5 @@
-// The seam between the servo loop, which knows no GPU, and whatever answers its question: "the stylus is here; where is
-// the surface?"
+// The seam between the servo loop, which knows no GPU, and the back end that answers its query: "the stylus is here;
+// where is the surface?"
 #pragma once
 
 #include <algorithm>
@@ -14,85 +14,84 @@
 
 namespace palpate {
 
-/// Hands that touch one cloud at the same time, at most.
+/// Maximum number of hands that touch one cloud at the same time.
 inline constexpr std::size_t kMaxHands = 8;
 
-/// Sizes of the force that an answer asked for and of that which the hand got, after all limits: all of it, where
-/// nobody says otherwise.
+/// Magnitudes of the requested force and of the force that the hand received after all limits. By default the full
+/// force was received.
 struct FeltForce {
   double asked_N = 1, got_N = 1;
 
-  /// Of a force that was already held to `most_N`; nothing where none was asked for.
+  /// Share that was received of a force limited to `most_N`; zero if no force was requested.
   double share(double most_N = std::numeric_limits<double>::infinity()) const {
     const double asked = std::min(asked_N, most_N);
     return asked > 0 ? std::min(1.0, got_N / asked) : 0;
   }
 };
 
-/// Where a hand is, in model units, and when.
+/// Position of a hand, in model units, and its time.
 struct Pose {
   double time_s = 0;
   DVec3 hip{0};  ///< haptic interface point
-  /// The hand means to change what it touches, where there is a tool. Otherwise it only feels.
+  /// Whether the hand sculpts what it touches, if there is a tool. Otherwise it only feels.
   bool sculpts = true;
-  DQuat turn{1, 0, 0, 0};  ///< of the tool's frame against the model's; only a tool of many points asks for it
-  /// At the last tick. What simulates counts the hand's work by it, and nothing else depends on it.
+  DQuat turn{1, 0, 0, 0};  ///< rotation from the tool's to the model's frame; used only by tools of many points
+  /// Force at the last tick. Only simulations use it, to account for the hand's work.
   FeltForce felt;
 };
 
-/// What the surface answers to one pose. Positions in model units.
+/// The answer to one pose. Positions in model units.
 struct Contact {
   DVec3 proxy{0};   ///< surface contact point; equals the HIP when there is no contact
-  DVec3 normal{0};  ///< unit, outward, at the proxy; zero where no surface was in reach
+  DVec3 normal{0};  ///< unit, outward, at the proxy; zero if no surface was in reach
   bool touching = false;
   bool fresh = false;            ///< from this tick's own query
   bool valid = false;            ///< false: a fault; the force must be zero
-  bool lost = false;             ///< and there will never be a valid answer again
-  bool isWithin = false;         ///< nothing is touched, though the HIP has not come out in front of the surface
+  bool lost = false;             ///< the back end cannot give a valid answer any more
+  bool isWithin = false;         ///< nothing is touched, but the HIP has not returned to the front of the surface yet
   std::uint32_t neighbours = 0;  ///< points within the support radius of the proxy (of the HIP when free)
-  double gpu_us = 0;             ///< time on the GPU; 0 where it was not measured
-  DVec3 velocity{0};             ///< of the surface there, model units per second; zero where points stand still
-  double dataTime_s = -1;        ///< of the pose that an answer which is not fresh was made from; negative: not known
-  /// On the hand, N, where it is known as such, as in matter that is simulated; otherwise a spring between HIP and
-  /// proxy says it.
+  double gpu_us = 0;             ///< time on the GPU; 0 if it was not measured
+  DVec3 velocity{0};  ///< velocity of the surface at the proxy, model units per second; zero where points stand still
+  double dataTime_s = -1;  ///< time of the pose from which an answer that is not fresh was made; negative: unknown
+  /// Force on the hand, N, where it is known directly, as in simulated matter; otherwise the spring between HIP and
+  /// proxy gives the force.
   std::optional<DVec3> force_N;
-  DVec3 torque_mNm{0};  ///< on the hand about the proxy, beside such a force
+  DVec3 torque_mNm{0};  ///< torque on the hand about the proxy, in addition to such a force
 };
 
-/// What the surface answers to one point of a tool (ToolShape).
+/// The answer to one point of a tool (ToolShape).
 struct PointContact {
-  DVec3 hip{0};      ///< where the point itself is
+  DVec3 hip{0};      ///< position of the point itself
   double share = 0;  ///< of the tool's stiffness and damping
   Contact contact;
 };
 
-/// Answers poses in order. A hand is a group of probes: its HIP, and the points of its tool, where it has many. All
-/// hands are answered at once, from the same state of the surface; the first one may change it, the others only feel.
+/// Answers poses in order. A hand is a group of probes: its HIP, and the points of its tool if it has several. All
+/// hands are answered at once, from the same state of the surface; only the first hand may change it.
 class ContactQuery {
  public:
   virtual ~ContactQuery() = default;
-  /// How many hands there are; always as many.
+  /// Number of hands; constant.
   virtual std::size_t hands() const noexcept { return 1; }
-  /// One pose for each hand, all of the same time, and as many answers, which stand until the next call. Never blocks
-  /// past `budget_us` (0: as long as it takes, for virtual time), throws nothing, and says valid = false on any fault.
+  /// Takes one pose for each hand, all of the same time. The answers are valid until the next call. Never blocks past
+  /// `budget_us` (0: no limit, for virtual time), throws nothing, and sets valid = false on any fault.
   virtual std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept = 0;
-  /// The same where there is one hand.
+  /// The same for a single hand.
   Contact query(const Pose& pose, double budget_us) noexcept { return ask({&pose, 1}, budget_us).front(); }
-  /// The force of the last answer is out: now is the time for what need not come before it, and for what makes the next
-  /// answer come sooner. Never blocks for long.
+  /// Called after the force of the last answer has been sent. Does deferred work and prepares the next answer. Never
+  /// blocks for long.
   virtual void prepare() noexcept {}
-  /// The last answer to a hand point by point, where its tool has many; always as many. The answer as a whole then
-  /// stands for them: its proxy is the HIP and the sum of the ways from the points to their proxies, each times its
-  /// share, so that a spring from the HIP to it has the force of all their springs; its normal is their mean by force;
-  /// it touches when one of them does, is fresh and valid when all are, and its neighbours are the most that one of
-  /// them has.
+  /// The last answer to a hand for each point of its tool, if it has several; their number is constant. The combined
+  /// answer: its proxy is the HIP plus the sum of the displacements from the points to their proxies, each times its
+  /// share, so that a spring from the HIP to it has the force of all their springs. Its normal is their mean weighted
+  /// by force. It touches if any point touches, and is fresh and valid if all are. Its neighbours are the maximum over
+  /// the points.
   virtual std::span<const PointContact> points(std::size_t /*hand*/) const noexcept { return {}; }
-  /// The hand was lifted and is put down elsewhere with the next pose: there was no motion in between, and it touches
-  /// nothing.
+  /// The hand was lifted and is put down elsewhere with the next pose: it did not move in between and touches nothing.
   virtual void resetHand(std::size_t /*hand*/) noexcept {}
 };
 
-/// Who answers one hand alone.
+/// Base of queries for a single hand.
 class OneHandQuery : public ContactQuery {
  public:
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept final {

@@ -1,5 +1,5 @@
-// What depth cameras and scanners see, frame by frame, live or recorded: the seam between whoever reads it and whoever
-// makes points of it.
+// Frames of depth cameras and scanners, live or recorded: the seam between their readers and the code that makes points
+// of them.
 #pragma once
 
 #include <array>
@@ -20,15 +20,15 @@ struct DepthCamera {
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
 
   bool operator==(const DepthCamera&) const = default;
-  /// The place that is seen by a pixel at a depth along z, in that depth's unit.
+  /// The position seen by a pixel at a depth along z, in that depth's unit.
   DVec3 placeAt(double column, double row, double depth) const {
     return {(column - cx) / fx * depth, (row - cy) / fy * depth, depth};
   }
-  /// The pixel that sees a place in front of the camera: column and row.
+  /// The pixel, as column and row, that sees a position in front of the camera.
   DVec2 pixelOf(const DVec3& place) const { return {fx * place.x / place.z + cx, fy * place.y / place.z + cy}; }
 };
 
-/// Where a camera stands in the world, metres.
+/// Pose of a camera in the world, metres.
 struct CameraPose {
   DQuat turn{1, 0, 0, 0};  ///< unit; from the camera's axes to the world's
   DVec3 centre{0};
@@ -37,7 +37,7 @@ struct CameraPose {
   DVec3 toCamera(const DVec3& place) const { return glm::conjugate(turn) * (place - centre); }
 };
 
-/// The same, for the many places of a frame.
+/// The same with precomputed axes, for the many positions of a frame.
 class CameraAxes {
  public:
   explicit CameraAxes(const CameraPose& pose)
@@ -59,49 +59,49 @@ class CameraAxes {
   DVec3 right_, down_, ahead_, centre_;
 };
 
-/// What a sensor saw that sends points, and no picture of depth.
+/// Data of a sensor that sends points instead of a depth image.
 struct SensedPoints {
   std::vector<DVec3> places;  ///< in the world of the stream, metres
-  std::vector<Vec3> normals;  ///< unit, of each
-  /// Of a sensor whose rays lie in rows: how many a row has, and the ray of each place, row by row, ascending. None:
-  /// nothing is known of rays.
+  std::vector<Vec3> normals;  ///< unit, one for each position
+  /// For a sensor whose rays lie in rows: the rays per row, and the ray of each position, row by row, ascending. Empty:
+  /// the rays are unknown.
   std::uint32_t rowLength = 0;
   std::vector<std::uint32_t> rays;
 };
 
-/// What a depth camera saw at one time.
+/// Data of a depth camera at one time.
 struct DepthFrame {
-  double time_s = 0;           ///< since the stream began
-  std::uint64_t number = 0;    ///< of all frames that the stream has had, from 0; a frame that was lost has one, too
-  std::vector<float> depth_m;  ///< along z, row by row; 0 where none was measured
-  std::vector<std::array<std::uint8_t, 3>> colors;  ///< of the same pixels; empty where there are none
-  std::optional<CameraPose> pose;                   ///< where it is known
-  std::optional<SensedPoints> points;               ///< in place of depths; colours are theirs, then
+  double time_s = 0;                                ///< since the stream began
+  std::uint64_t number = 0;                         ///< counts all frames of the stream from 0, lost frames included
+  std::vector<float> depth_m;                       ///< along z, row by row; 0 where no depth was measured
+  std::vector<std::array<std::uint8_t, 3>> colors;  ///< of the same pixels; empty if there are no colours
+  std::optional<CameraPose> pose;                   ///< if known
+  std::optional<SensedPoints> points;               ///< instead of depths; colours then belong to these points
 };
 
-/// Frames in the order of their times. For one thread at a time.
+/// Frames in the order of their times. Used by one thread at a time.
 class DepthStream {
  public:
   virtual ~DepthStream() = default;
 
-  /// Of a sensor that sends points: as wide as a frame may have some, and one pixel high.
+  /// For a sensor that sends points: the width is the maximum number of points in a frame, the height one pixel.
   virtual const DepthCamera& camera() const = 0;
-  /// The next frame, into memory that is used again; waits where it is still to come. False after the last one, and
-  /// once stop() was called. Throws Error, with file and place, for a frame that cannot be read: it counts as lost, and
-  /// the next call goes on with the one behind it.
+  /// Reads the next frame into reused memory; waits for it if it has not arrived. False after the last frame and once
+  /// stop() was called. Throws Error, with file and position, for a frame that cannot be read: it counts as lost, and
+  /// the next call continues with the frame after it.
   virtual bool next(DepthFrame& frame) = 0;
-  /// Ends a next() that waits, and all that come. From any thread.
+  /// Ends a waiting next() and all later ones. From any thread.
   virtual void stop() noexcept {}
-  /// Whether all of it is there already, so that it can begin again; otherwise it comes as it is seen.
+  /// Whether the stream is complete, so that it can be rewound; otherwise it is live.
   virtual bool isRecorded() const = 0;
-  /// Live: so long its last frame is taken for what is there while no other comes; then nothing is.
+  /// Live: the time for which its last frame is valid while no other arrives; afterwards there are no points.
   virtual double staysTrue_s() const { return std::numeric_limits<double>::infinity(); }
-  /// Recorded: from the first frame again.
+  /// Recorded: restarts with the first frame.
   virtual void rewind() = 0;
-  /// Recorded: passes over frames, unread, so that the next one is the last of those up to that time, or stays the next
-  /// one; how many there were.
+  /// Recorded: skips frames without reading them, so that the next frame is the last one up to that time, or remains
+  /// the next one. Returns the number of skipped frames.
   virtual std::uint64_t skipTo(double) { return 0; }
-  /// Recorded: frames in all, lost ones included, and the time of the last one.
+  /// Recorded: number of frames, lost ones included, and the time of the last one.
   virtual std::uint64_t frames() const { return 0; }
   virtual double duration_s() const { return 0; }
 };

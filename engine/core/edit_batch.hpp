@@ -7,13 +7,13 @@
 
 namespace palpate {
 
-/// Where one thing that was done to the points ends: the states since the mark before belong to it.
+/// End of one action on the points: the states since the previous mark belong to it.
 struct EditMark {
   enum class Kind : std::uint8_t {
-    stroke,   ///< what a brush did from its first edit in a contact until the contact was lost
-    change,   ///< one call of TouchBackend::change(), which is no stroke
-    part,     ///< what a brush has done so far in a stroke that goes on behind what was received
-    received  ///< one call of TouchBackend::offer(), which is no stroke and ends none
+    stroke,   ///< all edits of a brush from the first in a contact until the contact was lost
+    change,   ///< one call of TouchBackend::change(), not a stroke
+    part,     ///< edits so far of a stroke that continues after received changes
+    received  ///< one call of TouchBackend::offer(), neither a stroke nor the end of one
   };
   std::uint64_t at = 0;  ///< number of states before it, in its batch
   Kind kind = Kind::stroke;
@@ -21,9 +21,9 @@ struct EditMark {
   bool operator==(const EditMark&) const = default;
 };
 
-/// A stretch of all that was done to a cloud's points: setting them to these states, front to back, gives the cloud as
-/// it then was. The states of one tick name each point once. States behind the last mark belong to a stroke that goes
-/// on in the next batch.
+/// A section of a cloud's edit history: setting the points to these states, in order, gives the cloud as it was then.
+/// The states of one tick name each point once. States after the last mark belong to a stroke that continues in the
+/// next batch.
 struct EditBatch {
   std::vector<PointState> points;
   std::vector<EditMark> marks;  ///< in order

@@ -4,12 +4,13 @@
 
 namespace palpate {
 
-/// Follows what is done to the points: a picture of them, those who share them, or whoever collects it.
+/// Follows the edits of the points: a picture of them, the sharing of a session, or a recording.
 class EditFollower {
  public:
   virtual ~EditFollower() = default;
-  /// Takes in what has been done, in order. `batch`: all since the last call, where there is a journal; one that has a
-  /// way of its own to the back end needs none. On the thread of a session that takes edits in, one call at a time.
+  /// Applies the edits, in order. `batch`: all edits since the last call, if there is a journal; a follower with its
+  /// own connection to the back end needs none. Called on the thread of the session that takes edits, one call at a
+  /// time.
   virtual void catchUp(const EditBatch& batch) = 0;
 };
 

@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-/// Hands edits that are made on the CPU from whoever makes them to one reader. The reader holds the lock only while it
-/// swaps two vectors. Until keep() is called nothing is kept.
+/// Passes edits made on the CPU to one reader. The reader holds the lock only while it swaps two vectors. Edits are
+/// kept only after keep() was called.
 class EditQueue {
  public:
   void keep() {
@@ -19,8 +19,8 @@ class EditQueue {
     kept_ = true;
   }
 
-  /// Appends state(0) to state(count - 1) and, where one is given, the mark that ends them; no reader ever sees the
-  /// former without the latter.
+  /// Appends state(0) to state(count - 1) and, if given, the mark that ends them; a reader never sees the states
+  /// without the mark.
   template <class State>
   void append(std::size_t count, State&& state, std::optional<EditMark::Kind> end = std::nullopt) {
     const std::scoped_lock hold(lock_);
@@ -28,7 +28,7 @@ class EditQueue {
     for (std::size_t i = 0; i < count; ++i) pending_.points.push_back(state(i));
     if (end) pending_.marks.push_back({pending_.points.size(), *end});
   }
-  /// A mark behind all that is there.
+  /// Appends a mark after all states so far.
   void mark(EditMark::Kind kind) {
     append(
         0, [](std::size_t) { return PointState(); }, kind);
@@ -47,12 +47,12 @@ class EditQueue {
   }
 
  private:
-  static constexpr std::size_t kMarksWithoutAllocation = 1024;  // the thread that answers poses ends strokes
+  static constexpr std::size_t kMarksWithoutAllocation = 1024;  // the thread that answers poses appends marks
 
   PriorityMutex lock_;
   EditBatch pending_;
   bool kept_ = false;
-  EditBatch taken_;  // the reader's; its capacity goes back at the next swap
+  EditBatch taken_;  // of the reader; its capacity returns at the next swap
 };
 
 }  // namespace palpate

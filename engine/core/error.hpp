@@ -1,5 +1,5 @@
-// Errors that are the user's or the machine's fault. They are thrown where they are found, carry what happened, where,
-// and what to do, and are caught once, in main(). A bug of ours stops in check.hpp instead.
+// Errors caused by the user or the machine. They are thrown where they are found, state what happened, where, and what
+// to do, and are caught once, in main(). Our own bugs stop in check.hpp instead.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// Could not do what was asked: exit code 1. The text reads "where: what; what to do".
+/// A request could not be carried out: exit code 1. The text reads "where: what; what to do".
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -27,7 +27,7 @@ class UsageError : public Error {
   using Error::Error;
 };
 
-/// A GPU that there is not, that cannot do what is needed, or that failed.
+/// A GPU that does not exist, lacks a required feature, or failed.
 class GpuError : public Error {
  public:
   using Error::Error;
@@ -46,7 +46,7 @@ class FileError : public Error {
   }
 
   const std::filesystem::path& file() const { return file_; }
-  std::uint64_t line() const { return line_; }  ///< 0 where no line is known
+  std::uint64_t line() const { return line_; }  ///< 0 if unknown
 
  private:
   FileError(const std::filesystem::path& file, std::uint64_t line, const std::string& text)

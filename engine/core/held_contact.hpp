@@ -6,16 +6,16 @@
 
 namespace palpate {
 
-/// The tangent plane of an answer is good for the first time without loss, and says nothing about where the surface is
-/// after the second.
+/// Up to the first age the tangent plane of an answer is used at full stiffness; after the second it says nothing about
+/// the surface.
 constexpr double kStale_s = 0.005, kStalest_s = 0.02;
 
-/// What is left of a force at an age: all of it up to `from_s`, then ever less, nothing from `to_s` on.
+/// Share of a force at an age: one up to `from_s`, then falling linearly to zero at `to_s`.
 inline double shareLeft(double age_s, double from_s, double to_s) {
   return std::clamp((to_s - age_s) / (to_s - from_s), 0.0, 1.0);
 }
 
-/// The contact with a share of its spring from the HIP to the proxy; with none it touches nothing.
+/// The contact with a share of its spring from the HIP to the proxy; with a share of zero it touches nothing.
 inline Contact softened(Contact contact, const Pose& pose, double share) {
   if (!contact.touching || share >= 1) return contact;
   contact.touching = share > 0;
@@ -23,12 +23,12 @@ inline Contact softened(Contact contact, const Pose& pose, double share) {
   return contact;
 }
 
-/// What the last answer says to a pose that got none of its own: the tangent plane at the last proxy, softened by its
-/// age. Not fresh.
+/// Answer to a pose without an answer of its own, from the last answer: the tangent plane at the last proxy, softened
+/// by its age. Not fresh.
 inline Contact heldContact(const Contact& last, const Pose& lastPose, const Pose& pose) {
   const Contact free{.proxy = pose.hip, .valid = true, .dataTime_s = last.valid ? lastPose.time_s : -1};
   if (!last.valid || !last.touching) return free;
-  const DVec3 proxy = last.proxy + (pose.time_s - lastPose.time_s) * last.velocity;  // the plane moves on
+  const DVec3 proxy = last.proxy + (pose.time_s - lastPose.time_s) * last.velocity;  // the plane keeps its velocity
   const double depth = glm::dot(proxy - pose.hip, last.normal);
   if (depth <= 0) return free;
   const Contact held{.proxy = pose.hip + depth * last.normal,

@@ -1,4 +1,4 @@
-// Whether what takes long is to end before its time. Long loops ask it; whoever began the job says where it may be cut.
+// Stop requests for long jobs. Long loops check for one; the code that started the job says where it may be cut.
 #pragma once
 
 #include <atomic>
@@ -8,21 +8,21 @@
 
 namespace palpate {
 
-/// A job was asked to stop, and has.
+/// A job was stopped on request.
 class Stopped : public Error {
  public:
   using Error::Error;
 };
 
-/// What the job of a thread is stopped by; its helpers take it over.
+/// The stop request of a thread's job; its helper threads inherit it.
 struct JobStop {
-  const std::atomic<bool>* flag = nullptr;  ///< null: nothing stops it
-  bool mayCut = false;                      ///< wherever a loop asks; else only where whoever began it asks for it
+  const std::atomic<bool>* flag = nullptr;  ///< null: the job cannot be stopped
+  bool mayCut = false;  ///< any loop that checks may cut the job; otherwise only the code that started it
 };
 
 inline thread_local JobStop jobStop;  // of this thread
 
-/// While it lives, this thread has that sign.
+/// Sets the stop request of this thread while it lives.
 class JobStopScope {
  public:
   explicit JobStopScope(const JobStop& sign) : before_(std::exchange(jobStop, sign)) {}
@@ -30,20 +30,20 @@ class JobStopScope {
   JobStopScope(const JobStopScope&) = delete;
   JobStopScope& operator=(const JobStopScope&) = delete;
 
-  /// What is under way may be cut wherever a loop asks: nothing is left of it then.
+  /// Any loop that checks may cut the job, whose result is then discarded.
   static JobStop cutting() { return {jobStop.flag, true}; }
-  /// What is under way is done as a whole.
+  /// The job is completed as a whole.
   static JobStop whole() { return {jobStop.flag, false}; }
 
  private:
   JobStop before_;
 };
 
-/// Whether somebody wants the job of this thread to end.
+/// Whether this thread's job has been asked to stop.
 inline bool isStopWanted(const JobStop& sign = jobStop) noexcept {
   return sign.flag && sign.flag->load(std::memory_order_relaxed);
 }
-/// For long loops: throws Stopped where they may be cut and somebody wants it.
+/// For long loops: throws Stopped if a stop was requested and the job may be cut.
 inline void throwIfStopWanted(const JobStop& sign = jobStop) {
   if (sign.mayCut && isStopWanted(sign)) throw Stopped("stopped");
 }

@@ -1,4 +1,4 @@
-// Large arrays that other code has as std::vector, which writes zeros into all of it on one thread.
+// Large arrays that other code holds as std::vector, which zero-initialises all of it on one thread.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// As reserve(), in large pages where there are so many that it matters.
+/// As reserve(), in large pages if the array is large enough to benefit.
 template <class T, class Allocator>
 void reserveLarge(std::vector<T, Allocator>& values, std::size_t count) {
   constexpr std::uintptr_t kMask = kLargePage - 1;
@@ -25,15 +25,15 @@ void reserveLarge(std::vector<T, Allocator>& values, std::size_t count) {
   if (first + 4 * kLargePage <= end) askForLargePages(reinterpret_cast<void*>(first), end - first);
 }
 
-/// Makes an array longer while many threads fill what there is of it. To write zeros, as std::vector does, is work for
-/// one thread at a time: whoever comes first does it, somewhat ahead of what is needed, and all who come help to fetch
-/// the memory, each large page once (threads that meet in a page which is not there yet would all clear one).
+/// Extends an array while many threads fill it. Only one thread at a time can append zeros to a std::vector: the first
+/// thread that needs more does it, somewhat ahead of the demand. All threads that need more help to fetch the memory,
+/// each large page once (threads that meet in an absent page would all clear one).
 template <class T, class Allocator = std::allocator<T>>
 class GrowingArray {
  public:
   explicit GrowingArray(std::vector<T, Allocator>& values) : values_(values), there_(values.size()) {}
 
-  /// The array may become as long as `count`, and no longer. Nobody else uses the array meanwhile: it may move.
+  /// Sets the maximum length to `count`. No other thread may use the array meanwhile: it may be reallocated.
   void makeRoom(std::size_t count) {
     constexpr std::uintptr_t kMask = kLargePage - 1;
     const std::uintptr_t before = addressOf(0);
@@ -41,13 +41,13 @@ class GrowingArray {
     if (fetched_ == 0 || addressOf(0) != before) fetched_ = (addressOf(values_.size()) + kMask) & ~kMask;
     room_ = std::max(count, values_.size());
   }
-  /// Returns when the array is as long as `count`, for which there is room. From any threads, which may use what was
-  /// there before at the same time.
+  /// Returns when the array is at least `count` long, within makeRoom(). From any threads; the existing elements can be
+  /// used meanwhile.
   void need(std::size_t count) {
     const std::size_t goal = std::min(room_, count + kAhead / sizeof(T));
     if (there_.load(std::memory_order_acquire) < goal) grow(count, goal);
   }
-  /// Seconds for which threads waited for others to write zeros, all together.
+  /// Seconds for which threads waited for others to write zeros, in total.
   double waited_s() const { return 1e-6 * static_cast<double>(waited_us_.load()); }
 
  private:
@@ -69,7 +69,7 @@ class GrowingArray {
       there_.store(values_.size(), std::memory_order_release);
     }
   }
-  /// The next page that nobody has fetched, where one lies before `count`.
+  /// Fetches the next page that was not fetched yet, if it lies before `count`.
   void fetchOne(std::size_t count) {
     std::uintptr_t at = fetched_.load(std::memory_order_relaxed);
     while (at + kLargePage <= addressOf(count))
@@ -80,7 +80,7 @@ class GrowingArray {
   std::vector<T, Allocator>& values_;
   std::size_t room_ = 0;
   std::atomic<std::size_t> there_;
-  std::atomic<std::uintptr_t> fetched_ = 0;  // where the pages begin that nobody has fetched
+  std::atomic<std::uintptr_t> fetched_ = 0;  // start of the pages not fetched yet
   std::atomic<std::uint64_t> waited_us_ = 0;
   std::mutex growing_;
 };

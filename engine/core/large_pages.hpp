@@ -1,4 +1,4 @@
-// Memory in large pages, where the system has them for the asking.
+// Memory in large pages, where the system provides them on request.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,12 @@ namespace palpate {
 
 inline constexpr std::size_t kLargePage = std::size_t{2} << 20;  ///< bytes
 
-/// Says that memory, which begins at a multiple of kLargePage, is wanted in pages of that size: to fetch a large array
-/// in small ones keeps many threads waiting for the system. What the system makes of it shows in nothing but time.
+/// Requests pages of that size for memory that begins at a multiple of kLargePage: fetching a large array in small
+/// pages keeps many threads waiting for the system. The effect is on time alone.
 void askForLargePages(void* memory, std::size_t bytes) noexcept;
 
-/// Has the system give memory now that is about to be written for the first time, instead of at that time. From any
-/// threads, for parts that differ: to give it takes longer than to write it.
+/// Fetches memory now that is about to be written for the first time, instead of at the first write. From any threads,
+/// for disjoint parts: fetching takes longer than writing.
 void fetchPages(void* memory, std::size_t bytes) noexcept;
 
 }  // namespace palpate

@@ -2,7 +2,7 @@
 
 namespace palpate {
 
-/// Large pages are a privilege there, which people hardly ever have.
+/// Large pages require a privilege on Windows that users rarely have.
 void askForLargePages(void*, std::size_t) noexcept {}
 
 void fetchPages(void*, std::size_t) noexcept {}

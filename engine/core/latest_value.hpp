@@ -1,4 +1,4 @@
-// One thread stores a value, another one takes the latest; neither waits for the other.
+// One thread stores a value, another reads the latest one; neither waits for the other.
 #pragma once
 
 #include <array>
@@ -20,15 +20,15 @@ class LatestValue {
   void store(const T& value) noexcept {
     std::array<std::uint64_t, kWords> words{};
     std::memcpy(words.data(), &value, sizeof(T));
-    // The version is odd while the value is being written. Who sees a part of a new value sees an odd version or a
-    // later one, since each part is released after the version was changed.
+    // The version is odd while the value is being written. A reader that sees a part of a new value sees an odd or a
+    // later version, since each part is released after the version was changed.
     const std::uint32_t version = version_.load(std::memory_order_relaxed);
     version_.store(version + 1, std::memory_order_relaxed);
     for (std::size_t k = 0; k < kWords; ++k) words_[k].store(words[k], std::memory_order_release);
     version_.store(version + 2, std::memory_order_release);
   }
 
-  /// Nothing before the first one was stored, and where the value is just being written: keep what you took last.
+  /// Empty before the first store and while the value is being written: the caller keeps its previous value.
   std::optional<T> load() const noexcept {
     const std::uint32_t before = version_.load(std::memory_order_acquire);
     std::array<std::uint64_t, kWords> words;

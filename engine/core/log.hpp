@@ -1,4 +1,4 @@
-// What a person reads while a command runs: on stderr, a bar on a terminal, plain lines otherwise.
+// Messages to the user while a command runs: on stderr, with a progress bar on a terminal, plain lines otherwise.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// Receives what a person would read. May throw, which ends what says it.
+/// Receives the messages. May throw, which ends the operation that reports.
 class LogListener {
  public:
   virtual ~LogListener() = default;
@@ -19,7 +19,7 @@ class LogListener {
   virtual void progressed(std::string_view what, double fraction) = 0;
 };
 
-/// A sink for remarks and progress. Passed to whoever has something to say, on any thread; there is no global one.
+/// A sink for messages and progress. Passed to all code that reports, on any thread; there is no global one.
 class Log {
  public:
   explicit Log(bool quiet = false);
@@ -28,14 +28,14 @@ class Log {
   void say(fmt::format_string<Args...> text, Args&&... args) {
     write(fmt::format(text, std::forward<Args>(args)...));
   }
-  /// `fraction` from 0 to 1; lines are rationed, so it may be called often. What is done within a second is not shown.
-  /// Throws Stopped where the job of this thread may be cut there.
+  /// `fraction` from 0 to 1; lines are rationed, so it may be called often. Work shorter than a second is not shown.
+  /// Throws Stopped if the job of this thread may be cut there.
   void progress(std::string_view what, double fraction);
-  /// Takes the bar away, however far it has come.
+  /// Removes the bar, at any fraction.
   void endProgress();
   bool isQuiet() const { return quiet_; }
 
-  /// From now on, or until null, a listener receives all of it as well, whoever says it.
+  /// From now on, or until null, a listener receives all messages as well, from every source.
   void listen(LogListener* listener) {
     const std::scoped_lock hold(lock_);
     listener_ = listener;
@@ -45,7 +45,7 @@ class Log {
   void write(std::string_view line);
   void clearBar();
 
-  std::mutex lock_;  // of what follows
+  std::mutex lock_;  // guards the members below
   LogListener* listener_ = nullptr;
   std::string progressOf_;
   Stopwatch progressSince_;

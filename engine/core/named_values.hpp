@@ -1,4 +1,4 @@
-// Tables of what users choose from: arrays of pairs of a name that they know and the value that it stands for.
+// Tables of choices for users: arrays of pairs of a name and the value that it stands for.
 #pragma once
 
 #include <optional>
@@ -8,13 +8,13 @@
 
 namespace palpate {
 
-/// All names of a table, in its order, behind those that stand for something else.
+/// All names of a table, in its order, after the names in `before`.
 inline std::vector<std::string> namesOf(const auto& table, std::vector<std::string> before = {}) {
   for (const auto& [name, value] : table) before.emplace_back(name);
   return before;
 }
 
-/// What a name stands for; nothing where the table has no such name.
+/// The value of a name; empty if the table does not contain it.
 template <class Table>
 auto valueNamed(const Table& table, std::string_view wanted) {
   std::optional<typename Table::value_type::second_type> found;
@@ -23,7 +23,7 @@ auto valueNamed(const Table& table, std::string_view wanted) {
   return found;
 }
 
-/// The name of a value; empty where the table does not have it.
+/// The name of a value; empty if the table does not contain it.
 std::string_view nameOf(const auto& table, const auto& wanted) {
   for (const auto& [name, value] : table)
     if (value == wanted) return name;

@@ -1,6 +1,6 @@
-// Narrow names of files are UTF-8 on every system. The standard library of mingw gives them so where it makes them
-// (std::filesystem::path::string), but reads them by mbrtowc, in whose locale each byte is a letter of its own: linked
-// in its place (--wrap) is what follows.
+// Narrow file names are UTF-8 on every system. mingw's standard library produces UTF-8 (std::filesystem::path::string),
+// but reads names with mbrtowc, in whose locale each byte is a character of its own. This file replaces that function
+// at link time (--wrap).
 #include <cerrno>
 #include <cstdint>
 #include <cwchar>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kNoCharacter = static_cast<std::size_t>(-1), kUnfinished = static_cast<std::size_t>(-2);
 
-// How many bytes begin with this one; 0: none may begin so.
+// Length of the character that begins with this byte; 0: no character begins with it.
 std::size_t bytesFrom(unsigned char first) {
   if (first < 0x80) return 1;
   if (first >= 0xc2 && first < 0xe0) return 2;
@@ -21,8 +21,8 @@ std::size_t bytesFrom(unsigned char first) {
 
 }  // namespace
 
-/// One unit of UTF-16 from UTF-8. Of a character with two units the second one is kept, and the last byte is given with
-/// it.
+/// Converts UTF-8 to one unit of UTF-16. For a character with two units the second one is kept and returned with the
+/// last byte.
 std::size_t __wrap_mbrtowc(wchar_t* to, const char* from, std::size_t length, std::mbstate_t* kept) {
   static thread_local std::mbstate_t own{};
   if (!kept) kept = &own;

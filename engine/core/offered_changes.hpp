@@ -10,16 +10,16 @@
 
 namespace palpate {
 
-/// Changes of points on their way from a thread that offers them to the one that answers poses, which carries them out
-/// where it may: one offer at a time. Neither waits for the other.
+/// Passes changes of points from a thread that offers them to the thread that answers poses, which carries them out:
+/// one offer at a time. Neither waits for the other.
 class OfferedChanges {
  public:
-  /// `most`: changes of an offer; 0: there are none.
+  /// `most`: maximum number of changes in an offer; 0: no offers are accepted.
   explicit OfferedChanges(std::size_t most) : most_(most) { changes_.reserve(most); }
 
   std::size_t most() const { return most_; }
 
-  /// For the thread that offers. False while the last offer is not done.
+  /// For the thread that offers. False while the last offer is pending.
   bool give(std::span<const PointChange> changes, std::uint64_t changesFollowed) {
     if (most_ == 0 || changes.size() > most_ || isThere()) return false;
     changes_.assign(changes.begin(), changes.end());
@@ -28,12 +28,12 @@ class OfferedChanges {
     return true;
   }
 
-  // For the thread that answers; changes() and changesFollowed() while an offer is there.
+  // For the thread that answers; changes() and changesFollowed() only while an offer is pending.
   bool isThere() const { return isThere_.load(std::memory_order_acquire); }
   std::span<const PointChange> changes() const { return changes_; }
-  /// How many changes, as given by TouchBackend::change(), whoever offers knew of.
+  /// Number of TouchBackend::change() calls that the offering thread knew of.
   std::uint64_t changesFollowed() const { return changesFollowed_; }
-  /// It was carried out, or is let go.
+  /// The offer was carried out or dropped.
   void done() { isThere_.store(false, std::memory_order_release); }
 
  private:

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Pages, small or large, that were fetched one at a time when they were touched first, since the process began;
-/// nothing where the system does not count them.
+/// Pages, small or large, that were fetched one at a time at their first access, since the process began; empty if the
+/// system does not count them.
 std::optional<std::uint64_t> pageFaults() noexcept;
 
 }  // namespace palpate

@@ -2,7 +2,7 @@
 
 namespace palpate {
 
-/// It counts them together with what was taken away and given back.
+/// Windows counts first accesses together with pages that were evicted and restored.
 std::optional<std::uint64_t> pageFaults() noexcept { return std::nullopt; }
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// Data parallelism for loading and making clouds. Never used by the servo loop.
+// Data parallelism for loading and generating clouds. Never used by the servo loop.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@ inline unsigned threadCount(unsigned wanted) {
   return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-/// Calls body(part) for every part in [0, parts), each on a thread of its own, which is stopped as this one is; the
-/// first exception is thrown again here.
+/// Calls body(part) for every part in [0, parts), each on its own thread, which inherits this thread's stop request.
+/// The first exception is rethrown here.
 template <class Body>
 void parallelParts(std::size_t parts, Body&& body) {
   if (parts == 1) return body(std::size_t{0});
@@ -48,7 +48,7 @@ class ParallelRanges {
  public:
   ParallelRanges(std::size_t size, unsigned threads)
       : size_(size), count_(std::clamp<std::size_t>(size / kSmallest, 1, threadCount(threads))) {}
-  /// Ranges; one, which is empty, where there is nothing to cover.
+  /// Number of ranges; at least one, which is empty if the size is 0.
   std::size_t count() const { return count_; }
   std::size_t begin(std::size_t range) const { return size_ * range / count_; }
   std::size_t end(std::size_t range) const { return begin(range + 1); }
@@ -58,9 +58,9 @@ class ParallelRanges {
   std::size_t size_, count_;
 };
 
-/// Calls body(begin, end) on disjoint ranges that cover [0, count). The first exception is thrown again here. The split
+/// Calls body(begin, end) on disjoint ranges that cover [0, count). The first exception is rethrown here. The split
 /// depends on `threads` only through the range borders, so a body that treats each index alone gives the same result
-/// with any number of threads. Throws Stopped, and is asked after some thousand indices.
+/// with any number of threads. Throws Stopped; checks for it after some thousand indices.
 template <class Body>
 void parallelFor(std::size_t count, unsigned threads, Body&& body) {
   const ParallelRanges ranges(count, threads);
@@ -76,7 +76,7 @@ void parallelFor(std::size_t count, unsigned threads, Body&& body) {
   });
 }
 
-/// As parallelFor(), where some indices take much longer than others: whoever is free takes the next `block` of them.
+/// As parallelFor(), for indices of very different cost: each free thread takes the next `block` of them.
 template <class Body>
 void parallelBlocks(std::size_t count, std::size_t block, unsigned threads, Body&& body) {
   const std::size_t blocks = (count + block - 1) / block;

@@ -1,4 +1,4 @@
-// Sums, counts and choices over large arrays with many threads. No result depends on their number.
+// Sums, counts and selections over large arrays with many threads. Results do not depend on the number of threads.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,9 @@
 
 namespace palpate {
 
-/// join(...join(join(start, a), b)..., z) of what body(begin, end) makes of disjoint ranges that cover [0, count), in
-/// their order. `join` must be exact, as of whole numbers, least and greatest values: the ranges depend on `threads`.
+/// join(...join(join(start, a), b)..., z), where a to z are the results of body(begin, end) on disjoint ranges that
+/// cover [0, count), in their order. `join` must be exact, as for integers, minima and maxima: the ranges depend on
+/// `threads`.
 template <class T, class Body, class Join>
 T parallelReduce(std::size_t count, unsigned threads, T start, Body&& body, Join&& join) {
   const ParallelRanges ranges(count, threads);
@@ -24,7 +25,7 @@ T parallelReduce(std::size_t count, unsigned threads, T start, Body&& body, Join
   return start;
 }
 
-/// How many i of [0, count) there are with holds(i).
+/// Number of i in [0, count) with holds(i).
 template <class Holds>
 std::size_t parallelCount(std::size_t count, unsigned threads, Holds&& holds) {
   const auto countIn = [&](std::size_t begin, std::size_t end) {
@@ -35,7 +36,7 @@ std::size_t parallelCount(std::size_t count, unsigned threads, Holds&& holds) {
   return parallelReduce(count, threads, std::size_t{0}, countIn, std::plus<>());
 }
 
-/// Puts in place of each whole number the sum of those before it; the sum of all is returned.
+/// Exclusive prefix sum in place, of integers; returns the total.
 template <class T>
 T parallelSumBefore(std::span<T> values, unsigned threads) {
   const ParallelRanges ranges(values.size(), threads);
@@ -54,7 +55,7 @@ T parallelSumBefore(std::span<T> values, unsigned threads) {
   return total;
 }
 
-/// make(i) of every i of [0, count) with keep(i), in the order of i. Both are called from many threads, keep(i) twice.
+/// make(i) of every i in [0, count) with keep(i), in the order of i. Both are called from many threads, keep(i) twice.
 template <class Keep, class Make>
 auto parallelCollect(std::size_t count, unsigned threads, Keep&& keep, Make&& make) {
   const ParallelRanges ranges(count, threads);
@@ -75,8 +76,8 @@ auto parallelCollect(std::size_t count, unsigned threads, Keep&& keep, Make&& ma
   return made;
 }
 
-/// Where the runs of [0, count) begin, and then their end: follows(i) says whether i is of the run of i - 1. Nothing
-/// has no runs, so that there is the end alone.
+/// Start indices of the runs of [0, count), followed by their end: follows(i) says whether i is in the run of i - 1. If
+/// count is 0 there are no runs, and the result is the end alone.
 template <class Follows>
 BareVector<std::size_t> parallelRuns(std::size_t count, unsigned threads, Follows&& follows) {
   return parallelCollect(
@@ -84,7 +85,7 @@ BareVector<std::size_t> parallelRuns(std::size_t count, unsigned threads, Follow
       [](std::size_t i) { return i; });
 }
 
-/// make(i) of every i of [0, count), in their order.
+/// make(i) of every i in [0, count), in order.
 template <class Make>
 auto parallelMake(std::size_t count, unsigned threads, Make&& make) {
   BareVector<std::remove_cvref_t<std::invoke_result_t<Make&, std::size_t>>> made(count);

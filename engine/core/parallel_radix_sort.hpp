@@ -1,4 +1,4 @@
-// Sorting by whole numbers of few bits, with many threads.
+// Sorting by integers of few bits, with many threads.
 #pragma once
 
 #include <algorithm>
@@ -16,14 +16,13 @@
 namespace palpate {
 
 /// Sorts by the lowest `bits` bits of keyOf(value), from the last digit to the first (Knuth 1998, "Sorting and
-/// searching", section 5.2.5). Values of equal keys keep their order, whatever the number of `threads` (0: one per
-/// core).
+/// searching", section 5.2.5). Stable for any number of `threads` (0: one per core).
 template <class T, class KeyOf>
 void parallelRadixSort(BareVector<T>& values, unsigned bits, unsigned threads, KeyOf&& keyOf) {
-  constexpr unsigned kDigitBits = 11;  // so that the counts stay in the nearest memory
+  constexpr unsigned kDigitBits = 11;  // so that the counts stay in the fastest cache
   constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
   const ParallelRanges ranges(values.size(), threads);
-  std::vector<std::array<std::size_t, kDigits>> next(ranges.count());  // counts, then where a range's next value goes
+  std::vector<std::array<std::size_t, kDigits>> next(ranges.count());  // counts, then the next index of each range
   BareVector<T> sorted(values.size());
   for (unsigned shift = 0; shift < bits; shift += kDigitBits) {
     const std::uint64_t digits = bits - shift < kDigitBits ? (1u << (bits - shift)) - 1 : kDigits - 1;
@@ -43,17 +42,17 @@ void parallelRadixSort(BareVector<T>& values, unsigned bits, unsigned threads, K
   }
 }
 
-/// The value that would stand at `rank` if all were sorted. No value is NaN; -0 and 0 may stand for each other.
+/// The value at `rank` in sorted order. No value is NaN; -0 and 0 may stand for each other.
 inline float parallelNth(std::span<const float> values, std::size_t rank, unsigned threads) {
   constexpr unsigned kDigitBits = 16;
   constexpr std::uint32_t kSign = 0x80000000;
-  // Floats in the order of whole numbers.
+  // Maps floats to integers of the same order.
   const auto keyOf = [](float value) {
     const auto bits = std::bit_cast<std::uint32_t>(value);
     return bits & kSign ? ~bits : bits | kSign;
   };
   const ParallelRanges ranges(values.size(), threads);
-  std::uint32_t found = 0;  // the digits that are known already
+  std::uint32_t found = 0;  // the digits found so far
   for (const unsigned shift : {kDigitBits, 0u}) {
     std::vector<std::vector<std::uint32_t>> counts(ranges.count());
     parallelParts(ranges.count(), [&](std::size_t k) {

@@ -7,8 +7,8 @@
 namespace palpate {
 
 /// A mutex for short holds between a real-time thread and an ordinary one: while the former waits, the latter runs at
-/// its priority (priority inheritance), so nobody in between can keep it from letting go. Windows has none of that for
-/// a mutex and lifts now and then whoever has waited for a core for long.
+/// its priority (priority inheritance), so no thread of a priority in between can delay the release. Windows has no
+/// priority inheritance for mutexes; it boosts threads that have waited for a core for long.
 class PriorityMutex {
  public:
   PriorityMutex() {

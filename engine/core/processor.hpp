@@ -5,18 +5,18 @@
 
 namespace palpate {
 
-/// The processor's model name; "CPU" where the system does not say.
+/// The processor's model name; "CPU" if unknown.
 std::string processorName();
 
-/// How many cores the calling thread may use.
+/// Number of cores that the calling thread may use.
 int coresToUse() noexcept;
-/// With fewer cores a thread that spins would take the time of those on whose answer it depends.
+/// With fewer cores a spinning thread would take the time of the threads that it waits for.
 inline constexpr int kCoresToSpin = 4;
 
-/// Memory of the machine, or as much of it as a container may have, bytes; 0 where the system does not say.
+/// Memory of the machine, or the container's limit, bytes; 0 if unknown.
 std::uint64_t hostMemory_bytes();
 
-/// The core that the calling thread runs on now.
+/// The core that the calling thread currently runs on.
 int currentCore() noexcept;
 
 }  // namespace palpate

@@ -25,7 +25,7 @@ std::uint64_t hostMemory_bytes() {
   const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
   const std::uint64_t all =
       pages > 0 && page > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page) : 0;
-  std::uint64_t limit = 0;  // where there is none the file says a word, or more than there is
+  std::uint64_t limit = 0;  // without a limit the file contains a word, or more than the machine's memory
   std::ifstream second("/sys/fs/cgroup/memory.max"), first("/sys/fs/cgroup/memory/memory.limit_in_bytes");
   if (!(second >> limit) && !(first >> limit)) return all;
   return limit > 0 && (all == 0 || limit < all) ? limit : all;

@@ -4,7 +4,8 @@
 
 namespace palpate {
 
-/// Posted by one thread, taken by another; neither allocates or takes a lock, so that a real-time thread may do both.
+/// Posted by one thread, taken by another; neither operation allocates or takes a lock, so that a real-time thread can
+/// use both.
 class Semaphore {
  public:
   Semaphore();
@@ -14,7 +15,7 @@ class Semaphore {
 
   void post() noexcept;
   void take();
-  /// False: nobody has posted it in time.
+  /// False: timeout.
   bool takeWithin(double budget_us);
 
  private:

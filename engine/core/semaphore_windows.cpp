@@ -25,8 +25,8 @@ void Semaphore::post() noexcept { ::ReleaseSemaphore(system_->semaphore, 1, null
 
 void Semaphore::take() { PALPATE_CHECK_EQ(::WaitForSingleObject(system_->semaphore, INFINITE), WAIT_OBJECT_0); }
 
-// The system waits in milliseconds, and may wake up one later: it is given those that are surely left, and for the rest
-// the core is offered to others, again and again.
+// The system waits in whole milliseconds and may wake up one late: it waits for all but the last one, and the remainder
+// is spent yielding the core repeatedly.
 bool Semaphore::takeWithin(double budget_us) {
   constexpr double kLongest_us = 1e12, kMax_ms = 1e9;
   const double budget = std::min(budget_us, kLongest_us);

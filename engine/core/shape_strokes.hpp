@@ -5,21 +5,21 @@
 
 namespace palpate {
 
-/// How many strokes there are.
+/// Counts of strokes.
 struct StrokeCounts {
-  std::uint64_t strokes = 0;  ///< in all
-  std::uint64_t dropped = 0;  ///< of them, the oldest, which are kept no more
+  std::uint64_t strokes = 0;  ///< total
+  std::uint64_t dropped = 0;  ///< of these, the oldest ones, which are no longer kept
   std::size_t undoable = 0, redoable = 0;
-  std::uint64_t version = 0;  ///< grows with each stroke, and each one that is taken back or done again
+  std::uint64_t version = 0;  ///< grows with each stroke, undo and redo
 };
 
-/// Strokes of a brush that change a shape as a whole, where no journal of points can tell it: they are taken back and
-/// done again one by one.
+/// Brush strokes that change a shape as a whole, which a journal of points cannot record. They are undone and redone
+/// one by one.
 class ShapeStrokes {
  public:
   virtual ~ShapeStrokes() = default;
 
-  /// For the thread that asks the back end, after its finish(). False where there is none.
+  /// For the thread that queries the back end, after its finish(). False if there is no such stroke.
   virtual bool undo() = 0;
   virtual bool redo() = 0;
   /// For any thread.

@@ -7,54 +7,54 @@
 
 namespace palpate {
 
-/// A number of what moves by itself that can be changed while it does.
+/// A parameter of a simulation that can be changed while it runs.
 struct SimulationParameter {
-  std::string name;   ///< as files have it
-  std::string label;  ///< for who reads
-  std::string unit;   ///< empty: 1
+  std::string name;   ///< the name in files
+  std::string label;  ///< for display
+  std::string unit;   ///< empty: dimensionless
   double value = 0;
-  double low = 0, high = 0;  ///< that it is taken from and to
+  double low = 0, high = 0;  ///< accepted range
 
   bool operator==(const SimulationParameter&) const = default;
 };
 
-/// Energy that a hand has put into a simulation since it began, less what it got back, J, against the forces that it
-/// got, with their gain and after all limits: a port is passive where that is never below 0.
+/// Energy that a hand has put into a simulation since its start, less the energy it got back, J, computed with the
+/// forces that the hand received, with their gain and after all limits: a port is passive if this is never below 0.
 struct PortEnergy {
   double now_J = 0, least_J = 0;
 };
 
-/// Ticks in which the points about a hand did not say where the surface of a soft body is under it, as in a dent that
-/// is deeper than wide.
+/// Ticks in which the points about a hand did not determine the surface of a soft body under it, as in a dent that is
+/// deeper than wide.
 struct SurfaceHolds {
-  std::uint64_t keptTicks = 0;     ///< it was held by the place of the body that it pressed on
-  std::uint64_t gaveWayTicks = 0;  ///< of those the ones in which the body bore it no more, and gave way evenly
+  std::uint64_t keptTicks = 0;     ///< the surface was held by the position on the body that the hand pressed on
+  std::uint64_t gaveWayTicks = 0;  ///< of these, ticks in which the body could no longer bear it and yielded evenly
 };
 
-/// How a person governs what moves by itself. For any thread.
+/// User control of a simulation. For any thread.
 class SimulationControl {
  public:
   virtual ~SimulationControl() = default;
 
-  /// Stands still, and no hand feels it, or goes on.
+  /// Pauses the simulation, so that no hand feels it, or resumes it.
   virtual void hold(bool held) noexcept = 0;
   virtual bool isHeld() const noexcept = 0;
-  /// Everything goes back to where it began, with the next tick.
+  /// Resets everything to the initial state, with the next tick.
   virtual void reset() noexcept = 0;
-  /// As they were set last.
+  /// With the values last set.
   virtual std::vector<SimulationParameter> parameters() const = 0;
-  /// From the next step on. Throws Error where there is no such parameter, or its value is none that can be simulated;
+  /// Takes effect with the next step. Throws Error if there is no such parameter or its value cannot be simulated;
   /// nothing is changed then.
   virtual void set(std::string_view name, double value) = 0;
-  /// Time by which it has stayed behind the clock, and which it leaves out, s.
+  /// Time by which the simulation fell behind the clock and which it dropped, s.
   virtual double leftOut_s() const noexcept = 0;
-  /// How often it has gone on: each time hands feel it anew.
+  /// Number of advances of the simulation; hands feel a new state after each.
   virtual std::uint64_t advances() const noexcept = 0;
-  /// Of all hands; of soft bodies alone.
+  /// Sum over all hands; soft bodies only.
   virtual SurfaceHolds surfaceHolds() const noexcept { return {}; }
-  /// Of each hand.
+  /// One for each hand.
   virtual std::vector<PortEnergy> portEnergies() const = 0;
-  /// Why it goes on no more, in words that follow "the simulation"; empty while it does.
+  /// Why the simulation stopped, in words that follow "the simulation"; empty while it runs.
   virtual std::string failure() const = 0;
 };
 

@@ -1,4 +1,4 @@
-// For loops, and comparisons of a sort, that are short each.
+// Stop checks for short loop bodies and for comparisons of a sort.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Asks JobStop once in some thousand calls. One thread uses it.
+/// Checks JobStop once in some thousand calls. For one thread.
 class StopChecks {
  public:
   /// Throws Stopped.

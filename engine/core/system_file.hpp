@@ -1,4 +1,4 @@
-// What std::fopen and std::filesystem leave to each system.
+// File operations that differ between systems beyond std::fopen and std::filesystem.
 #pragma once
 
 #include <cstddef>
@@ -10,38 +10,37 @@
 
 namespace palpate {
 
-/// As std::fopen, whatever letters the name has.
+/// As std::fopen, for file names in any characters.
 std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcept;
 
-/// Opens a named pipe to read, as soon as a program writes to it. Null where none does within `wait_s`, with ETIMEDOUT
-/// as errno, or where the system fails.
+/// Opens a named pipe for reading, as soon as a program writes to it. Null with errno ETIMEDOUT if none does within
+/// `wait_s`, or if the system call fails.
 std::FILE* openPipe(const std::filesystem::path& file, double wait_s) noexcept;
 
-/// Whether it is a keyboard, on which reading waits for somebody.
+/// Whether the file is a keyboard, so that reading waits for input.
 bool isTerminal(std::FILE* file) noexcept;
 
-/// Reads from `offset` on, on any number of threads at a time, and says how many bytes came: fewer than asked for at
-/// the end of the file, or where the system fails. Where the file is read or written otherwise is not to be relied on
-/// then.
+/// Reads from `offset` on, from any number of threads at a time. Returns the number of bytes read: fewer than requested
+/// at the end of the file, or if the system call fails. Afterwards the file's own read and write position is undefined.
 std::size_t readAt(std::FILE* file, std::uint64_t offset, std::span<std::byte> bytes) noexcept;
 
-/// Where a file without a buffer is read or written next. False: errno says why not.
+/// Sets the next read or write position of an unbuffered file. False: see errno.
 bool seekTo(std::FILE* file, std::uint64_t offset) noexcept;
 
-/// Brings to the disk what was written to it. False: errno says why not.
+/// Flushes written data to the disk. False: see errno.
 bool bringToDisk(std::FILE* file) noexcept;
 
-/// Gives a file another name, in place of one that has it: at any moment there is one of that name.
+/// Renames a file, replacing an existing one of that name: a file of that name exists at any moment.
 std::error_code replaceFile(const std::filesystem::path& from, const std::filesystem::path& to) noexcept;
 
-/// "cannot be written: …", and what to do, for a number of errno.
+/// "cannot be written: …", and what to do, for an errno value.
 std::string whyNotWritten(int error);
 
-/// The number of this process.
+/// The id of this process.
 int processNumber() noexcept;
 
-/// A file that is written from its beginning on, without a buffer of our own. Functions that return a number return
-/// that of errno, 0 where all went well.
+/// A file that is written from its beginning on, without a buffer of our own. Functions that return int return an errno
+/// value, 0 on success.
 class UnbufferedFile {
  public:
   UnbufferedFile() = default;
@@ -49,13 +48,13 @@ class UnbufferedFile {
   UnbufferedFile(const UnbufferedFile&) = delete;
   UnbufferedFile& operator=(const UnbufferedFile&) = delete;
 
-  /// Makes it, empty. It is not open yet.
+  /// Creates it, empty. It must not be open.
   int open(const std::filesystem::path& file) noexcept;
   bool isOpen() const noexcept { return descriptor_ >= 0; }
   int write(std::span<const std::byte> bytes) noexcept;
-  /// Takes away what stands behind so many bytes; the next ones are written there.
+  /// Truncates the file to `bytes`; the next bytes are written there.
   int cutTo(std::uint64_t bytes) noexcept;
-  /// Brings what is written to the disk; what is no ordinary file, like a pipe, has nothing to bring there.
+  /// Flushes written data to the disk; has no effect on pipes and other special files.
   int sync() noexcept;
   int close() noexcept;
 
@@ -63,7 +62,7 @@ class UnbufferedFile {
   int descriptor_ = -1;
 };
 
-/// A file that one program holds at a time, and no more once it has ended, in whatever way.
+/// A file that one program holds at a time. The lock ends with the program, however it ends.
 class FileLock {
  public:
   FileLock() = default;
@@ -71,7 +70,7 @@ class FileLock {
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
 
-  /// Makes the file where there is none. False: somebody holds it, or the system does not let it be held.
+  /// Creates the file if it does not exist. False: another program holds it, or the system does not support the lock.
   bool take(const std::filesystem::path& file) noexcept;
   void release() noexcept;
 

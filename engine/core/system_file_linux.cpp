@@ -18,11 +18,10 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcep
 
 namespace {
 
-/// Whether a program has opened a pipe to write, or has left bytes in it: bytes of others can be looked for with
-/// tee(2), which takes none away.
+/// Whether a program has opened a pipe for writing, or has left bytes in it: tee(2) finds bytes without consuming them.
 bool hasWriter(int pipe) noexcept {
   int copies[2];
-  if (::pipe2(copies, O_CLOEXEC | O_NONBLOCK) != 0) return true;  // then reading tells
+  if (::pipe2(copies, O_CLOEXEC | O_NONBLOCK) != 0) return true;  // then the read finds out
   const bool any = ::tee(pipe, copies[1], 1, SPLICE_F_NONBLOCK) != 0;
   ::close(copies[0]);
   ::close(copies[1]);

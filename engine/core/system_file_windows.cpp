@@ -17,7 +17,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;  // what the runtime's int can count
+constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;  // maximum count of the runtime's int
 
 }  // namespace
 

@@ -6,36 +6,35 @@
 
 namespace palpate {
 
-/// The calling thread gives way to those that cannot wait: it and the threads that it starts get less time where cores
-/// are short, and are put aside at once when others wake up. For good: an ordinary user cannot take it back. (On
-/// Windows a thread that it starts begins as any other.)
+/// Lowers the priority of the calling thread: it and the threads that it starts get less time where cores are scarce,
+/// and are preempted at once when others wake up. Permanent: an ordinary user cannot revert it. (On Windows threads
+/// that it starts have the default priority.)
 void giveWay() noexcept;
 
-/// The threads of this program at some time, to tell those that something has started since. Knows of none where the
-/// system does not tell.
+/// The threads of this program at some time, to distinguish later ones. Empty if the system does not list threads.
 class RunningThreads {
  public:
-  /// As of now.
+  /// Takes the current threads.
   RunningThreads();
-  /// Those that have come since give way, too.
+  /// Lowers the priority of all threads started since.
   void laterOnesGiveWay() const noexcept;
 
  private:
-  std::vector<std::uint32_t> threads_;  // their numbers, in order
+  std::vector<std::uint32_t> threads_;  // their ids, sorted
 };
 
-/// While it lives, the calling thread and those that it starts stay away from a core, where there are others that they
-/// may use: some kernels interrupt no call, not even a long one, for whoever waits for its core.
+/// While it lives, the calling thread and the threads that it starts avoid a core, if other cores are available: some
+/// kernels do not preempt system calls, even long ones, for a thread that waits for its core.
 class AwayFromCore {
  public:
-  /// Negative: away from none.
+  /// Negative: avoids no core.
   explicit AwayFromCore(int core) noexcept;
   ~AwayFromCore();
   AwayFromCore(const AwayFromCore&) = delete;
   AwayFromCore& operator=(const AwayFromCore&) = delete;
 
  private:
-  std::array<std::uint64_t, 16> before_{};  // the cores that it might use, as the system notes them
+  std::array<std::uint64_t, 16> before_{};  // previous affinity mask, as the system stores it
   bool away_ = false;
 };
 

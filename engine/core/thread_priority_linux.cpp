@@ -13,14 +13,14 @@ namespace palpate {
 
 namespace {
 
-constexpr int kNice = 10;  // of 19; a tenth of the time of an ordinary thread
+constexpr int kNice = 10;  // of at most 19; gives a tenth of the time of an ordinary thread
 
 // Linux has a nice value for each thread.
 void makeNice(std::uint32_t thread) noexcept {
   if (::getpriority(PRIO_PROCESS, thread) < kNice) ::setpriority(PRIO_PROCESS, thread, kNice);
 }
 
-// In order; empty without /proc.
+// Sorted; empty without /proc.
 std::vector<std::uint32_t> runningThreads() {
   std::vector<std::uint32_t> threads;
   std::error_code noProc;
@@ -45,7 +45,7 @@ void RunningThreads::laterOnesGiveWay() const noexcept {
   try {
     for (const std::uint32_t thread : runningThreads())
       if (!std::ranges::binary_search(threads_, thread)) makeNice(thread);
-  } catch (const std::exception&) {  // without memory nobody is notified
+  } catch (const std::exception&) {  // out of memory: priorities stay
   }
 }
 

@@ -15,7 +15,7 @@ void makeNice(HANDLE thread) noexcept {
   if (::GetThreadPriority(thread) > THREAD_PRIORITY_LOWEST) ::SetThreadPriority(thread, THREAD_PRIORITY_LOWEST);
 }
 
-// In order.
+// Sorted.
 std::vector<std::uint32_t> runningThreads() {
   std::vector<std::uint32_t> threads;
   const HANDLE all = ::CreateToolhelp32Snapshot(TH32CS_SNAPTHREAD, 0);
@@ -41,16 +41,16 @@ void RunningThreads::laterOnesGiveWay() const noexcept {
     for (const std::uint32_t number : runningThreads()) {
       if (std::ranges::binary_search(threads_, number)) continue;
       const HANDLE thread = ::OpenThread(THREAD_QUERY_INFORMATION | THREAD_SET_INFORMATION, FALSE, number);
-      if (!thread) continue;  // it has ended since
+      if (!thread) continue;  // the thread has ended
       makeNice(thread);
       ::CloseHandle(thread);
     }
-  } catch (const std::exception&) {  // without memory nobody is notified
+  } catch (const std::exception&) {  // out of memory: priorities stay
   }
 }
 
 AwayFromCore::AwayFromCore(int core) noexcept {
-  constexpr int kMaxCores = 64;  // of a group, in which a thread stays
+  constexpr int kMaxCores = 64;  // of a processor group, which a thread does not leave
   DWORD_PTR allowed = 0, there = 0;
   if (core < 0 || core >= kMaxCores || !::GetProcessAffinityMask(::GetCurrentProcess(), &allowed, &there)) return;
   const DWORD_PTR others = allowed & ~(DWORD_PTR{1} << core);

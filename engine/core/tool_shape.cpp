@@ -12,10 +12,10 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kRoundness = 1;     // of a pad: radius of its curvature over its diameter, about that of a fingertip
 constexpr double kSlenderness = 2;   // of a spatula: length over width
-constexpr double kUnitSlack = 1e-3;  // of a turn that a device tells in single precision or less
+constexpr double kUnitSlack = 1e-3;  // of a rotation that a device reports in single precision or less
 
-// Rings of `count` points in all, each ring in the middle of the area that its points stand for. A ring has two points
-// at least: one alone would be off balance.
+// Sizes of the rings for `count` points, each ring in the middle of the area that its points stand for. A ring has at
+// least two points: one alone would be off balance.
 std::vector<std::size_t> ringSizes(std::size_t count) {
   std::vector<std::size_t> rings;
   std::size_t left = count;
@@ -50,7 +50,7 @@ std::vector<ToolPoint> padPoints(std::size_t count, double size) {
   return points;
 }
 
-// The sphere of Fibonacci (Swinbank, Purser 2006): equal steps in height, the golden angle around.
+// The Fibonacci sphere (Swinbank, Purser 2006): equal steps in height, the golden angle around.
 std::vector<ToolPoint> ballPoints(std::size_t count, double size) {
   std::vector<ToolPoint> points;
   const double share = 1.0 / static_cast<double>(count);
@@ -81,11 +81,12 @@ std::vector<ToolPoint> spatulaPoints(std::size_t count, double size) {
 
 ToolShape makeTool(ToolKind kind, std::size_t points, double size) {
   if (points < 1 || points > kMaxToolPoints)
-    throw UsageError("a tool of {} points: it has 1 to {}", points, kMaxToolPoints);
+    throw UsageError("a tool of {} points: 1 to {} are supported", points, kMaxToolPoints);
   if (!(size > 0) || !std::isfinite(size))
     throw UsageError("a tool of size {}: it must be finite and above zero", size);
   if (points == 1 || kind == ToolKind::point) {
-    if (points > 1) throw UsageError("a point of {} points: it has one; take another tool for more", points);
+    if (points > 1)
+      throw UsageError("a point tool of {} points: it has exactly one; choose another tool for more", points);
     return {.points = {ToolPoint{}}};
   }
   switch (kind) {
@@ -103,11 +104,11 @@ ToolShape makeTool(ToolKind kind, std::size_t points, double size) {
 ToolShape facing(ToolShape tool, const DVec3& axis) {
   const double length = glm::length(axis);
   if (!(length > 0) || !std::isfinite(length))
-    throw UsageError("the axis ({}, {}, {}) of a tool looks nowhere", axis.x, axis.y, axis.z);
+    throw UsageError("the axis ({}, {}, {}) of a tool has no direction", axis.x, axis.y, axis.z);
   const DVec3 to = axis / length, from(0, 0, -1);
   const double cosine = glm::dot(from, to);
   if (cosine >= 1) return tool;
-  // Half way round there is no shortest way: about x, then.
+  // For opposite directions the shortest rotation is not unique: rotates about x.
   const DQuat turn = cosine > -1 + 1e-12 ? glm::normalize(DQuat(1 + cosine, glm::cross(from, to))) : DQuat(0, 1, 0, 0);
   for (ToolPoint& point : tool.points) point.place = turn * point.place;
   return tool;

@@ -1,4 +1,4 @@
-// A tool that touches with many points: where they are, and how much of the stiffness each of them has.
+// A tool that touches with many points: their positions and their shares of the stiffness.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace palpate {
 
-/// Points of a tool, at most.
+/// Maximum number of points of a tool.
 inline constexpr std::size_t kMaxToolPoints = 64;
 
 enum class ToolKind {
-  point,   ///< the HIP itself
-  pad,     ///< a disc of rings, round like a fingertip: its foremost place is the HIP, and it curves back from there
-  ball,    ///< evenly on a sphere around the HIP
+  point,  ///< the HIP itself
+  pad,    ///< a disc of rings, curved like a fingertip: its foremost position is the HIP, and it curves back from there
+  ball,   ///< points evenly on a sphere around the HIP
   spatula  ///< a flat grid, half as wide (x) as it is long (y), around the HIP
 };
 inline constexpr std::array<std::pair<std::string_view, ToolKind>, 4> kToolKinds{
@@ -28,20 +28,20 @@ struct ToolPoint {
   double share = 1;  ///< of the tool's stiffness and damping
 };
 
-/// Where all points are equally deep the tool is as stiff as one point, since their shares sum up to 1: it is never
-/// stiffer. A pad or spatula of two points and more has its balance at the HIP.
+/// Shares sum to 1: a tool whose points are all equally deep is as stiff as one point, and it is never stiffer. A pad
+/// or spatula of two or more points is balanced about the HIP.
 struct ToolShape {
-  std::vector<ToolPoint> points;  ///< none: the HIP alone
+  std::vector<ToolPoint> points;  ///< empty: the HIP alone
 };
 
-/// `size`: diameter of a pad or ball, length of a spatula; places are in its unit. One point is always the HIP. Throws
-/// UsageError for a number of points that a tool cannot have, and a size that is not above zero.
+/// `size`: diameter of a pad or ball, length of a spatula; positions are in its unit. A single point is always the HIP.
+/// Throws UsageError for an invalid number of points, or a size that is not above zero.
 ToolShape makeTool(ToolKind kind, std::size_t points, double size);
 
-/// The tool turned the shortest way, so that its face looks along `axis`, which is of any length but zero.
+/// The tool rotated by the smallest angle so that its face looks along `axis`, which may have any length but zero.
 ToolShape facing(ToolShape tool, const DVec3& axis);
 
-/// Whether a turn turns and does nothing else.
+/// Whether a quaternion is a pure rotation (of unit length).
 bool isTurn(const DQuat& turn);
 
 }  // namespace palpate

@@ -4,10 +4,10 @@
 
 namespace palpate {
 
-void TouchBackend::noEdits() const { throw Error("{}: this back end tells nobody of its edits", machine()); }
+void TouchBackend::noEdits() const { throw Error("{}: this back end does not report its edits", machine()); }
 
 void TouchBackend::setContact(SurfaceKind, double, std::string_view) {
-  throw UsageError("{}: this back end keeps the surface that it began with", machine());
+  throw UsageError("{}: this back end cannot change its surface", machine());
 }
 
 }  // namespace palpate

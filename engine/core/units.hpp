@@ -3,13 +3,13 @@
 
 namespace palpate {
 
-/// The longest side of a model becomes this long unless the user says what one unit is.
+/// Length of a model's longest side unless the user sets the size of a unit.
 inline constexpr double kDefaultLongestSide_mm = 100.0;
 
 /// Peak force of a Geomagic Touch, N. No force above the device's own peak ever leaves the servo loop.
 inline constexpr double kTouchPeakForce_N = 3.3;
 
-/// How many millimetres one model unit is, and the way between the two.
+/// Millimetres per model unit, and conversions.
 struct ModelScale {
   double mm_per_unit = 1.0;
 

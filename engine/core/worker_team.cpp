@@ -37,7 +37,7 @@ void WorkerTeam::run(std::size_t parts, Call call, void* context) {
   }
   wake_.notify_all();
   {
-    const JobStopScope whole(JobStopScope::whole());  // each part
+    const JobStopScope whole(JobStopScope::whole());  // for each part
     takeParts();
   }
   std::unique_lock hold(lock_);
@@ -46,7 +46,7 @@ void WorkerTeam::run(std::size_t parts, Call call, void* context) {
 }
 
 void WorkerTeam::work() {
-  giveWay();  // a team has work that can wait
+  giveWay();  // work of a team is not urgent
   std::size_t done = 0;
   std::unique_lock hold(lock_);
   while (true) {

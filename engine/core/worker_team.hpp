@@ -13,21 +13,21 @@
 
 namespace palpate {
 
-/// Threads that stay, for parallel work that comes again and again: starting it neither makes threads nor allocates.
-/// Used by one thread at a time, which takes part itself.
+/// A persistent thread pool for repeated parallel work: starting a job creates no threads and does not allocate. Used
+/// by one thread at a time, which takes part itself.
 class WorkerTeam {
  public:
-  /// `threads`: with the caller; 0: one per core.
+  /// `threads`: including the caller; 0: one per core.
   explicit WorkerTeam(unsigned threads);
   ~WorkerTeam();
   WorkerTeam(const WorkerTeam&) = delete;
   WorkerTeam& operator=(const WorkerTeam&) = delete;
 
-  /// Threads, with the caller.
+  /// Number of threads, including the caller.
   std::size_t size() const { return workers_.size() + 1; }
 
-  /// Calls body(part) once for every part in [0, parts), on whichever thread is free, and returns when all are done.
-  /// `body` must not throw. Throws Stopped with parts left undone.
+  /// Calls body(part) once for every part in [0, parts), on any free thread, and returns when all are done. `body` must
+  /// not throw. Throws Stopped with parts left undone.
   template <class Body>
   void forEach(std::size_t parts, Body&& body) {
     using Plain = std::remove_reference_t<Body>;
@@ -43,14 +43,14 @@ class WorkerTeam {
 
   std::mutex lock_;
   std::condition_variable wake_, idle_;
-  std::size_t turn_ = 0;  // grows with every job
-  std::size_t busy_ = 0;  // workers that have not finished this turn
+  std::size_t turn_ = 0;  // incremented by every job
+  std::size_t busy_ = 0;  // workers that have not finished this job
   bool stop_ = false;
   std::size_t parts_ = 0;
   std::atomic<std::size_t> next_ = 0;
   Call call_ = nullptr;
   void* context_ = nullptr;
-  JobStop stopsBy_;  // of the caller
+  JobStop stopsBy_;  // stop request of the caller
   std::vector<std::jthread> workers_;
 };
 

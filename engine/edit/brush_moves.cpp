@@ -13,10 +13,10 @@ namespace palpate {
 
 namespace {
 
-// Radii of the brush: the reach of a tool that is as long as its ball, and the furthest one.
+// In brush radii: the reach of a tool that is as long as its ball, and the maximum reach.
 constexpr double kNear = 1.4, kFar = 2.5;
 
-// Cells that a ball of `radius` may touch, along one side; 0 where they are more than the buckets.
+// Number of cells that a ball of `radius` may touch, along one side; 0 if there are more than the buckets.
 std::uint64_t boxCells(const HashGrid& grid, double radius) {
   const double side = std::floor(2 * radius * static_cast<double>(grid.inverseCell)) + 3;
   return side * side * side > static_cast<double>(grid.bucketMask) ? 0 : static_cast<std::uint64_t>(side);
@@ -34,7 +34,7 @@ BrushMoves::BrushMoves(Device& device, const HashUpdate& update, const HashGrid&
       collect_(device, shader_code::edit_collect, editPipeline(sizeof(shared::CollectArgs), update)),
       smooth_(device, shader_code::edit_smooth, editPipeline(sizeof(shared::SmoothArgs), update)),
       brush_(Buffer::of<shared::Brush>(device, 1, Memory::device, "brush")),
-      // One more than is read: the validation layer of Debian 12 takes a load of a whole struct for larger than it is.
+      // One more than is read: the validation layer of Debian 12 overestimates the size of a load of a whole struct.
       tool_(Buffer::of<shared::BrushTool>(device, 2, Memory::upload, "tool")) {
   setTool({});
   setBrush(brush);
@@ -58,7 +58,7 @@ BrushMoves::Selection BrushMoves::select(Box box, std::uint32_t slots) const {
 
 void BrushMoves::record(CommandList& list, const Io& io, const Selection& selection, std::uint32_t recalls) const {
   if (options_.kind != BrushKind::smooth) return recordCollect(list, io, selection, recalls);
-  // By the neighbours as they all still stand.
+  // All neighbours must still be at their old positions.
   recordCollect(list, io, selection, shared::kRecallsNothing);
   recordSmooth(list, io);
   if (recalls != shared::kRecallsNothing) recordRecalls(list, io, recalls);

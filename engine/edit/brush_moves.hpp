@@ -10,47 +10,47 @@
 
 namespace palpate {
 
-/// The first passes of an edit: they list the moves of the points that a brush reaches, and those of the requests that
+/// The first passes of an edit: they list the moves of the points in a brush's reach, and those from the requests that
 /// points made in the last tick.
 class BrushMoves {
  public:
   /// `radius`: support radius, model units. `update` must outlive it.
   BrushMoves(Device& device, const HashUpdate& update, const HashGrid& grid, const BrushOptions& brush, double radius);
 
-  /// Another brush from now on: what was recorded with the one before must be recorded again.
+  /// Replaces the brush: lists recorded with the previous one must be recorded again.
   void setBrush(const BrushOptions& brush);
   const BrushOptions& brush() const { return options_; }
-  /// As shaders read it.
+  /// Address for shaders.
   DeviceAddress address() const { return brush_.address(); }
   DeviceAddress tool() const { return tool_.address(); }
-  /// Where the tool is in the edit that is submitted next. While none is under way.
+  /// Sets the tool of the edit that is submitted next. Not during an edit.
   void setTool(const BrushStroke::Tool& tool);
 
-  /// The boxes in which a brush looks for points: one around its ball and what is near the hand, and one
-  /// around a tool that reaches further.
+  /// The boxes in which a brush searches for points: one around its ball and the hand's surroundings, and one around a
+  /// tool with a longer reach.
   enum class Box { near, far };
-  /// The one that the tool asks for.
+  /// The box that the current tool requires.
   Box box() const { return box_; }
 
-  /// Where a brush looks for points: in the cells of a box, in slots, or nowhere.
+  /// The search range of a brush: the cells of a box, a range of slots, or nothing.
   struct Selection {
     std::uint32_t cells = 0, firstSlot = 0, slots = 0;
   };
   /// Whether a box has fewer cells than there are buckets.
   bool has(Box box) const { return cells(box) > 0; }
-  /// The box; where it has too many cells, all of so many slots.
+  /// The box; if it has too many cells, all of the given slots.
   Selection select(Box box, std::uint32_t slots) const;
 
-  /// Which points.
+  /// Inputs.
   struct Io {
     const shared::CloudView& cloud;
     std::uint32_t parity;
     DeviceAddress tables;
   };
   // `recalls`: kRecalls... of shaders/shared/edit.h.
-  /// The moves of the brush, and those of requests.
+  /// Records the moves of the brush and those of requests.
   void record(CommandList& list, const Io& io, const Selection& selection, std::uint32_t recalls) const;
-  /// Those of the requests alone.
+  /// Records those of the requests alone.
   void recordRecalls(CommandList& list, const Io& io, std::uint32_t recalls) const;
 
   std::uint64_t bytes() const { return brush_.bytes() + tool_.bytes(); }

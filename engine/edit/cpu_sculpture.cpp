@@ -12,11 +12,13 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBatch = 64;  // points that a thread takes at a time
-// Neighbours that a point examines before it decides to come or go. More are within its neighbourhood radius only where
-// heaps of points lie in one place: they are merged with the ones that are seen, and no new point is asked for.
+constexpr std::size_t kBatch = 64;  // points taken by a thread at a time
+// Number of neighbours that a point examines before it decides on insertion or removal. More are within its
+// neighbourhood radius only where many points coincide: they are merged with the examined ones, and no new point is
+// requested.
 constexpr std::size_t kMaxNeighbours = 2048;
-// Points that get normals and come and go in an edit: so many, or this share of all, and the others with the next ones.
+// Maximum number of points that get normals and are resampled in one edit: this many, or this share of all, whichever
+// is more; the others follow in later edits.
 constexpr std::size_t kMaxAtOnce = 1024, kShareAtOnce = 16;
 
 // Calls body(i) for every i below `count`, on all threads.
@@ -28,7 +30,7 @@ void forEachOf(WorkerTeam& team, std::size_t count, Body&& body) {
   });
 }
 
-// Insertions that are nearer to one another than this asks for wait for one another.
+// Insertions nearer to each other than this spacing requires wait for each other.
 double claimSpacing(const SculptOptions& options) {
   return options.radius / static_cast<double>(shared::kSupportSpacings);
 }
@@ -67,7 +69,7 @@ double CpuSculpture::spacingAt(std::uint32_t point, std::span<const std::uint8_t
 void CpuSculpture::measureSpacings() {
   const double least = static_cast<double>(shared::kMinSpacing) * options_.radius;
   const double most = static_cast<double>(shared::kMaxSpacing) * options_.radius;
-  std::vector<std::uint8_t> counts(points_.size());  // not 0: the first point of its place
+  std::vector<std::uint8_t> counts(points_.size());  // nonzero: the first of coincident points
   forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
     counts[i] = 1;
     grid_.forEachNear(DVec3(points_.positions[i]), least,
@@ -86,7 +88,7 @@ bool CpuSculpture::isAtRest(std::uint32_t point) const {
 
 float CpuSculpture::mostReach() const { return shared::kReach * static_cast<float>(options_.radius); }
 
-// Who came with less reach than a brush gives stands where it came.
+// A new point with less reach than a brush gives is still where it was inserted.
 bool CpuSculpture::isMoved(std::uint32_t point) const {
   return point < points_.fromFile ? !isAtRest(point) : points_.reaches[point - points_.fromFile] == mostReach();
 }
@@ -140,7 +142,7 @@ void CpuSculpture::tellOf(std::uint32_t point) {
   if (std::exchange(isChanged_[point], 1) == 0) changed_.push_back(point);
 }
 
-// Every point reads the others where they were before.
+// Every point reads the previous positions of the others.
 void CpuSculpture::applyBrush(const PlacedBrush& brush) {
   reached_.clear();
   grid_.forEachNear(brush.center(), brush.radius(),
@@ -159,7 +161,7 @@ void CpuSculpture::applyBrush(const PlacedBrush& brush) {
     const Vec3 place(places_[i].position);
     const std::uint32_t color =
         brush.painted(DVec3(points_.positions[point]), found(brush, point), points_.colors[point]);
-    if (places_[i].taken && cuts_) {  // with the next edit, so that the near sheet still sees the far one
+    if (places_[i].taken && cuts_) {  // removed with the next edit, so that the near sheet still sees the far one
       swallowed_.push_back(point);
       continue;
     }
@@ -204,7 +206,7 @@ void CpuSculpture::findUnsettled() {
   const std::size_t most = std::max(kMaxAtOnce, std::size_t{points_.fromFile} / kShareAtOnce);
   someWait_ = unsettled_.size() > most;
   if (!someWait_) return;
-  // Those that have waited longest: around all of them in the order of their numbers.
+  // Those that have waited longest: cycles through all in the order of their numbers.
   const auto next = std::ranges::lower_bound(unsettled_, nextUnsettled_);
   std::rotate(unsettled_.begin(), next, unsettled_.end());
   nextUnsettled_ = unsettled_[most];
@@ -229,8 +231,8 @@ Vec3 CpuSculpture::refitted(std::uint32_t point) const {
   return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
 }
 
-// The side of a normal is the one that most normals around it are on: at a fresh edge a normal may turn by a right
-// angle in one tick, and its own old side says nothing then. The far sheet of a plate has no say.
+// A normal takes the side of most normals around it: at a fresh edge a normal may rotate by a right angle in one tick,
+// and its previous side is then meaningless. The far sheet of a plate does not count.
 void CpuSculpture::refit() {
   normals_.resize(unsettled_.size());
   forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
@@ -296,7 +298,7 @@ void CpuSculpture::resample() {
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
     const std::uint32_t point = unsettled_[i];
     points_.unsettled[point] = requests_[i].unsettled;
-    // From now on it counts as part of the sheet that it has come to.
+    // From now on it counts as part of the sheet that it has reached.
     if (requests_[i].stops) points_.founds[point].normal = Vec3(-pushes_->outward());
     if (requests_[i].thick && cuts_ && points_.founds[point].stroke == cuts_->stroke())
       points_.founds[point].thick = static_cast<float>(*requests_[i].thick);

@@ -1,4 +1,4 @@
-// One tick of sculpting in double precision on the CPU, with every brush, over an index that is built anew each time.
+// One tick of sculpting in double precision on the CPU, with every brush, over an index that is rebuilt each time.
 #pragma once
 
 #include "engine/edit/placed_brush.hpp"
@@ -10,7 +10,7 @@ namespace palpate {
 
 struct SculptOptions {
   double radius = 0;  ///< support radius, model units
-  /// A brush that keeps the density may: insert where the surface is stretched, merge where it is crowded.
+  /// Brushes that keep the density may insert points where the surface is stretched and merge them where it is crowded.
   bool keepsDensity = true;
   unsigned threads = 0;  ///< 0: one per core
 };
@@ -19,7 +19,8 @@ struct SculptOptions {
 /// points in the index.
 class CpuSculpture {
  public:
-  /// Copies what it needs of `cloud`, which must have normals; builds the index and, to keep the density, measures it.
+  /// Copies the data it needs from `cloud`, which must have normals; builds the index and, if it keeps the density,
+  /// measures it.
   CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options);
 
   const SculptedPoints& points() const { return points_; }
@@ -27,23 +28,23 @@ class CpuSculpture {
   std::size_t threads() const { return grid_.threads(); }
   /// Time of the first build of the index, us.
   double buildTime_us() const { return buildTime_us_; }
-  /// Builds of the index after the first.
+  /// Number of index builds after the first.
   std::uint64_t rebuilds() const { return builds_ - 1; }
 
-  /// One tick: the brush, where it acts; then the points that are not settled get the normals of their surroundings,
-  /// and come and go. Of more than 1024 and a sixteenth of all a part does so, and the others in the next ticks.
+  /// One tick: applies the brush, if it acts; then the unsettled points get the normals of their surroundings and are
+  /// resampled. If they are more than 1024 and a sixteenth of all points, some are deferred to the next ticks.
   void edit(const PlacedBrush& brush);
-  /// How the last edit found the surface under its brush.
+  /// The last edit's measure of the surface under its brush.
   const SurfaceMeasure& measure() const { return measure_; }
-  /// What the last edit did something to, each point once.
+  /// Points changed by the last edit, each once.
   std::span<const std::uint32_t> changed() const { return changed_; }
-  /// False: an edit would change something though no brush acts.
+  /// False: an edit would change points even though no brush acts.
   bool settled() const { return settled_ && swallowed_.empty(); }
-  /// More points are not settled than the last edit took.
+  /// More points are unsettled than the last edit processed.
   bool someWait() const { return someWait_ || !swallowed_.empty(); }
-  /// How a stroke that goes on found a point.
+  /// Sets the state in which a continuing stroke found a point.
   void setFound(std::uint32_t point, const SculptedPoints::Found& found) { points_.founds[point] = found; }
-  /// Sets points exactly; after that all are settled.
+  /// Sets points exactly; afterwards all are settled.
   void set(std::span<const PointChange> changes);
 
  private:
@@ -80,22 +81,22 @@ class CpuSculpture {
   double buildTime_us_ = 0;
   std::uint64_t builds_ = 0;
   bool settled_ = true, carves_ = false;
-  bool someWait_ = false;              // more are unsettled than an edit takes
-  std::uint32_t nextUnsettled_ = 0;    // the number from which the next edit takes them
+  bool someWait_ = false;              // more points are unsettled than an edit processes
+  std::uint32_t nextUnsettled_ = 0;    // number of the first point of the next edit
   std::optional<PlacedBrush> pushes_;  // of this tick
   std::optional<PlacedBrush> cuts_;
   SurfaceMeasure measure_;
-  // Of one tick.
+  // Working data of one tick.
   struct Request : ResampleRequest {
     Vec3 place{0};  // of the new point
     float reach = 0;
   };
   std::vector<std::uint32_t> reached_, unsettled_, changed_;  // numbers of points
-  std::vector<std::uint32_t> swallowed_;                      // by the ball that carved: gone with the next edit
-  std::vector<PlacedBrush::Point> places_;                    // of those reached
-  std::vector<Vec3> normals_;                                 // new ones of those unsettled
-  std::vector<Request> requests_;                             // of those unsettled
-  std::vector<std::uint8_t> isChanged_;                       // by point: it stands in changed_
+  std::vector<std::uint32_t> swallowed_;                      // by the carving ball: removed with the next edit
+  std::vector<PlacedBrush::Point> places_;                    // of the reached points
+  std::vector<Vec3> normals_;                                 // new normals of the unsettled points
+  std::vector<Request> requests_;                             // of the unsettled points
+  std::vector<std::uint8_t> isChanged_;                       // by point: whether it is in changed_
 };
 
 }  // namespace palpate

@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint64_t kPiece = 1 << 18;  // entries that are brought at a time
+constexpr std::uint64_t kPiece = 1 << 18;  // entries copied at a time
 
 }  // namespace
 

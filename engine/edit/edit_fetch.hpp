@@ -5,13 +5,13 @@
 
 namespace palpate {
 
-/// Brings what is unread in an edit log to the host, on the throughput queue: for the thread that uses that queue.
+/// Copies the unread entries of an edit log to the host, on the throughput queue: for the thread that uses that queue.
 class EditFetch {
  public:
-  /// From now on the log keeps entries for it. Throws OutOfGpuMemory.
+  /// From construction on the log keeps entries for it. Throws OutOfGpuMemory.
   EditFetch(Device& device, EditLog& log);
 
-  /// Appends everything that is unread, waits for it, and consumes it.
+  /// Appends all unread entries, waits for the copy, and consumes them.
   void take(EditBatch& batch);
 
  private:

@@ -9,14 +9,14 @@ namespace palpate {
 
 namespace {
 
-// A buffer of at most 4 GiB less a little, which is all that some drivers give at a time. An edit that may write more
-// is left out: it would have to touch more than a sixteenth of a cloud of more points than that.
+// A buffer of slightly less than 4 GiB, the maximum allocation of some drivers. An edit that may write more entries is
+// dropped: it would have to change more than a sixteenth of a cloud with more points than that.
 constexpr std::uint64_t kMaxEntries = std::bit_floor((std::uint64_t{4094} << 20) / sizeof(shared::EditEntry));
 
 }  // namespace
 
 std::uint64_t EditLog::capacityFor(std::uint64_t points, std::uint64_t slack) {
-  if (points == 0) return 1;  // nobody edits
+  if (points == 0) return 1;  // no edits
   return std::min(std::bit_ceil(points + std::max(points, slack)), kMaxEntries);
 }
 
@@ -89,7 +89,7 @@ EditLog::Range EditLog::Reader::unread() const {
 }
 
 void EditLog::Reader::takeMarks(std::uint64_t from, std::uint64_t upTo, std::vector<EditMark>& marks) {
-  // A mark that belongs before an entry was there before that entry was published.
+  // A mark before an entry was added before that entry was published.
   std::uint64_t next = seat_.consumedMarks.load(std::memory_order_relaxed);
   const std::uint64_t end = log_.marked_.load(std::memory_order_acquire);
   for (; next < end && log_.marks_[next % kMarks].at <= upTo; ++next) {
@@ -103,7 +103,7 @@ void EditLog::Reader::consume(std::uint64_t upTo) {
   PALPATE_CHECK_LE(upTo, log_.published_.load(std::memory_order_acquire));
   std::uint64_t next = seat_.consumedMarks.load(std::memory_order_relaxed);
   const std::uint64_t end = log_.marked_.load(std::memory_order_acquire);
-  // One at `upTo` itself may have come since the reader looked.
+  // A mark at `upTo` itself may have been added since the reader looked.
   while (next < end && log_.marks_[next % kMarks].at < upTo) ++next;
   seat_.consumedMarks.store(next, std::memory_order_release);
   seat_.consumed.store(upTo, std::memory_order_release);

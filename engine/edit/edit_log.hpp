@@ -21,60 +21,58 @@ static_assert(offsetof(PointState, color) == offsetof(shared::EditEntry, color))
 static_assert(offsetof(PointState, parent) == offsetof(shared::EditEntry, parent));
 static_assert(PointState::kGone == shared::kPointGone);
 
-/// The only place where the touch side and those who follow it meet: a ring of point states on the GPU, written by the
-/// edit passes of the touch side, read by whoever attached a Reader. Positions in the log grow without bound; a
-/// position's slot is its remainder by the capacity. A small ring of marks on the host tells where strokes and changes
+/// The interface between the touch side and its followers: a ring of point states on the GPU, written by the edit
+/// passes of the touch side and read by every attached Reader. Positions in the log grow without bound; the slot of a
+/// position is its remainder modulo the capacity. A small ring of marks on the host stores where strokes and changes
 /// end.
 ///
-/// One writer thread, and one thread for each reader. The writer publishes what has completed on the GPU; a reader says
-/// what it has consumed; nobody waits for anybody. With no reader attached nothing is kept.
+/// One writer thread, and one thread for each reader. The writer publishes entries that are complete on the GPU; a
+/// reader reports what it has consumed; neither waits for the other. Without readers nothing is kept.
 class EditLog {
  public:
-  /// States kept beside a tick that edits the whole cloud, at least: a reader at 30 Hz may fall a frame behind a brush
-  /// at 1 kHz.
+  /// Minimum number of states kept in addition to a tick that edits the whole cloud: a reader at 30 Hz may fall a frame
+  /// behind a brush at 1 kHz.
   static constexpr std::uint64_t kMinSlack = 1 << 18;
 
-  /// Holds at least twice `points` states, so that a tick that edits the whole cloud fits beside what a reader that is
-  /// a little behind has not seen yet; at most as many as one buffer can (capacityFor()).
+  /// Holds at least twice `points` states, so that a tick that edits the whole cloud fits in addition to entries that a
+  /// slightly late reader has not read; limited by the size of one buffer (capacityFor()).
   EditLog(Device& device, std::uint64_t points, std::uint64_t slack = kMinSlack);
-  /// Entries that a log for so many points holds.
+  /// Capacity of a log for `points` points.
   static std::uint64_t capacityFor(std::uint64_t points, std::uint64_t slack = kMinSlack);
 
   DeviceAddress entries() const { return entries_.address(); }
   const Buffer& entriesBuffer() const { return entries_; }
-  /// A uint32 that shaders count up: the position of the next entry, modulo 2^32.
+  /// A uint32 that shaders increment: the position of the next entry, modulo 2^32.
   DeviceAddress head() const { return head_.address(); }
   const Buffer& headBuffer() const { return head_; }
   std::uint64_t capacity() const { return capacity_; }
 
   // Writer.
-  /// All entries before the position whose low 32 bits are `head` are complete on the GPU.
+  /// Publishes all entries before the position whose low 32 bits are `head`; they must be complete on the GPU.
   void publish(std::uint32_t head);
-  /// The same for the entries of one change(), with the mark that ends them: no reader sees the former without the
-  /// latter.
-  /// False where there are none.
+  /// Publishes the entries of one change() with the mark that ends them: readers never see the entries without the
+  /// mark. False if there are no entries.
   bool publishChange(std::uint32_t head);
-  /// The same for what has become of an offer, should it be nothing, too. `inStroke`: of a brush, which goes on behind
-  /// it.
+  /// Publishes the result of an offer, even if it is empty. `inStroke`: a brush stroke continues after it.
   void publishReceived(std::uint32_t head, bool inStroke);
-  /// The stroke ended with the last entry that is published.
+  /// Ends the stroke with the last published entry.
   void endStroke() { mark(published_.load(std::memory_order_relaxed), EditMark::Kind::stroke); }
-  /// Entries that may be written now without overwriting unread ones; none while a reader has left too many marks
-  /// unread.
+  /// Number of entries that may be written now without overwriting unread ones; 0 while a reader has too many unread
+  /// marks.
   std::uint64_t room() const;
-  /// Where the next entry will stand that is not published yet.
+  /// Position of the next entry to be published.
   std::uint64_t published() const { return published_.load(std::memory_order_relaxed); }
 
   struct Range {
     std::uint64_t begin = 0, end = 0;
     std::uint64_t size() const { return end - begin; }
   };
-  /// Keeps what it has not consumed for as long as it lives. Made while nothing is written: before the first edit.
+  /// Its unconsumed entries are kept while it lives. Must be created while nothing is written: before the first edit.
   class Reader;
 
  private:
   static constexpr std::size_t kMaxReaders = 4;
-  static constexpr std::uint64_t kMarks = 1024, kMarksPerTick = 4;  // two of a stroke and a change, two of an offer
+  static constexpr std::uint64_t kMarks = 1024, kMarksPerTick = 4;  // two for a stroke and a change, two for an offer
 
   struct Seat {
     std::atomic<bool> taken = false;
@@ -101,10 +99,10 @@ class EditLog::Reader {
 
   const EditLog& log() const { return log_; }
   Range unread() const;
-  /// Appends the unread marks up to the position `upTo`, which unread() has given, with `at` counted from `from`, and
+  /// Appends the unread marks up to the position `upTo`, as returned by unread(), with `at` relative to `from`, and
   /// consumes them.
   void takeMarks(std::uint64_t from, std::uint64_t upTo, std::vector<EditMark>& marks);
-  /// The entries before `upTo`, and the marks among them, are no longer needed.
+  /// Releases the entries before `upTo` and the marks among them.
   void consume(std::uint64_t upTo);
 
  private:

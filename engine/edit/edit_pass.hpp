@@ -15,78 +15,77 @@
 
 namespace palpate {
 
-/// Everything that an edit does to the live cloud in one tick: the brush, or changes as they are given; points that
-/// come and go to keep the surface whole; the index, by update or by a full build; the normals of what changed; the
-/// log.
+/// All steps of an edit of the live cloud in one tick: the brush, or given changes; insertions and removals that keep
+/// the surface whole; the index, by update or rebuild; the normals of changed points; the log.
 class EditPass {
  public:
-  /// `colors`: RGBA8 of the cloud's points, empty when it has none and none are painted. `radius`: support radius,
+  /// `colors`: RGBA8 of the cloud's points, empty if it has no colours and is not painted. `radius`: support radius,
   /// model units. `live` and `log` must outlive the pass.
   EditPass(Device& device, const BrushOptions& brush, const SpatialHash& hash, const LiveCloud& live,
            const EditLog& log, std::span<const std::uint32_t> colors, double radius);
   EditPass(const EditPass&) = delete;
   EditPass& operator=(const EditPass&) = delete;
 
-  /// Another brush from now on: what was recorded with the one before must be recorded again. Nothing may run
-  /// meanwhile. It keeps the density only where the first brush did.
+  /// Replaces the brush: lists recorded with the previous one must be recorded again. Nothing may run meanwhile. It
+  /// keeps the density only if the first brush did.
   void setBrush(const BrushOptions& brush) { moves_.setBrush(brush); }
-  /// Where the tool is in the edit that is submitted next. While none is under way.
+  /// Sets the tool of the edit that is submitted next. Not during an edit.
   void setTool(const BrushStroke::Tool& tool) { moves_.setTool(tool); }
 
-  /// Where a brush looks for the points that it reaches: in the cells of a box, which fails with kUpdateTooLarge where
-  /// they are more than mostMoves(); or, with a full build, among all points, as many at a time.
+  /// The search range of a brush: the cells of a box, which fails with kUpdateTooLarge if more than mostMoves() points
+  /// are reached; or, with a rebuild, all points, mostMoves() at a time.
   enum class Reach { near, far, all };
-  /// The one that the tool asks for.
+  /// The range that the current tool requires.
   Reach reach() const { return moves_.box() == BrushMoves::Box::far ? Reach::far : Reach::near; }
 
-  // Of the brush, for the tool of that time; recorded ahead. Two sections: "edit", after which points, index,
-  // normals and log are as the brush leaves them, and "requests", which prepares what the next edit does besides.
-  /// At the cost of the points that it reaches: the points on `half` and their index change in place.
+  // Edits by the brush, with the tool of the time of execution; recorded ahead. Two sections: "edit", after which
+  // points, index, normals and log are complete, and "requests", which prepares the insertions and removals of the next
+  // edit.
+  /// At the cost of the points reached: the points on `half` and their index change in place.
   void recordIncremental(CommandList& list, const LiveCloud::Half& half, Reach reach) const;
-  /// With a full build: reads `from` and writes `to`; the caller flips the cloud.
+  /// With a rebuild: reads `from` and writes `to`; the caller flips the cloud.
   void recordRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to, SortMethod sort,
                      Reach reach) const;
 
-  // Of changes as they are given, at most mostChanges() at a time; recorded after give(). Of those that are offered a
-  // point that does not stand where its change says stays as it is; without that none of them is carried out then.
+  // Given changes, at most mostChanges() at a time; recorded after give(). If a point is not in its change's `from`
+  // state: when offered, only that point stays as it is; otherwise none of the changes is carried out.
   enum class Given { exactly, offered };
   std::uint32_t mostChanges() const { return given_.most(); }
   void give(std::span<const PointChange> changes) { given_.give(changes, live_.slots()); }
   void recordGivenIncremental(CommandList& list, const LiveCloud::Half& half, Given given) const;
   void recordGivenRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to, SortMethod sort,
                           Given given) const;
-  /// A full build and nothing else: the points on `from` stand without gaps on `to`.
+  /// Only rebuilds: the points on `from` are stored without gaps on `to`.
   void recordCompaction(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
                         SortMethod sort) const;
 
-  /// True where the last edit that has completed left requests: another one would change something though no brush
-  /// acts.
+  /// True if the last completed edit left requests: another one would change points even though no brush acts.
   bool unsettled() const { return resamples() && resample_->unsettled(); }
-  /// How the edits so far have found the surface under the tool: sums over all of them.
+  /// Measures of the surface under the tool: sums over all edits so far.
   SurfaceMeasure measure() const;
-  /// What the last edit that has completed came to.
+  /// Result of the last completed edit.
   const shared::HashUpdate& report() const { return update_.report(); }
   const HashUpdate& update() const { return update_; }
   std::uint32_t mostMoves() const { return update_.mostMoves(); }
-  /// Entries that an edit with a full build may add to the log.
+  /// Maximum number of log entries of an edit with a rebuild.
   std::uint64_t mostLogged(Reach reach) const;
   const BrushOptions& brush() const { return moves_.brush(); }
 
-  /// Completes a point, of which LiveCloud::points() knows place and normal, with its colour and parent.
+  /// Adds colour and parent to points whose positions and normals are from LiveCloud::points().
   void complete(std::vector<PointState>& points) const;
   std::uint64_t bytes() const;
-  /// The same for a cloud that is not there yet.
+  /// The same for a cloud that does not exist yet.
   static std::uint64_t predictedBytes(std::uint64_t points, bool colors);
 
  private:
   using Scratch = EditSequel::Scratch;
 
-  // Paint moves nothing, so that no points come or go with it.
+  // Paint moves nothing, so it inserts and removes no points.
   bool resamples() const { return resample_ && brush().keepsDensity && brush().kind != BrushKind::paint; }
   std::uint32_t recalls() const { return resamples() ? shared::kRecallsRequests : shared::kRecallsNothing; }
-  // What follows an update goes by.
+  // Lists for the passes that follow an update.
   Scratch scratch() const { return {.changed = update_.changed(), .fitted = update_.fitted()}; }
-  // Behind a build: any number of them.
+  // After a rebuild: of any number of points.
   Scratch scratch(const LiveCloud::Half& left) const {
     return {.changed = update_.bySlot(), .fitted = left.normals.address()};
   }
@@ -100,16 +99,16 @@ class EditPass {
   shared::EditEnd end() const;
   shared::CloudView view(const LiveCloud::Half& half) const { return hash_.view(half, live_.slots()); }
 
-  // Of an edit with a full build: what the brush makes of the points, where they stand.
+  // The brush's changes in an edit with a rebuild, before the rebuild.
   void recordReached(CommandList& list, const LiveCloud::Half& from, Reach reach) const;
-  // Of changes as they are given. `flags`: shared::kRestore...
+  // Given changes. `flags`: shared::kRestore...
   void recordRestore(CommandList& list, const LiveCloud::Half& half, Given given, std::uint32_t flags) const;
-  // Requests of the last tick are dropped.
+  // Drops the requests of the last tick.
   void recordForget(CommandList& list, const LiveCloud::Half& half) const;
-  // What follows once the index has: normals and log. Makes an end to the update, unless `requests` follow.
+  // The passes after the index: normals and log. Ends the update, unless `requests` follow.
   void recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, const Scratch& scratch,
                     bool requests) const;
-  // Where points should come and go with the next edit. Makes an end to the update.
+  // Requests of insertions and removals for the next edit. Ends the update.
   void recordRequests(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                       const Scratch& scratch) const;
 

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Of a pass that walks over the lists of an update; `pushBytes`: of its push constants.
+/// Options of a pass that iterates over the lists of an update; `pushBytes`: size of its push constants.
 inline PipelineOptions editPipeline(std::uint32_t pushBytes, const HashUpdate& update) {
   return {.workgroupSize = shared::kUpdateWorkgroup,
           .pushBytes = pushBytes,

@@ -8,13 +8,13 @@
 
 namespace palpate {
 
-/// The passes of an edit once the index has followed: the normals of what changed are fitted, the log gets its entries.
+/// The passes of an edit after the index update: they fit the normals of changed points and write the log entries.
 class EditSequel {
  public:
   /// `radius`: support radius, model units. `update` and `log` must outlive it.
   EditSequel(Device& device, const HashUpdate& update, const EditLog& log, double radius);
 
-  /// The slots that have changed, and room for a vec4 for each of them.
+  /// The changed slots, and room for a vec4 for each of them.
   struct Scratch {
     DeviceAddress changed = 0, fitted = 0;
   };
@@ -22,12 +22,12 @@ class EditSequel {
     const shared::CloudView& cloud;
     std::uint32_t parity;
     DeviceAddress tables;
-    DeviceAddress lists;  ///< of the resampling; 0 where there is none
+    DeviceAddress lists;  ///< of the resampling; 0 without it
     Scratch scratch;
   };
-  /// `end`: what the last of these passes does besides, where no other follows.
+  /// `end`: completes the edit in the last of these passes, if no other pass follows.
   void record(CommandList& list, const Io& io, const shared::EditEnd& end) const;
-  /// Points that the committed moves take away go to the log, before the lists are emptied.
+  /// Logs the points that the committed moves remove, before the lists are cleared.
   void recordGone(CommandList& list, const Io& io) const;
 
  private:

@@ -9,15 +9,15 @@
 
 namespace palpate {
 
-/// Changes of points as the host gives them, and the pass that lists them as moves.
+/// Changes of points from the host, and the pass that lists them as moves.
 class GivenChanges {
  public:
   /// `update` must outlive it.
   GivenChanges(Device& device, const HashUpdate& update);
 
-  /// So many at a time.
+  /// Maximum number at a time.
   std::uint32_t most() const { return most_; }
-  /// `ids`: that there are.
+  /// `ids`: number of ids.
   void give(std::span<const PointChange> changes, std::uint32_t ids);
 
   struct Io {
@@ -25,7 +25,7 @@ class GivenChanges {
     std::uint32_t parity;
     DeviceAddress tables, lists;
   };
-  /// Of what was given last. `flags`: shared::kRestore...
+  /// Lists the last given changes. `flags`: shared::kRestore...
   void record(CommandList& list, const Io& io, std::uint32_t flags) const;
 
   std::uint64_t bytes() const { return changes_.bytes(); }

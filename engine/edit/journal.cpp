@@ -25,7 +25,7 @@ void Journal::follow(const EditBatch& batch) {
         endStroke();
         break;
       case EditMark::Kind::change:
-        endStroke();  // should nobody have said so
+        endStroke();  // in case its end was not marked
         set(states);
         break;
       case EditMark::Kind::part:
@@ -73,7 +73,7 @@ void Journal::receive(std::span<const PointState> states) {
     const std::uint32_t point = state.number();
     lastReceived_[point] = received_;
     if (!isInStroke(point)) continue;
-    // What the stroke does to it from now on is done to what others have made of it.
+    // From now on the stroke's edits of this point start from the received state.
     open_.points[slot_[point]] = open_.points.back();
     slot_[open_.points.back().number()] = slot_[point];
     open_.points.pop_back();

@@ -9,56 +9,55 @@
 
 namespace palpate {
 
-/// What was done to a cloud, stroke by stroke, and how to take it back: follows the edits of a TouchBackend, knows
-/// every point as it is, and for each stroke every point that it touched as it was before. Undo and redo give back
+/// The edit history of a cloud, by strokes, for undo and redo: follows the edits of a TouchBackend and stores every
+/// point's current state and, for each stroke, the previous state of every point that it touched. Undo and redo restore
 /// exactly those states, bit by bit.
 ///
-/// What others have done is in no stroke: a point that they have changed since is left as it is by undo and redo.
+/// Received changes are not part of a stroke: undo and redo skip points that were changed by others since.
 ///
-/// A stroke that was undone and not redone is forgotten as soon as the next one begins. Strokes are kept as long as
-/// they fit into a budget: the oldest are dropped first, and a stroke that is larger than the whole budget cannot be
-/// undone, nor can any before it.
+/// Undone strokes are discarded when the next stroke begins. Strokes are kept within a budget: the oldest are dropped
+/// first. A stroke larger than the whole budget cannot be undone, nor can any before it.
 class Journal {
  public:
-  /// `file`: the cloud before the first edit. `budget_bytes`: for the strokes; the points as they are now take 40 bytes
-  /// each besides. With a budget of 0 no stroke is kept.
+  /// `file`: the cloud before the first edit. `budget_bytes`: for the strokes; the current states of the points take 40
+  /// bytes each in addition. With a budget of 0 no stroke is kept.
   explicit Journal(const PointCloud& file, std::uint64_t budget_bytes = 0);
 
-  /// Takes in what was done, in order.
+  /// Takes in edits, in order.
   void follow(const EditBatch& batch);
 
-  /// All points as they are, by id; those that came later stand behind the file's.
+  /// The current states of all points, by id; new ones after the file's.
   std::span<const PointState> points() const { return points_; }
-  /// Of them, those that are there.
+  /// Number of existing points.
   std::size_t present() const { return present_; }
 
-  /// What takes the last stroke back, each point once; nothing where there is none. Hand it to the back end's change(),
-  /// and what that tells of it to follow(), before any other edit. Only between strokes: when every edit so far has
-  /// been taken in, and inStroke() is false (change() with nothing to change ends a stroke).
+  /// The changes that undo the last stroke, each point once; empty if there is none. The caller passes them to the back
+  /// end's change(), and the resulting edits to follow(), before any other edit. Only between strokes: when all edits
+  /// so far have been taken in and inStroke() is false (change() without changes ends a stroke).
   std::vector<PointChange> undo();
-  /// The same for the stroke that was undone last.
+  /// The same for the stroke undone last.
   std::vector<PointChange> redo();
 
-  /// Tells states of the points apart: it is the same again exactly when they are, by undo and redo.
+  /// Identifies the state of the points: undo and redo restore the version together with the states.
   std::uint64_t version() const { return version_ + (received_ << 32); }
 
   bool inStroke() const { return inStroke_; }
-  std::uint64_t strokes() const { return strokes_; }  ///< that have ended, ever
+  std::uint64_t strokes() const { return strokes_; }  ///< finished so far
   std::size_t undoable() const { return done_.size(); }
   std::size_t redoable() const { return undone_.size(); }
-  /// Strokes that can no longer be undone because of the budget; of them, those larger than all of it.
+  /// Strokes that can no longer be undone because of the budget; of these, those larger than the whole budget.
   std::uint64_t dropped() const { return dropped_; }
   std::uint64_t tooLarge() const { return tooLarge_; }
-  /// What the strokes take now.
+  /// Memory of the strokes.
   std::uint64_t bytes() const { return bytes_ + open_.points.size() * sizeof(PointState); }
 
  private:
-  /// The points that a stroke touched, and the version, each as it was on the other side of it: before, or, once
-  /// undone, after.
+  /// The points that a stroke touched, and the version, in the state on its other side: before it, or, once undone,
+  /// after it.
   struct Stroke {
     std::vector<PointState> points;
     std::uint64_t version = 0;
-    std::uint64_t received = 0;  // when it was made, undone or redone last
+    std::uint64_t received = 0;  // value of received_ when it was made, undone or redone last
   };
   static std::uint64_t bytesOf(const Stroke& stroke) {
     return sizeof(Stroke) + stroke.points.size() * sizeof(PointState);
@@ -73,26 +72,26 @@ class Journal {
   bool isInStroke(std::uint32_t point) const {
     return slot_[point] < open_.points.size() && open_.points[slot_[point]].number() == point;
   }
-  // The most points that the stroke under way may have without dropping another one.
+  // Computes the maximum number of points of the stroke in progress without dropping another one.
   void measureRoom();
   void growTo(std::uint32_t point);
-  // Exchanges the points' states with the stroke's.
+  // Swaps the points' states with the stroke's.
   std::vector<PointChange> cross(Stroke& stroke);
-  // Leaves out of it the points that others have changed since it was crossed last.
+  // Removes the points that others have changed since it was swapped last.
   void leaveReceived(Stroke& stroke);
 
   std::uint64_t budget_;
   std::vector<PointState> points_;
   std::size_t present_;
-  std::vector<std::uint32_t> slot_;  // by point: where it stands in open_, if it is there
+  std::vector<std::uint32_t> slot_;  // by point: its index in open_, if it is there
   std::deque<Stroke> done_;
   std::vector<Stroke> undone_;
   std::uint64_t version_ = 0, lastVersion_ = 0;
-  std::uint64_t received_ = 0;               // batches of what others have done, that have any states
-  std::vector<std::uint64_t> lastReceived_;  // by point: the last one of those that had it; empty before the first
+  std::uint64_t received_ = 0;               // number of received batches with any states
+  std::vector<std::uint64_t> lastReceived_;  // by point: the last of these batches with it; empty before the first
   std::uint64_t bytes_ = 0;                  // of done_ and undone_
-  Stroke open_;                              // under way
-  std::size_t room_ = 0;                     // points that open_ may have for now
+  Stroke open_;                              // the stroke in progress
+  std::size_t room_ = 0;                     // maximum number of points of open_ for now
   bool inStroke_ = false, keepsStroke_ = false;
   std::uint64_t strokes_ = 0, dropped_ = 0, tooLarge_ = 0;
 };

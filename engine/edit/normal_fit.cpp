@@ -16,7 +16,7 @@ NormalFit::Result NormalFit::normal(const DVec3& old) const {
                                 .xz = squares_.xz / weights_ - mean.x * mean.z,
                                 .yz = squares_.yz / weights_ - mean.y * mean.z};
   const Eigen3 eigen = eigenSymmetric(spread);
-  // Points on a line, or all in one place, leave more than one direction of least spread.
+  // Collinear or coincident points have more than one direction of least variance.
   constexpr double kMinGap = 1e-5;
   if (eigen.values[1] - eigen.values[0] <= kMinGap * (eigen.values[2] - eigen.values[0])) return {.normal = old};
   const DVec3 normal = eigen.vectors[0];

@@ -1,4 +1,4 @@
-// In double precision on the CPU: what shaders/edit/refit_normals.comp computes.
+// The computation of shaders/edit/refit_normals.comp in double precision on the CPU.
 #pragma once
 
 #include "engine/cloud/eigen3.hpp"
@@ -6,15 +6,15 @@
 
 namespace palpate {
 
-/// The weighted moments of the neighbours of a place, whose direction of least spread is its normal (Hoppe et al. 1992,
-/// section 3.2).
+/// The weighted moments of the neighbours of a position, whose direction of least variance is its normal (Hoppe et al.
+/// 1992, section 3.2).
 class NormalFit {
  public:
   /// `radius`: support radius, model units.
   explicit NormalFit(double radius) : inverseRadius_(1.0 / radius) {}
 
-  /// `offset`: from the place to a neighbour within the support radius, the place itself among them. `share`: how much
-  /// it counts, 0 to 1.
+  /// `offset`: from the position to a neighbour within the support radius, including the position itself. `share`: its
+  /// weight, 0 to 1.
   void add(const DVec3& offset, double share = 1) {
     const double w = share * wendland(glm::length(offset) * inverseRadius_);
     weights_ += w;
@@ -25,9 +25,9 @@ class NormalFit {
 
   struct Result {
     DVec3 normal{0};      ///< unit, on the side of the old normal
-    double flatness = 1;  ///< smallest over middle eigenvalue, 0 to 1: near 1 the direction means nothing
+    double flatness = 1;  ///< smallest over middle eigenvalue, 0 to 1: near 1 the direction is arbitrary
   };
-  /// The old normal where the neighbours are too few to say, or do not spread over a surface.
+  /// The old normal if there are too few neighbours, or they do not span a surface.
   Result normal(const DVec3& old) const;
 
  private:

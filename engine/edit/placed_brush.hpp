@@ -9,22 +9,22 @@
 
 namespace palpate {
 
-/// What a brush does to the points around it, for one place of its tool. Places relative to the cloud's origin, model
-/// units.
+/// The effect of a brush on the points around it, for one position of its tool. Positions relative to the cloud's
+/// origin, model units.
 class PlacedBrush {
  public:
-  /// A point as the stroke found it; its normal: unit.
+  /// State in which the stroke found a point; the normal has unit length.
   using Found = shared::FoundPointOf<double>;
 
   /// `support`: support radius, model units.
   PlacedBrush(const BrushOptions& options, double support, const BrushStroke::Tool& tool);
 
   BrushKind kind() const { return static_cast<BrushKind>(brush_.kind); }
-  /// Points come and go with it, where the sculpture can.
+  /// Whether points are inserted and removed with it, if the sculpture can.
   bool keepsDensity() const { return keepsDensity_; }
-  /// False: nothing yields.
+  /// False: the brush has no effect.
   bool acts() const { return tool_.acts != 0; }
-  /// The ball whose points may feel the brush: all those nearer than the radius to its centre.
+  /// Centre of a ball that contains all points that the brush may affect; radius() is its radius.
   const DVec3& center() const { return tool_.middle; }
   double radius() const { return tool_.reach; }
   std::uint32_t stroke() const { return tool_.stroke; }
@@ -32,18 +32,19 @@ class PlacedBrush {
 
   struct Point {
     DVec3 position;
-    bool taken = false;  ///< it goes away
+    bool taken = false;  ///< the point is removed
   };
-  /// Where a point goes by what is known of it alone: with every brush but smooth, and paint, which moves nothing.
-  /// `normal`: as it is now, unit. Out of the tool's reach, and where nothing yields, it stays.
+  /// New state of a point that depends only on the point itself: for every brush but smooth, and paint, which moves
+  /// nothing. `normal`: the current one, unit. Outside the tool's reach, and if the brush does not act, the point
+  /// stays.
   Point brushed(const DVec3& place, const DVec3& normal, const Found& found) const;
-  /// Smooth: where a point goes. `surface`: the algebraic sphere that its neighbours define (SurfaceKind::sphere).
+  /// Smooth: new position of a point. `surface`: the algebraic sphere fitted to its neighbours (SurfaceKind::sphere).
   DVec3 smoothed(const DVec3& place, const Found& found, const SurfaceSample& surface) const;
   /// The colour of a point, RGBA8 or 0 for none, after one edit of paint.
   std::uint32_t painted(const DVec3& place, const Found& found, std::uint32_t color) const;
-  /// Whether a point is one of those that are measured; `id`: the same one in each edit.
+  /// Whether a point is among those that are measured; `id`: constant over the edits.
   bool measures(std::uint32_t id) const { return shared::isSampled(id, tool_.sampling); }
-  /// What it says of the surface under the tool.
+  /// Its contribution to the measure of the surface under the tool.
   shared::MeasuredPoint measured(const Found& found) const;
 
  private:

@@ -18,8 +18,8 @@ std::uint64_t listBytes(std::uint64_t mostRequests) {
   return kClaimsAt + (kWord + sizeof(Vec3)) * shared::kClaimSlots + sizeof(shared::PointRequest) * mostRequests;
 }
 
-// Workgroups are as wide as the device's shared memory lets them be, which holds the neighbours that their invocations
-// keep and what each of their subgroups knows of each sector.
+// Workgroups are as wide as the device's shared memory allows, which holds the neighbours kept by their invocations and
+// the sector data of each subgroup.
 PipelineOptions requestPipeline(const Device& device, const HashUpdate& update) {
   constexpr std::uint32_t kSectorBytes = 28 * shared::kGapSectors, kNeighbourBytes = 20, kElse = 256;
   PipelineOptions options = editPipeline(sizeof(shared::RequestArgs), update);
@@ -44,7 +44,7 @@ Resample::Resample(Device& device, const LiveCloud& live, const HashUpdate& upda
       lists_(device, listBytes(mostRequests_), Memory::device, "resample lists"),
       spacings_(Buffer::of<float>(device, live.count(), Memory::device, "target spacings")),
       examined_(Buffer::of<std::uint32_t>(device, live.slots(), Memory::device, "examined")),
-      // One to spare: GPU-assisted validation takes the last three words of a buffer for more than they are.
+      // One more than is used: GPU-assisted validation overestimates accesses to the last three words of a buffer.
       rests_(Buffer::of<Vec3>(device, live.slots() + 1, Memory::device, "rests")),
       reaches_(Buffer::of<float>(device, live.slots() - live.count(), Memory::device, "reaches")),
       report_(Buffer::of<shared::Resampling>(device, 1, Memory::readback, "resample report")) {

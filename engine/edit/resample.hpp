@@ -5,28 +5,28 @@
 
 namespace palpate {
 
-/// The surface stays a surface while it is sculpted: where an edit stretches it, points are inserted, where it crowds
-/// them, they are merged. The GPU's side of engine/edit/resampling.hpp. What a point requests at the end of a
-/// tick is carried out with the next edit, and points that made a request are examined again until none has one.
+/// Keeps the surface whole while it is sculpted: inserts points where an edit stretches it, merges them where it crowds
+/// them. The GPU's side of engine/edit/resampling.hpp. A point's request at the end of a tick is carried out with the
+/// next edit, and points with requests are examined again until none is left.
 class Resample {
  public:
   /// `radius`: support radius, model units.
   Resample(Device& device, const LiveCloud& live, const HashUpdate& update, double radius);
 
-  /// Measures the target spacings of a cloud as it was loaded, once, and keeps where its points rest.
+  /// Measures the target spacings of a cloud as loaded, once, and stores its points' rest positions.
   void measure(const shared::CloudView& cloud, DeviceAddress tables);
 
-  /// What the passes of an edit have in common.
+  /// Inputs common to the passes of an edit.
   struct Io {
     shared::HashUpdateArgs update;
     DeviceAddress tables;
     const HashUpdate& lists;
   };
-  /// Once the index has followed and normals are fitted: new requests. The last passes of an edit, which a force need
-  /// not wait for.
+  /// Computes new requests, once the index is updated and normals are fitted. The last passes of an edit; the force
+  /// does not wait for them.
   void recordRequests(CommandList& list, const Io& io, DeviceAddress changed, DeviceAddress fitted,
                       const shared::EditEnd& end) const;
-  /// Where the last pass of an edit reports its Resampling to the host.
+  /// Address at which the last pass of an edit reports its Resampling to the host.
   DeviceAddress reportAddress() const { return report_.address(); }
   bool unsettled() const { return report_.mapped<const shared::Resampling>()[0].requests > 0; }
 

@@ -16,7 +16,8 @@ bool sameSheet(const DVec3& normal, const DVec3& other) {
   return glm::dot(normal, other) > static_cast<double>(shared::kSameSheet);
 }
 
-// New points keep the distance of the wider target, points of the file that of the narrower one, and of how they stood.
+// New points keep the distance of the wider target, points of the file that of the narrower one, and relative to their
+// distance as loaded.
 bool crowd(const ResampleNeighbour& a, const ResampleNeighbour& b) {
   const bool anyNew = a.isNew || b.isNew;
   const double least = std::min(a.spacing, b.spacing);
@@ -28,20 +29,20 @@ bool crowd(const ResampleNeighbour& a, const ResampleNeighbour& b) {
          before < static_cast<double>(shared::kSamePlace) * least;
 }
 
-// Whether an edit has moved two points against one another.
+// Whether an edit has moved two points relative to each other.
 bool torn(const ResampleNeighbour& a, const ResampleNeighbour& b) {
   const DVec3 moved = (b.offset - a.offset) - (b.rest - a.rest);
   return glm::length(moved) > static_cast<double>(shared::kTorn) * std::max(a.spacing, b.spacing);
 }
 
-// Who stays when two crowd: the smaller one.
+// Of two crowding points, the one of the smaller rank stays.
 auto rank(const ResampleNeighbour& point) { return std::tuple(point.unsettled, point.number); }
 
 bool hasToYield(const ResampleNeighbour& point, const ResampleNeighbour& other) {
   return rank(other) < rank(point) && crowd(point, other);
 }
 
-// The nearest neighbour in each sector of the tangent plane, and how far it is.
+// The nearest neighbour in each sector of the tangent plane, and its distance.
 struct SectorView {
   std::array<double, shared::kGapSectors> distance;
   std::array<std::size_t, shared::kGapSectors> nearest;
@@ -69,14 +70,14 @@ bool facesAway(const ResampleNeighbour& a, const ResampleNeighbour& b) {
   return glm::dot(a.normal, b.normal) <= static_cast<double>(shared::kFarSheet);
 }
 
-// How much makes a point go, and how much already keeps a new one away.
+// Thresholds for removing a point, and lower ones for rejecting a new one.
 struct Outside {
   float margin;
   double share;
 };
 const Outside kGoes{0, shared::kNearlyAll}, kStaysAway{shared::kBirthMargin, shared::kHalfOfThem};
 
-// Whether a place near `self` has come through the far sheet of a plate.
+// Whether a position near `self` is through the far sheet of a plate.
 bool standsThrough(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
                    float margin) {
   return std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
@@ -85,7 +86,7 @@ bool standsThrough(const ResampleNeighbour& self, const DVec3& place, std::span<
   });
 }
 
-// Whether it has risen over what is at rest around it.
+// Whether a position has risen over the points at rest around it.
 bool hasRisen(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
               const Outside& outside) {
   double all = 0, above = 0;
@@ -106,7 +107,7 @@ bool standsOutside(const ResampleNeighbour& self, const DVec3& place, std::span<
   return standsThrough(self, place, neighbours, outside.margin) || hasRisen(self, place, neighbours, outside);
 }
 
-// How far under a point as the stroke found it the nearest point of a far sheet lies.
+// Depth of the nearest point of a far sheet under the point as the stroke found it.
 std::optional<double> thicknessSeen(const ResampleNeighbour& self, const ResampleView& view) {
   std::optional<double> least;
   for (const ResampleNeighbour& other : view.neighbours) {
@@ -142,12 +143,12 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
                            shared::isThrough(Vec3(-other.offset), Vec3(other.normal), static_cast<float>(self.spacing),
                                              shared::kStopMargin);
                   });
-  const ResampleNeighbour* first = nullptr;  // of those that crowd this point
+  const ResampleNeighbour* first = nullptr;  // lowest-ranked of those that crowd this point
   for (const ResampleNeighbour& other : neighbours)
     if (hasToYield(self, other) && (!first || rank(other) < rank(*first))) first = &other;
   if (first) {
     const auto firstYieldsTo = [&](const ResampleNeighbour& third) { return hasToYield(*first, third); };
-    // One that is settled stays as it is.
+    // A settled point stays.
     if (!first->unsettled || std::ranges::none_of(neighbours, firstYieldsTo))
       return {.goes = true, .stops = request.stops};
     request.unsettled = true;
@@ -165,8 +166,8 @@ ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleVie
     const DVec3 place = shared::halfWay(other.offset, self.normal, other.normal);
     if (glm::length(place) > view.reach) continue;
     const double clearance = static_cast<double>(shared::kMinClearance) * spacing;
-    // Nor may the new point crowd one with a wider target, or one of another sheet that may prove to be its own, or it
-    // would go again.
+    // The new point must not crowd one with a wider target, nor one of another sheet that may turn out to be the same:
+    // it would be removed again.
     const DVec3 facing = self.normal + other.normal;
     const auto blocks = [&](const ResampleNeighbour& point) {
       const double distance = glm::distance(point.offset, place);

@@ -42,7 +42,8 @@ SculptedPoints::SculptedPoints(const PointCloud& cloud) : fromFile(static_cast<s
     reserveLarge(to, count);
     to.assign(from.begin(), from.end());
   };
-  // An array each, since std::vector is filled by one thread; of many points all take about as long as the longest.
+  // One task per array, since a std::vector is filled by one thread; for many points the total time is about that of
+  // the longest task.
   const std::array<std::function<void()>, 7> arrays{
       [&] { copyTo(positions, cloud.positions); },
       [&] { copyTo(normals, cloud.normals); },
@@ -61,7 +62,7 @@ SculptedPoints::SculptedPoints(const PointCloud& cloud) : fromFile(static_cast<s
       },
       [&] { founds.resize(count); },
   };
-  constexpr std::size_t kMany = std::size_t{1} << 18;  // points, for which it is worth to start threads
+  constexpr std::size_t kMany = std::size_t{1} << 18;  // points from which starting threads pays off
   parallelBlocks(arrays.size(), 1, count < kMany ? 1 : 0, [&](std::size_t k, std::size_t) { arrays[k](); });
 }
 

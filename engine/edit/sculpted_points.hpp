@@ -1,4 +1,4 @@
-// The points of a cloud while it is sculpted on the CPU: they come and go, each keeps its number.
+// The points of a cloud while it is sculpted on the CPU: points are inserted and removed, each keeps its number.
 #pragma once
 
 #include <limits>
@@ -9,54 +9,53 @@
 
 namespace palpate {
 
-/// One entry in every array per point that is or was there: the file's in its order, then those that came later.
+/// One entry in every array for each point that exists or was removed: the file's in its order, then new ones.
 struct SculptedPoints {
   std::vector<Vec3> positions;         ///< model units, relative to the cloud's origin
   std::vector<Vec3> normals;           ///< unit
-  std::vector<std::uint32_t> colors;   ///< RGBA8; 0 where the cloud has none
-  std::vector<std::uint32_t> parents;  ///< the point of the file that the other properties come from
-  std::vector<std::uint8_t> there;     ///< 0: the point is gone
-  /// Not 0: the point has moved, is new, or has not got what it requested; the next tick examines it.
+  std::vector<std::uint32_t> colors;   ///< RGBA8; 0 if the cloud has no colours
+  std::vector<std::uint32_t> parents;  ///< the point of the file from which the other properties are taken
+  std::vector<std::uint8_t> there;     ///< 0: the point is removed
+  /// Nonzero: the point has moved, is new, or has a pending request; the next tick examines it.
   std::vector<std::uint8_t> unsettled;
-  /// Of the points of the file: how far apart they and their neighbours were, which is what edits keep to; model units.
-  /// Empty where nobody asks.
+  /// Of the points of the file: spacing around them as loaded, which edits maintain; model units. Empty if not needed.
   std::vector<float> spacings;
-  /// Where a point stood in the cloud as loaded; of a new one, half way between where its ends did. One that is set
-  /// without ends rests where it is set first. Model units, relative to the cloud's origin.
+  /// Position of a point in the cloud as loaded; of a new point, half way between those of the ends of its gap. A point
+  /// that is set without ends rests at its first position. Model units, relative to the cloud's origin.
   std::vector<Vec3> rests;
-  /// Of the points that came later: how far from there others may come because of it, model units.
+  /// Of new points: maximum distance of further points inserted because of them, model units.
   std::vector<float> reaches;
 
-  /// A point as the stroke found it that changed it last.
+  /// State in which the last stroke to change a point found it.
   struct Found {
     Vec3 position{0}, normal{0};
     std::uint32_t stroke = 0;
-    float thick = 3.0e38f;  ///< how far under it the far sheet was seen last, model units
+    float thick = 3.0e38f;  ///< depth of the far sheet under it when last seen, model units
   };
   std::vector<Found> founds;
 
-  /// Points of the file: those with smaller numbers.
+  /// Number of points of the file; these have the smaller numbers.
   std::uint32_t fromFile = 0;
 
   /// `cloud` must have normals. Spacings are left empty.
   explicit SculptedPoints(const PointCloud& cloud);
-  /// Points that are or were there.
+  /// Number of points including removed ones.
   std::size_t size() const { return positions.size(); }
-  /// The target for a point and those around it, model units.
+  /// The target spacing for a point and its surroundings, model units.
   double spacing(std::uint32_t point) const { return double{spacings[parents[point]]}; }
 
-  /// A point as a stroke has found it.
+  /// State in which a stroke has found a point.
   Found found(std::uint32_t point, std::uint32_t stroke) const {
     if (founds[point].stroke == stroke) return founds[point];
     return {positions[point], normals[point], stroke};
   }
 
   PointState state(std::uint32_t point) const;
-  /// Sets a point, which is settled then; makes room where it is new. Its parent must be one of the file's points.
+  /// Sets a point, which is then settled; extends the arrays for a new one. Its parent must be one of the file's
+  /// points.
   void set(const PointState& state);
-  /// Adds a point at `position`, with the middle of the normals, colours and rests of two points, and of them as a
-  /// stroke found them; the first of them asked for it. `parent`: whose parent it gets, one of the two. Gives its
-  /// number.
+  /// Adds a point at `position`, with the mean of the normals, colours, rests and found states of two points; the first
+  /// of them requested it. `parent`: the one of the two whose parent it gets. Returns its number.
   std::uint32_t insertBetween(std::uint32_t point, std::uint32_t other, std::uint32_t parent, const Vec3& position);
 };
 

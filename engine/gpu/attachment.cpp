@@ -42,7 +42,7 @@ Attachment::Attachment(Device& device, const UVec2& size_px, VkFormat format, st
                                .usage = VK_IMAGE_USAGE_SAMPLED_BIT |
                                         VkImageUsageFlags(isDepth(format) ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
                                                                           : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT),
-                               .sharingMode = VK_SHARING_MODE_EXCLUSIVE,  // of one queue alone
+                               .sharingMode = VK_SHARING_MODE_EXCLUSIVE,  // used by one queue only
                                .queueFamilyIndexCount = 0,
                                .pQueueFamilyIndices = nullptr,
                                .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED};

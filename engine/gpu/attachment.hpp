@@ -12,8 +12,8 @@ namespace palpate {
 class ComputePipeline;
 class Device;
 
-/// An image that draws go to and compute passes read: a depth, or numbers that add up. It is in the general layout
-/// whenever it holds something, so that nobody needs to know who used it last. Throws OutOfGpuMemory.
+/// An image that draws write and compute passes read: a depth, or sums by blending. It is in the general layout
+/// whenever it has contents, so that no code depends on its last use. Throws OutOfGpuMemory.
 class Attachment {
  public:
   Attachment(Device& device, const UVec2& size_px, VkFormat format, std::string name);
@@ -27,7 +27,8 @@ class Attachment {
   const UVec2& size_px() const { return size_px_; }
   const std::string& name() const { return name_; }
 
-  /// Whether a device can make one of that format, can read it in a shader, and can add up in it where it is no depth.
+  /// Whether a device supports such an image in that format, can read it in a shader, and, unless it is a depth, can
+  /// blend into it.
   static bool supports(const Device& device, VkFormat format);
 
  private:
@@ -43,7 +44,7 @@ class Attachment {
   VkImageView view_ = VK_NULL_HANDLE;
 };
 
-/// The attachments that a compute pass reads, bound together: binding k of set 0 is the k-th. They outlive this.
+/// The attachments that a compute pass reads, bound together: binding k of set 0 is the k-th. They must outlive this.
 class ImageReads {
  public:
   ImageReads(Device& device, const ComputePipeline& pipeline, std::span<const Attachment* const> images);

@@ -18,7 +18,7 @@ constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
 constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
-// Best first. The last of each is guaranteed by Vulkan.
+// Best first. Vulkan guarantees the last of each.
 std::span<const VkMemoryPropertyFlags> preferences(Memory memory) {
   static constexpr std::array kDevice{kLocal, VkMemoryPropertyFlags{0}};
   static constexpr std::array kUpload{kLocal | kHost, kHost};

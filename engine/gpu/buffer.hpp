@@ -13,19 +13,19 @@ namespace palpate {
 
 class Device;
 
-/// What a buffer is for; the memory type follows from it.
+/// The use of a buffer, which determines its memory type.
 enum class Memory {
-  device,    ///< only the GPU touches it
-  upload,    ///< the host writes, the GPU reads; in the GPU's own memory where the host can reach that
+  device,    ///< accessed by the GPU only
+  upload,    ///< the host writes, the GPU reads; in the GPU's own memory if the host can access it
   staging,   ///< the host writes in order, the GPU copies from it; in the host's memory
   readback,  ///< the GPU writes, the host reads; cached on the host
 };
 
-/// The best memory type of those `allowed` (a bit each) for that use; nothing where none will do.
+/// The best memory type for that use among those `allowed` (a bit each); empty if none is suitable.
 std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allowed, Memory memory);
 
-/// A range of GPU memory that shaders reach by its address. Mapped for as long as it lives when the host may touch it.
-/// Zero bytes are allowed and give a valid address. Throws OutOfGpuMemory.
+/// A range of GPU memory that shaders access by its address. Mapped while it lives if the host may access it. Zero
+/// bytes are allowed and give a valid address. Throws OutOfGpuMemory.
 class Buffer {
  public:
   Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string name);
@@ -39,7 +39,7 @@ class Buffer {
 
   VkBuffer handle() const { return buffer_; }
   DeviceAddress address() const { return address_; }
-  /// The size that was asked for.
+  /// The requested size.
   std::uint64_t bytes() const { return bytes_; }
   const std::string& name() const { return name_; }
 
@@ -55,7 +55,7 @@ class Buffer {
 
   Device* device_ = nullptr;
   std::uint64_t bytes_ = 0;
-  std::uint64_t allocated_ = 0;  // as the driver rounds it up
+  std::uint64_t allocated_ = 0;  // as rounded up by the driver
   std::string name_;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
@@ -63,7 +63,7 @@ class Buffer {
   std::byte* mapped_ = nullptr;
 };
 
-/// Words of 32 bits that only the GPU touches.
+/// Words of 32 bits that only the GPU accesses.
 inline Buffer deviceWords(Device& device, std::uint64_t count, const char* name) {
   return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
 }

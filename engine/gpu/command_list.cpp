@@ -13,10 +13,10 @@ constexpr VkPipelineStageFlags2 kWork = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |
 constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
 constexpr VkAccessFlags2 kReads = VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT;
 
-constexpr std::size_t kTimedPasses = 200;  // the rest of the timer is for sections
+constexpr std::size_t kTimedPasses = 200;  // the remaining scopes of the timer are for sections
 static_assert(kTimedPasses < GpuTimer::kMaxScopes);
 
-// What draws add to these, on a queue that has it.
+// Additional stages and accesses of draws, on a queue with graphics.
 constexpr VkPipelineStageFlags2 kDrawing =
     VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT |
     VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT |
@@ -32,7 +32,7 @@ struct Scope {
   VkAccessFlags2 access;
 };
 
-// All that this list did before, and lists before it.
+// All earlier commands of this list and of earlier lists.
 Scope before(bool drew) { return {kWork | (drew ? kDrawing : 0), kWrites | (drew ? kDrawingWrites : 0)}; }
 
 void memoryBarrier(const Device& device, VkCommandBuffer commands, const Scope& from, const Scope& to,
@@ -75,7 +75,7 @@ VkImageMemoryBarrier2 imageBarrier(VkImage image, VkImageAspectFlags aspect, con
               .aspectMask = aspect, .baseMipLevel = 0, .levelCount = 1, .baseArrayLayer = 0, .layerCount = 1}};
 }
 
-// What was in the image is gone.
+// Discards the contents of the image.
 VkImageMemoryBarrier2 toGeneralLayout(const Attachment& image, const Scope& from, const Scope& to) {
   return imageBarrier(image.handle(), image.aspect(), {VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL}, from, to);
 }
@@ -98,7 +98,7 @@ VkRenderingAttachmentInfo target(const Attachment& image, bool clear, const VkCl
 GroupGrid groupGrid(std::uint64_t groups, std::uint32_t largestAxis) {
   if (groups <= largestAxis) return {static_cast<std::uint32_t>(groups), 1};
   const std::uint64_t rows = (groups + largestAxis - 1) / largestAxis;
-  if (rows > largestAxis) throw GpuError("a pass of {} workgroups is more than a GPU grid holds", groups);
+  if (rows > largestAxis) throw GpuError("a pass of {} workgroups is larger than a GPU grid", groups);
   return {static_cast<std::uint32_t>((groups + rows - 1) / rows), static_cast<std::uint32_t>(rows)};
 }
 
@@ -139,7 +139,7 @@ void CommandList::begin() {
 }
 
 void CommandList::end() {
-  // Later lists wait for work, not for draws, so draws end as work does.
+  // Later lists wait for compute and copies, not for draws, so draws are ordered before those here.
   memoryBarrier(
       device_, commands_, before(drew_),
       {VK_PIPELINE_STAGE_2_HOST_BIT | (drew_ ? kWork : 0), VK_ACCESS_2_HOST_READ_BIT | (drew_ ? kReads | kWrites : 0)});
@@ -150,8 +150,8 @@ void CommandList::end() {
 void CommandList::orderAfterPrevious(Size size) {
   waits_ = false;
   if (independent_ == Overlap::yes) return;
-  // Only who reads its size from memory waits for the stage that does so: on an H200 that barrier takes 3.8 us, the
-  // other one 1.8. The first of several waits for what any of them may need.
+  // Only passes that read their size from memory wait in the indirect stage: on an H200 that barrier takes 3.8 us, the
+  // other one 1.8. The first pass of an independent scope waits for everything that any pass in it may need.
   const bool reads = size == Size::inMemory || independent_ == Overlap::first;
   if (independent_ == Overlap::first) independent_ = Overlap::yes;
   memoryBarrier(device_, commands_, before(drew_),

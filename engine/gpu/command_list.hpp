@@ -21,25 +21,25 @@ namespace palpate {
 class Device;
 class Queue;
 
-/// What a draw goes to: images of one size, colours in the order of the pipeline's formats.
+/// Targets of a draw: images of one size, colours in the order of the pipeline's formats.
 struct DrawTargets {
   std::vector<const Attachment*> colors;
   const Attachment* depth = nullptr;
-  bool clearColors = false;  ///< to 0 first; else they keep what earlier draws of this list left in them
+  bool clearColors = false;  ///< to 0 first; otherwise they keep the results of earlier draws of this list
   bool clearDepth = false;   ///< to 1, likewise
 };
 
-/// A command buffer that orders its commands by itself: each one sees all that came before it, in this list and in
-/// lists submitted earlier to the same queue. Inside an `independent` scope commands may overlap one another. Record
-/// once between begin() and end(), submit as often as wanted, but never while it is still running.
+/// A command buffer with automatic barriers: each command sees all earlier ones in this list and in lists submitted
+/// earlier to the same queue. Inside an `independent` scope commands may overlap each other. Recorded once between
+/// begin() and end(); may be submitted repeatedly, but never while it is still running.
 ///
-/// On a queue for throughput or the background it gives way: what another queue asks for waits until a dispatch that is
-/// under way has handed out all of its workgroups, however short they live and whichever queue goes first (an H200 does
-/// so), and so none may last long.
+/// On a throughput or background queue it yields to other queues: their work waits until a dispatch in progress has
+/// started all of its workgroups, however short these are and regardless of priorities (seen on an H200). Long
+/// dispatches recorded while there is urgent work (Device::hasUrgentWork) are therefore split into slices.
 class CommandList {
  public:
-  /// What is timed: nothing; sections that stand in no other; every section and pass. Each holds the GPU up, by
-  /// 1.3 us on an H200.
+  /// The timed parts: none; outermost sections; every section and pass. Each timestamp pair delays the GPU by 1.3 us on
+  /// an H200.
   enum class Timing { none, sections, passes };
 
   CommandList(Device& device, const Queue& queue, std::string name, Timing timing = Timing::none);
@@ -70,7 +70,7 @@ class CommandList {
     static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
     dispatchIndirectBytes(pipeline, groups, std::as_bytes(std::span(&args, 1)), offset);
   }
-  /// Draws on a queue with graphics; not within an `independent` scope. Without vertices it only clears.
+  /// Draws on a queue with graphics; not within an `independent` scope. Zero vertices only clear.
   template <class Args>
   void draw(const GraphicsPipeline& pipeline, const DrawTargets& targets, std::uint32_t vertices, const Args& args) {
     static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
@@ -78,8 +78,8 @@ class CommandList {
   }
   void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset = 0,
             std::uint64_t toOffset = 0);
-  /// Copies a picture, 4 bytes a pixel in rows from the top, to an image of a window, all of it, and leaves it ready to
-  /// be shown.
+  /// Copies a picture, 4 bytes a pixel in rows from the top, to a whole swapchain image, and transitions it for
+  /// presentation.
   void show(const Buffer& picture, VkImage image, const UVec2& size_px);
   /// Fills with a 32-bit pattern; `bytes` is a multiple of 4.
   void fill(const Buffer& buffer, std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset = 0);
@@ -99,7 +99,7 @@ class CommandList {
   };
   [[nodiscard]] Section section(const std::string& name) { return Section(*this, name); }
 
-  /// While it lives, commands after the first do not wait for one another.
+  /// While it lives, commands after the first do not wait for each other.
   class Independent {
    public:
     explicit Independent(CommandList& list) : list_(list) { list_.independent_ = Overlap::first; }
@@ -113,19 +113,19 @@ class CommandList {
   [[nodiscard]] Independent independent() { return Independent(*this); }
 
   VkCommandBuffer handle() const { return commands_; }
-  /// Called by the queue; before it there are no times to read.
+  /// Called by the queue; before the first submission there are no times to read.
   void noteSubmission() const { submitted_ = true; }
-  /// Time of a section in the last completed run, us; 0 when it was not timed.
+  /// Time of a section in the last completed run, us; 0 if it was not timed.
   double sectionTime_us(std::string_view name) const;
-  /// What was recorded, in order, with the times of the last completed run.
+  /// The recorded commands, in order, with the times of the last completed run.
   std::vector<PassRecord> passes() const;
 
  private:
-  // Of one dispatch of a list that gives way, one after another.
+  // Maximum number of consecutive slices of one dispatch of a yielding list.
   static constexpr std::uint64_t kMaxSlices = 1024;
 
   enum class Overlap { no, first, yes };
-  enum class Size { known, inMemory };  // of a pass, while it is recorded
+  enum class Size { known, inMemory };  // of a pass that is being recorded
 
   void dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads, std::span<const std::byte> args,
                      VkDescriptorSet images = VK_NULL_HANDLE);
@@ -144,13 +144,13 @@ class CommandList {
   Device& device_;
   std::string name_;
   Timing timing_;
-  bool givesWay_;  // not under validation: the layer of Debian 12 does not know a dispatch that begins at a base
+  bool givesWay_;  // disabled under validation: the layer of Debian 12 does not support dispatches with a base
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   std::unique_ptr<GpuTimer> timer_;
   Overlap independent_ = Overlap::no;
   bool drew_ = false;   // since the last barrier
-  bool waits_ = false;  // the command being recorded stands behind a barrier
+  bool waits_ = false;  // the command being recorded is preceded by a barrier
   std::string section_;
   std::vector<std::pair<std::string, std::uint32_t>> sectionTimers_;
   std::vector<PassRecord> passes_;
@@ -158,8 +158,8 @@ class CommandList {
   mutable bool submitted_ = false;
 };
 
-/// Grid of workgroups for `groups` of them: more than one axis may hold go to a second one. Shaders undo this with
-/// workgroupIndex() of lib/index.glsl. Throws GpuError past what two axes hold.
+/// Two-dimensional grid for `groups` workgroups: if they exceed the limit of one axis a second one is used. Shaders
+/// undo this with workgroupIndex() of lib/index.glsl. Throws GpuError if two axes are not enough.
 struct GroupGrid {
   std::uint32_t x, y;
 };

@@ -13,15 +13,16 @@ namespace palpate {
 
 namespace {
 
-// A software driver puts off translating a shader until it first runs, for seconds, which no tick should wait for. It
-// does it for no workgroups, too. Under validation nothing is in a hurry, and not every pipeline of a test runs.
+// A software driver defers compiling a shader to its first run, for seconds, which no tick should wait for. A dispatch
+// of zero workgroups triggers it as well. Skipped under validation, where time does not matter and tests do not run
+// every pipeline.
 void translateNow(Device& device, const ShaderCode& code, const PipelineOptions& options,
                   const PipelineStore::Compiled& compiled) {
   if (!device.isCpu() || device.instance().validates() || options.images > 0) return;
   CommandList list(device, device.backgroundQueue(), code.name);
   list.begin();
   device.vk().vkCmdBindPipeline(list.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, compiled.pipeline);
-  // No invocation reads the arguments, but none may be missing.
+  // No invocation reads the arguments, but Vulkan requires them.
   static constexpr std::array<std::byte, kMaxPushBytes> kNothing{};
   if (options.pushBytes > 0)
     device.vk().vkCmdPushConstants(list.handle(), compiled.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, options.pushBytes,
@@ -39,12 +40,13 @@ PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const Pi
   std::vector<std::uint32_t> constants{options.workgroupSize};
   constants.insert(constants.end(), options.constants.begin(), options.constants.end());
   const ShaderStage shader(device, code, std::move(constants), life);
-  // Full subgroups need a workgroup that the subgroup size divides; every size up to 128 divides or exceeds ours.
+  // Full subgroups need a workgroup size that is a multiple of the subgroup size; every size up to 128 divides or
+  // exceeds ours.
   const bool full = options.workgroupSize % device.subgroupSize() == 0;
   const VkComputePipelineCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
       .pNext = nullptr,
-      .flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT,  // CommandList gives way within a dispatch
+      .flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT,  // CommandList splits dispatches into slices
       .stage = shader.info(VK_SHADER_STAGE_COMPUTE_BIT,
                            full ? VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT : 0),
       .layout = compiled.layout,
@@ -83,7 +85,7 @@ ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const P
   PALPATE_CHECK_EQ(workgroupSize_ % 32, 0u);  // lavapipe's subgroup operations are wrong otherwise
   const std::uint32_t most = widestWorkgroup(device);
   if (workgroupSize_ > most)
-    throw GpuError("{}: {} wants workgroups of {} invocations, the device has {} at most", device.name(), name_,
+    throw GpuError("{}: {} needs workgroups of {} invocations; the device supports {} at most", device.name(), name_,
                    workgroupSize_, most);
   const WorkgroupWatch* watch = device.pipelines().watch();
   const auto twin = watch ? watch->twinOf(code) : std::nullopt;

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// What passes are cut to fit: invocations of a workgroup, and bytes that they may share.
+/// Device limits to which passes adapt: invocations per workgroup, and bytes of shared memory.
 std::uint32_t widestWorkgroup(const Device& device);
 std::uint32_t sharedBytes(const Device& device);
 
@@ -16,13 +16,13 @@ struct PipelineOptions {
   std::uint32_t workgroupSize = 256;          ///< invocations; specialisation constant 0; a multiple of 32
   std::uint32_t pushBytes = 0;                ///< exact size of the arguments
   std::vector<std::uint32_t> constants = {};  ///< specialisation constants 1, 2, …
-  /// Invocations of a slice, where a list gives way (CommandList). An H200 takes about 30 us for so many of the slower
+  /// Invocations per slice, if a list yields (CommandList). An H200 takes about 30 us for this number in the slower
   /// passes, and 3 us between two slices.
   std::uint32_t sliceThreads = 1 << 19;
-  std::uint32_t images = 0;  ///< that it reads (ImageReads): bindings 0, 1, … of set 0
+  std::uint32_t images = 0;  ///< number of images that it reads (ImageReads): bindings 0, 1, … of set 0
 };
 
-/// A compute shader: buffers come by address in the push constants, and only images need a descriptor set.
+/// A compute shader: buffers are passed by address in the push constants, and only images need a descriptor set.
 class ComputePipeline {
  public:
   ComputePipeline(Device& device, const ShaderCode& code, const PipelineOptions& options);

@@ -22,7 +22,7 @@ bool hasExtension(VkPhysicalDevice device, const char* name) {
   return std::ranges::any_of(extensions, [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-// The number of the GPU that the options ask for; it can do what palpate needs.
+// Index of the GPU selected by the options; it has all required features.
 std::size_t choose(const Instance& instance, const std::vector<GpuDescription>& gpus, std::string selector) {
   if (const char* wanted = std::getenv("PALPATE_GPU"); selector.empty() && wanted) selector = wanted;
   const std::size_t chosen = chooseGpu(gpus, selector);
@@ -123,7 +123,7 @@ void Device::readProperties() {
 
 void Device::createLogicalDevice(QueueArrangement arrangement) {
   const auto roles = chooseQueues(queueFamiliesOf(physical_), arrangement);
-  if (!roles) throw GpuError("{} has no queue that computes; choose another GPU", name_);
+  if (!roles) throw GpuError("{} has no compute queue; choose another GPU", name_);
   roles_ = *roles;
 
   const bool globalPriority = hasExtension(physical_, VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
@@ -167,7 +167,7 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   features.features.largePoints = draws_;
   features.features.shaderInt64 = hasWideAtomics_;
   if (instance_->validation() == Validation::full) {
-    // GPU-assisted validation instruments the shaders and needs these itself.
+    // GPU-assisted validation instruments the shaders and needs these features.
     features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;
     features.features.vertexPipelineStoresAndAtomics = available.vertexPipelineStoresAndAtomics;
     features.features.shaderInt64 = available.shaderInt64;
@@ -176,7 +176,7 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   std::vector<const char*> extensions;
   if (globalPriority) extensions.push_back(VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
   if (hasClock_) extensions.push_back(VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
-  // One that keeps to a part of Vulkan only, as those on top of Metal do, wants it known that this is known.
+  // A device that implements only a subset of Vulkan, as on top of Metal, requires this extension to be enabled.
   constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
   if (hasExtension(physical_, kPortabilitySubset)) extensions.push_back(kPortabilitySubset);
   if (presents_ && canMakeSwapchains(physical_)) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
@@ -191,7 +191,7 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
                                 .ppEnabledExtensionNames = extensions.data(),
                                 .pEnabledFeatures = nullptr};
   VkResult result = vkCreateDevice(physical_, &info, nullptr, &device_);
-  if (result != VK_SUCCESS && globalPriority) {  // high priority may want a right that this user lacks: go without
+  if (result != VK_SUCCESS && globalPriority) {  // high priority may need a right that this user lacks
     for (VkDeviceQueueCreateInfo& each : queues) each.pNext = nullptr;
     result = vkCreateDevice(physical_, &info, nullptr, &device_);
   }
@@ -213,7 +213,7 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
 }
 
 void Device::takeUp(const Features& enabled) {
-  // GPU-assisted validation of a draw stops NVIDIA's driver (580.159 with the layer of Debian 12) for good.
+  // GPU-assisted validation of a draw hangs NVIDIA's driver (580.159 with the layer of Debian 12).
   const bool stops = instance_->validation() == Validation::full && driverId_ == VK_DRIVER_ID_NVIDIA_PROPRIETARY;
   draws_ = roles_.draws && enabled.dynamicRendering && enabled.largePoints && !stops;
   hasWideAtomics_ = enabled.bufferInt64Atomics && enabled.int64;
@@ -221,7 +221,7 @@ void Device::takeUp(const Features& enabled) {
 }
 
 void Device::createQueues(const QueueHandles& handles, const MakeQueue& make) {
-  std::map<VkQueue, std::shared_ptr<SharedQueue>> queues;  // roles with one handle share its lock
+  std::map<VkQueue, std::shared_ptr<SharedQueue>> queues;  // roles with the same handle share its lock
   const auto queue = [&](VkQueue handle, const QueueChoice& choice, QueuePolicy policy) {
     auto& shared = queues[handle];
     if (!shared) shared = make(handle);
@@ -244,7 +244,7 @@ Device::~Device() {
   if (!device_) return;
   try {
     waitIdle();
-  } catch (const GpuError&) {  // it is lost, and nothing runs on it any more
+  } catch (const GpuError&) {  // the device is lost, so nothing runs on it
   }
   destroyQueues();
   pipelines_.destroyAll(*this);
@@ -263,7 +263,7 @@ std::uint64_t Device::ownMemory() const {
   return bytes;
 }
 
-// vkDeviceWaitIdle() must not meet a submission of the host, nor wait for one.
+// vkDeviceWaitIdle() requires that the host program submits nothing at the same time, and would wait for its work.
 void Device::waitIdle() const {
   if (owns_) return check(table_.vkDeviceWaitIdle(device_), "vkDeviceWaitIdle");
   for (const Queue* queue : {latency_.get(), throughput_.get(), background_.get()}) queue->finish();

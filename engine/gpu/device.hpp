@@ -16,24 +16,23 @@ struct Features;
 struct HostDevice;
 
 struct DeviceOptions {
-  std::string gpu;  ///< number or part of a name; empty: PALPATE_GPU, else the best there is
+  std::string gpu;  ///< number or part of a name; empty: PALPATE_GPU, otherwise the best available
   Validation validation = Validation::off;
   QueueArrangement queues = QueueArrangement::separate;
-  bool shows = false;  ///< pictures in a window: it has a queue for the thread that shows them
-  /// Of the instance, for a device that may present them to the window system itself.
+  bool shows = false;  ///< shows pictures in a window: adds a queue for the thread that shows them
+  /// Extensions of the instance for a device that presents them to the window system itself.
   std::vector<std::string> windowExtensions = {};
 };
 
 std::vector<VkQueueFamilyProperties> queueFamiliesOf(VkPhysicalDevice device);
 bool canMakeSwapchains(VkPhysicalDevice device);
 
-/// A GPU in use: its logical device, its queues by their policies and its limits. Everything made from it must go
-/// before it.
+/// A GPU in use: its logical device, its queues by their policies and its limits. Must outlive everything made from it.
 class Device {
  public:
   explicit Device(const DeviceOptions& options);
-  /// On a device that another program has made, beside its own use of it. What that made stays when this goes: of it
-  /// only what came after is destroyed. Throws GpuError that names what the device lacks.
+  /// Uses a device that another program has made and also uses. Its objects stay when this is destroyed: only objects
+  /// made through this are destroyed. Throws GpuError that names missing features.
   explicit Device(const HostDevice& host);
   ~Device();
   Device(const Device&) = delete;
@@ -45,13 +44,13 @@ class Device {
   const std::string& name() const { return name_; }
   Instance& instance() { return *instance_; }
 
-  /// For short work that somebody waits for: compute-only and of high priority where the device has such a family.
+  /// For short work with a waiting caller: compute-only and of high priority if the device has such a family.
   Queue& latencyQueue() { return *latency_; }
-  /// For long work, which gives way; with graphics where the device has any.
+  /// For long work, which yields to latency work; with graphics if the device supports it.
   Queue& throughputQueue() { return *throughput_; }
-  /// A second way to the queue of throughput, for the thread that shows pictures; only on a device made for one.
+  /// A second handle to the throughput queue, for the thread that shows pictures; only if the options request it.
   Queue& window() { return *window_; }
-  /// For work that nobody waits for and that must not hold up latency. Used by the thread that uses latencyQueue().
+  /// For work without a waiting caller, which must not delay latency work. Used by the thread that uses latencyQueue().
   Queue& backgroundQueue() { return *background_; }
   const QueueRoles& roles() const { return roles_; }
   PipelineStore& pipelines() { return pipelines_; }
@@ -59,38 +58,38 @@ class Device {
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   std::uint32_t subgroupSize() const { return subgroupSize_; }
-  /// Whether shaders may add to 64 bits of a buffer at once.
+  /// Whether shaders support 64-bit atomic additions in buffers.
   bool hasWideAtomics() const { return hasWideAtomics_; }
-  /// Whether shaders may read a clock that all of them share.
+  /// Whether shaders can read a device-wide clock.
   bool hasClock() const { return hasClock_; }
   VkDriverId driverId() const { return driverId_; }
-  /// Whether the queue of throughput can draw into images (CommandList::draw), points of any size among it.
+  /// Whether the throughput queue can draw into images (CommandList::draw), including points of any size.
   bool draws() const { return draws_; }
-  /// Side of the largest point that a draw makes, pixels.
+  /// Maximum point size of a draw, pixels.
   float largestPoint_px() const { return properties_.limits.pointSizeRange[1]; }
-  /// Bytes that one buffer may have.
+  /// Maximum size of one buffer, bytes.
   std::uint64_t largestBuffer() const { return largestBuffer_; }
   /// Nanoseconds per tick of the GPU's clock.
   double timestampPeriod_ns() const { return properties_.limits.timestampPeriod; }
-  /// The bits that a queue family's timestamps count in; 0 where it keeps none.
+  /// The valid bits of a queue family's timestamps; 0 if it has none.
   std::uint64_t timestampMask(std::uint32_t queueFamily) const;
   const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
-  /// Bytes of all heaps of the GPU's own memory.
+  /// Total size of the GPU's own memory heaps, bytes.
   std::uint64_t ownMemory() const;
   /// Bytes of memory that buffers hold at present, of every kind.
   std::uint64_t allocatedBytes() const { return allocated_.load(std::memory_order_relaxed); }
-  /// Whether somebody works on it who waits for each answer: the queue of throughput then gives way (CommandList).
+  /// Whether there is latency work with a waiting caller: the throughput queue then yields (CommandList).
   bool hasUrgentWork() const { return urgent_.load(std::memory_order_relaxed) > 0; }
-  /// Called by those who do, as they come (1) and go (-1).
+  /// Called at the start (1) and end (-1) of such work.
   void noteUrgentWork(int change) { urgent_.fetch_add(change, std::memory_order_relaxed); }
-  /// Called by buffers as they come and go.
+  /// Called when buffers are created and destroyed.
   void noteAllocation(std::uint64_t bytes) { allocated_.fetch_add(bytes, std::memory_order_relaxed); }
   void noteRelease(std::uint64_t bytes) { allocated_.fetch_sub(bytes, std::memory_order_relaxed); }
-  /// Spinning where the driver has cores of its own, blocking where it shares ours.
+  /// Spinning if the driver has its own cores, blocking if it shares ours.
   Wait defaultWait() const;
 
   void check(VkResult result, std::string_view call) const { checkVk(result, call, name_); }
-  /// For all that was submitted through this; on a device of one's own for whatever runs on it.
+  /// Waits for all work submitted through this; on an owned device, for all its work.
   void waitIdle() const;
   /// Names a Vulkan object for debuggers and validation messages.
   void nameObject(VkObjectType type, std::uint64_t handle, const std::string& name) const;

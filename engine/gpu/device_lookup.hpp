@@ -1,17 +1,17 @@
-// Which GPU a device would be made for, before one is.
+// Finds the GPU that a device would use, without creating the device.
 #pragma once
 
 #include "engine/gpu/device.hpp"
 
 namespace palpate {
 
-/// The GPU that a Device with these options is made for; nothing is made. Throws what the Device would: GpuError where
-/// there is none, or it lacks something.
+/// The GPU of a Device with these options; creates nothing. Throws the errors of the Device: GpuError if there is no
+/// GPU, or it lacks a feature.
 GpuDescription gpuFor(const DeviceOptions& options);
-/// Whether that is a GPU, and not a software driver. False where there is none that palpate could use; throws GpuError
-/// where one is asked for by name.
+/// Whether that is a GPU, not a software driver. False if there is no usable GPU; throws GpuError if one is requested
+/// by name.
 bool hasRealGpu(const DeviceOptions& options);
-/// All of this machine, in the order of their numbers; none where there is no Vulkan.
+/// All GPUs of this machine, in the order of their numbers; empty without Vulkan.
 std::vector<GpuDescription> gpusHere();
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// Points that somebody moves on a GPU, for whoever reads them there.
+// Interface to copy moving points on a GPU from their source to a reader.
 #pragma once
 
 #include "engine/core/vec.hpp"
@@ -8,23 +8,23 @@ namespace palpate {
 
 class CommandList;
 
-/// Where points that are carried are written: a vec4 a point, as a live cloud has them (LiveCloud::Half), but in the
-/// order of the ids. Units are those of who reads.
+/// Destination of the points: a vec4 per point, as in a live cloud (LiveCloud::Half), but in the order of the ids.
+/// Units are those of the reader.
 struct CarriedPoints {
-  DeviceAddress positions = 0;   ///< and the bits of the id
-  DeviceAddress normals = 0;     ///< unit, and 0
-  DeviceAddress velocities = 0;  ///< and 0
+  DeviceAddress positions = 0;   ///< w: the bits of the id
+  DeviceAddress normals = 0;     ///< unit; w: 0
+  DeviceAddress velocities = 0;  ///< w: 0
   double unitsPerMetre = 1;
-  DVec3 origin{0};  ///< that positions are from, in those units
+  DVec3 origin{0};  ///< origin of the positions, in those units
 };
 
-/// Who brings points from where it has them to where they are asked for.
+/// A source that copies its points to a destination.
 class FrameCarrier {
  public:
   virtual ~FrameCarrier() = default;
 
-  /// Records how, for the points as they are when the list runs. It may be submitted again and again, to any queue, but
-  /// not while this or another such list runs, nor while the points are moved.
+  /// Records the copy of the points as they are when the list runs. The list may be submitted repeatedly, to any queue,
+  /// but not while it or another such list runs, nor while the points are moved.
   virtual void recordFrame(CommandList& list, const CarriedPoints& to) const = 0;
 };
 

@@ -20,7 +20,7 @@ constexpr VkPipelineColorBlendAttachmentState kAddsUp{
     .colorWriteMask =
         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT};
 
-// Everything but the shaders and the formats: the states that all of our draws have in common, and that of the depth.
+// All states but the shaders and the formats: those shared by all draws, and the depth state.
 struct FixedStates {
   VkPipelineVertexInputStateCreateInfo input{.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
   VkPipelineInputAssemblyStateCreateInfo assembly{.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};

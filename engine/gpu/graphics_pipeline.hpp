@@ -8,23 +8,23 @@
 
 namespace palpate {
 
-/// What becomes of the depth of a fragment.
+/// The depth test and write of a fragment.
 enum class DepthUse {
-  nearest,  ///< drawn where nothing nearer was, and kept
-  within,   ///< drawn where nothing nearer was, and not kept
+  nearest,  ///< drawn if no nearer fragment was, and its depth is written
+  within,   ///< drawn if no nearer fragment was, without writing its depth
 };
 
 struct GraphicsOptions {
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   DepthUse depth = DepthUse::nearest;
   VkFormat depthFormat = VK_FORMAT_UNDEFINED;
-  std::vector<VkFormat> colorFormats = {};    ///< of what is drawn to; what is drawn adds up there
+  std::vector<VkFormat> colorFormats = {};    ///< of the targets, which are blended additively
   std::uint32_t pushBytes = 0;                ///< exact size of the arguments, for both shaders
   std::vector<std::uint32_t> constants = {};  ///< specialisation constants 0, 1, … of both
 };
 
-/// A vertex and a fragment shader without vertex buffers: what is drawn comes by address in the push constants, and the
-/// vertex's number says what of it. Draws into attachments as they are (dynamic rendering).
+/// A vertex and a fragment shader without vertex buffers: vertices are read by address from the push constants, by the
+/// vertex index. Uses dynamic rendering.
 class GraphicsPipeline {
  public:
   GraphicsPipeline(Device& device, const ShaderCode& vertex, const ShaderCode& fragment,

@@ -86,29 +86,29 @@ void requireHandles(const HostDevice& host) {
   if (!host.physical) missing.emplace_back("a physical device");
   if (!host.device) missing.emplace_back("a device");
   if (!host.lock != !host.unlock) missing.emplace_back("lock and unlock, or neither");
-  if (!missing.empty()) throw GpuError("what the host program lends lacks {}", fmt::join(missing, ", "));
+  if (!missing.empty()) throw GpuError("the host program did not provide {}", fmt::join(missing, ", "));
 }
 
 void requireAdoptable(const HostDevice& host, std::span<const FeatureState> ofPhysical,
                       std::span<const VkQueueFamilyProperties> families, const std::string& deviceName) {
   std::vector<std::string> missing;
   for (const FeatureState& feature : ofPhysical)
-    if (!feature.present) missing.push_back(fmt::format("{} (the GPU has it not)", feature.name));
-  if (!host.features) missing.emplace_back("the features that it was made with");
+    if (!feature.present) missing.push_back(fmt::format("{} (not supported by the GPU)", feature.name));
+  if (!host.features) missing.emplace_back("the list of its enabled features");
   const Features enabled = host.features ? featuresIn(*host.features) : Features{};
   for (const auto& [name, on] : {std::pair("bufferDeviceAddress", enabled.bufferDeviceAddress),
                                  {"scalarBlockLayout", enabled.scalarBlockLayout},
                                  {"synchronization2", enabled.synchronization2},
                                  {"computeFullSubgroups", enabled.computeFullSubgroups}})
-    if (host.features && !on) missing.push_back(fmt::format("{} (it was made without)", name));
+    if (host.features && !on) missing.push_back(fmt::format("{} (not enabled)", name));
   if (!host.throughput.handle) missing.emplace_back("a queue for throughput");
   for (const HostQueue& queue : {host.throughput, host.latency, host.background}) {
     if (!queue.handle) continue;
     if (queue.family >= families.size() || !(families[queue.family].queueFlags & VK_QUEUE_COMPUTE_BIT))
-      missing.push_back(fmt::format("a queue of family {} that computes", queue.family));
+      missing.push_back(fmt::format("a compute queue of family {}", queue.family));
   }
   if (!missing.empty())
-    throw GpuError("the device that the host program has made on {} lacks {}", deviceName, fmt::join(missing, ", "));
+    throw GpuError("the host program's device on {} lacks {}", deviceName, fmt::join(missing, ", "));
 }
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// A device that another program has made, and what it lends of it.
+// A device made by another program, and the queues that it lends.
 #pragma once
 
 #include <functional>
@@ -10,48 +10,48 @@
 
 namespace palpate {
 
-/// A queue that the host lends. It must be able to compute.
+/// A queue that the host lends. It must support compute.
 struct HostQueue {
   VkQueue handle = VK_NULL_HANDLE;
   std::uint32_t family = 0;
 };
 
-/// What the host has made, and what it made it with, which Vulkan tells nobody afterwards. All of it must outlive the
-/// Device that adopts it and is left as it is; the chain of features is read while it is adopted only. One program has
-/// one loader: `getInstanceProcAddr` is the same for every Device in it.
+/// The host's objects and their creation parameters, which Vulkan cannot query afterwards. All of it must outlive the
+/// Device that adopts it, and is not modified; the chain of features is read only during adoption. A program has one
+/// loader: `getInstanceProcAddr` must be the same for every Device in it.
 struct HostDevice {
   PFN_vkGetInstanceProcAddr getInstanceProcAddr = nullptr;
   VkInstance instance = VK_NULL_HANDLE;
-  std::uint32_t apiVersion = 0;  ///< that the instance was made for (VkApplicationInfo::apiVersion); 1.3 or later
-  Validation validation = Validation::off;  ///< how a validation layer watches the instance
+  std::uint32_t apiVersion = 0;  ///< with which the instance was made (VkApplicationInfo::apiVersion); 1.3 or later
+  Validation validation = Validation::off;  ///< the instance's validation
   bool debugUtils = false;                  ///< the instance has VK_EXT_debug_utils: objects and passes get names
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice device = VK_NULL_HANDLE;
-  /// As VkDeviceCreateInfo had it, with its chain. Features are looked for in VkPhysicalDeviceVulkan12Features, in
-  /// VkPhysicalDeviceVulkan13Features, and in the structs of the extensions that those were made of.
+  /// As in VkDeviceCreateInfo, with its chain. Features are read from VkPhysicalDeviceVulkan12Features,
+  /// VkPhysicalDeviceVulkan13Features, and the structs of the extensions that were promoted to those.
   const VkPhysicalDeviceFeatures2* features = nullptr;
-  HostQueue throughput;  ///< with graphics, where something is to be drawn
-  HostQueue latency;     ///< none: that of throughput
-  HostQueue background;  ///< none: that of throughput
-  /// Called around every submission to a queue, by the thread that submits, for as long as vkQueueSubmit2 takes: the
-  /// host holds the same lock where it uses the queue itself. Where it never does, there may be none. Nobody waits for
-  /// the GPU while it is held.
+  HostQueue throughput;  ///< with graphics, if anything is to be drawn
+  HostQueue latency;     ///< null: shares throughput
+  HostQueue background;  ///< null: shares throughput
+  /// Called around every submission to a queue, by the submitting thread, for the duration of vkQueueSubmit2: the host
+  /// holds the same lock when it uses the queue itself. May be empty if it never does. The GPU is never waited for
+  /// while it is held.
   std::function<void(VkQueue)> lock, unlock;
 };
 
-/// The features that palpate uses, whether a device has them or one was made with them.
+/// The features that palpate uses, either supported by a device or enabled on one.
 struct Features {
   bool bufferDeviceAddress = false, scalarBlockLayout = false, synchronization2 = false, computeFullSubgroups = false;
   bool bufferInt64Atomics = false, int64 = false, deviceClock = false, dynamicRendering = false, largePoints = false;
 };
-/// What a chain of features says.
+/// The features in a chain.
 Features featuresIn(const VkPhysicalDeviceFeatures2& features);
 
-/// Which queue serves whom: those that are lent, numbered within their families as they come.
+/// The roles of the lent queues, numbered within their families in order.
 QueueRoles rolesOf(const HostDevice& host, std::span<const VkQueueFamilyProperties> families);
 
-/// Throw GpuError that names everything that is missing for the device to be adopted: first what it takes to ask the
-/// driver, then what the driver says.
+/// Throw GpuError that names everything missing for adoption: first the handles needed to query the driver, then the
+/// results of these queries.
 void requireHandles(const HostDevice& host);
 void requireAdoptable(const HostDevice& host, std::span<const FeatureState> ofPhysical,
                       std::span<const VkQueueFamilyProperties> families, const std::string& deviceName);

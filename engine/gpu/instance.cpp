@@ -42,7 +42,7 @@ Instance::Instance(Validation validation, std::span<const std::string> windowExt
   std::vector<const char*> layers, extensions;
   for (const std::string& name : windowExtensions) {
     if (!hasExtension(nullptr, name.c_str()))
-      throw GpuError("the {} has no {}, so that nothing can be shown in a window", kLoader, name);
+      throw GpuError("the {} does not support {}, which windows require", kLoader, name);
     extensions.push_back(name.c_str());
   }
   if (validate) {
@@ -53,7 +53,7 @@ Instance::Instance(Validation validation, std::span<const std::string> windowExt
                    (validate && hasExtension(kValidationLayer, VK_EXT_DEBUG_UTILS_EXTENSION_NAME));
   if (hasDebugUtils_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
 
-  // Drivers that keep to a part of Vulkan only are listed where they are asked for.
+  // Drivers that implement only a subset of Vulkan are listed only on request.
   const bool portable = hasExtension(nullptr, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
   if (portable) extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
 

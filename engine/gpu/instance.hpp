@@ -11,12 +11,12 @@ namespace palpate {
 
 struct HostDevice;
 
-/// The Vulkan loader and its physical devices. `windowExtensions`: those that a window system needs. Throws GpuError
-/// when there is no loader, and no layer or extension where one was asked for.
+/// The Vulkan loader and its physical devices. `windowExtensions`: those required by a window system. Throws GpuError
+/// without a loader, or if a requested layer or extension is missing.
 class Instance {
  public:
   explicit Instance(Validation validation, std::span<const std::string> windowExtensions = {});
-  /// One that another program has made, and keeps.
+  /// Uses an instance of another program, which keeps ownership.
   explicit Instance(const HostDevice& host);
   ~Instance();
   Instance(const Instance&) = delete;

@@ -15,27 +15,27 @@ namespace palpate {
 class Device;
 class WorkgroupWatch;
 
-/// Smallest push-constant space that every Vulkan device has, bytes.
+/// Minimum push-constant size guaranteed by Vulkan, bytes.
 inline constexpr std::uint32_t kMaxPushBytes = 128;
 
-/// The compiled pipelines of a device: each is compiled once for each set of options, however many passes use it, since
-/// a driver may take seconds for one. They live as long as the device. Any thread may ask.
+/// The compiled pipelines of a device: each is compiled once for each set of options, for all passes that use it, since
+/// a driver may take seconds for one. They live as long as the device. Thread-safe.
 class PipelineStore {
  public:
   struct Compiled {
-    VkDescriptorSetLayout images = VK_NULL_HANDLE;  ///< of those that it reads; none where it reads none
+    VkDescriptorSetLayout images = VK_NULL_HANDLE;  ///< of the images that it reads; null if there are none
     VkPipelineLayout layout = VK_NULL_HANDLE;
     VkPipeline pipeline = VK_NULL_HANDLE;
   };
-  /// Everything that tells one pipeline from another, the addresses of its shaders' words first.
+  /// Everything that distinguishes pipelines, the addresses of their shaders' words first.
   using Key = std::vector<std::uint64_t>;
 
   Compiled get(const Key& key, const std::function<Compiled()>& compile);
-  /// From now on shaders are replaced by their twins, where it has some; null ends that.
+  /// From now on shaders are replaced by their twins, if they have any; null stops that.
   void watchBy(const WorkgroupWatch* watch) { watch_ = watch; }
   const WorkgroupWatch* watch() const { return watch_; }
-  /// Within `compile` of get(): the module of a shader that lives as long as the device. Those of its table are made
-  /// together, in their order.
+  /// Within `compile` of get(): the module of a shader, which lives as long as the device. The modules of its table are
+  /// made together, in their order.
   VkShaderModule keptModule(Device& device, const ShaderCode& code);
   void destroyAll(Device& device);
 
@@ -46,10 +46,10 @@ class PipelineStore {
   std::map<const ShaderCode*, VkShaderModule> kept_;
 };
 
-/// A shader's module while its pipeline is compiled, and its specialisation constants 0, 1, …. GPU-assisted validation
-/// numbers modules as they are made and writes the number into their code: there all are made at once and kept, so that
-/// a driver finds in its cache what another process had it translate. `life`: of WorkgroupWatch::Twin; 0: it is not
-/// watched.
+/// A shader's module during the compilation of its pipeline, and its specialisation constants 0, 1, …. GPU-assisted
+/// validation numbers modules in the order of creation and embeds the number in their code: in that case all modules
+/// are created at once and kept, so that a driver's cache has hits across processes. `life`: of WorkgroupWatch::Twin;
+/// 0: not watched.
 class ShaderStage {
  public:
   ShaderStage(Device& device, const ShaderCode& code, std::vector<std::uint32_t> constants, DeviceAddress life = 0);
@@ -69,7 +69,7 @@ class ShaderStage {
   VkShaderModule module_ = VK_NULL_HANDLE;
 };
 
-/// `images`: how many a compute shader reads, in set 0; `pushBytes` are for all of `stages`.
+/// `images`: number that a compute shader reads, in set 0; `pushBytes` are for all of `stages`.
 void makeLayout(Device& device, VkShaderStageFlags stages, std::uint32_t pushBytes, std::uint32_t images,
                 PipelineStore::Compiled& compiled);
 

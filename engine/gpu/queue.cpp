@@ -86,7 +86,7 @@ bool Queue::canPresent(VkSurfaceKHR surface) const {
 }
 
 bool Queue::isDone(Ticket ticket) const {
-  if (ticket + kInFlight <= last_) return true;  // its fence serves a later one by now
+  if (ticket + kInFlight <= last_) return true;  // its fence has been reused by a later submission
   const VkResult result = device_.vk().vkGetFenceStatus(device_.handle(), fenceOf(ticket));
   device_.check(result, "vkGetFenceStatus");
   return result == VK_SUCCESS;

@@ -14,8 +14,8 @@ namespace palpate {
 class CommandList;
 class Device;
 
-/// A driver queue. Policies that share one all hold this, and lock it around each submission; where another program
-/// uses the queue, too, its lock is taken first (HostDevice).
+/// A driver queue. Policies with the same queue share this object, and lock it around each submission; if another
+/// program uses the queue, too, its lock is taken first (HostDevice).
 class SharedQueue {
  public:
   using HostLock = std::function<void(VkQueue)>;
@@ -39,23 +39,23 @@ class SharedQueue {
   PriorityMutex mutex_;
 };
 
-/// Around a submission; null where there is none.
+/// Semaphores of a submission; null if unused.
 struct Semaphores {
   VkSemaphore waits = VK_NULL_HANDLE;    ///< its copies and shaders wait for this one
-  VkSemaphore signals = VK_NULL_HANDLE;  ///< when all of it is done
+  VkSemaphore signals = VK_NULL_HANDLE;  ///< signalled when the submission is complete
 };
 
-/// What a queue is for.
+/// The policy of a queue.
 enum class QueuePolicy {
-  latency,     ///< short work that somebody waits for: it goes first, and is never cut up
-  throughput,  ///< long work that gives way: in slices, while there is urgent work (Device::hasUrgentWork)
-  background   ///< work that nobody waits for: it goes last, and in slices as well
+  latency,     ///< short work with a waiting caller: highest priority, never split
+  throughput,  ///< long work that yields: in slices, while there is urgent work (Device::hasUrgentWork)
+  background   ///< work without a waiting caller: lowest priority, also in slices
 };
 
-/// One policy's way to the GPU: submits in order and says when a submission is done. Used by one thread at a time.
+/// Access to the GPU for one policy: submits in order and reports completion. Used by one thread at a time.
 class Queue {
  public:
-  /// Identifies one submission; grows by one with each.
+  /// Identifies one submission; incremented with each.
   using Ticket = std::uint64_t;
 
   Queue(Device& device, std::shared_ptr<SharedQueue> queue, std::uint32_t family, QueuePolicy policy);
@@ -63,17 +63,17 @@ class Queue {
   Queue(const Queue&) = delete;
   Queue& operator=(const Queue&) = delete;
 
-  /// Another way to the same queue of the driver, for another thread. Goes before the device.
+  /// Another handle to the same driver queue, for another thread. Must be destroyed before the device.
   std::unique_ptr<Queue> another() const { return std::make_unique<Queue>(device_, queue_, family_, policy_); }
   std::uint32_t family() const { return family_; }
   QueuePolicy policy() const { return policy_; }
-  /// Waits first when too many submissions are in flight.
+  /// Waits first if too many submissions are in flight.
   Ticket submit(const CommandList& list, const Semaphores& semaphores = {});
-  /// Hands an image to the window system once `after` is signalled; what the driver says, where that is no error.
+  /// Presents an image once `after` is signalled; returns the driver's result if it is not an error.
   VkResult present(VkSwapchainKHR swapchain, std::uint32_t image, VkSemaphore after);
   bool canPresent(VkSurfaceKHR surface) const;
   bool isDone(Ticket ticket) const;
-  /// True when done, false when `timeout_us` has passed (0: wait for ever). Throws DeviceLost.
+  /// True when done, false after `timeout_us` (0: no timeout). Throws DeviceLost.
   bool wait(Ticket ticket, Wait how = Wait::block, double timeout_us = 0) const;
   void run(const CommandList& list) { wait(submit(list)); }
   /// Waits until all submissions are done.

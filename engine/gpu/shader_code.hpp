@@ -5,11 +5,11 @@
 
 namespace palpate {
 
-/// One SPIR-V module, embedded in the program when it was built.
+/// One SPIR-V module, embedded in the program at build time.
 struct ShaderCode {
   const char* name;
   std::span<const std::uint32_t> words;
-  std::span<const ShaderCode* const> table;  ///< all that were built together with it, in one order
+  std::span<const ShaderCode* const> table;  ///< all modules of the same build, in a fixed order
 };
 
 }  // namespace palpate

@@ -9,9 +9,9 @@ namespace palpate {
 
 namespace {
 
-// Colours are stored as they are shown. Every window system of note has one of these.
+// Without colour space conversion. All common window systems support one of these.
 constexpr VkFormat kRedFirst = VK_FORMAT_R8G8B8A8_UNORM, kBlueFirst = VK_FORMAT_B8G8R8A8_UNORM;
-constexpr std::uint64_t kLongestWait_ns = 100'000'000;  // for an image: the window's events must go on meanwhile
+constexpr std::uint64_t kLongestWait_ns = 100'000'000;  // for an image: the window's events must not wait
 
 VkSurfaceFormatKHR formatOf(const Device& device, VkSurfaceKHR surface) {
   std::uint32_t count = 0;
@@ -23,7 +23,7 @@ VkSurfaceFormatKHR formatOf(const Device& device, VkSurfaceKHR surface) {
   for (const VkFormat wanted : {kRedFirst, kBlueFirst})
     for (const VkSurfaceFormatKHR& format : formats)
       if (format.format == wanted) return format;
-  throw GpuError("{} shows windows in no format of 8 bits a colour", device.name());
+  throw GpuError("{} supports no window format with 8 bits per colour", device.name());
 }
 
 VkPresentModeKHR modeOf(const Device& device, VkSurfaceKHR surface, bool waitsForDisplay) {
@@ -58,7 +58,7 @@ Swapchain::Swapchain(Device& device, VkSurfaceKHR surface, const UVec2& size_px,
 }
 
 Swapchain::~Swapchain() {
-  device_.vk().vkDeviceWaitIdle(device_.handle());  // a lost device runs nothing any more
+  device_.vk().vkDeviceWaitIdle(device_.handle());  // the result is ignored: nothing runs on a lost device
   release();
   device_.vk().vkDestroySemaphore(device_.handle(), acquired_, nullptr);
   vkDestroySurfaceKHR(device_.instance().handle(), surface_, nullptr);
@@ -148,7 +148,7 @@ bool Swapchain::show(CommandList& list, const Buffer& picture, const std::functi
 }
 
 std::optional<std::uint32_t> Swapchain::acquire() {
-  waitForLast();  // one picture under way at a time: what it is made of may be written for the next one
+  waitForLast();  // one picture in flight: its inputs may be overwritten for the next one
   if (stale_) {
     device_.waitIdle();
     make();
@@ -168,7 +168,7 @@ std::optional<std::uint32_t> Swapchain::acquire() {
 void Swapchain::present(const CommandList& list, std::uint32_t image) {
   Queue& queue = device_.window();
   last_ = queue.submit(list, {.waits = acquired_, .signals = drawn_[image]});
-  // A software driver waits for the picture while it is presented, and with it would everybody who shares the queue.
+  // A software driver waits for the picture during presentation, and would block all users of a shared queue.
   if (device_.roles().shared()) waitForLast();
   if (queue.present(swapchain_, image, drawn_[image]) != VK_SUCCESS) stale_ = true;
 }

@@ -8,10 +8,10 @@
 
 namespace palpate {
 
-/// The GPU presents the pictures itself, on the device's window queue. It follows the window's size by itself.
+/// Presentation by the GPU itself, on the device's window queue. Follows the window's size automatically.
 class Swapchain final : public Presenter {
  public:
-  /// Takes the surface over. Throws GpuError where the device cannot show anything on it.
+  /// Takes ownership of the surface. Throws GpuError if the device cannot present to it.
   Swapchain(Device& device, VkSurfaceKHR surface, const UVec2& size_px, bool waitsForDisplay);
   ~Swapchain() override;
 

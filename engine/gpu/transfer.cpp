@@ -51,7 +51,7 @@ void uploadMade(Device& device, Queue& queue, const Buffer& to, std::uint64_t by
       turn->copying = queue.submit(turn->list);
     });
   } catch (...) {
-    waitForAll();  // before the memory that is copied from goes
+    waitForAll();  // before the staging memory is destroyed
     throw;
   }
   waitForAll();

@@ -16,11 +16,11 @@ class Queue;
 void uploadBytes(Device& device, Queue& queue, const Buffer& to, std::span<const std::byte> bytes);
 void downloadBytes(Device& device, Queue& queue, const Buffer& from, std::span<std::byte> bytes,
                    std::uint64_t offset = 0);
-/// The same of what is not in memory yet: make(offset, piece) writes it piece by piece, each while the one before is
-/// copied; what it throws ends the rest.
+/// The same for generated data: make(offset, piece) writes it piece by piece, each while the previous one is copied; an
+/// exception from it ends the transfer.
 void uploadMade(Device& device, Queue& queue, const Buffer& to, std::uint64_t bytes,
                 const std::function<void(std::uint64_t offset, std::span<std::byte> piece)>& make);
-/// The queue of those who name none.
+/// The default queue of the functions without a queue parameter.
 Queue& latencyQueueOf(Device& device);
 
 template <class T>

@@ -8,7 +8,7 @@ namespace palpate {
 
 namespace {
 
-// What the layer says of its own set-up, as warnings: not about our use of Vulkan.
+// The layer's messages about its own set-up, reported as warnings: not about our use of Vulkan.
 bool isSetupRemark(std::string_view id, std::string_view text) {
   if (id == "UNASSIGNED-GPU-Assisted Validation Setup" || id == "UNASSIGNED-GPU-Assisted-Validation-Setup") return true;
   constexpr std::array kRemarks{"Forcing ", "Enabling ", "shader instrumentation", "Both GPU Assisted Validation and"};

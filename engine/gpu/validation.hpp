@@ -8,21 +8,21 @@
 
 namespace palpate {
 
-/// How closely the Khronos layer watches.
+/// Level of checking by the Khronos layer.
 enum class Validation {
   off,
-  core,  ///< every call, every shader when it is compiled, and what is not synchronised
+  core,  ///< every call, every shader when it is compiled, and synchronisation
   full   ///< as core, and every access of the shaders that run: GPU-assisted
 };
 
-/// Collects what the validation layers say. Every warning or error is printed to stderr as it comes and kept, so that a
-/// command can end with exit code 1 and a test can fail.
+/// Collects the messages of the validation layers. Every warning or error is printed to stderr immediately and kept, so
+/// that a command can end with exit code 1 and a test can fail.
 class ValidationMessages {
  public:
   std::vector<std::string> take();
   std::size_t count() const;
 
-  /// What vkCreateDebugUtilsMessengerEXT wants; `this` must outlive the messenger.
+  /// Parameters for vkCreateDebugUtilsMessengerEXT; `this` must outlive the messenger.
   VkDebugUtilsMessengerCreateInfoEXT messengerInfo();
 
  private:

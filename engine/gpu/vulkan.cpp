@@ -34,7 +34,7 @@ void checkVk(VkResult result, std::string_view call, std::string_view deviceName
       fmt::format("{}: {} failed with {} ({})", deviceName, call, resultName(result), static_cast<int>(result));
   switch (result) {
     case VK_ERROR_DEVICE_LOST:
-      throw DeviceLost("{}: the GPU stopped; start again, and update its driver if this returns", text);
+      throw DeviceLost("{}: the GPU stopped; start again, and update its driver if this recurs", text);
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
     case VK_ERROR_OUT_OF_HOST_MEMORY:
       throw OutOfGpuMemory("{}; free GPU memory, or ask for less", text);

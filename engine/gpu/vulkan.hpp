@@ -1,4 +1,4 @@
-// Vulkan as this room sees it: volk's function pointers, and errors that name the call and the device.
+// Vulkan for this room: volk's function pointers, and errors that name the call and the device.
 #pragma once
 
 #include <volk.h>
@@ -12,7 +12,7 @@ namespace palpate {
 
 using DeviceAddress = VkDeviceAddress;
 
-/// The device is gone; nothing on it can be used any more.
+/// The device is lost and cannot be used any more.
 class DeviceLost : public GpuError {
  public:
   using GpuError::GpuError;
@@ -24,7 +24,7 @@ class OutOfGpuMemory : public GpuError {
 
 std::string_view resultName(VkResult result);
 
-/// Throws DeviceLost, OutOfGpuMemory or GpuError, as fits, when `result` is an error. `call` is the Vulkan function.
+/// Throws DeviceLost, OutOfGpuMemory or GpuError if `result` is an error. `call` is the Vulkan function.
 void checkVk(VkResult result, std::string_view call, std::string_view deviceName);
 
 }  // namespace palpate

@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// Tells how long workgroups live, since work on another queue waits for them to end. While it lives, pipelines that
-/// are made use its twins of their shaders, which note the life of their longest invocation; they must go before it.
-/// Twins make passes slower.
+/// Measures the lifetime of workgroups, since work on another queue waits for them to end. While it lives, newly made
+/// pipelines use the twins of their shaders, which record the lifetime of their longest invocation; those pipelines
+/// must be destroyed before it. Twins make passes slower.
 class WorkgroupWatch {
  public:
-  /// `twins`: compiled with PALPATE_WATCHED (shaders/lib/index.glsl), named "watched_" and the name of the other.
+  /// `twins`: compiled with PALPATE_WATCHED (shaders/lib/index.glsl), named "watched_" plus the name of the original.
   WorkgroupWatch(Device& device, std::span<const ShaderCode* const> twins);
   ~WorkgroupWatch();
   WorkgroupWatch(const WorkgroupWatch&) = delete;
@@ -27,14 +27,14 @@ class WorkgroupWatch {
     std::string pass;
     double longest_us = 0;
   };
-  /// Of all that has run and ended, by pass.
+  /// Of all completed invocations, by pass.
   std::vector<Life> longest() const;
 
   struct Twin {
     const ShaderCode* code;
-    DeviceAddress life;  ///< of a word
+    DeviceAddress life;  ///< address of a word
   };
-  /// None where there is no such twin.
+  /// Empty if the shader has no twin.
   std::optional<Twin> twinOf(const ShaderCode& code) const;
 
  private:

@@ -31,7 +31,7 @@ CompactionLists::CompactionLists(Device& device, const SpatialHash& hash, const 
   warmUp(live.parity());
 }
 
-// Some drivers compile a pass when it first runs, which no tick should wait for: here all run for nothing.
+// Some drivers compile a pass at its first run, which no tick should wait for: here all run once without work.
 void CompactionLists::warmUp(std::uint32_t parity) {
   device_.latencyQueue().run(begin(parity));
   device_.backgroundQueue().run(slice(parity, {.slots = UVec2(0), .buckets = UVec2(0)}));

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// The slices in which a compaction goes over the back half, one a submission: first those that empty its slots, since
-/// a copy may go to any of them, then those that copy the buckets.
+/// The slices of a compaction of the back half, one for each submission: first those that clear its slots, since any
+/// slot may be the target of a copy, then those that copy the buckets.
 class CompactionSlices {
  public:
   CompactionSlices(std::uint32_t slots, std::uint32_t buckets, std::uint32_t bucketsEach)
@@ -33,7 +33,7 @@ class CompactionSlices {
   }
 
  private:
-  // Slots that a slice empties for each bucket that it may copy.
+  // Number of slots that a slice clears for each bucket that it may copy.
   static constexpr std::uint32_t kSlotsPerBucket = 8;
   std::uint32_t slotsEach() const { return kSlotsPerBucket * bucketsEach_; }
   static std::uint32_t count(std::uint32_t all, std::uint32_t each) { return (all + each - 1) / each; }

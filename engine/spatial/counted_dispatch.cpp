@@ -6,8 +6,8 @@ namespace palpate {
 
 namespace {
 
-// For a list of some thousand subgroups' work. More take longer to come and go where there is little to do, fewer keep
-// a large GPU from being full.
+// For a list with work for some thousand subgroups. More workgroups have a higher overhead on short lists, fewer cannot
+// fill a large GPU.
 constexpr std::uint32_t kWorkgroups = 528;
 
 }  // namespace

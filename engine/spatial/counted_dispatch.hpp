@@ -6,23 +6,25 @@
 
 namespace palpate {
 
-/// Dispatches passes over lists of which the GPU alone knows how long they are. Such passes loop, so that any number of
-/// workgroups comes to the end. A GPU begins an indirect dispatch some microseconds later than a direct one, and hardly
-/// notices workgroups that find nothing to do; a software driver takes its time for each, and limits the rounds of one.
+/// Dispatches passes over lists whose length only the GPU knows. Such passes loop, so that any number of workgroups
+/// completes the list. A GPU starts an indirect dispatch some microseconds later than a direct one, and workgroups
+/// without work cost almost nothing; on a software driver each workgroup has a cost, and the iterations of one are
+/// limited.
 class CountedDispatch {
  public:
-  /// What one step along the list keeps busy; a bucket is a subgroup's, too, but there are several points to one.
+  /// The unit that processes one list entry; a bucket also takes a subgroup, but contains several points.
   enum class Step { invocation, bucket, subgroup };
 
   explicit CountedDispatch(const Device& device);
 
-  /// Whether the groups that passes run with have to be counted: specialisation constant 1 of shaders that fill lists.
+  /// Whether passes must count the workgroups of their successors: specialisation constant 1 of shaders that fill
+  /// lists.
   std::uint32_t countsGroups() const { return direct_ ? 0 : 1; }
 
-  /// Workgroups for a pass that shares its dispatch with another one.
+  /// Number of workgroups for a pass that shares its dispatch with another one.
   std::uint32_t sharedGroups(Step step) const;
 
-  /// `counters`: where, at `offset`, the workgroups of an indirect dispatch stand.
+  /// `counters`: contains, at `offset`, the workgroup counts of an indirect dispatch.
   template <class Args>
   void operator()(CommandList& list, const ComputePipeline& pipeline, Step step, const Buffer& counters,
                   std::uint64_t offset, const Args& args) const {

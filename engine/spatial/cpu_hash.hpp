@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-/// The spatial hash on the CPU, plain and exact: what the GPU's must equal. Same grid, same buckets, same stable order.
+/// The spatial hash on the CPU, simple and exact: the reference for the GPU's. Same grid, same buckets, same stable
+/// order.
 class CpuHash {
  public:
   /// Keeps a reference to `positions`; rebuild() after they have moved.
@@ -17,7 +18,7 @@ class CpuHash {
   const HashGrid& grid() const { return grid_; }
   /// Point numbers in bucket order, stable.
   std::span<const std::uint32_t> order() const { return order_; }
-  /// First and one-past-last place in order() of a bucket.
+  /// First and one-past-last index in order() of a bucket.
   UVec2 range(std::uint32_t bucket) const { return {starts_[bucket], starts_[bucket + 1]}; }
 
   /// Calls visit(point number) for every point nearer than `radius` to `center`, once, in the order of cells and

@@ -1,4 +1,4 @@
-// What the two ways to build a SpatialHash share: sorting and counting.
+// Common types of the two ways to build a SpatialHash, sorting and counting.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// A full build: the points of `count` slots of `from` come to `to` in the order of their buckets.
+/// A full build: writes the points of `count` slots of `from` to `to` in the order of their buckets.
 struct HashBuild {
   const LiveCloud::Half& from;
   const LiveCloud::Half& to;

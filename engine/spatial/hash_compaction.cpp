@@ -9,8 +9,8 @@ namespace palpate {
 
 namespace {
 
-// Buckets of a slice, each of which holds a few points. On a queue that touch shares a slice takes a part of a tick; on
-// one of its own its workgroups are short, and more of them a submission end sooner.
+// Buckets per slice; each contains a few points. On a queue shared with touch a slice takes a part of a tick; on a
+// separate queue its workgroups are short, and larger submissions finish sooner overall.
 constexpr std::uint32_t kSharedSlice = 1 << 11, kOwnSlice = 1 << 17;
 
 std::uint32_t bucketsPerSlice(const Device& device, const CompactionOptions& options) {
@@ -31,8 +31,8 @@ HashCompaction::HashCompaction(Device& device, const SpatialHash& hash, const Li
 
 HashCompaction::~HashCompaction() {
   try {
-    if (on_) on_->wait(ticket_);  // all before it has ended: each submission waits for the last one
-  } catch (const GpuError&) {     // the device is lost: nothing runs on it any more
+    if (on_) on_->wait(ticket_);  // covers all earlier submissions: each waits for the previous one
+  } catch (const GpuError&) {     // the device is lost, so nothing runs on it
   }
 }
 
@@ -64,8 +64,8 @@ void HashCompaction::submitSlice() {
 
 void HashCompaction::advance() {
   const bool runs = stage_ == Stage::noting || stage_ == Stage::copying || stage_ == Stage::abandoning;
-  // The background must find what edits have written so far: the fence of the list behind them says that it is there.
-  // So does the last slice's fence for what the background has written.
+  // The fence of the list after the edits guarantees that the background queue sees their writes. The last slice's
+  // fence does the same for the background's writes.
   if (!runs || !on_->isDone(ticket_)) return;
   if (stage_ == Stage::abandoning)
     stage_ = Stage::idle;
@@ -86,7 +86,7 @@ bool HashCompaction::collect() {
   PALPATE_CHECK(stage_ == Stage::ending);
   stage_ = Stage::idle;
   const bool completed = report().completed != 0;
-  // Where the points did not fit, another try is in vain until more slots are used or a build has been.
+  // If the points did not fit, a retry is useless until more slots are used or the index was rebuilt.
   if (completed || report().failed & shared::kCompactionNoSlots) base_ = update_.report().head;
   return completed;
 }

@@ -10,60 +10,61 @@
 namespace palpate {
 
 struct CompactionOptions {
-  /// In one submission; 0: many where the background has a queue of its own, few where it holds up the touch side.
+  /// Per submission; 0: many if the background has its own queue, few if it delays the touch side.
   std::uint32_t bucketsPerSlice = 0;
-  /// Buckets that may change while it runs; at most as many as the HashUpdate notes.
+  /// Maximum number of buckets that may change during a compaction; limited by the capacity of HashUpdate.
   std::uint32_t mostDirty = ~0u;
 };
 
-/// Brings the points of an index that has followed edits together again, in the back half of the live cloud, while
-/// edits and queries go on in the front half. One call at a time, by the thread that edits; none waits but those that
-/// say so, and none allocates or records. The order of points within a bucket stays what it is.
+/// Compacts the points of an index after incremental edits, in the back half of the live cloud, while edits and queries
+/// continue in the front half. One call at a time, by the thread that edits; calls block only where stated, and never
+/// allocate or record. The order of points within a bucket is kept.
 ///
-/// idle, begin(), noting, advance(), copying, advance(), …, copied, end(), ending, collect(), idle. While stage() is
-/// copying, nothing else may write the back half; abandon() first.
+/// Stages: idle, begin(), noting, advance(), copying, advance(), …, copied, end(), ending, collect(), idle. During
+/// copying nothing else may write the back half; call abandon() first.
 class HashCompaction {
  public:
   enum class Stage { idle, noting, copying, abandoning, copied, ending };
 
-  /// All must outlive it. Waits until its passes have run once, for nothing.
+  /// All arguments must outlive it. Waits until its passes have run once without work.
   HashCompaction(Device& device, const SpatialHash& hash, const LiveCloud& live, const HashUpdate& update,
                  const CompactionOptions& options = {});
-  /// Waits for what is under way, as far as the GPU is still there.
+  /// Waits for submitted work, unless the device is lost.
   ~HashCompaction();
   HashCompaction(const HashCompaction&) = delete;
   HashCompaction& operator=(const HashCompaction&) = delete;
 
   Stage stage() const { return stage_; }
-  /// Whether more than half of the slots are used that were free after the last compaction, and enough can be won back;
-  /// from the report of an edit that has completed.
+  /// Whether more than half of the slots that were free after the last compaction are used, and enough of them can be
+  /// reclaimed; from the report of a completed edit.
   bool isDue(const shared::HashUpdate& report);
 
-  /// From idle. Its list goes to the latency queue: from there on edits note the buckets that they change.
+  /// Requires idle. Submits to the latency queue: from there on edits note the buckets that they change.
   void begin();
-  /// Submits the next slice to the background queue when what went before has completed. Also makes an end to
+  /// Submits the next slice to the background queue if the previous submission has completed. Also completes
   /// abandoning.
   void advance();
-  /// From copied. Its list goes to the latency queue behind the last edit: buckets that were changed are copied again.
+  /// Requires copied. Submits to the latency queue after the last edit: copies the changed buckets again.
   void end();
-  /// From ending, once the list of end() has completed, and before anything else is submitted that edits: true when the
-  /// caller must flip the live cloud; false when it did not come out, and all is as if it had not been begun.
+  /// Requires ending; called after the list of end() has completed, and before any other edit is submitted. True: the
+  /// caller must flip the live cloud. False: the compaction failed, without any effect.
   bool collect();
-  /// The list that end() submitted.
+  /// Ticket of the list that end() submitted.
   Queue::Ticket endTicket() const { return ticket_; }
 
-  /// Gives it up. What is under way goes on; isIdle() after advance() says when it has ended. Not from ending.
+  /// Abandons the compaction. Submitted work continues; isIdle() after advance() tells when it has ended. Not during
+  /// ending.
   void abandon();
   bool isIdle() const { return stage_ == Stage::idle; }
-  /// Gives it up and waits for what is under way.
+  /// Abandons the compaction and waits for submitted work.
   void settle();
-  /// From begin() to the end at once; as collect(). Waits.
+  /// Runs a whole compaction and waits; returns as collect().
   bool run();
 
   std::uint32_t slices() const { return slices_.count(); }
-  /// Of the last end().
+  /// Report of the last end().
   const shared::HashCompaction& report() const { return lists_.report(); }
-  /// GPU times of the last slice and of the last list of end(), us: the latter is what the touch side waits for.
+  /// GPU times of the last slice and of the last list of end(), us: the touch side waits for the latter.
   double sliceTime_us() const { return lists_.sliceTime_us(parity_); }
   double endTime_us() const { return lists_.endTime_us(parity_); }
   std::uint64_t bytes() const { return lists_.bytes(); }
@@ -81,7 +82,7 @@ class HashCompaction {
   std::uint32_t parity_ = 0;  // of the half that is copied
   Queue* on_ = nullptr;       // the queue of the last submission
   Queue::Ticket ticket_ = 0;
-  std::uint32_t base_;  // no more slots were in use after the last compaction or build
+  std::uint32_t base_;  // number of slots in use after the last compaction or build, at most
 };
 
 }  // namespace palpate

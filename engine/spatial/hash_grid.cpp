@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint64_t kPointsPerBucket = 4;
 constexpr std::uint64_t kFewestBuckets = 1u << 8;
 constexpr std::uint64_t kMaxBuckets = 1u << 24;
-// Blocks of eight cells a side hold some 64 occupied cells of a surface: a few pages of memory for a whole query.
+// Blocks of eight cells a side contain about 64 occupied cells of a surface: a few pages of memory for a whole query.
 constexpr std::uint32_t kMortonBlockBits = 3;
 
 }  // namespace
@@ -31,7 +31,7 @@ HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, Buck
 }
 
 CellBox cellsAround(const HashGrid& grid, const DVec3& center, double radius) {
-  // cellOf never falls where a coordinate rises, so that corners rounded outwards miss no point.
+  // cellOf is monotonic in each coordinate, so corners rounded outwards miss no point.
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Vec3 low(center - radius), high(center + radius);
   for (int k = 0; k < 3; ++k) {

@@ -12,18 +12,18 @@ using shared::bucketOf;
 using shared::cellOf;
 using shared::HashGrid;
 
-/// Bits of a bucket number.
+/// Number of bits of a bucket number.
 std::uint32_t bucketBits(const HashGrid& grid);
 
 /// A grid for `count` points with cells of edge `cell` (model units, positive). About four points share a bucket: on a
-/// surface with cells of the support radius that is one occupied cell for every four buckets or so.
+/// surface with cells of the support radius that is about one occupied cell per four buckets.
 HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, BucketKey key = BucketKey::teschner);
 
-/// A box of cells, both corners in it.
+/// A box of cells, both corners included.
 struct CellBox {
   IVec3 low, high;
 
-  /// How many; a double, since the answer may be far too many.
+  /// Number of cells; a double, since it may be very large.
   double cells() const {
     const DVec3 sides = DVec3(high) - DVec3(low) + 1.0;
     return sides.x * sides.y * sides.z;
@@ -37,7 +37,7 @@ struct CellBox {
   }
 };
 
-/// The cells where points nearer than `radius` to `center` can be, however coarse single precision is there.
+/// The cells that may contain points nearer than `radius` to `center`, allowing for single-precision rounding.
 CellBox cellsAround(const HashGrid& grid, const DVec3& center, double radius);
 
 }  // namespace palpate

@@ -11,15 +11,15 @@ namespace palpate {
 
 namespace {
 
-// Of the points: slots to spare, and moves in one update. More slots put off compactions, more moves put off the point
-// from which an edit rebuilds; both cost memory.
+// Shares of the points: spare slots, and moves of one update. More slots postpone compactions, more moves raise the
+// size from which an edit rebuilds; both cost memory.
 constexpr std::uint64_t kSpareShare = 10, kMovesShare = 16;
 constexpr std::uint64_t kMinSpare = 1 << 14, kMinMoves = 1 << 14;
-// Buckets that may change while a compaction runs, of those that one update may touch.
+// Buckets that may change during a compaction, per move of an update.
 constexpr std::uint64_t kDirtyPerMove = 4;
 
-constexpr std::uint64_t kBucketsPerMove = 2;   // that it touches at most
-constexpr std::uint64_t kWordsPerArrival = 2;  // behind the list of those buckets
+constexpr std::uint64_t kBucketsPerMove = 2;   // maximum number of buckets that a move touches
+constexpr std::uint64_t kWordsPerArrival = 2;  // stored after the list of those buckets
 constexpr std::uint64_t kBytesPerMove =
     sizeof(shared::PointMove) + (kBucketsPerMove + kWordsPerArrival + 1) * sizeof(std::uint32_t) + sizeof(Vec4);
 
@@ -27,12 +27,12 @@ PipelineOptions pipeline(std::uint32_t pushBytes, const CountedDispatch& dispatc
   return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes, .constants = {dispatch.countsGroups()}};
 }
 
-// Of the list of dirty buckets, each of which stands there once.
+// Length of the list of dirty buckets, which contains each once.
 std::uint32_t dirtyListFor(std::uint64_t moves, std::uint64_t buckets) {
   return static_cast<std::uint32_t>(std::min(kDirtyPerMove * moves, buckets));
 }
 
-// The capacity of the list, the map, the list.
+// Words for the capacity of the list, the map, and the list.
 std::uint64_t dirtyWords(std::uint64_t moves, const HashGrid& grid) {
   return 1 + std::uint64_t{shared::dirtyListFrom(grid)} + dirtyListFor(moves, std::uint64_t{grid.bucketMask} + 1);
 }

@@ -9,65 +9,65 @@
 
 namespace palpate {
 
-/// Brings a SpatialHash up to date after an edit that touched k points, at a cost that grows with k alone. Whoever
-/// edits fills the list of moves between recordBegin() and recordApply(), which carries all of them out or none.
+/// Updates a SpatialHash after an edit of k points, at a cost that depends on k alone. The editing pass fills the list
+/// of moves between recordBegin() and recordApply(), which carries out all of them or none.
 ///
-/// A bucket keeps its points in consecutive slots, as a build leaves them; one that outgrows its slots moves to the end
-/// of the cloud's slots, which must have some to spare. Within a bucket points stand in an order that depends on the
-/// edits alone, not on the GPU's timing: those that stayed, then those that came, by their ids.
+/// A bucket keeps its points in consecutive slots, as a build leaves them; if it outgrows them it moves to the end of
+/// the cloud's slots, which needs spare ones. The order of points within a bucket depends on the edits alone, not on
+/// the GPU's timing: remaining points first, then added ones, by their ids.
 class HashUpdate {
  public:
-  /// `live`: as `hash` is going to build it first, without gaps.
+  /// `live`: as `hash` will build it first, without gaps.
   HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud& live);
 
-  /// Slots to spare for a cloud of so many points, and moves that one update of it may hold.
+  /// Spare slots for a cloud of `points` points, and the maximum number of moves in one update of it.
   static std::uint32_t spareSlots(std::uint64_t points);
   static std::uint32_t defaultMoves(std::uint64_t points);
 
-  /// Empties the lists, where one update follows another without an end between them.
+  /// Clears the lists, if one update follows another without an end between them.
   void recordBegin(CommandList& list) const;
-  /// Carries the listed moves out in the index of one half of the cloud.
+  /// Carries out the listed moves in the index of one half of the cloud.
   void recordApply(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const;
-  /// Writes them where the points stand, for a full build to follow: of this half, whose index then no longer holds.
+  /// Writes the moves to the points' current slots, before a rebuild: the index of this half becomes invalid.
   void recordCommit(CommandList& list, const shared::CloudView& cloud) const;
-  /// After a full build that has written `cloud`: lists what changed, and which slots are free.
-  /// `changed`: room for a word for every slot.
+  /// After a rebuild that has written `cloud`: lists the changed slots and the free slots. `changed`: room for a word
+  /// for every slot.
   void recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                      DeviceAddress changed) const;
 
-  /// From here on buckets that change are noted, up to `most` of them, each once: until recordRecount(), or a
-  /// HashCompaction that has come to its end.
+  /// From here on changed buckets are noted, up to `most` of them, each once: until recordRecount(), or the end of a
+  /// HashCompaction.
   void recordNoting(CommandList& list, std::uint32_t most) const;
 
   std::uint32_t mostMoves() const { return mostMoves_; }
   std::uint32_t mostDirty() const { return mostDirty_; }
   /// A HashUpdate of shaders/shared/hash_update.h.
   const Buffer& counters() const { return counters_; }
-  /// What passes that list moves need.
+  /// Arguments for passes that list moves.
   shared::HashUpdateArgs args(const shared::CloudView& cloud, std::uint32_t parity) const;
   DeviceAddress moves() const { return moves_.address(); }
   DeviceAddress marks() const { return marks_.address(); }
   DeviceAddress changed() const { return changed_.address(); }
   DeviceAddress touched() const { return touched_.address(); }
-  /// A word for each slot of the cloud, free once recordApply() has done its work.
+  /// A word for each slot of the cloud, unused after recordApply().
   DeviceAddress bySlot() const { return bySlot_.address(); }
-  /// Room for a vec4 for every slot that recordApply() lists.
+  /// Room for a vec4 for every slot listed by recordApply().
   DeviceAddress fitted() const { return fitted_.address(); }
 
-  /// How passes over its lists are dispatched.
+  /// Dispatches passes over its lists.
   const CountedDispatch& dispatch() const { return dispatch_; }
-  /// Reports the update to the host and empties the lists, which the next one counts on. The last pass of an edit does
-  /// the same by itself: it copies counters() to reportAddress(), and emptyCounters() over their first part.
+  /// Reports the update to the host and clears the lists, as the next update requires. Alternatively the last pass of
+  /// an edit copies counters() to reportAddress(), and emptyCounters() over their first part.
   void recordEnd(CommandList& list) const;
   DeviceAddress reportAddress() const { return report_.address(); }
   DeviceAddress emptyCounters() const { return template_.address(); }
-  /// Reports to the host again what counts beyond one update: points and slots.
+  /// Reports again the values that outlast an update: points and slots.
   void recordReport(CommandList& list) const;
-  /// Of the last update that has completed.
+  /// Report of the last completed update.
   const shared::HashUpdate& report() const { return report_.mapped<const shared::HashUpdate>()[0]; }
 
   std::uint64_t bytes() const;
-  /// Predicts bytes() for a cloud that is not there yet.
+  /// Predicts bytes() for a cloud that does not exist yet.
   static std::uint64_t predictedBytes(std::uint64_t points);
 
  private:

@@ -4,7 +4,7 @@ namespace palpate {
 
 void KdTreeSearch::build(std::span<const Vec3> positions) {
   positions_ = positions;
-  tree_.reset();  // first, so that there are never two
+  tree_.reset();  // first, so that only one exists at a time
   tree_ = std::make_unique<PointTree>(positions);
 }
 

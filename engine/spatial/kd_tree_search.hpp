@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// A k-d tree, built anew whenever points have moved.
+/// A k-d tree, rebuilt whenever points have moved.
 class KdTreeSearch final : public NeighbourSearch {
  public:
   void build(std::span<const Vec3> positions) override;

@@ -13,13 +13,13 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t kCounterBytes = sizeof(std::uint32_t);
-// The scratch begins with the next tile of each pass, then the histograms, then the tiles' words of each pass.
+// Layout of the scratch: the next tile of each pass, then the histograms, then the tiles' words of each pass.
 constexpr std::uint64_t kHistogramsAt = shared::kSortMaxPasses * kCounterBytes;
 constexpr std::uint64_t kTilesAt = kHistogramsAt + shared::kSortMaxPasses * shared::kSortRadix * kCounterBytes;
 
-// A tile is what one workgroup sorts. How fast that goes is decided by how many keys a processor of the GPU has under
-// way, in several workgroups that hide each other's waits, and that by shared memory: NVIDIA's Vulkan driver gives all
-// workgroups of a processor 48 KiB of it together (found on an H200, whose processors have 228). Three workgroups with
+// One workgroup sorts a tile. The speed depends on the number of keys in flight on a processor of the GPU, in several
+// workgroups that hide each other's latency, which is limited by shared memory: NVIDIA's Vulkan driver gives all
+// workgroups of a processor 48 KiB together (measured on an H200, whose processors have 228). Three workgroups with
 // digits of up to seven bits fill that, and two with digits of eight.
 constexpr std::uint32_t kSweepWorkgroup = 384;
 std::uint32_t itemsFor(const RadixDigit& digit) { return digit.bits <= 7 ? 10 : 12; }
@@ -38,8 +38,8 @@ constexpr std::uint32_t kHistogramWorkgroup = 1024, kHistogramBytes = 24 * 1024;
 PipelineOptions histogramOptions(std::uint32_t keyBits) {
   const std::vector<RadixDigit> digits = radixDigits(keyBits);
   const auto passes = static_cast<std::uint32_t>(std::max<std::size_t>(1, digits.size()));
-  const std::uint32_t mostBits = digits.empty() ? 1 : digits.front().bits;  // the longer ones come first
-  // Two workgroups fill a processor with invocations, so that each may have half of its shared memory.
+  const std::uint32_t mostBits = digits.empty() ? 1 : digits.front().bits;  // the longer ones are first
+  // Two workgroups occupy all invocations of a processor, so that each may use half of its shared memory.
   constexpr std::uint32_t kMaxCounters = kHistogramBytes / kCounterBytes;
   const std::uint32_t copies = std::min(32u, std::bit_floor((kMaxCounters / passes) >> mostBits));
   return {.workgroupSize = kHistogramWorkgroup,

@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// LSD radix sort that reads and writes every pair once a digit ("onesweep", Adinets and Merrill 2022). Workgroups wait
-/// for earlier ones, so it is only for drivers on which a workgroup that has started goes on: see canLookBack().
+/// LSD radix sort that reads and writes every pair once per digit ("onesweep", Adinets and Merrill 2022). Workgroups
+/// wait for earlier ones, so it requires a driver that guarantees progress of started workgroups: see canLookBack().
 class LookBackSort final : public PairSort {
  public:
   LookBackSort(Device& device, std::uint32_t keyBits);
@@ -26,7 +26,7 @@ class LookBackSort final : public PairSort {
   std::vector<Sweep> sweeps_;
 };
 
-/// Whether workgroups of this device may wait for earlier ones. True for the drivers of which it is known, never for a
+/// Whether workgroups of this device may wait for earlier ones. True only for drivers known to allow it, never for a
 /// software driver.
 bool canLookBack(const Device& device);
 

@@ -29,7 +29,7 @@ void MultimapHash::near(const DVec3& center, double radius, std::vector<std::uin
     return glm::dot(d, d) < radius * radius;
   };
   const CellBox box = cellsAround(grid_, center, radius);
-  if (box.cells() > static_cast<double>(map_.size())) {  // a pass over all points costs less
+  if (box.cells() > static_cast<double>(map_.size())) {  // a pass over all points is cheaper
     for (const auto& [bucket, point] : map_)
       if (isNear(point)) found.push_back(point.number);
     return;

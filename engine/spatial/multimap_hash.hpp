@@ -17,7 +17,7 @@ class MultimapHash final : public NeighbourSearch {
   void move(std::span<const PointMove> moves) override;
   void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
   std::string_view name() const override { return "multimap"; }
-  /// As the allocator of glibc rounds them up.
+  /// With the rounding of glibc's allocator.
   std::size_t bytes() const override;
 
  private:

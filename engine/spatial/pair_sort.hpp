@@ -6,17 +6,17 @@
 
 namespace palpate {
 
-/// A stable sort of (key, value) pairs of 32 bits each by the low bits of the key. The result is the same whatever the
-/// implementation, and run after run.
+/// A stable sort of (key, value) pairs of 32 bits each by the low bits of the key. The result is deterministic and the
+/// same for all implementations.
 class PairSort {
  public:
   struct Io {
-    DeviceAddress keys, values;        ///< `count` uint32 each; in, and overwritten
-    DeviceAddress keysAlt, valuesAlt;  ///< as large
+    DeviceAddress keys, values;        ///< `count` uint32 each; input, overwritten
+    DeviceAddress keysAlt, valuesAlt;  ///< of the same size
     const Buffer& scratch;             ///< scratchBytes(count)
   };
   struct Sorted {
-    DeviceAddress keys, values;  ///< whichever of the two pairs holds the result
+    DeviceAddress keys, values;  ///< the one of the two pairs that holds the result
   };
 
   virtual ~PairSort() = default;
@@ -28,7 +28,7 @@ class PairSort {
 struct RadixDigit {
   std::uint32_t shift, bits;
 };
-/// The digits of `keyBits` (0 to 32), least significant first, at most eight bits each and as even as can be: 20 bits
+/// The digits of `keyBits` (0 to 32), least significant first, at most eight bits each and as even as possible: 20 bits
 /// make 7 + 7 + 6.
 std::vector<RadixDigit> radixDigits(std::uint32_t keyBits);
 

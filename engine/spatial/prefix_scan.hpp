@@ -7,7 +7,7 @@
 namespace palpate {
 
 /// Exclusive prefix sum of 32-bit values in place, modulo 2^32: reduce, then scan (Merrill and Grimshaw 2009, section
-/// 3). No workgroup waits for another, so it runs on every driver.
+/// 3). Workgroups do not wait for each other, so it runs on every driver.
 class PrefixScan {
  public:
   explicit PrefixScan(Device& device);
@@ -18,10 +18,10 @@ class PrefixScan {
   };
   static std::uint64_t scratchBytes(std::uint64_t count);
   void record(CommandList& list, const Io& io, std::uint32_t count) const;
-  /// The same for several arrays of `count` values, each with a scratch of its own, side by side.
+  /// The same for several arrays of `count` values, each with its own scratch, in parallel.
   void record(CommandList& list, std::span<const Io> arrays, std::uint32_t count) const;
-  /// Scans counts into ranges: `ranges` gets the first and one-past-last place of each of `count` values (uvec2), the
-  /// counts become zero.
+  /// Scans counts into ranges: `ranges` receives the first and one-past-last index of each of `count` values (uvec2);
+  /// the counts become zero.
   void recordRanges(CommandList& list, const Io& io, DeviceAddress ranges, std::uint32_t count) const;
 
  private:

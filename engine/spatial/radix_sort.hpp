@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// LSD radix sort: count, scan, scatter per digit (Merrill and Grimshaw 2011). Portable: no workgroup waits for
-/// another, any subgroup size.
+/// LSD radix sort: count, scan, scatter per digit (Merrill and Grimshaw 2011). Portable: workgroups do not wait for
+/// each other, any subgroup size.
 class RadixSort final : public PairSort {
  public:
   RadixSort(Device& device, std::uint32_t keyBits);

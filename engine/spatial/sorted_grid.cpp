@@ -9,9 +9,9 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kMaxLowBits = 12;    // of a bucket number: the counters of a group then fit the first cache
+constexpr std::uint32_t kMaxLowBits = 12;    // of a bucket number: the counters of a group then fit the L1 cache
 constexpr std::size_t kSmallestPart = 8192;  // points; below this a thread costs more than it saves
-constexpr std::size_t kGroupsPerThread = 8;  // taken at a time, so that full groups do not leave threads idle
+constexpr std::size_t kGroupsPerThread = 8;  // taken in small batches, so that large groups do not leave threads idle
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void SortedGrid::countGroups(Part& part) {
 }
 
 void SortedGrid::placeParts() {
-  // Group by group, and within a group part by part: what keeps the sort stable.
+  // Group by group, and within a group part by part: this keeps the sort stable.
   std::uint32_t sum = 0;
   for (std::uint32_t group = 0; group < groups_; ++group) {
     grouped_[group] = sum;

@@ -10,22 +10,22 @@
 
 namespace palpate {
 
-/// The hashed grid of the GPU on the CPU, made to be fast: points sorted by bucket in two counting passes on several
-/// threads, so that a bucket's points lie together. The order is CpuHash's with any number of threads; a rebuild for
-/// as many points allocates nothing.
+/// The GPU's hashed grid on the CPU, optimised for speed: points sorted by bucket in two counting passes on several
+/// threads, so that a bucket's points are contiguous. The order is CpuHash's with any number of threads; a rebuild for
+/// the same number of points does not allocate.
 class SortedGrid final : public NeighbourSearch {
  public:
-  /// A point where it stands in the order of buckets; its number is its place in the positions.
+  /// A point in bucket order; its number is its index in the positions.
   struct Placed {
     Vec3 position;
     std::uint32_t number;
   };
 
-  /// `threads`: 0 is one per core.
+  /// `threads`: 0: one per core.
   explicit SortedGrid(const HashGrid& grid, unsigned threads = 0);
 
   void build(std::span<const Vec3> positions) override { build(positions, {}); }
-  /// `there`: zero for each point that is to be left out; empty when all are in.
+  /// `there`: zero for each point to leave out; empty: all points are included.
   void build(std::span<const Vec3> positions, std::span<const std::uint8_t> there);
   void move(std::span<const PointMove> moves) override;
   void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
@@ -34,9 +34,9 @@ class SortedGrid final : public NeighbourSearch {
 
   const HashGrid& grid() const { return grid_; }
   std::size_t threads() const { return team_.size(); }
-  /// The threads that build, free for other work between builds.
+  /// The threads that build, available for other work between builds.
   WorkerTeam& team() { return team_; }
-  /// All points that are there in bucket order, stable.
+  /// All included points in bucket order, stable.
   std::span<const Placed> placed() const { return placed_; }
 
   /// Calls visit(Placed) for every point strictly nearer than `radius` to `center`, once.
@@ -44,9 +44,9 @@ class SortedGrid final : public NeighbourSearch {
   void forEachNear(const DVec3& center, double radius, Visit&& visit) const;
 
  private:
-  // A point on its way: sorted by the high bits of its bucket, not yet by the low ones.
+  // Low bits of the bucket of a point that is sorted only by the high ones so far.
   using LowBits = std::uint16_t;
-  // The range of points that one thread reads, and where it writes those of each group of buckets.
+  // The range of points that one thread reads, and its next output index for each group of buckets.
   struct Part {
     std::size_t begin = 0, end = 0;
     std::vector<std::uint32_t> next;
@@ -56,7 +56,7 @@ class SortedGrid final : public NeighbourSearch {
   void scatterToGroups(Part& part);
   void sortGroup(std::size_t group);
 
-  // Where the points of a cell's bucket stand in placed_: first and one-past-last.
+  // The range in placed_ of a cell's bucket: first and one-past-last index.
   UVec2 bucketRange(const IVec3& cell) const {
     const std::uint32_t bucket = bucketOf(grid_, cell);
     return {starts_[bucket], starts_[bucket + 1]};
@@ -64,7 +64,7 @@ class SortedGrid final : public NeighbourSearch {
   static constexpr std::uint32_t kFewCells = 64;
   template <class Visit>
   void visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const;
-  // Visits the points of a range that are near, without a branch that the processor must guess.
+  // Visits the near points of a range, without unpredictable branches.
   template <class Visit>
   void visitNear(UVec2 range, const DVec3& center, double squared, Visit&& visit) const;
 
@@ -112,15 +112,15 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) 
         if (cellOf(grid_, point.position) == cell) visit(point);
       });
     });
-  } else {  // a pass over all points costs less
+  } else {  // a pass over all points is cheaper
     visitNear({0, static_cast<std::uint32_t>(placed_.size())}, center, squared, visit);
   }
 }
 
 template <class Visit>
 void SortedGrid::visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const {
-  // All buckets first, then their points: memory answers many questions at a time. Two cells may share a bucket, whose
-  // points are then visited once, which costs less than asking each of them for its cell.
+  // Prefetches all buckets before visiting their points, so that memory accesses overlap. Two cells may share a bucket,
+  // whose points are then visited once: cheaper than computing each point's cell.
   std::array<UVec2, kFewCells> ranges;
   std::size_t count = 0;
   box.forEach([&](const IVec3& cell) {

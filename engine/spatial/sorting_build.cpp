@@ -14,8 +14,8 @@ std::unique_ptr<PairSort> makePairSort(Device& device, SortMethod sort, std::uin
   if (sort == SortMethod::radix) return std::make_unique<RadixSort>(device, keyBits);
   if (!canLookBack(device))
     throw GpuError(
-        "{}: the sort radix-lookback needs a driver on which one workgroup goes on while another waits, which "
-        "is not known of this one; take radix or counting",
+        "{}: the sort radix-lookback needs a driver that is known to let workgroups wait for each other; take radix or "
+        "counting",
         device.name());
   if (!LookBackSort::fits(device, keyBits))
     throw GpuError(

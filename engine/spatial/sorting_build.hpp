@@ -8,11 +8,10 @@
 
 namespace palpate {
 
-/// Builds a SpatialHash by key, radix sort, ranges and reorder (thesis section 4.2). The order within a bucket stays
-/// what it was.
+/// Builds a SpatialHash by key, radix sort, ranges and reorder (thesis section 4.2). Keeps the order within a bucket.
 class SortingBuild {
  public:
-  /// `sort`: radix or radixLookBack, of keys of so many bits. Throws GpuError where the device does not do that.
+  /// `sort`: radix or radixLookBack, with keys of `keyBits` bits. Throws GpuError if the device does not support it.
   SortingBuild(Device& device, SortMethod sort, std::uint32_t keyBits, std::uint32_t slots);
 
   void record(CommandList& list, const HashGrid& grid, const HashBuildScratch& scratch, const HashBuild& build) const;

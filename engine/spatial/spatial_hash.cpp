@@ -54,7 +54,7 @@ double SpatialHash::build(LiveCloud& cloud) {
     list.end();
     device_.latencyQueue().run(list);
     time_us += list.sectionTime_us("hash");
-    if (used == sort()) break;  // otherwise a bucket was crowded, and its points may stand in any order
+    if (used == sort()) break;  // otherwise a bucket was crowded, and its points may be in any order
   }
   cloud.flip();
   return time_us;

@@ -11,43 +11,43 @@
 
 namespace palpate {
 
-/// Whether some slots of the cloud may hold no point: that takes a bucket more, which a sort may pay for.
+/// Whether some slots of the cloud may be empty: this takes an additional bucket, which may cost a sort time.
 enum class Slots { full, spare };
 
 /// The index of a live cloud: a hashed regular grid, built by key, sort, ranges and reorder (thesis section 4.2; grid
 /// and hash after Teschner et al. 2003). Memory grows with the number of points, never with the extent of the cloud.
 class SpatialHash {
  public:
-  /// `queue`: on which its counts are cleared now; that of touch unless given.
+  /// `queue`: on which its counts are cleared immediately; the latency queue by default.
   SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, SortMethod sort = kDefaultSort,
               BucketOrder order = BucketOrder::stable, Slots slots = Slots::full, Queue* queue = nullptr);
 
-  /// Builds the index of `cloud` now, flips the cloud, and says what it took on the GPU, us.
+  /// Builds the index of `cloud` now, flips the cloud, and returns the time on the GPU, us.
   double build(LiveCloud& cloud);
 
   /// Records a full build: reads the `count` slots of `from`, writes their points in bucket order to `to`, and the
-  /// empty slots behind them. The caller flips the cloud.
+  /// empty slots after them. The caller flips the cloud.
   void recordBuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to, std::uint32_t count,
                    SortMethod sort) const;
-  /// What the next build should use. Counting gives way to a radix sort once a build has met a crowded bucket.
+  /// The method for the next build: `counting` is replaced by a radix sort once a build has met a crowded bucket.
   SortMethod sort() const { return counting_.metCrowd() ? fallback_ : sort_; }
-  /// What takes the place of `counting` then; sort() itself otherwise.
+  /// The replacement for `counting`; the configured method if that is another one.
   SortMethod fallback() const { return fallback_; }
 
   const HashGrid& grid() const { return grid_; }
-  /// First and one-past-last slot of every bucket, and last of the empty slots, for one half of the cloud.
+  /// First and one-past-last slot of every bucket, and of the empty slots at the end, for one half of the cloud.
   const Buffer& ranges(const LiveCloud::Half& half) const { return ranges_[half.parity]; }
-  /// What a query needs to read the points on `half`, which has so many slots.
+  /// The view for queries of the points on `half`, which has `slots` slots.
   shared::CloudView view(const LiveCloud::Half& half, std::uint32_t slots) const;
-  /// Bytes on the GPU besides the cloud itself.
+  /// GPU memory in addition to the cloud, bytes.
   std::uint64_t bytes() const;
-  /// The same for a cloud that is not there yet; the sort's scratch, a few per cent, differs a little between GPUs.
+  /// The same for a cloud that does not exist yet; the sort's scratch, a few per cent, differs slightly between GPUs.
   static std::uint64_t predictedBytes(std::uint64_t points) { return predictedBytes(points, points); }
   /// With more slots than points.
   static std::uint64_t predictedBytes(std::uint64_t points, std::uint64_t slots);
 
  private:
-  // With the one of the empty slots.
+  // Including the one of the empty slots.
   std::uint32_t buckets() const { return grid_.bucketMask + 2; }
 
   Device& device_;
