@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 bool areFinite(const std::vector<Vec3>& values) {
-  // In words, which a compiler does many at a time: the exponent of what is no number, or infinite, is all ones.
+  // Bitwise, so that compilers vectorise it: the exponent bits of NaN and infinity are all ones.
   constexpr std::uint32_t kExponent = 0x7f800000u;
   std::uint32_t found = 0;
   for (const Vec3& value : values)

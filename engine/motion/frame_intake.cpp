@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-// Numbers that are left out are of frames that were lost or dropped: the camera has had so much longer to move.
+// Missing numbers are frames lost or dropped: the camera had more time to move.
 void FrameIntake::noteNumber(std::uint64_t number) {
   if (number_ && number > *number_ + 1) tracker_.missed(number - *number_ - 1);
   number_ = number;

@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-// Both comparisons in any case: no branch.
+// No short-circuit, so no branch.
 bool isWithin(float depth, float least, float most) { return (depth >= least) & (depth <= most); }
 bool isDepth(float depth) { return isWithin(depth, 0, std::numeric_limits<float>::max()); }
 
@@ -26,7 +26,7 @@ void requireWithin(std::string_view field, double value, double least, double mo
               pixel / camera.width, *bad);
 }
 
-// Frames are waited for: both loops are such that compilers let pixels go together.
+// Latency matters: both loops can be vectorised by compilers.
 void readDepths(const DepthCamera& camera, const DepthFrame& frame, const FusionOptions& options,
                 std::vector<float>& depths) {
   depths.resize(frame.depth_m.size());
