@@ -15,7 +15,7 @@ namespace palpate {
 
 class LasColumns {
  public:
-  /// The references must outlive the object. `threads`: used by grow() and finish(); 0: one per core.
+  /// The references must outlive the object. `threads`: used by finish(); 0: one per core.
   LasColumns(const LasHeader& header, const LasPointFormat& format, const std::vector<LasExtraField>& extra,
              unsigned threads = 0);
 
