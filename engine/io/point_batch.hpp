@@ -4,6 +4,7 @@
 
 namespace palpate {
 
-inline constexpr std::size_t kPointBatch = 4096;  ///< points that a reader of text or of columns hands over at a time
+inline constexpr std::size_t kPointBatch = 4096;  ///< number of points that readers of text or columns process at a
+                                                  ///< time
 
 }  // namespace palpate
