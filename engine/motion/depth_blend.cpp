@@ -103,8 +103,8 @@ class SeenPoints {
   std::vector<std::uint32_t> at_;  // point index by ray
 };
 
-/// Rotation from the earlier normal to `normal`; the earlier one had still to rotate by `late`. Zero if the earlier
-/// normal is zero or faces away.
+/// Change of a normal from its current value (`before` less its remaining change `late`) to `normal`; zero if the
+/// current value is zero or faces away.
 DVec3 turnTo(const DVec3& normal, const DVec3& before, const DVec3& late) {
   const DVec3 from = shared::normalAfter(before, late, -1.0);
   return glm::dot(from, normal) > kMinFacing ? normal - from : DVec3(0);

@@ -43,7 +43,7 @@ class DepthBlend {
 
  private:
   unsigned threads_;
-  // Displacement of a point and rotation of its normal.
+  // Displacement of a point, and change of its normal.
   struct Way {
     Vec3 way{0}, turn{0};
   };

@@ -42,10 +42,9 @@ class DepthPlayer {
   /// readable one. Live: the last one received. Waits for the first frame. Throws Error if there is no frame and none
   /// will follow.
   Played frameAt(double time_s);
-  /// For a map, which fuses each frame: the next frame that is due and was not returned before. Recorded and exact:
-  /// every frame of all passes in order; otherwise only the newest, and skipped ones count as dropped. Nothing if all
-  /// were returned. Waits for the first frame, and in exact play for the next. If the time went back it restarts, see
-  /// rewindFor().
+  /// For a map, which fuses each frame: the next frame that is due and was not returned before; nothing if all were.
+  /// Recorded and exact: every frame of all passes in order; otherwise the newest, and skipped ones count as dropped.
+  /// Waits for the first frame, in exact play for the next. A time that went back restarts it, see rewindFor().
   std::optional<Played> nextDue(double time_s);
   /// Recorded: if a frame returned by nextDue() is not yet due at that time, restarts from the first frame, or behind
   /// the one set by beginBehind() or beginHere(). Returns whether it restarted: the map must restart, too.
