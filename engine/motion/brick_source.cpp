@@ -91,7 +91,7 @@ bool BrickSource::compose() {
     }
     if (!brick) continue;
     if (brick->size() > options_.points - points_)
-      throw Error("more than {} points have come for what lies around the hands", options_.points);
+      throw Error("more than {} points were received for the region around the hands", options_.points);
     points_ += brick->size();
     now_.bricks.emplace(key, std::move(brick));
   }

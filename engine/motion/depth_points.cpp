@@ -103,13 +103,13 @@ void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
   const std::size_t pixels = std::size_t{camera.width} * camera.height;
   if (frame.points) {
     const std::size_t points = frame.points->places.size(), colors = frame.colors.size();
-    if (points > pixels) throw Error("frame {} has {} points, and there is room for {}", frame.number, points, pixels);
+    if (points > pixels) throw Error("frame {} has {} points; the maximum is {}", frame.number, points, pixels);
     if (frame.points->normals.size() != points || (colors != 0 && colors != points))
       throw Error("frame {} has {} points, {} normals and {} colours", frame.number, points,
                   frame.points->normals.size(), colors);
     const std::vector<std::uint32_t>& rays = frame.points->rays;
     if (!rays.empty() && (rays.size() != points || rays.back() >= pixels))
-      throw Error("frame {} has {} points on {} rays, of {} that there are", frame.number, points, rays.size(), pixels);
+      throw Error("frame {} has {} points on {} rays; the sensor has {}", frame.number, points, rays.size(), pixels);
     return;
   }
   if (frame.depth_m.size() != pixels || (!frame.colors.empty() && frame.colors.size() != pixels))

@@ -106,14 +106,14 @@ std::string IcpResult::why() const {
     case IcpState::found:
       return "its pose was found";
     case IcpState::tooFewMatches:
-      return fmt::format("only {:.0f} % of what it sees is in the map", 100 * matched);
+      return fmt::format("only {:.0f} % of its surface is in the map", 100 * matched);
     case IcpState::degenerate:
       return fmt::format(
-          "what it sees does not say where the camera is (a plane, or too even): the least certain direction has a "
+          "its surface does not determine the pose (a plane, or too even): the least certain direction has a "
           "share of {:.4f}, and noise alone {:.4f}",
           weakest, feigned);
     case IcpState::tooFar:
-      return fmt::format("what it sees lies {:.1f} times the noise of its depth off the map", residual);
+      return fmt::format("its surface is off the map by {:.1f} times the noise of depth", residual);
     case IcpState::jumped:
       return fmt::format("the camera would have jumped by {:.3f} m and {:.1f} degrees", step_m, turn_deg);
   }

@@ -26,7 +26,7 @@ const Vec4 kNowhere(Vec3(std::numeric_limits<float>::quiet_NaN()), std::bit_cast
 
 std::uint32_t checkedCount(const Device& device, std::uint64_t count) {
   if (count > std::numeric_limits<std::uint32_t>::max() / 2)
-    throw OutOfGpuMemory("{}: {} points are more than can be drawn", device.name(), count);
+    throw OutOfGpuMemory("{}: {} points exceed the maximum that can be drawn", device.name(), count);
   return static_cast<std::uint32_t>(count);
 }
 

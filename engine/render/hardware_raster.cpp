@@ -20,22 +20,22 @@ constexpr VkFormat kSumFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 // Maximum number in one draw; bounds the size of discs on screen.
 constexpr std::uint32_t kMaxSprites = 1u << 26;
 
-constexpr const char* kInstead = "; the raster compute draws on any GPU";
+constexpr const char* kInstead = "; --raster compute works on any GPU";
 
 Device& checkedFor(Device& device, const UVec2& size_px) {
   if (!device.draws())
     throw UsageError(
-        "raster: {} has no graphics queue, cannot draw large points, or stops when validation watches it draw{}",
+        "raster: {} has no graphics queue, cannot draw large points, or crashes when it draws under --validate{}",
         device.name(), kInstead);
   if (!Attachment::supports(device, kDepthFormat) || !Attachment::supports(device, kSumFormat))
-    throw UsageError("raster: {} cannot add up 32-bit floats as it draws{}", device.name(), kInstead);
+    throw UsageError("raster: {} cannot blend 32-bit floats{}", device.name(), kInstead);
   const VkPhysicalDeviceLimits& limits = device.properties().limits;
   const std::uint32_t widest =
       std::min({limits.maxImageDimension2D, limits.maxFramebufferWidth, limits.maxFramebufferHeight,
                 limits.maxViewportDimensions[0], limits.maxViewportDimensions[1]});
   if (std::max(size_px.x, size_px.y) > widest)
-    throw UsageError("size: {} x {} samples are more than the {} on a side that {} draws into{}", size_px.x, size_px.y,
-                     widest, device.name(), kInstead);
+    throw UsageError("size: {} x {} samples exceed the maximum of {} on a side of {}{}", size_px.x, size_px.y, widest,
+                     device.name(), kInstead);
   return device;
 }
 
@@ -75,7 +75,7 @@ std::uint32_t verticesFor(std::uint32_t points, std::uint32_t tiles) {
   constexpr std::uint64_t kLanes = 32;
   const std::uint64_t vertices = (std::uint64_t{points} * tiles * tiles + kLanes - 1) / kLanes * kLanes;
   if (vertices > std::numeric_limits<std::uint32_t>::max())
-    throw UsageError("raster: {} points are more than one draw can hold{}", points, kInstead);
+    throw UsageError("raster: {} points exceed the maximum of one draw{}", points, kInstead);
   return static_cast<std::uint32_t>(vertices);
 }
 
