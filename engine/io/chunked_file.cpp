@@ -67,8 +67,7 @@ void ChunkedFile::fill(std::size_t wanted) {
 /// With conversion of UTF-16 to UTF-8; 0 at the end of the file.
 std::size_t ChunkedFile::readRaw(std::byte* to, std::size_t most) {
   if (!utf16_) return std::fread(to, 1, most, file_);
-  constexpr std::size_t kGrowth = 3;  // two bytes of UTF-16 become up to three of UTF-8; room for half a surrogate pair
-                                      // from before
+  constexpr std::size_t kGrowth = 3;  // 2 bytes of UTF-16 to 3 of UTF-8; half a surrogate pair from before
   BareVector<std::byte> raw(2 * ((most - kGrowth) / kGrowth)), text;
   while (text.empty()) {
     const std::size_t got = std::fread(raw.data(), 1, raw.size(), file_);

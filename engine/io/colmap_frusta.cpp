@@ -14,9 +14,7 @@ struct Intrinsics {
 
 /// Models with one focal length store it first, then the principal point; models with two store both first.
 std::optional<Intrinsics> intrinsicsOf(const ColmapCamera& camera) {
-  if (camera.model == "unknown" || camera.model == "EQUIRECTANGULAR")
-    return std::nullopt;  // the first parameter is
-                          // not a focal length
+  if (camera.model == "unknown" || camera.model == "EQUIRECTANGULAR") return std::nullopt;  // no focal length first
   const std::vector<double>& p = camera.parameters;
   const bool hasOneFocalLength = camera.model.starts_with("SIMPLE_") || camera.model.starts_with("RADIAL");
   if (p.size() < (hasOneFocalLength ? 3u : 4u) || camera.width == 0 || camera.height == 0) return std::nullopt;

@@ -106,8 +106,7 @@ void DepthPipe::skipToFrame() {
       begin_ += next;
       return;
     }
-    begin_ = end_ - std::min(kFrameWord.size() - 1, unread().size() - 1);  // the end may contain the beginning of a
-                                                                           // frame's line
+    begin_ = end_ - std::min(kFrameWord.size() - 1, unread().size() - 1);  // may end with its beginning
   } while (fill(kFrameWord.size()) && !unread().starts_with(kFrameWord));
   if (!unread().starts_with(kFrameWord)) begin_ = end_;
 }

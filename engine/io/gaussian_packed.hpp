@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// All three are read only, like gaussianFormat(): the cloud is the Gaussians' surface.
+/// All three are read only. As with gaussianFormat(), the cloud is the Gaussians' surface.
 CloudFormat compressedPlyFormat();
 CloudFormat splatFormat();
 CloudFormat spzFormat();

@@ -30,7 +30,7 @@ struct ImageSize {
 /// Size from the file's header, without decoding pixels. Throws FileError if the file is neither PNG nor JPEG.
 ImageSize imageSizeOf(const std::filesystem::path& file);
 
-/// A grey PNG of 16 bits. All three functions throw FileError for another kind of file, for a damaged or truncated one,
+/// A grey PNG of 16 bits. Both functions throw FileError for another kind of file, for a damaged or truncated one,
 /// and for sides beyond kLongestImageSide; memory is allocated only if the file is long enough to fill it.
 GreyImage readGreyImage(const std::filesystem::path& file);
 /// A PNG or a JPEG of 8 bits, grey or coloured; transparency is ignored.

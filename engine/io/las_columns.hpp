@@ -40,15 +40,13 @@ class LasColumns {
   struct Column {
     explicit Column(const LasField& of) : field(of), attribute{of.name, of.type, {}} {}
     LasField field;
-    std::atomic<bool> used = false, rounded = false;  // has a value other than zero; has one that its type cannot
-                                                      // represent
+    std::atomic<bool> used = false, rounded = false;  // has a non-zero value; one that its type cannot hold
     Attribute attribute;
     GrowingArray<std::byte> bytes{attribute.data};
     std::mutex making;
   };
   struct ColorBits {
-    std::atomic<std::uint32_t> all = 0, unequal = 0;  // bits that are set; bits that differ between the two bytes of a
-                                                      // value
+    std::atomic<std::uint32_t> all = 0, unequal = 0;  // bits that are set; bits that differ between a value's bytes
   };
   /// Of the integer coordinates.
   struct Range {
@@ -57,7 +55,7 @@ class LasColumns {
     std::array<std::int32_t, 3> least{kMax, kMax, kMax}, most{kMin, kMin, kMin};
     void include(const Range& other);
   };
-  /// Whether there are normals that are not finite; that are zero; that are almost but not exactly of unit length.
+  /// Whether there are normals that are not finite; that are zero; that are not of unit length.
   struct NormalKinds {
     std::atomic<bool> infinite = false, missing = false, scaled = false;
   };

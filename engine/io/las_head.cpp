@@ -86,9 +86,7 @@ std::uint32_t appendRecords(std::vector<std::byte>& bytes, const PointCloud& clo
     }
   describe();
   comment();
-  if (plan.baggage)
-    appendBytes(bytes, std::span(plan.baggage->head).subspan(end));  // data after the records, as some
-                                                                     // programs write it
+  if (plan.baggage) appendBytes(bytes, std::span(plan.baggage->head).subspan(end));  // data after the records
   return count;
 }
 

@@ -62,8 +62,7 @@ struct LasField {
   ScalarType type = ScalarType::u8;
   bool wide = false, isSigned = false;  ///< 64 bits; `type` is then f64
   unsigned shift = 0, bits = 0;         ///< bit field of a shared byte; bits 0: the whole byte
-  double scale = 1, offset = 0;         ///< of an extra attribute with scaling: `type` is then f64, `raw` the stored
-                                        ///< type
+  double scale = 1, offset = 0;         ///< of an extra attribute with scaling: `type` f64, `raw` the stored type
   std::optional<ScalarType> raw = {};
 
   std::size_t storedBytes() const { return wide ? 8 : sizeOf(raw.value_or(type)); }

@@ -22,8 +22,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kBlock = 4096;                        // points that a thread processes at a time
-constexpr std::size_t kSlab = std::size_t{1} << 30;         // bytes of points between two synchronisations of the
-                                                            // threads
+constexpr std::size_t kSlab = std::size_t{1} << 30;         // bytes of points between synchronisations of threads
 constexpr std::size_t kLessSlab = std::size_t{1} << 27;     // likewise, if they are in memory at once
 constexpr std::size_t kMaxReserved = std::size_t{1} << 27;  // points: a sparse file may be long without containing data
 

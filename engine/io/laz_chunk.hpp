@@ -22,7 +22,7 @@ class LazChunkDecoder {
   /// coded in one stream; layers already keep the processor busy. Throws FileError like read().
   static void readBoth(LazChunkDecoder& a, std::byte* rowsOfA, LazChunkDecoder& b, std::byte* rowsOfB,
                        std::size_t count);
-  /// Number of unused bytes: 0 after the last point of a regular chunk.
+  /// Number of unused bytes: 0 after the last point of an undamaged chunk.
   std::size_t left() const;
 
  private:

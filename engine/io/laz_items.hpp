@@ -41,7 +41,7 @@ class ByteModels {
   unsigned symbols_;
 };
 
-/// Approximate median of the last five numbers: alternately drops the smallest and the largest.
+/// Approximate median of recent numbers: keeps five sorted numbers; each insertion drops the smallest or the largest.
 class StreamingMedian {
  public:
   std::int32_t get() const { return sorted_[2]; }
@@ -286,8 +286,7 @@ class LazColors {
   }
 
  private:
-  static constexpr unsigned kColored = 1u << 6;  // the lower bits are flags of changed bytes: red, green, blue, the
-                                                 // lower byte first
+  static constexpr unsigned kColored = 1u << 6;  // lower bits: changed bytes of red, green, blue, the lower byte first
 
   static int byteOf(std::uint16_t value, unsigned half) { return value >> (8 * half) & 0xff; }
   static void setByte(std::uint16_t& value, unsigned half, int byte) {

@@ -117,7 +117,7 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
 
 StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
   StoredCloud stored = readMesh<importGltf>(file, log, options);
-  stored.cloud.storedAs.comments.emplace_back("comment up: y");  // as defined by the format, and
+  stored.cloud.storedAs.comments.emplace_back("comment up: y");  // up axis and unit as defined by the format
   sayUnit(stored.cloud.storedAs.comments, LengthUnit::m);
   return stored;
 }

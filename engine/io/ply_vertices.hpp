@@ -32,7 +32,7 @@ class PlyVertices final : public PlyRowSink {
   /// finite position are left out, and normals that are not finite count as missing.
   std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes) override;
 
-  /// Colours stored as floats are integer steps, as in text without a decimal point: 1 is nearly black.
+  /// Declares that colours stored as floats are integer steps, as in text without a decimal point: 1 is nearly black.
   void countColorSteps() { colorSteps_ = true; }
 
   /// Row numbers (from 0, ascending) that are left out.

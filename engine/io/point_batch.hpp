@@ -4,7 +4,6 @@
 
 namespace palpate {
 
-inline constexpr std::size_t kPointBatch = 4096;  ///< number of points that readers of text or columns process at a
-                                                  ///< time
+inline constexpr std::size_t kPointBatch = 4096;  ///< points per batch of readers of text or columns
 
 }  // namespace palpate

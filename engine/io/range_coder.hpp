@@ -74,8 +74,7 @@ class SymbolModel {
 /// Common to decoder and encoder.
 class RangeCoder {
  protected:
-  static constexpr std::uint32_t kShortest = 1u << 24;  // minimum length of the interval: shorter ones are extended by
-                                                        // a byte
+  static constexpr std::uint32_t kShortest = 1u << 24;  // minimum length of the interval; else extended by a byte
   static constexpr unsigned kMaxBits = 19;              // coded at a time without a model
 };
 
@@ -85,8 +84,7 @@ template <bool mayEnd>
 class RangeDecoderOf : RangeCoder {
  public:
   static constexpr bool kEncodes = false;
-  static constexpr std::size_t kMaxBytes = 6;  ///< maximum per call, including look-ahead; slightly more for the last
-                                               ///< one
+  static constexpr std::size_t kMaxBytes = 6;  ///< maximum per call, with look-ahead; slightly more for the last one
 
   explicit RangeDecoderOf(std::span<const std::byte> bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {
     for (int k = 0; k < 4; ++k) value_ = value_ << 8 | next();

@@ -18,8 +18,7 @@ bool isRgbdFolder(const std::filesystem::path& path);
 std::string_view rgbdFoldersRead();
 
 struct RgbdOptions {
-  std::filesystem::path intrinsics = {};  ///< JSON (parseCamera()); empty: those of the folder, else of the usual
-                                          ///< camera
+  std::filesystem::path intrinsics = {};  ///< JSON (parseCamera()); empty: the folder's own, else the usual camera's
   double depthScale = 0;                  ///< values per metre; 0: according to the intrinsics or the kind of folder
 };
 

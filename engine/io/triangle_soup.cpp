@@ -67,8 +67,7 @@ struct Spot {
 
 /// The `i`th of `count` sample positions.
 Spot spotOf(const AreaOfTriangles& areas, std::size_t i, std::size_t count, std::uint64_t seed) {
-  constexpr double kPlastic = 1.32471795724474602596;  // its powers give a sequence with low discrepancy in two
-                                                       // dimensions
+  constexpr double kPlastic = 1.32471795724474602596;  // its powers have low discrepancy in two dimensions
   const double step = areas.whole() / static_cast<double>(count);
   const double shift = randomUnit(seed, 0);
   const std::size_t place = areas.holding((static_cast<double>(i) + shift) * step);

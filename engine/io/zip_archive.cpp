@@ -132,8 +132,7 @@ std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<c
 std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive,
                                  const ZipMember& member) {
   constexpr std::uint64_t kMaxPerByte = 1032,
-                          kMax = std::numeric_limits<int>::max() - 2;  // deflate's maximum ratio; maximum size
-                                                                       // decompressed at once
+                          kMax = std::numeric_limits<int>::max() - 2;  // deflate's maximum ratio; maximum size at once
   const auto packed = archive.subspan(member.at, member.packed);
   const auto damaged = [&](std::string_view what) {
     return FileError::atByte(file, member.at, fmt::format("{} {}", inQuotes(member.name), what));

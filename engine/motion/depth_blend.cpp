@@ -127,9 +127,7 @@ void DepthBlend::begin(CloudFrame& points) {
 
 void DepthBlend::follow(const DepthCamera& camera, const Before& before, const DepthFrame& frame, const DVec3& origin,
                         const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points) {
-  const double share =
-      ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysGoOn_s_, 0.0, 1.0);  // remaining share of the previous
-                                                                                 // displacement
+  const double share = ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysGoOn_s_, 0.0, 1.0);  // still to come
   const std::size_t rays = std::size_t{camera.width} * camera.height;
   left_.swap(ways_);
   ways_.assign(rays, {});

@@ -10,8 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double kHandOver_s = 0.003;    // from points on the host to points that are felt
-constexpr float kFarthestWay_m = 0.02f;  // of a point from frame to frame: a larger displacement means that its id was
-                                         // reused
+constexpr float kFarthestWay_m = 0.02f;  // of a point from frame to frame: a larger one means a reused id
 
 }  // namespace
 

@@ -44,8 +44,7 @@ class FusedSource final : public CloudSource {
   };
   std::vector<Shown> shown_;  // by id
   PointsTime shownTime_;
-  std::uint64_t changes_ = 0, shownChanges_ = ~0ull;  // number of changes of the map, and their number when it was last
-                                                      // shown
+  std::uint64_t changes_ = 0, shownChanges_ = ~0ull;  // number of changes of the map; the same when last shown
 };
 
 }  // namespace palpate

@@ -25,7 +25,7 @@ struct IcpOptions {
 
 enum class IcpState {
   found,
-  tooFewMatches,  ///< the scene is not in the map, or elsewhere
+  tooFewMatches,  ///< the scene is not in the map, or at another position
   degenerate,     ///< the scene does not determine the pose, such as a plane along which the camera may slide
   tooFar,         ///< the frame does not lie on the map
   jumped          ///< moved farther than allowed

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Frames of a depth camera so far.
+/// Counts of a depth camera's frames so far.
 struct PlayCounts {
   std::uint64_t played = 0;   ///< newest frame at a requested time
   std::uint64_t lost = 0;     ///< could not be read

@@ -13,8 +13,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kFrontElevation_deg = 12;  // elevation of the fitted eye above the horizon,
-constexpr double kFlatElevation_deg = 40;   // and above a model without height
+constexpr double kFrontElevation_deg = 12;  // elevation of the fitted eye above the horizon
+constexpr double kFlatElevation_deg = 40;   // likewise, for a model without height
 constexpr double kLow = 0.3;                // of the width: flatter models are seen from higher up
 constexpr double kFill = 0.9;               // share of the picture that the model fills
 constexpr double kClosest = 1e-2;           // of the box: minimum distance of the fitted eye from the nearest point

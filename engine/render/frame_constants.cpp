@@ -17,8 +17,7 @@ constexpr double kOcclusionRadius =
     0.07;  // of the model's longest side; larger darkens wide hollows, smaller only creases
 constexpr double kUsualRadius_spacings = 1.95;  // if discs have their own radii
 constexpr double kHoleReach = 2.0;              // in usual radii, across a gap from any position in it
-constexpr double kTriangleOff = 0.25;           // of a cell: upper bound of the distance from flat triangles to the
-                                                // curved surface
+constexpr double kTriangleOff = 0.25;           // of a cell: upper bound of the distance from flat to curved surface
 // Assumed maximum of triangles of equal depth in one sample. Usually a few meet there; more do only if a whole mesh
 // covers a few samples, and their sums may then be wrong.
 constexpr std::uint32_t kTrianglesInSample = 1u << 17;
