@@ -25,7 +25,7 @@ constexpr const char* kInstead = "; --raster compute works on any GPU";
 Device& checkedFor(Device& device, const UVec2& size_px) {
   if (!device.draws())
     throw UsageError(
-        "raster: {} has no graphics queue, cannot draw large points, or crashes when it draws under --validate{}",
+        "raster: {} has no graphics queue, cannot draw large points, or hangs when it draws under --validate{}",
         device.name(), kInstead);
   if (!Attachment::supports(device, kDepthFormat) || !Attachment::supports(device, kSumFormat))
     throw UsageError("raster: {} cannot blend 32-bit floats{}", device.name(), kInstead);
