@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Reads vertices and faces. Throws FileError, also for a file without faces of positive area.
+/// Reads vertices and faces. Throws FileError, also for a file without faces, and Error if no face has an area.
 TriangleMesh readTriangleMesh(const std::filesystem::path& file);
 
 }  // namespace palpate
