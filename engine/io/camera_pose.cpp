@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kRounding = 0.02;  // of a matrix's or quaternion's entries: of four decimals and many products
+constexpr double kRounding = 0.02;  // tolerance of a matrix's or quaternion's entries: four decimals, or many products
 constexpr double kLastRow = 1e-6;
 
 glm::dmat3 turnOf(const std::array<double, 16>& rows) {
@@ -34,7 +34,7 @@ double farthestFromRotation(const glm::dmat3& turn) {
 
 /// The orthogonal factor of the polar decomposition, by Newton's iteration (Higham 1986, section 3).
 glm::dmat3 nearestRotation(glm::dmat3 turn) {
-  constexpr int kSteps = 8;  // from a fiftieth it is exact after four
+  constexpr int kSteps = 8;  // four steps suffice for errors up to a fiftieth
   for (int step = 0; step < kSteps; ++step) turn = 0.5 * (turn + glm::inverse(glm::transpose(turn)));
   return turn;
 }

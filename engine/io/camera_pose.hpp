@@ -1,4 +1,4 @@
-// Where cameras stand, as files and programs write it.
+// Poses of cameras, as files and programs write them.
 #pragma once
 
 #include <array>
@@ -9,26 +9,24 @@
 
 namespace palpate {
 
-/// From the four rows of a matrix that takes a camera's places to the world's. A rotation that is one but for rounding
-/// is replaced by the nearest one. Throws Error, without a place, for what is not finite, no rotation, or has another
-/// last row than 0 0 0 1.
+/// From the four rows of a camera-to-world matrix. Rounding errors of the rotation are removed. Throws Error, without a
+/// location, for entries that are not finite, a matrix that is not a rotation, or a last row other than 0 0 0 1.
 CameraPose cameraPose(const std::array<double, 16>& rows);
 
-/// From a place and a quaternion that is unit but for rounding. Throws Error, without a place, for others.
+/// From a position and a quaternion of unit length except for rounding. Throws Error, without a location, for others.
 CameraPose cameraPose(const DVec3& centre, const DQuat& turn);
 
-/// Between two poses: the centre on the line from one to the other, the turn along the shorter arc (Shoemake 1985).
+/// Interpolates between two poses: the centre linearly, the rotation along the shorter arc (Shoemake 1985).
 CameraPose between(const CameraPose& from, const CameraPose& to, double share);
 
-/// Numbers that stand in a line, with blanks between them; nothing where there are others than `count`, or what is
-/// none.
+/// Numbers in a line, separated by blanks; nothing unless there are exactly `count` valid numbers.
 template <std::size_t count>
 std::optional<std::array<double, count>> numbersIn(std::string_view line);
 extern template std::optional<std::array<double, 3>> numbersIn<3>(std::string_view);
 extern template std::optional<std::array<double, 4>> numbersIn<4>(std::string_view);
 extern template std::optional<std::array<double, 8>> numbersIn<8>(std::string_view);
 
-/// Takes the next word, which ends at a blank, off the front of a line; empty where there is none.
+/// Takes the next word (delimited by blanks) off the front of a line; empty at the end.
 std::string_view takeWord(std::string_view& line);
 
 }  // namespace palpate

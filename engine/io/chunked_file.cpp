@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 20;
-constexpr std::size_t kMinRoom = 64;  // of the buffer, for what is read next
+constexpr std::size_t kMinRoom = 64;  // of the buffer, for the next read
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void ChunkedFile::fill(std::size_t wanted) {
   begin_ = 0;
   fillTogether(wanted);
   while (end_ < wanted && !atEnd_) {
-    // Doubling keeps a long line linear; it grows only after the buffer is full of bytes that were really there.
+    // Doubling keeps long lines linear; the buffer grows only after it was filled with bytes that exist.
     if (buffer_.size() - end_ < kMinRoom) buffer_.resize(2 * buffer_.size());
     const std::size_t got = readRaw(buffer_.data() + end_, buffer_.size() - end_);
     if (got == 0) {
@@ -64,10 +64,10 @@ void ChunkedFile::fill(std::size_t wanted) {
   sayProgress();
 }
 
-/// UTF-16 as UTF-8; 0 at the end of the file.
+/// With conversion of UTF-16 to UTF-8; 0 at the end of the file.
 std::size_t ChunkedFile::readRaw(std::byte* to, std::size_t most) {
   if (!utf16_) return std::fread(to, 1, most, file_);
-  constexpr std::size_t kGrowth = 3;  // bytes of UTF-8 for two of UTF-16, and half of a pair from before
+  constexpr std::size_t kGrowth = 3;  // 2 bytes of UTF-16 to 3 of UTF-8; half a surrogate pair from before
   BareVector<std::byte> raw(2 * ((most - kGrowth) / kGrowth)), text;
   while (text.empty()) {
     const std::size_t got = std::fread(raw.data(), 1, raw.size(), file_);
@@ -78,7 +78,7 @@ std::size_t ChunkedFile::readRaw(std::byte* to, std::size_t most) {
   return text.size();
 }
 
-/// What was looked into already is in the buffer, and becomes UTF-8 there.
+/// Bytes already in the buffer are converted there.
 void ChunkedFile::passTextMark() {
   if (offset_ > 0) return;
   const auto begin = peek(4);
@@ -100,13 +100,13 @@ void ChunkedFile::sayProgress() const {
     onProgress_(std::min(1.0, static_cast<double>(offset_ + end_) / static_cast<double>(*size_)));
 }
 
-/// As far as the file is as long as it was, on many threads; what is not there then is for fill() to find out.
+/// Reads on many threads up to the known size; fill() handles a file that became shorter.
 void ChunkedFile::fillTogether(std::size_t wanted) {
   const std::uint64_t from = offset_ + end_, left = size_ && *size_ > from ? *size_ - from : 0;
   const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(wanted - end_, left));
   if (wanted <= end_ || bytes < 2 * kChunk || utf16_) return;
-  buffer_.resize(std::max(buffer_.size(), end_ + bytes + 1));  // and room to find that nothing follows
-  std::atomic<std::size_t> whole = bytes;                      // up to the first byte that did not come
+  buffer_.resize(std::max(buffer_.size(), end_ + bytes + 1));  // and room to detect that nothing follows
+  std::atomic<std::size_t> whole = bytes;                      // up to the first byte that could not be read
   parallelBlocks(bytes, kChunk, 0, [&](std::size_t begin, std::size_t end) {
     const std::size_t got = readAt(file_, from + begin, {buffer_.data() + end_ + begin, end - begin});
     for (std::size_t known = whole; begin + got < std::min(end, known);)
@@ -172,7 +172,7 @@ std::optional<std::string_view> ChunkedFile::readLine(std::size_t longest) {
     passTextMark();
     lineEnd_ = lineEndOfFirstLine(longest);
   }
-  // A line of such a file that ends with CR LF after all leaves its LF to the next one.
+  // In such a file a line that ends with CR LF nevertheless leaves its LF to the next line.
   if (linesEndWithCr() && !peek(1).empty() && peek(1)[0] == std::byte{'\n'}) consume(1);
   std::size_t searched = 0;
   for (;;) {

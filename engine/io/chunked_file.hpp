@@ -1,4 +1,5 @@
-// Reads a file front to back through one buffer, so that memory follows what was read and never what a header claims.
+// Reads a file front to back through one buffer, so that memory depends on the bytes read and never on what a header
+// claims.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +16,8 @@
 
 namespace palpate {
 
-/// Much at a time is read by many threads where the size is known. Works on pipes too; only remaining() needs a regular
-/// file. Throws FileError where the system fails.
+/// Large reads use many threads if the size is known. Works on pipes too; only remaining() requires a regular file.
+/// Throws FileError if the system fails.
 class ChunkedFile {
  public:
   explicit ChunkedFile(std::filesystem::path file);
@@ -26,37 +27,38 @@ class ChunkedFile {
 
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t offset() const { return offset_; }  ///< of the next unread byte
-  std::uint64_t line() const { return line_; }      ///< 1-based, of the line that readLine() gave last
-  /// Is called with the share that was read, now and then, where the size is known.
+  std::uint64_t line() const { return line_; }      ///< 1-based, of the last line returned by readLine()
+  /// Called from time to time with the share that was read, if the size is known.
   void onProgress(std::function<void(double share)> progress) { onProgress_ = std::move(progress); }
-  /// Bytes not yet read; nothing where the system does not know.
+  /// Bytes not yet read; nothing if unknown.
   std::optional<std::uint64_t> remaining() const;
 
-  /// Unread bytes in one piece: at least `wanted`, fewer only at the end of the file. Valid until the next call.
+  /// Contiguous unread bytes: at least `wanted`, fewer only at the end of the file. Valid until the next call.
   std::span<const std::byte> peek(std::size_t wanted) {
     if (end_ - begin_ < wanted) fill(wanted);
     return {buffer_.data() + begin_, end_ - begin_};
   }
-  /// Marks bytes that peek() gave as read.
+  /// Marks bytes returned by peek() as read.
   void consume(std::size_t bytes) {
     begin_ += bytes;
     offset_ += bytes;
   }
-  /// Gives the next `bytes`, of a file whose size is known, to `threads` (0: one per core): in blocks of `block` bytes,
-  /// the last one shorter, each with how many come before it. They are read by then, and none is kept. Throws FileError
-  /// with the byte where the file ends before.
+  /// Passes the next `bytes`, of a file whose size is known, to `threads` (0: one per core): in blocks of `block`
+  /// bytes, the last one shorter, each with the number of bytes before it. The bytes then count as read, and are not
+  /// buffered. Throws FileError with the byte if the file ends early.
   void readBlocks(std::uint64_t bytes, std::size_t block, unsigned threads,
                   const std::function<void(std::span<const std::byte>, std::uint64_t before)>& take);
-  /// Passes over `bytes`; false when the file ends before.
+  /// Skips `bytes`; false if the file ends early.
   bool skip(std::uint64_t bytes);
 
-  /// The next line without its end; nothing at the end of the file. Valid until the next call. The first line says how
-  /// all of them end: with LF, CR LF or CR. A line longer than `longest` bytes is an error. A mark of UTF-8 is passed
-  /// over; UTF-16, of either order, becomes UTF-8, and offset() counts its bytes then.
+  /// The next line without its end; nothing at the end of the file. Valid until the next call. The first line
+  /// determines the line end: LF, CR LF or CR. A line longer than `longest` bytes is an error. A UTF-8 byte order mark
+  /// is skipped; UTF-16 of either order is converted to UTF-8, and offset() then counts UTF-8 bytes.
   std::optional<std::string_view> readLine(std::size_t longest);
-  /// Passes over the mark of UTF-8 at the beginning of a file of text, and makes UTF-16 UTF-8, as readLine() does.
+  /// Skips a UTF-8 byte order mark at the beginning of a text file, and enables the conversion of UTF-16, like
+  /// readLine().
   void passTextMark();
-  /// Whether the first line ended with a CR alone.
+  /// Whether the first line ended with CR only.
   bool linesEndWithCr() const { return lineEnd_ == '\r'; }
 
  private:

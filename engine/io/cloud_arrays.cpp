@@ -40,9 +40,9 @@ float numberAt(const NumberRows& rows, const std::byte* row, std::size_t column)
   return static_cast<float>(loadScalar<double>(row + column * sizeof(double)));
 }
 
-/// Colours as floats of 0 to 1, as the greatest of all tells: above 1 they are numbers of 0 to 255.
+/// Colours as floats of 0 to 1; if the maximum exceeds 1 they are taken as 0 to 255.
 std::vector<float> colorsOf(const Group& group, std::uint64_t count) {
-  constexpr float kMaxByte = 255, kRounded = 1e-3f;  // by which the greatest of 0 to 1 may be above 1
+  constexpr float kMaxByte = 255, kRounded = 1e-3f;  // tolerance by which colours of 0 to 1 may exceed 1
   std::vector<float> colors;
   colors.reserve(3 * count);
   float most = 0;

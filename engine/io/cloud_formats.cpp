@@ -26,7 +26,7 @@ namespace palpate {
 
 namespace {
 
-/// The one of those that `may` be whose ending is the longest one of the file's name; null: none.
+/// The format for which `may` is true with the longest ending that matches the file's name; null: none.
 const CloudFormat* named(std::span<const CloudFormat> formats, const std::filesystem::path& file, auto&& may) {
   std::string name = file.filename().string();
   for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -68,7 +68,8 @@ CloudFormats::CloudFormats(std::span<const CloudFormat> formats) : formats_(form
 
 const CloudFormat* CloudFormats::recognised(const std::filesystem::path& file) const {
   if (const CloudFormat* format = holding(formats_, file)) return format;
-  // What has two dots in its ending is told by its content, and what does not hold it is of the shorter one.
+  // Formats with two dots in their ending are identified by content; a file without that content has the format of the
+  // shorter ending.
   const auto mayBe = [](const CloudFormat& one) {
     return one.read && !(one.holds && one.endings.front().find('.', 1) != std::string_view::npos);
   };
@@ -142,7 +143,7 @@ std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudForm
 
 namespace {
 
-/// Throws FileError, with what it is, for a file that no format reads.
+/// Throws FileError with a description for a file that no format reads.
 const CloudFormat& readable(const std::filesystem::path& file, const CloudFormats& formats) {
   if (file == "-")
     throw FileError(file, "standard input is not read under this name; write it to a file, or name /dev/stdin for PLY");

@@ -1,53 +1,53 @@
-// The table of formats that clouds are read from and written to, and the ways through it.
+// The table of formats that clouds are read from and written to, and lookup functions.
 #pragma once
 
 #include "engine/io/cloud_format.hpp"
 
 namespace palpate {
 
-/// A view of a table, which must outlive it.
+/// View of a table, which must outlive the object.
 class CloudFormats {
  public:
-  /// The first one is that of files whose ending nobody knows, and both reads and writes.
+  /// The first format is that of files with an unknown ending, and must support reading and writing.
   explicit CloudFormats(std::span<const CloudFormat> formats);
 
-  /// By what a folder or a file holds, whatever it is called, or else by the file's ending, in any case; where nobody
-  /// knows it the first one.
+  /// By the content of a folder or file, independent of its name, else by the file's ending in any case; the first
+  /// format if unknown.
   const CloudFormat& toRead(const std::filesystem::path& file) const;
-  /// By the file's ending. Throws UsageError, naming the endings that there are, for another one.
+  /// By the file's ending. Throws UsageError for an unknown one, listing the known endings.
   const CloudFormat& toWrite(const std::filesystem::path& file) const;
-  /// By the file's ending; where nobody knows it, or it is of one that holds no points but `triangles`, and there are
-  /// none, the first one, as for reading: what was opened can be saved.
+  /// By the file's ending; the first format, as for reading, if it is unknown, or if the format requires triangles and
+  /// `triangles` is false: whatever can be opened can be saved.
   const CloudFormat& toSave(const std::filesystem::path& file, bool triangles = false) const;
-  /// That of a file beside this one which is of the format toSave(): its own, or where that is another one's the first
-  /// one's.
+  /// Ending for a file beside this one in the format toSave(): its own ending, or that of the first format if it
+  /// belongs to a format that cannot be saved.
   std::string endingToSave(const std::filesystem::path& file) const;
 
-  /// The same, or null where nobody knows the file.
+  /// Like toRead(), but null if the format is unknown.
   const CloudFormat* recognised(const std::filesystem::path& file) const;
   std::span<const CloudFormat> all() const { return formats_; }
   std::string namesRead() const;       ///< "PLY, XYZ, COLMAP, COLMAP dense, 3DGS"
   std::string endingsRead() const;     ///< ".ply, .xyz, a COLMAP folder"
-  std::string endingsWritten() const;  ///< as above
+  std::string endingsWritten() const;  ///< likewise
 
  private:
   std::span<const CloudFormat> formats_;
 };
 
-/// All that there are.
+/// The table of all formats.
 const CloudFormats& cloudFormats();
 
-/// What of a file that was read is not in one that is written in the format `to`, in words.
+/// Parts of a file that was read which writing in the format `to` loses, in words.
 std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudFormat& to);
 
-/// What the file says that it holds. Throws FileError.
+/// Contents that the file declares. Throws FileError.
 FileContents contentsOf(const std::filesystem::path& file, const CloudFormats& formats = cloudFormats());
 
-/// Throws FileError with the place of what is wrong.
+/// Throws FileError with the location of the error.
 StoredCloud readCloud(const std::filesystem::path& file, Log* log = nullptr, const CloudReadOptions& options = {},
                       const CloudFormats& formats = cloudFormats());
 
-/// The file appears under its name only when it is whole. Throws FileError.
+/// The file appears under its name only when it is complete. Throws FileError.
 void writeCloud(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options = {},
                 const CloudFormats& formats = cloudFormats());
 

@@ -26,7 +26,7 @@ bool holdsViews(const std::filesystem::path& path) {
     return false;
   try {
     return !isOurs(readPlyInfo(path).comments);
-  } catch (const FileError&) {  // whoever reads it says what it is
+  } catch (const FileError&) {  // the reader reports the error
     return false;
   }
 }

@@ -5,11 +5,11 @@
 
 namespace palpate {
 
-/// A PLY file with NAME.ply.vis beside it, as COLMAP's stereo fusion writes both. It is read as PLY; its normals are
-/// turned to the images that saw their points, and where it has none they are those of normalsFromViews(). The images
-/// are those of the model in the folder `sparse` beside it, or in its own; where there is none, it is said, and the
-/// file is read as PLY alone. Never written; what palpate saved under such a name is plain PLY, whose points are
-/// others.
+/// A PLY file with NAME.ply.vis beside it, both written by COLMAP's stereo fusion. It is read as PLY; its normals are
+/// oriented towards the images that saw their points, or computed by normalsFromViews() if missing. The images are
+/// those of the model in the folder `sparse` beside it, or in its own folder; without a model this is logged, and the
+/// file is read as plain PLY. Never written; a file that palpate saved under such a name is plain PLY with other
+/// points.
 CloudFormat colmapDenseFormat();
 
 }  // namespace palpate

@@ -30,7 +30,7 @@ PlyElement columns() {
   return element;
 }
 
-/// How much points count that have been seen so often and projected so badly: the variance of a mean of as many.
+/// Weights of points by track length and projection error: the inverse variance of a mean of that many observations.
 std::vector<double> weightsOf(const std::vector<double>& errors, const std::vector<std::uint32_t>& tracks) {
   std::vector<double> known;
   for (const double error : errors)
@@ -48,7 +48,7 @@ std::vector<double> weightsOf(const std::vector<double>& errors, const std::vect
   return weights;
 }
 
-/// From rows to a cloud, with what its normals follow from.
+/// Converts rows to a cloud, and collects the input of its normals.
 class PointsOfModel {
  public:
   PointsOfModel(const std::filesystem::path& folder, const ColmapModel& model, Log* log)
@@ -117,7 +117,7 @@ FileContents contentsOfColmap(const std::filesystem::path& path) {
   return contents;
 }
 
-/// `counts`: of the points that are left out; null: none are.
+/// `counts`: receives the points that are left out; null: all are kept.
 PointCloud cloudOf(const std::filesystem::path& folder, const ColmapModel& model, ReliabilityCounts* counts, Log* log) {
   PointsOfModel points(folder, model, log);
   std::function<void(double)> progress;

@@ -5,9 +5,9 @@
 
 namespace palpate {
 
-/// Read only. Normals are those of normalsFromViews(), where points count by what their tracks and errors make of their
-/// places; `error` (pixels) and `track_length` of each point are carried along. Which way the cameras were held says
-/// what is up, where they agree on an axis.
+/// Read only. Normals come from normalsFromViews(), with weights from the tracks and errors of points; `error` (pixels)
+/// and `track_length` of each point are kept as attributes. The orientation of the cameras determines the up axis, if
+/// they agree on one.
 CloudFormat colmapFormat();
 
 }  // namespace palpate

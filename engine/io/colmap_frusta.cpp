@@ -7,12 +7,12 @@ namespace palpate {
 
 namespace {
 
-/// The camera matrix, pixels. The upper left corner of the picture is at (0, 0).
+/// Pinhole intrinsics, pixels. The upper left corner of the picture is at (0, 0).
 struct Intrinsics {
   double fx = 0, fy = 0, cx = 0, cy = 0;
 };
 
-/// Models of one focal length have it first and the middle behind it, those of two have both first.
+/// Models with one focal length store it first, then the principal point; models with two store both first.
 std::optional<Intrinsics> intrinsicsOf(const ColmapCamera& camera) {
   if (camera.model == "unknown" || camera.model == "EQUIRECTANGULAR") return std::nullopt;  // no focal length first
   const std::vector<double>& p = camera.parameters;
@@ -25,7 +25,7 @@ std::optional<Intrinsics> intrinsicsOf(const ColmapCamera& camera) {
   return isLens ? std::optional(found) : std::nullopt;
 }
 
-/// Where a ray through the place of a pixel meets the plane one unit before the camera: to the right, and down.
+/// Intersection of a pixel's ray with the plane one unit in front of the camera: right, and down.
 DVec2 onPlane(const ColmapCamera& camera, const Intrinsics& k, double column, double row) {
   constexpr double kWidest = 1.3;  // rad
   const DVec2 place((column - k.cx) / k.fx, (row - k.cy) / k.fy);

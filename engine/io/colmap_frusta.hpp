@@ -1,4 +1,4 @@
-// What the cameras of a COLMAP model saw, and how they were held.
+// Frusta and orientation of the cameras of a COLMAP model.
 #pragma once
 
 #include <optional>
@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// One for each image, in the order of the model, model units; none for an image whose camera has no size, or no focal
-/// length that a lens has. Distortion is left out: of a fisheye lens the corners are where the angle is the distance
-/// from the middle over the focal length, and 75 degrees off the view at the most.
+/// One per image, in the order of the model, model units; none for an image whose camera has no size or no plausible
+/// focal length. Distortion is ignored; for a fisheye lens the angle of a corner is its distance from the principal
+/// point over the focal length, limited to 75 degrees.
 std::vector<CameraFrustum> frustaOf(const ColmapModel& model);
 
-/// What they agree on (upOfCameras()).
+/// Up axis that the cameras agree on (upOfCameras()).
 std::optional<UpAxis> upOf(const ColmapModel& model);
 
 }  // namespace palpate

@@ -30,7 +30,7 @@ struct CameraModel {
   std::string_view name;
   std::size_t parameters;
 };
-/// By the numbers that the binary files have for them (COLMAP 4.1).
+/// Indexed by their numbers in binary files (COLMAP 4.1).
 constexpr std::array<CameraModel, 18> kCameraModels{{{"SIMPLE_PINHOLE", 3},
                                                      {"PINHOLE", 4},
                                                      {"SIMPLE_RADIAL", 4},
@@ -51,31 +51,31 @@ constexpr std::array<CameraModel, 18> kCameraModels{{{"SIMPLE_PINHOLE", 3},
                                                      {"EQUIRECTANGULAR", kUnknownCount}}};
 constexpr CameraModel kUnknownModel{"unknown", kUnknownCount};
 
-/// A camera whose model, of a binary file, has nobody knows how many parameters.
+/// Thrown for a camera in a binary file whose model has an unknown number of parameters.
 struct UnknownModel {
   explicit UnknownModel(std::int32_t which) : number(which) {}
   std::int32_t number;
 };
 
-/// The rows of one file, number by number; both forms have the same ones in the same order.
+/// The rows of one file, number by number; text and binary files have the same rows in the same order.
 class Rows {
  public:
   virtual ~Rows() = default;
-  /// Goes to the next row; false after the last.
+  /// Advances to the next row; false after the last.
   virtual bool next() = 0;
   virtual double real(std::string_view what) = 0;
   virtual std::uint64_t whole(std::string_view what) = 0;
   virtual std::uint32_t id(std::string_view what) = 0;
   virtual std::uint8_t channel() = 0;
   virtual const CameraModel& cameraModel() = 0;
-  /// Whether a row of a camera whose model is not known has another parameter, after `taken` ones.
+  /// Whether a row of a camera with unknown model has another parameter after `taken` ones.
   virtual bool hasParameter(std::size_t taken) = 0;
   virtual std::string name() = 0;
-  /// Passes over what an image saw.
+  /// Skips the observations of an image.
   virtual void skipObservations() = 0;
-  /// How many images saw the point; a place in each follows its id.
+  /// Number of images that saw the point; each id is followed by an index in the image.
   virtual std::uint64_t track() = 0;
-  /// Refuses what follows the last thing of a row.
+  /// Throws if data follows the end of a row.
   virtual void endRow() = 0;
   [[noreturn]] virtual void fail(std::string_view what) const = 0;
   virtual std::uint64_t count() = 0;
@@ -89,7 +89,7 @@ class Rows {
 
 class BinaryModelRows final : public Rows {
  public:
-  /// `unknownParameters`: how many a camera has whose model is not known.
+  /// `unknownParameters`: number of parameters of a camera whose model is unknown.
   BinaryModelRows(const std::filesystem::path& path, std::function<void(double)> progress,
                   std::size_t unknownParameters)
       : file_(path), unknownParameters_(unknownParameters) {
@@ -159,7 +159,7 @@ class BinaryModelRows final : public Rows {
 
 class TextModelRows final : public Rows {
  public:
-  /// `lines`: of a row.
+  /// `lines`: number of lines per row.
   TextModelRows(const std::filesystem::path& path, std::function<void(double)> progress, unsigned lines)
       : file_(path), lines_(lines) {
     file_.onProgress(std::move(progress));
@@ -193,7 +193,7 @@ class TextModelRows final : public Rows {
     rest_ = {};
     return name;
   }
-  // They are a line of their own, which may be empty.
+  // Observations are on a line of their own, which may be empty.
   void skipObservations() override {
     if (!file_.readLine(kMaxModelLine)) fail("the file ends where the observations of an image should be");
     rest_ = {};
@@ -247,14 +247,14 @@ class TextModelRows final : public Rows {
 
 constexpr std::string_view kCameras = "cameras", kImages = "images", kPoints = "points3D";
 
-/// In either form.
+/// Whether the text or the binary file exists.
 bool hasFile(const std::filesystem::path& folder, std::string_view stem) {
   for (const std::string_view form : {"bin", "txt"})
     if (isFile(folder / fmt::format("{}.{}", stem, form))) return true;
   return false;
 }
 
-/// Binary where there are both, as COLMAP itself reads them.
+/// Prefers the binary file, as COLMAP does.
 std::unique_ptr<Rows> open(const std::filesystem::path& folder, std::string_view stem,
                            std::function<void(double)> progress = {}, std::size_t unknownParameters = kUnknownCount) {
   const std::filesystem::path binary = folder / fmt::format("{}.bin", stem);
@@ -264,7 +264,7 @@ std::unique_ptr<Rows> open(const std::filesystem::path& folder, std::string_view
   throw FileError(folder, fmt::format("has no {0}.bin and no {0}.txt, as the folder of a COLMAP model has", stem));
 }
 
-/// The place of each id in a list; refuses those that come twice.
+/// Maps ids to their index in a list; rejects duplicates.
 class Ids {
  public:
   void add(const Rows& rows, std::uint32_t id, std::string_view what) {
@@ -288,7 +288,7 @@ DVec3 readPlace(Rows& rows, std::string_view what) {
   return place;
 }
 
-/// From the rotation and the translation of the world into the camera.
+/// From the world-to-camera rotation and translation.
 void placeImage(Rows& rows, ColmapImage& image) {
   double w = rows.finite("the rotation of an image");
   DVec3 v = readPlace(rows, "the rotation of an image");
@@ -348,16 +348,16 @@ std::vector<ColmapCamera> readCameras(const std::filesystem::path& folder, std::
   return list;
 }
 
-/// Nothing where there are models of which nobody knows how many parameters they have.
+/// Nothing if the number of parameters of a model cannot be determined.
 std::optional<std::vector<ColmapCamera>> readCameras(const std::filesystem::path& folder) {
   constexpr std::size_t kMaxParameters = 32;
   try {
     return readCameras(folder, kUnknownCount);
-  } catch (const UnknownModel&) {  // then the number with which the file comes out even
+  } catch (const UnknownModel&) {  // try numbers until the file size is consistent
   }
   for (std::size_t parameters = 0; parameters <= kMaxParameters; ++parameters) try {
       return readCameras(folder, parameters);
-    } catch (const FileError&) {  // it is another one
+    } catch (const FileError&) {  // wrong number
     }
   return std::nullopt;
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMinViews = 3;
 constexpr double kMaxError_px = 4;
 constexpr double kMinAngle_deg = 1.5;
-// Each pair of rays is looked at; of a longer track every n-th view stands for those about it.
+// All pairs of rays are compared; of longer tracks only every n-th view is used.
 constexpr std::size_t kMaxRays = 512;
 
 std::vector<DVec3> raysOf(const ColmapPoint& point, const ColmapModel& model) {

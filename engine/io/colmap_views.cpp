@@ -28,7 +28,7 @@ class ViewsFile {
                           what_.points));
   }
 
-  /// Valid until the next call.
+  /// The result is valid until the next call.
   std::span<const std::uint32_t> readPoint(std::uint64_t point) {
     const std::uint64_t begin = file_.offset();
     const auto count = take<std::uint32_t>();

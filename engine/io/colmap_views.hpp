@@ -1,4 +1,4 @@
-// Which images saw each point of a dense reconstruction: the file NAME.ply.vis that COLMAP's stereo fusion writes
+// The images that saw each point of a dense reconstruction: the file NAME.ply.vis that COLMAP's stereo fusion writes
 // beside NAME.ply (COLMAP's manual, "Output Format", "Dense Reconstruction").
 #pragma once
 
@@ -9,17 +9,17 @@
 
 namespace palpate {
 
-/// Little-endian: u64 points; then for each point u32 views, and so many u32, each the place of an image in the file of
-/// images, counted from 0; not its id.
+/// Little-endian: u64 number of points; then for each point u32 number of views, and for each view u32 index of its
+/// image in the images file, from 0 (not its id).
 struct ColmapViewsOf {
-  std::filesystem::path cloud;  ///< the file whose points these are, for messages
-  std::uint64_t points = 0;     ///< that it has
-  std::uint64_t images = 0;     ///< of the model that was fused
+  std::filesystem::path cloud;  ///< the file with these points, for messages
+  std::uint64_t points = 0;     ///< number of points in it
+  std::uint64_t images = 0;     ///< number of images of the fused model
 };
 
 /// Calls `visit` with the number of each point and the images that saw it, in the order of the cloud, and `progress`
-/// with the share that is read. Throws FileError, with the byte and what to do, for another number of points, for what
-/// ends too early or goes on too long, and for images that the model has not.
+/// with the share that was read. Throws FileError, with the byte and what to do, if the number of points differs, if
+/// the file is too short or too long, and for images that are not in the model.
 void readColmapViews(const std::filesystem::path& file, const ColmapViewsOf& what,
                      const std::function<void(std::uint64_t, std::span<const std::uint32_t>)>& visit,
                      const std::function<void(double)>& progress = {});

@@ -7,7 +7,7 @@ namespace palpate {
 
 double ColorScale::full(bool whole) const {
   constexpr double kByte = 255, kUpperByte = 65280, kTwoBytes = 65535;
-  constexpr double kOverlit = 4;  // shares of light may be somewhat more than all of it
+  constexpr double kOverlit = 4;  // relative intensities may slightly exceed 1
   if (!whole && (most_ <= 1 || (fractions_ && most_ <= kOverlit))) return 1;
   if (most_ <= kByte) return kByte;
   return by256_ ? kUpperByte : kTwoBytes;

@@ -1,4 +1,4 @@
-// How large the numbers of a file's colours are: told by all of them, never by one row.
+// Scale of a file's colours, determined by all of them, never by one row.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// Files store the same colours from 0 to 1, to 255 or to 65535, and few say which. Takes every number of a column, or
-/// of the three of a colour, and then says what full light is.
+/// Files store colours from 0 to 1, to 255 or to 65535, and few declare which. Takes all numbers of a column, or of the
+/// three of a colour, and then determines the value of full intensity.
 class ColorScale {
  public:
   void take(double value) {
@@ -22,9 +22,9 @@ class ColorScale {
     fractions_ = fractions_ || static_cast<double>(whole) != value;
     by256_ = by256_ && whole % 256 == 0;
   }
-  /// `whole`: numbers that count steps, as those of integer types do: 1 is dark then, and not full light.
+  /// `whole`: integer steps, as in integer types: 1 is then dark, not full intensity.
   double full(bool whole) const;
-  /// The type in which full() is the usual full light.
+  /// The type whose usual full intensity is full().
   ScalarType storedAs(bool whole) const;
 
  private:
@@ -32,14 +32,14 @@ class ColorScale {
   bool fractions_ = false, by256_ = true;
 };
 
-/// Colours of corners as bytes, of which some may have none: those are white. How many these are where others have one.
+/// Converts corner colours to bytes; corners without a colour become white. Returns their number.
 std::size_t cornerColors(const std::vector<std::optional<DVec3>>& raw, bool whole,
                          std::vector<std::array<std::uint8_t, 4>>& bytes);
 
-/// Share of `full` as a byte; what is not a number is 0.
+/// Share of `full` as a byte; 0 for NaN.
 std::uint8_t colorByte(double value, double full);
 
-/// Three colours from 0 to 1, to 255 or to 65535 for each of `count` rows, judged together.
+/// Scale of three colours from 0 to 1, to 255 or to 65535 for each of `count` rows, determined together.
 template <class Rows>
 ColorScale scaleOfColors(const Rows& rows) {
   ColorScale scale;

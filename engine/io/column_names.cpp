@@ -11,7 +11,7 @@ namespace {
 
 using Alias = std::pair<std::string_view, std::string_view>;
 
-// As surveyors, PCL, ParaView, pandas and Blender call them.
+// Names used by surveyors, PCL, ParaView, pandas and Blender.
 constexpr std::array<Alias, 33> kAliases{{
     {"easting", "x"},    {"east", "x"},        {"pos_x", "x"},      {"position_x", "x"}, {"coord_x", "x"},
     {"points:0", "x"},   {"points_0", "x"},    {"northing", "y"},   {"north", "y"},      {"pos_y", "y"},

@@ -1,4 +1,4 @@
-// Names that files give to the columns of points.
+// Names of point columns in files.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// The name that all formats share for what `name` means, in whatever case it is written: x for X, Easting, pos_x; nx
-/// for normal_x; red for Red. Other names in lower case, less a unit in brackets.
+/// The name that all formats share for the meaning of `name`, case-insensitive: x for X, Easting, pos_x; nx for
+/// normal_x; red for Red. Other names become lower case, without a unit in brackets.
 std::string sharedColumnName(std::string_view name);
 
 }  // namespace palpate

@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kInfoBytes = 160, kRootAt = 40, kEntryBytes = 32;
-constexpr std::int32_t kIsPage = -1;  // in place of a number of points
+constexpr std::int32_t kIsPage = -1;  // instead of a number of points
 constexpr std::int32_t kMaxOctreeDepth = 30;
 
 using Key = std::array<std::int32_t, 4>;  // level, x, y, z
@@ -25,13 +25,13 @@ struct Entry {
 };
 static_assert(sizeof(Entry) == kEntryBytes);
 
-/// Pages that are still to be read, and all that is known of those that were.
+/// Pages to be read, and the nodes read so far.
 class Hierarchy {
  public:
   Hierarchy(const std::filesystem::path& file, std::uint64_t bodyAt, std::span<const std::byte> body)
       : file_(file), bodyAt_(bodyAt), body_(body) {}
 
-  /// `saidAt`: the byte that says where the page is.
+  /// `saidAt`: the byte that contains the page's position.
   void addPage(std::uint64_t at, std::uint64_t bytes, std::uint64_t saidAt) {
     if (bytes % kEntryBytes != 0 || bytes == 0 || !isInside(at, bytes))
       throw refuse(saidAt, fmt::format("a page of {} bytes of the hierarchy at byte {}, which no file of {} bytes has",

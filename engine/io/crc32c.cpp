@@ -7,13 +7,13 @@ namespace palpate {
 
 namespace {
 
-/// The remainder of each byte with so many zeros behind it: eight bytes are taken at a time (Kounavis and Berry 2008,
-/// "Novel table lookup-based algorithms for high-performance CRC generation").
+/// Remainders of each byte followed by zero to seven zero bytes, to process eight bytes at a time (Kounavis and Berry
+/// 2008, "Novel table lookup-based algorithms for high-performance CRC generation").
 struct Tables {
   std::array<std::array<std::uint32_t, 256>, 8> of{};
 
   constexpr Tables() {
-    constexpr std::uint32_t kPolynomial = 0x82f63b78u;  // from the lowest bit on
+    constexpr std::uint32_t kPolynomial = 0x82f63b78u;  // lowest bit first
     for (std::uint32_t byte = 0; byte < 256; ++byte) {
       std::uint32_t rest = byte;
       for (int bit = 0; bit < 8; ++bit) rest = rest >> 1 ^ (rest & 1 ? kPolynomial : 0);

@@ -1,4 +1,4 @@
-// CRC-32C (Castagnoli, Braeuer and Herrmann 1993), which guards the pages of E57.
+// CRC-32C (Castagnoli, Braeuer and Herrmann 1993), the checksum of E57 pages.
 #pragma once
 
 #include <cstddef>

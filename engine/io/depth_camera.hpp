@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// A depth camera that the system knows as a video device and that speaks Z16, depth of 16 bits, in the size of
-/// `camera`; millimetres where that says no scale. Its frames have no colours and no poses. Throws Error for a device
-/// that is missing, denied or something else, and where a system has no such devices.
+/// A depth camera that is a video device with format Z16 (16-bit depth) in the size of `camera`; depth is in
+/// millimetres if `camera` has no scale. Its frames have no colours and no poses. Throws Error for a device that is
+/// missing, inaccessible or of another kind, and on systems without such devices.
 std::shared_ptr<DepthStream> openDepthCamera(const std::string& device, const CameraText& camera);
 
 }  // namespace palpate

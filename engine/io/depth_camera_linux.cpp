@@ -1,4 +1,4 @@
-// Depth cameras by Video4Linux: capture into memory that the driver shares (V4L2, sections 1 and 3).
+// Depth cameras by Video4Linux: capture into memory shared with the driver (V4L2, sections 1 and 3).
 #include "engine/io/depth_camera.hpp"
 
 #include <fcntl.h>
@@ -209,7 +209,7 @@ void VideoDepthStream::unmapBuffers() noexcept {
   for (const std::span<const std::byte> memory : memory_) node_->unmap(memory);
 }
 
-// Nothing where it was stopped.
+// Nothing if stopped.
 std::optional<v4l2_buffer> VideoDepthStream::takeBuffer() {
   while (!stopped_) {
     v4l2_buffer buffer{};

@@ -50,14 +50,14 @@ std::string_view DepthPipe::unread() const {
   return {reinterpret_cast<const char*>(buffer_.data()) + begin_, end_ - begin_};
 }
 
-// False where it ends before, or is stopped.
+// False if the input ends early or is stopped.
 bool DepthPipe::fill(std::size_t wanted) {
   if (begin_ > 0 && end_ - begin_ < wanted) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= std::exchange(begin_, 0);
   }
   while (end_ - begin_ < wanted) {
-    // It grows only once it is full of bytes that were really there.
+    // The buffer grows only after it was filled with bytes that exist.
     if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
     const std::size_t count = input_.read(std::span(buffer_).subspan(end_));
     if (count == 0) return false;
@@ -66,7 +66,7 @@ bool DepthPipe::fill(std::size_t wanted) {
   return true;
 }
 
-// The line that comes next, without its end. Nothing where all ends before; of a line that is too long, its beginning.
+// The next line without its end. Nothing if the input ends early; a line that is too long is truncated.
 std::optional<std::string> DepthPipe::peekLine(std::size_t longest) {
   for (std::size_t seen = 0;;) {
     const std::size_t end = unread().find('\n', seen);
@@ -98,7 +98,7 @@ std::optional<DepthPipe::FrameLine> DepthPipe::parseLine(std::string_view line) 
 
 void DepthPipe::lose(std::string_view why) const { throw Error("{}: frame {} {}", name_, count_ - 1, why); }
 
-// To where the next line of a frame may begin; to the end where none does.
+// Skips to the possible beginning of the next frame's line; to the end if there is none.
 void DepthPipe::skipToFrame() {
   do {
     const std::size_t next = unread().find(kFrameWord, 1);
@@ -106,13 +106,13 @@ void DepthPipe::skipToFrame() {
       begin_ += next;
       return;
     }
-    begin_ = end_ - std::min(kFrameWord.size() - 1, unread().size() - 1);  // it may have begun there
+    begin_ = end_ - std::min(kFrameWord.size() - 1, unread().size() - 1);  // may end with its beginning
   } while (fill(kFrameWord.size()) && !unread().starts_with(kFrameWord));
   if (!unread().starts_with(kFrameWord)) begin_ = end_;
 }
 
-// The line of the next frame. Nothing at the end. What is no such line is passed over up to the next one that may be,
-// and is a lost frame in all.
+// The line of the next frame; nothing at the end. Other data is skipped up to the next possible line, and counts as one
+// lost frame.
 std::optional<DepthPipe::FrameLine> DepthPipe::findLine() {
   while (fill(1) && unread().front() == '\n') ++begin_;
   if (unread().empty()) return std::nullopt;
@@ -145,7 +145,7 @@ std::optional<DepthPipe::FrameLine> DepthPipe::findLine() {
   lose(why);
 }
 
-// Where within the bytes of a frame the line of the next one stands; `bytes` where it does not, as it should be.
+// Offset of the next frame's line within the bytes of a frame; `bytes` if it is not there, as expected.
 std::size_t DepthPipe::tornAt(std::size_t bytes) const {
   const std::string_view pixels = unread().substr(0, bytes);
   for (std::size_t at = pixels.find(kFrameWord); at != pixels.npos; at = pixels.find(kFrameWord, at + 1)) {
@@ -156,7 +156,7 @@ std::size_t DepthPipe::tornAt(std::size_t bytes) const {
     try {
       if (isCutOff || (end != rest.npos && parseLine(rest.substr(0, end)))) return at;
     } catch (const Error&) {
-      return at;  // a line whose pose is none
+      return at;  // a line with an invalid pose
     }
   }
   return bytes;
@@ -190,7 +190,7 @@ bool DepthPipe::next(DepthFrame& frame) {
     lose(fmt::format("has {} of its {} bytes; {}", torn, bytes,
                      torn < there ? "the next one follows" : "there it ends"));
   }
-  const std::byte* const pixels = buffer_.data() + begin_;  // as long as nothing more is read
+  const std::byte* const pixels = buffer_.data() + begin_;  // valid until the next read
   begin_ += bytes;
   if (last_s_ && !(line->time_s > *last_s_))
     lose(fmt::format("is of {} s, which does not come after {} s", line->time_s, *last_s_));

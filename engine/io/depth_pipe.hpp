@@ -1,4 +1,4 @@
-// Depth frames that another program writes, as they come.
+// Depth frames written by another program, in real time.
 #pragma once
 
 #include <optional>
@@ -11,22 +11,22 @@
 
 namespace palpate {
 
-/// Raw frames from a pipe. First comes a line of JSON (parseCamera()) with `depth_scale` and `format`: "z16", depth of
-/// 16 bits, little-endian, or "z16+rgb8", and behind it red, green and blue of each pixel. Then come frames, each a
-/// line `frame TIME_S`, with the 16 numbers of the matrix from the camera to the world behind it where they are known,
-/// and its bytes. A frame that is torn, or does not come after the one before, is lost; the next one begins where its
-/// line does.
+/// Raw frames from a pipe. The first line is JSON (parseCamera()) with `depth_scale` and `format`: "z16", 16-bit depth,
+/// little-endian, or "z16+rgb8", followed by red, green and blue of each pixel. Each frame is a line `frame TIME_S`,
+/// optionally with the 16 numbers of the camera-to-world matrix, and its bytes. A frame that is incomplete or out of
+/// order is lost; the next frame begins at its line.
 class DepthPipe final : public DepthStream {
  public:
-  /// Waits for the first line. `descriptor` stays the caller's and outlives it; `name` is for messages. `depthScale`:
-  /// values per metre, in place of what the line says; 0: as that says. Throws Error for a line that makes no camera.
+  /// Waits for the first line. `descriptor` remains the caller's and must outlive the object; `name` is for messages.
+  /// `depthScale`: values per metre, overriding the line; 0: as in the line. Throws Error if the line is not a valid
+  /// camera.
   DepthPipe(int descriptor, std::string name, double depthScale = 0);
 
   const DepthCamera& camera() const override { return camera_; }
   bool next(DepthFrame& frame) override;
   void stop() noexcept override { input_.stop(); }
   bool isRecorded() const override { return false; }
-  /// It cannot.
+  /// Not possible: throws Error.
   void rewind() override;
 
  private:
@@ -49,7 +49,7 @@ class DepthPipe final : public DepthStream {
   DepthCamera camera_;
   double depthScale_ = 0;
   bool hasColors_ = false, hasPoses_ = false;
-  std::optional<CameraPose> pose_;  // of all frames, where they say none
+  std::optional<CameraPose> pose_;  // of all frames that have none
   std::vector<std::byte> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // unread part of buffer_
   std::optional<double> first_s_, last_s_;

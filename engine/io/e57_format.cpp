@@ -46,7 +46,7 @@ std::optional<Three> fieldsNamed(const E57Scan& scan, const std::array<const cha
   return three;
 }
 
-/// Points of a scan, where they are in the file's coordinates.
+/// Points of a scan in the file's coordinates.
 class ScanPoints {
  public:
   ScanPoints(const std::filesystem::path& file, const E57Scan& scan, const E57Records& records)
@@ -69,9 +69,9 @@ class ScanPoints {
     }
     return turn(p) + scan_.translation;
   }
-  /// Not for a file that does not turn: coordinates stay as they are, bit by bit.
+  /// Skipped without rotation: coordinates stay the same, bit by bit.
   DVec3 turn(const DVec3& v) const { return turn_ == glm::dquat(1, 0, 0, 0) ? v : turn_ * v; }
-  /// Whether it has a place: some are of rays that came back from nowhere.
+  /// Whether the point has a position: rays without an echo have none.
   bool isThere(std::uint64_t i) const {
     if (invalid_ && records_.value(*invalid_, i) != 0) return false;
     const DVec3 p = place(i);
@@ -86,7 +86,7 @@ class ScanPoints {
   glm::dquat turn_;
 };
 
-/// The smallest type that holds all that a field may.
+/// The smallest type that holds all values of a field.
 ScalarType typeOf(const E57Field& field) {
   using Kind = E57Field::Kind;
   if (field.kind == Kind::single) return ScalarType::f32;
@@ -102,7 +102,7 @@ ScalarType typeOf(const E57Field& field) {
   return ScalarType::f64;
 }
 
-/// What all scans have of each point besides its place.
+/// Data that all scans have for each point besides its position.
 struct Shared {
   bool colors = false, normals = false;
   std::vector<std::string> names;  // of attributes
@@ -136,7 +136,7 @@ Shared sharedBy(const std::vector<E57Scan>& scans, std::vector<std::string>& los
   return shared;
 }
 
-/// All scans on their way into one cloud.
+/// Merges all scans into one cloud.
 class E57Cloud {
  public:
   E57Cloud(const E57Pages& pages, const std::vector<E57Scan>& scans, std::vector<std::string>& lost)
@@ -150,7 +150,7 @@ class E57Cloud {
     if (severalScans_) cloud_.extra.push_back({"scan", ScalarType::u16, {}});
   }
 
-  /// Of scan number `number`; says how many of its points have no place.
+  /// Adds a scan; returns the number of its points without a position.
   std::uint64_t add(const E57Scan& scan, std::size_t number) {
     const E57Records records(pages_, scan);
     const ScanPoints points(pages_.file(), scan, records);
@@ -203,7 +203,7 @@ class E57Cloud {
           whole ? std::array{static_cast<double>(field.least), static_cast<double>(field.most)} : std::array{0.0, 1.0};
       if (scan.colorLimits && (*scan.colorLimits)[k][1] > (*scan.colorLimits)[k][0]) limits[k] = (*scan.colorLimits)[k];
     }
-    if (!scan.colorLimits) {  // then the numbers tell
+    if (!scan.colorLimits) {  // then determined by the numbers
       ColorScale scale;
       bool whole = true;
       for (std::size_t k = 0; k < 3; ++k) whole = whole && scan.fields[fields[k]].kind == E57Field::Kind::integer;
@@ -293,7 +293,7 @@ StoredCloud readE57(const std::filesystem::path& file, Log* log, const CloudRead
   for (std::size_t k = 0; k < contents.scans.size(); ++k) invalid += cloud.add(contents.scans[k], k);
   stored.cloud = cloud.finish(log);
   stored.cloud.storedAs.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
-  sayUnit(stored.cloud.storedAs.comments, LengthUnit::m);  // as the format says
+  sayUnit(stored.cloud.storedAs.comments, LengthUnit::m);  // as defined by the format
   if (invalid > 0) stored.lost.push_back(fmt::format("{} points that have no place", invalid));
   if (invalid > 0 && log) log->say("{}: {} points have no place (no echo came back), and are left out", name, invalid);
   const auto isPlaced = [](const E57Scan& scan) {

@@ -1,4 +1,4 @@
-// E57 (ASTM E2807), the scans of terrestrial laser scanners, as a format that is read.
+// E57 (ASTM E2807), scans of terrestrial laser scanners, as a format for reading.
 #pragma once
 
 #include "engine/io/cloud_format.hpp"

@@ -41,7 +41,7 @@ void E57Pages::checkPages(std::span<const std::byte> whole) {
   parallelBlocks(pages, 256, 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t page = begin; page < end; ++page) {
       const auto checked = whole.subspan(page * kPage, kChecked);
-      std::uint32_t sum = 0;  // the highest byte first
+      std::uint32_t sum = 0;  // big-endian
       for (std::size_t k = 0; k < 4; ++k)
         sum = sum << 8 | static_cast<std::uint32_t>(whole[page * kPage + kChecked + k]);
       if (crc32c(checked) != sum)

@@ -1,4 +1,4 @@
-// The bytes of an E57 file (ASTM E2807), which stand in pages with a checksum each.
+// The bytes of an E57 file (ASTM E2807), stored in pages with a checksum each.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@ namespace palpate {
 
 class E57Pages {
  public:
-  /// Reads all of the file, and every checksum. Throws FileError with the byte and the page of what is damaged.
+  /// Reads the whole file and verifies every checksum. Throws FileError with the byte and the page of the damage.
   E57Pages(const std::filesystem::path& file, Log* log);
 
   const std::filesystem::path& file() const { return file_; }
   std::string_view xml() const { return xml_; }
 
-  /// Bytes without the checksums among them, from a byte of the file on. Throws FileError where there are not so many;
-  /// `saidAt` is the byte of the file that says so.
+  /// `count` bytes from a byte of the file on, without checksums. Throws FileError if the file is too short; `saidAt`
+  /// is the byte of the file that contains the request.
   std::span<const std::byte> from(std::uint64_t fileByte, std::uint64_t count, std::uint64_t saidAt) const;
-  /// All that follow a byte of the file.
+  /// All bytes from a byte of the file on.
   std::span<const std::byte> from(std::uint64_t fileByte, std::uint64_t saidAt) const;
-  /// The byte of the file that one of those bytes is.
+  /// Position in the file of one of those bytes.
   std::uint64_t fileByteOf(const std::byte* at) const;
 
  private:

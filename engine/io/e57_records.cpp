@@ -38,7 +38,7 @@ E57Records::E57Records(const E57Pages& pages, const E57Scan& scan) : scan_(scan)
   for (auto& stream : streams_) stream.resize(stream.size() + kPadding);
 }
 
-/// Of the section, packet by packet.
+/// Reads the section packet by packet.
 void E57Records::readPackets(const E57Pages& pages) {
   const auto head = pages.from(scan_.pointsAt, kSectionHead, scan_.pointsAt);
   const auto refuse = [&](std::size_t at, const std::string& why) {
@@ -58,7 +58,7 @@ void E57Records::readPackets(const E57Pages& pages) {
   }
 }
 
-/// Its bytes, of which there are no fewer than four.
+/// Appends a packet, which has at least four bytes, and returns its size.
 std::size_t E57Records::takePacket(const E57Pages& pages, std::span<const std::byte> packet) {
   const auto refuse = [&](std::size_t at, const std::string& why) {
     return FileError::atByte(pages.file(), pages.fileByteOf(packet.data() + at), why);

@@ -1,17 +1,17 @@
-// The points of a scan of E57 as columns: a stream of bits for each field, cut into packets.
+// The points of an E57 scan as columns: a bit stream for each field, split into packets.
 #pragma once
 
 #include "engine/io/e57_scans.hpp"
 
 namespace palpate {
 
-/// Values are asked for by number, from any threads.
+/// Values may be read by number from any thread.
 class E57Records {
  public:
-  /// Throws FileError with the byte of a packet that lies, and where there are fewer values than the scan says.
+  /// Throws FileError with the byte for an invalid packet, and if there are fewer values than the scan declares.
   E57Records(const E57Pages& pages, const E57Scan& scan);
 
-  /// Of field `field`, as it is meant: scaled, or real. Nothing that a text has.
+  /// Value of field `field`, scaled if necessary. Not for text.
   double value(std::size_t field, std::uint64_t point) const;
 
  private:
@@ -20,7 +20,7 @@ class E57Records {
   void checkCounts(const E57Pages& pages) const;
 
   const E57Scan& scan_;
-  std::vector<std::vector<std::byte>> streams_;  // with some zeros at their end, where whole words are read
+  std::vector<std::vector<std::byte>> streams_;  // padded with zeros, since whole words are read
 };
 
 }  // namespace palpate

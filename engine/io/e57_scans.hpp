@@ -1,4 +1,4 @@
-// What an E57 file says of its scans: in XML, read by the library pugixml where the program was built with it.
+// The description of scans in an E57 file: XML, read by the library pugixml if the program was built with it.
 #pragma once
 
 #include <array>
@@ -12,21 +12,20 @@
 
 namespace palpate {
 
-/// One number of each point, and how it is stored.
+/// One value of each point, and its encoding.
 struct E57Field {
   enum class Kind { integer, scaled, single, real, text };
 
   std::string name;
   Kind kind = Kind::integer;
-  std::int64_t least = 0, most = 0;  ///< of whole numbers, as they are stored
-  double scale = 1, offset = 0;      ///< of scaled ones
+  std::int64_t least = 0, most = 0;  ///< of integers, as stored
+  double scale = 1, offset = 0;      ///< for scaled integers
 
-  /// Of one value; 0 where all are the same, or of no fixed number.
+  /// Size of one value; 0 if all are equal or the size varies.
   unsigned bits() const;
 };
 
-/// A scan, in its own coordinates, and where they are: rotated by a quaternion (w, x, y, z; of unit length), then
-/// moved.
+/// A scan in its own coordinates, and its pose: rotation by a quaternion (w, x, y, z; unit length), then translation.
 struct E57Scan {
   std::string name;
   std::uint64_t pointsAt = 0;  ///< byte of the file
@@ -34,7 +33,7 @@ struct E57Scan {
   std::vector<E57Field> fields;
   std::array<double, 4> rotation{1, 0, 0, 0};
   DVec3 translation{0};
-  /// Least and largest red, green and blue, where they are said.
+  /// Minimum and maximum of red, green and blue, if declared.
   std::optional<std::array<std::array<double, 2>, 3>> colorLimits;
 };
 
@@ -43,10 +42,10 @@ struct E57Contents {
   std::size_t images = 0;
 };
 
-/// Whether it was; otherwise readE57Contents() throws that it was not.
+/// Whether the program was built with pugixml; otherwise readE57Contents() throws.
 bool canReadE57();
 
-/// Throws FileError for what is no XML, or says what cannot be.
+/// Throws FileError for invalid XML or invalid contents.
 E57Contents readE57Contents(const E57Pages& pages);
 
 }  // namespace palpate

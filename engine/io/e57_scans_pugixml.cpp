@@ -13,14 +13,14 @@ namespace palpate {
 
 namespace {
 
-/// Reads numbers of the document, and says which one is none.
+/// Reads numbers of the document, and names invalid ones.
 class Reading {
  public:
   explicit Reading(const std::filesystem::path& file) : file_(file) {}
 
   FileError refuse(const std::string& what) const { return FileError(file_, "in its XML: " + what); }
 
-  /// An empty text is 0, as the standard has it.
+  /// An empty text is 0, as the standard defines.
   template <class T>
   T number(std::string_view text, const std::string& of) const {
     while (!text.empty() && (text.front() == ' ' || text.front() == '\n' || text.front() == '\t'))

@@ -40,7 +40,7 @@ std::optional<FileStart> startOf(const std::filesystem::path& path) {
     const auto all = file.peek(kLookedAt);
     return FileStart{.bytes = {reinterpret_cast<const char*>(all.data()), std::min(all.size(), kLookedAt)},
                      .size = size};
-  } catch (const FileError&) {  // whoever reads it says why not
+  } catch (const FileError&) {  // the reader reports the error
     return std::nullopt;
   }
 }

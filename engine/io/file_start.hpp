@@ -1,4 +1,4 @@
-// The first bytes of a file, by which formats know their own whatever the file is called.
+// The first bytes of a file, by which formats recognise their files independent of names.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 
 namespace palpate {
 
-/// Of a regular file; text without its mark, and UTF-8 where it is UTF-16.
+/// Of a regular file; text is without its byte order mark, and UTF-16 is converted to UTF-8.
 struct FileStart {
   std::string bytes;
   std::uint64_t size = 0;  ///< of the file
 
   bool startsWith(std::string_view magic) const { return std::string_view(bytes).starts_with(magic); }
-  /// Whether no byte is one that text does not have.
+  /// Whether all bytes may occur in text.
   bool isText() const;
-  /// The first lines that have words, less those that begin with '#' or "//"; the last one may be cut.
+  /// The first lines that are not blank, without those that begin with '#' or "//"; the last one may be truncated.
   std::vector<std::vector<std::string>> lines(std::size_t most) const;
 };
 
-/// Nothing of what cannot be looked into: a pipe, a folder, what is not there. Throws nothing.
+/// Nothing for pipes, folders and missing files. Throws nothing.
 std::optional<FileStart> startOf(const std::filesystem::path& file);
 
 /// Whether a word is a number.

@@ -24,12 +24,12 @@ constexpr std::string_view kBag =
 constexpr std::string_view kPacked = "is packed; unpack it first";
 
 struct Magic {
-  std::size_t at;  ///< byte of the file
+  std::size_t at;  ///< offset in the file
   std::string_view bytes;
   std::string_view what;
 };
 
-// Bags are those of ROS 1, whose form RealSense cameras share, and of ROS 2 (MCAP, and SQLite).
+// Bags of ROS 1, whose format RealSense cameras share, and of ROS 2 (MCAP and SQLite).
 constexpr std::array kMagics{
     Magic{0, "#ROSBAG V", kBag},
     Magic{0, "\x89MCAP", kBag},
@@ -89,7 +89,7 @@ constexpr std::array kMagics{
     Magic{0, "AC10", "is a drawing (DWG), which is not read; export its points as text, its surfaces as STL"},
 };
 
-/// What an archive holds, by its first member's name.
+/// Describes the content of an archive by its first member's name.
 std::string archiveInWords(const FileStart& start) {
   constexpr std::size_t kNameAt = 30;
   const std::string name = start.bytes.size() > kNameAt ? start.bytes.substr(kNameAt, 64) : "";
@@ -109,7 +109,7 @@ bool holdsArrays(const FileStart& start) {
   return start.bytes.find(".npy") != std::string::npos;  // NPZ, damaged or not
 }
 
-/// What text is that begins with a mark of a language.
+/// Describes text that begins with markup.
 std::string_view markupInWords(const FileStart& start) {
   std::string text = start.bytes.substr(std::min(start.bytes.find_first_not_of(" \t\r\n"), start.bytes.size()));
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -131,7 +131,7 @@ std::string lowerEnding(const std::filesystem::path& file) {
   return ending;
 }
 
-/// Kinds that only their names tell.
+/// Kinds that only their names identify.
 std::string_view namedInWords(const std::filesystem::path& file) {
   const std::string ending = lowerEnding(file);
   if (ending == ".ksplat")
@@ -144,7 +144,7 @@ std::string_view namedInWords(const std::filesystem::path& file) {
   return {};
 }
 
-/// A list of a folder of depth frames, which is read as a whole.
+/// Whether it is a list in a folder of depth frames; such folders are read as a whole.
 bool isListOfFrames(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
   constexpr std::array<std::string_view, 3> kLists{"depth.txt", "rgb.txt", "groundtruth.txt"};

@@ -1,4 +1,4 @@
-// Files that are no clouds, or clouds of formats that are not read: what they are, and what to do.
+// Recognises files that are not clouds, or clouds of unsupported formats, and says what to do.
 #pragma once
 
 #include <filesystem>
@@ -6,11 +6,11 @@
 
 namespace palpate {
 
-/// Throws FileError with what the file is where it is of a kind that is known and not read: "is an image (PNG), not a
-/// 3D file". Pipes are not looked into.
+/// Throws FileError with the kind of file if it is known and cannot be read: "is an image (PNG), not a 3D file". Pipes
+/// are not read.
 void refuseForeign(const std::filesystem::path& file);
 
-/// Throws FileError for a file that no format knows. `formats`: those that are read, in words.
+/// Throws FileError for a file of no known format. `formats`: names of the readable formats.
 [[noreturn]] void refuseUnknown(const std::filesystem::path& file, std::string_view formats);
 
 }  // namespace palpate

@@ -17,7 +17,7 @@ namespace {
 bool isFinite(const Vec3& v) { return std::isfinite(glm::dot(v, v)); }
 
 bool isGaussian(const GaussianScene& scene, std::size_t i) {
-  constexpr double kFarthest = 1e30;  // as of other clouds
+  constexpr double kFarthest = 1e30;  // as for other clouds
   const DVec3 p = scene.centers[i];
   const bool placed = std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest;
   const float turn = glm::dot(scene.rotations[i], scene.rotations[i]);
@@ -25,7 +25,7 @@ bool isGaussian(const GaussianScene& scene, std::size_t i) {
          !std::isnan(scene.opacityLogits[i]) && isFinite(scene.colorHarmonics[i]);
 }
 
-/// How many are gone. Opacities become finite: what is wholly opaque has an infinite logit.
+/// Returns how many were removed. Makes opacities finite: full opacity has an infinite logit.
 std::size_t leaveOutBad(GaussianScene& scene) {
   constexpr float kOpaque = 30;
   std::size_t kept = 0;

@@ -1,4 +1,4 @@
-// From the Gaussians of a file, whatever its format, to the points of their surface.
+// Converts the Gaussians of a file of any format to points of their surface.
 #pragma once
 
 #include "engine/cloud/gaussian_scene.hpp"
@@ -9,8 +9,8 @@ namespace palpate {
 /// "300 Gaussians".
 std::string gaussiansInWords(std::uint64_t count);
 
-/// Gaussians whose numbers are not finite, or whose rotation is none, are left out, counted and named as lost. `scene`:
-/// may have such. Says through `log` what became of them.
+/// Gaussians with numbers that are not finite, or with a zero rotation, are left out, counted and named as lost;
+/// `scene` may contain such. Logs the result.
 StoredCloud surfaceOfGaussians(const std::string& name, GaussianScene scene, Log* log);
 
 }  // namespace palpate

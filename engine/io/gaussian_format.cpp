@@ -21,10 +21,10 @@ std::size_t restsOf(const PlyElement& vertex) {
       vertex.properties, [](const PlyProperty& property) { return property.name.starts_with(kRest); }));
 }
 
-/// "9080 Gaussians of degree 3"; without the degree where none has as many coefficients.
+/// "9080 Gaussians of degree 3"; without the degree if no degree has that number of coefficients.
 std::string nameOf(const PlyElement& vertex) {
   std::string name = gaussiansInWords(vertex.count);
-  for (std::size_t degree = 0; degree <= 4; ++degree)  // three channels, less what f_dc has
+  for (std::size_t degree = 0; degree <= 4; ++degree)  // three channels, without the coefficients in f_dc
     if (restsOf(vertex) == 3 * ((degree + 1) * (degree + 1) - 1)) name += fmt::format(" of degree {}", degree);
   return name;
 }
@@ -36,7 +36,7 @@ bool holdsGaussians(const std::filesystem::path& path) {
     const PlyInfo info = readPlyInfo(path);
     const PlyElement* vertex = info.find("vertex");
     return vertex && GaussianRows::areGaussians(*vertex);
-  } catch (const FileError&) {  // whoever reads it says what it is
+  } catch (const FileError&) {  // the reader reports the error
     return false;
   }
 }

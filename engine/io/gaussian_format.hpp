@@ -5,8 +5,9 @@
 
 namespace palpate {
 
-/// PLY files whose points have `scale_0` and `rot_0`; read only. The cloud is the Gaussians' surface (surfaceOf()),
-/// with normals and colours. A pipe cannot be told, and is read as plain PLY.
+/// PLY files whose points have `scale_0` and `rot_0`. Reading gives the Gaussians' surface (surfaceOf()), with normals
+/// and colours; a pipe cannot be recognised, and is read as plain PLY. Writing converts points to Gaussians
+/// (gaussian_writer.hpp).
 CloudFormat gaussianFormat();
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ namespace palpate {
 
 namespace {
 
-constexpr float kHarmonic = 0.28209479f;  // of degree 0
+constexpr float kHarmonic = 0.28209479f;  // spherical harmonic of degree 0
 constexpr std::string_view kPackedLost = "of which the points are the surface: opacity, scale, rotation";
 
 float logitOf(float share) { return std::log(share / (1 - share)); }
@@ -47,14 +47,14 @@ FileContents contentsOfPacked(std::uint64_t count, std::string_view how) {
   return contents;
 }
 
-/// A share of 1 in the `bits` of `word` from `shift` on.
+/// The `bits` of `word` from `shift` on, scaled to 0 to 1.
 float shareIn(std::uint32_t word, unsigned shift, unsigned bits) {
   const std::uint32_t most = (1u << bits) - 1;
   return static_cast<float>(word >> shift & most) / static_cast<float>(most);
 }
 
-// Compressed PLY: chunks of 256 Gaussians with the box of their places, of their scales and maybe of their colours,
-// within which the words of each are.
+// Compressed PLY: chunks of 256 Gaussians with bounds of their positions, scales and optionally colours; the words of
+// each Gaussian are relative to these bounds.
 
 constexpr std::size_t kOfChunk = 256, kBoxes = 12, kBoxesWithColor = 18;
 
@@ -73,12 +73,12 @@ bool holdsCompressed(const std::filesystem::path& path) {
   if (!isFile(path)) return false;
   try {
     return isCompressed(readPlyInfo(path));
-  } catch (const FileError&) {  // whoever reads it says what it is
+  } catch (const FileError&) {  // the reader reports the error
     return false;
   }
 }
 
-/// Throws FileError where the elements are not as programs write them.
+/// Throws FileError if the elements are not as expected.
 void checkCompressed(const std::filesystem::path& path, const PlyInfo& info) {
   constexpr std::array<std::string_view, 4> kWords{"packed_position", "packed_rotation", "packed_scale",
                                                    "packed_color"};
@@ -106,7 +106,7 @@ void checkCompressed(const std::filesystem::path& path, const PlyInfo& info) {
                             "Gaussians of four packed words, little-endian); export it uncompressed");
 }
 
-/// `words`: of one Gaussian; `boxes`: of its chunk.
+/// `words`: of one Gaussian; `boxes`: bounds of its chunk.
 void unpackCompressed(GaussianScene& scene, std::size_t i, const std::array<std::uint32_t, 4>& words,
                       std::span<const float> boxes) {
   const auto within = [&](std::size_t box, std::uint32_t word) {
@@ -118,7 +118,7 @@ void unpackCompressed(GaussianScene& scene, std::size_t i, const std::array<std:
   };
   scene.centers[i] = DVec3(within(0, words[0]));
   scene.logScales[i] = within(6, words[2]);
-  // The largest number of the rotation is left out, and its place said.
+  // The largest component of the rotation is omitted; its index is stored.
   const unsigned largest = words[1] >> 30;
   Vec4 rotation(0);
   float squares = 0;
@@ -185,7 +185,7 @@ StoredCloud readCompressed(const std::filesystem::path& path, Log* log, const Cl
   return stored;
 }
 
-// .splat: 32 bytes of each Gaussian, and nothing else.
+// .splat: 32 bytes for each Gaussian, without a header.
 
 constexpr std::size_t kSplatBytes = 32;
 
@@ -214,7 +214,7 @@ StoredCloud readSplat(const std::filesystem::path& path, Log* log, const CloudRe
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = file.peek(kSplatBytes);
     if (row.size() < kSplatBytes) throw FileError::atByte(path, file.offset() + row.size(), "the file ends too early");
-    std::array<float, 6> numbers;  // the place, and the deviations
+    std::array<float, 6> numbers;  // position, then standard deviations
     std::memcpy(numbers.data(), row.data(), sizeof numbers);
     const auto byte = [&](std::size_t k) { return static_cast<float>(std::to_integer<unsigned>(row[24 + k])); };
     for (int k = 0; k < 3; ++k) {
@@ -229,7 +229,7 @@ StoredCloud readSplat(const std::filesystem::path& path, Log* log, const CloudRe
   return surface(path, std::move(scene), log, options);
 }
 
-// SPZ: a header of 16 bytes, and behind it places, opacities, colours, scales, rotations and harmonics of all
+// SPZ: a header of 16 bytes, followed by positions, opacities, colours, scales, rotations and harmonics of all
 // Gaussians.
 
 constexpr std::uint32_t kSpzMagic = 0x5053474e;  // "NGSP"
@@ -273,7 +273,8 @@ std::vector<std::byte> unpackedSpz(const std::filesystem::path& path) {
   return unpackGzip(path, bytes);
 }
 
-/// w x y z, of x y z in three bytes, or of the three smallest in ten bits each and the place of the largest.
+/// w x y z, from x y z in three bytes, or from the three smallest components in ten bits each and the index of the
+/// largest.
 Vec4 spzRotation(const SpzHeader& head, const std::byte* at) {
   Vec4 xyzw(0);
   if (head.version == 2) {
@@ -335,7 +336,7 @@ StoredCloud readSpz(const std::filesystem::path& path, Log* log, const CloudRead
   const SpzHeader head = spzHeader(path, bytes);
   StoredCloud stored = surface(path, spzScene(head, bytes), log, options);
   if (head.degree > 0) stored.lost.emplace_back("colours by the direction of view");
-  stored.cloud.storedAs.comments.emplace_back("comment up: y");  // as the format says
+  stored.cloud.storedAs.comments.emplace_back("comment up: y");  // as defined by the format
   return stored;
 }
 

@@ -1,13 +1,12 @@
-// Gaussian splats as programs pack them for the web: SuperSplat's compressed PLY (PlayCanvas 2023, "Compressing
-// Gaussian splats"), antimatter15's .splat (2023) and Niantic's SPZ, versions 2 and 3 (2024, the README of
-// nianticlabs/spz).
+// Gaussian splats packed for the web: SuperSplat's compressed PLY (PlayCanvas 2023, "Compressing Gaussian splats"),
+// antimatter15's .splat (2023) and Niantic's SPZ, versions 2 and 3 (2024, the README of nianticlabs/spz).
 #pragma once
 
 #include "engine/io/cloud_format.hpp"
 
 namespace palpate {
 
-/// All three are only read, as what gaussianFormat() reads is: the cloud is the Gaussians' surface.
+/// All three are read only. As with gaussianFormat(), the cloud is the Gaussians' surface.
 CloudFormat compressedPlyFormat();
 CloudFormat splatFormat();
 CloudFormat spzFormat();

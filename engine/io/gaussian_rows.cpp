@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr float kFlat = -100;  // logarithm of a deviation that is none
+constexpr float kFlat = -100;  // logarithm of a deviation of zero
 
 bool hasScalar(const PlyElement& vertex, std::string_view name) {
   return std::ranges::any_of(vertex.properties,
@@ -57,13 +57,13 @@ GaussianRows::GaussianRows(const std::filesystem::path& file, const PlyElement& 
   takeAll(Group::logScale, hasScalar(vertex, "scale_2") ? 3 : 2, "scale_");
   takeAll(Group::rotation, 4, "rot_");
   for (const Column& column : columns_) {
-    const bool normal = column.name == "nx" || column.name == "ny" || column.name == "nz";  // all zero, by custom
+    const bool normal = column.name == "nx" || column.name == "ny" || column.name == "nz";  // zero by convention
     if (column.group == Group::none && !normal && !column.name.starts_with("f_rest_")) unused_.push_back(column.name);
   }
 }
 
 void GaussianRows::reserve(std::uint64_t promised) {
-  constexpr std::uint64_t kMaxRows = std::uint64_t{1} << 27;  // a sparse file is long without holding anything
+  constexpr std::uint64_t kMaxRows = std::uint64_t{1} << 27;  // a sparse file may be long without containing data
   const auto rows = static_cast<std::size_t>(std::min(promised, kMaxRows));
   scene_.centers.reserve(rows);
   scene_.logScales.reserve(rows);
@@ -110,7 +110,7 @@ void GaussianRows::storeRows(const std::byte* rows, Range range) {
 }
 
 std::optional<PlyRowSink::BadRow> GaussianRows::append(const std::byte* rows, std::size_t count, bool swapBytes) {
-  constexpr std::size_t kAtOnce = 64;  // rows that a processor's nearest memory holds, for going along their columns
+  constexpr std::size_t kAtOnce = 64;  // rows that fit into the first-level cache, for column-wise access
   const std::size_t total = count_ + count;
   scene_.centers.resize(total);
   scene_.logScales.resize(total);

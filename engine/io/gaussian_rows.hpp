@@ -1,4 +1,4 @@
-// From the rows of a PLY file to the Gaussians of a scene.
+// Converts the rows of a PLY file to the Gaussians of a scene.
 #pragma once
 
 #include <array>
@@ -10,24 +10,24 @@
 
 namespace palpate {
 
-/// x y z; f_dc_0 to 2; opacity; scale_0 to 2 (2D Gaussians have no scale_2, and are flat); rot_0 to 3.
+/// Columns: x y z; f_dc_0 to 2; opacity; scale_0 to 2 (2D Gaussians have no scale_2, and are flat); rot_0 to 3.
 class GaussianRows final : public PlyRowSink {
  public:
-  /// Whether the rows are meant as Gaussians, complete or not.
+  /// Whether the rows are meant as Gaussians, even if incomplete.
   static bool areGaussians(const PlyElement& vertex);
 
-  /// Throws FileError at the element's line where a property is missing or of a type for whole numbers.
+  /// Throws FileError at the element's line if a property is missing or has an integer type.
   GaussianRows(const std::filesystem::path& file, const PlyElement& vertex);
 
   std::size_t rowBytes() const override { return rowBytes_; }
   std::size_t bytesAtOnce() const override { return std::size_t{64} << 20; }
   void reserve(std::uint64_t promised) override;
-  /// On one thread per core.
+  /// Uses one thread per core.
   std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes) override;
 
-  /// Some numbers may not be finite.
+  /// Numbers may be infinite or NaN.
   GaussianScene takeScene() { return std::move(scene_); }
-  /// Properties of points that a scene has no use for, and that are not the colours by direction.
+  /// Properties of points that are neither used by a scene nor colours by direction.
   const std::vector<std::string>& unused() const { return unused_; }
 
  private:
@@ -50,7 +50,7 @@ class GaussianRows final : public PlyRowSink {
 
   std::vector<Column> columns_;
   std::size_t rowBytes_ = 0;
-  std::size_t count_ = 0;  // rows before those that are being appended
+  std::size_t count_ = 0;  // rows appended before
   GaussianScene scene_;
   std::vector<std::string> unused_;
 };

@@ -14,7 +14,7 @@ constexpr double kWidth = 0.75, kThickness = 0.075;  // deviations, in mean spac
 constexpr double kOpacity = 0.99;
 constexpr double kHarmonic = 0.28209479177387814;  // the spherical harmonic of degree 0
 
-/// What turns z into `normal`, w x y z.
+/// The rotation from z to `normal`, w x y z.
 DVec4 rotationTo(const DVec3& normal) {
   const bool opposite = normal.z < -1 + 1e-9;
   const DVec4 q = opposite ? DVec4(0, 1, 0, 0) : DVec4(1 + normal.z, -normal.y, normal.x, 0);
@@ -38,7 +38,7 @@ void writeGaussians(const std::filesystem::path& path, const PointCloud& cloud, 
   if (!cloud.hasNormals() && !cloud.empty())
     throw FileError(path, "Gaussians lie in the surface, and these points have no normals; estimate them before");
   const double spacing = meanSpacing(cloud);
-  const double across = spacing > 0 ? spacing : 1;  // of a single point any will do
+  const double across = spacing > 0 ? spacing : 1;  // any value works for a single point
   const std::array<float, 3> scales{static_cast<float>(std::log(kWidth * across)),
                                     static_cast<float>(std::log(kWidth * across)),
                                     static_cast<float>(std::log(kThickness * across))};

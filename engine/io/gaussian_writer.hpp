@@ -1,14 +1,14 @@
-// Writing Gaussians as programs that draw splats read them.
+// Writes Gaussians for programs that draw splats.
 #pragma once
 
 #include "engine/io/cloud_format.hpp"
 
 namespace palpate {
 
-/// PLY with the properties of 3DGS, of degree 0: for each point a flat Gaussian of its normal and colour (grey where
-/// there are none), three quarters of the cloud's mean spacing wide and opaque but for a hundredth. Binary
-/// little-endian unless ASCII is asked for. The file appears under its name only when it is whole. Throws FileError,
-/// also where there are no normals.
+/// PLY with the properties of 3DGS, degree 0: for each point a flat Gaussian with its normal and colour (grey if none),
+/// a width of three quarters of the cloud's mean spacing and an opacity of 0.99. Binary little-endian unless ASCII is
+/// requested. The file appears under its name only when it is complete. Throws FileError, also if the cloud has no
+/// normals.
 void writeGaussians(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
 
 std::vector<std::string> lacksOfGaussians(const StoredCloud& stored);

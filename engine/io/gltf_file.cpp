@@ -29,7 +29,7 @@ Bytes readWhole(const std::filesystem::path& path) {
   return bytes;
 }
 
-/// Little endian, in four bytes at most.
+/// Little-endian, at most four bytes.
 std::uint32_t bitsAt(const std::byte* at, std::size_t bytes) {
   std::uint32_t bits = 0;
   for (std::size_t k = 0; k < bytes; ++k) bits |= std::to_integer<std::uint32_t>(at[k]) << (8 * k);
@@ -65,7 +65,7 @@ int digitOf(char c) {
   return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-/// `before`: how many bytes of the file stand before the text.
+/// `before`: number of bytes of the file before the text.
 Json parsed(const std::filesystem::path& path, std::span<const std::byte> bytes, std::size_t before) {
   const auto* text = reinterpret_cast<const char*>(bytes.data());
   try {
@@ -78,7 +78,7 @@ Json parsed(const std::filesystem::path& path, std::span<const std::byte> bytes,
   throw FileError::atByte(path, before, "the JSON from here on is none of glTF");
 }
 
-/// Of base64, up to what is none.
+/// Decodes base64 up to the first invalid character.
 Bytes fromBase64(std::string_view text) {
   Bytes bytes;
   std::uint32_t bits = 0;
@@ -93,7 +93,7 @@ Bytes fromBase64(std::string_view text) {
   return bytes;
 }
 
-/// With %20 as a blank, and so on.
+/// Replaces percent escapes (%20 by a space, and so on).
 std::string unescaped(std::string_view uri) {
   std::string out;
   for (std::size_t k = 0; k < uri.size(); ++k) {
@@ -253,7 +253,7 @@ GltfNumbers GltfFile::numbers(const Json& accessor, std::initializer_list<unsign
   numbers.stride = whole(view, "byteStride", element);
   if (numbers.stride < element || numbers.stride > 252 + element)
     fail(fmt::format("a view of {} bytes from element to element, of which each has {}", numbers.stride, element));
-  // The view within the buffer, and the elements within the view.
+  // The view must lie within the buffer, and the elements within the view.
   const std::size_t all = buffers_[which].size(), from = whole(view, "byteOffset", 0),
                     length = whole(view, "byteLength", 0);
   if (from > all || length > all - from)

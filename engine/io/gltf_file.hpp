@@ -1,4 +1,4 @@
-// What a glTF file is made of: its JSON and its buffers, and numbers out of them.
+// The parts of a glTF file: its JSON, its buffers, and numbers from them.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@
 
 namespace palpate {
 
-/// Numbers of an accessor, some for each element; they are there.
+/// Numbers of an accessor, one or more for each element; the range was validated.
 struct GltfNumbers {
   const std::byte* data = nullptr;
   std::size_t stride = 0, count = 0;
-  unsigned kind = 0;  ///< as glTF numbers types: 5120 a signed byte, … 5126 a float
+  unsigned kind = 0;  ///< component type of glTF: 5120 for a signed byte, … 5126 for a float
   unsigned perElement = 0;
-  bool normalized = false;  ///< whole numbers stand for -1 or 0 to 1
+  bool normalized = false;  ///< integers represent -1 to 1, or 0 to 1
 
   double number(std::size_t element, std::size_t k) const;
   std::uint32_t index(std::size_t element) const;
@@ -25,17 +25,17 @@ struct GltfNumbers {
 
 class GltfFile {
  public:
-  /// Reads it whole, and buffers that are files beside it. Throws FileError.
+  /// Reads the whole file, and buffers in files beside it. Throws FileError.
   explicit GltfFile(std::filesystem::path file);
 
   const nlohmann::json& json() const { return json_; }
   [[noreturn]] void fail(std::string_view what) const { throw FileError(path_, what); }
 
-  /// The element of a list of the file, "meshes" say, that a number in `from` names. Throws where there is none.
+  /// The element of a list of the file (for example "meshes") with the index `number`. Throws if there is none.
   const nlohmann::json& named(const char* list, const nlohmann::json& number) const;
-  /// `perElement`: as many numbers as there must be.
+  /// `perElement`: the allowed numbers of components.
   GltfNumbers numbers(const nlohmann::json& accessor, std::initializer_list<unsigned> perElement);
-  /// A whole number that is not negative; `otherwise` where it is not there.
+  /// A non-negative integer; `otherwise` if missing.
   std::size_t whole(const nlohmann::json& object, const char* name, std::size_t otherwise) const;
 
  private:
@@ -46,7 +46,7 @@ class GltfFile {
 
   std::filesystem::path path_;
   nlohmann::json json_;
-  Bytes packed_;  // of GLB
+  Bytes packed_;  // from a GLB file
   bool hasPacked_ = false;
   std::vector<Bytes> buffers_;
 };

@@ -27,9 +27,9 @@ namespace {
 
 static_assert(STBI_MAX_DIMENSIONS == kLongestImageSide);
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 29;  // of a file: four bytes for each pixel of the largest picture
-// No picture packs more pixels into a byte: deflate's longest runs (1032 bytes) of pixels of one bit, and a JPEG has a
-// bit for 64 pixels at least.
+constexpr std::size_t kMaxBytes = std::size_t{1} << 29;  // of a file: four bytes for each pixel of the largest image
+// Upper bound of pixels per byte: deflate's longest runs (1032 bytes) of 1-bit pixels; a JPEG has at least one bit for
+// 64 pixels.
 constexpr std::uint64_t kMaxPixelsPerByte = std::uint64_t{8} * 1032;
 
 using Bytes = std::vector<std::byte>;
@@ -60,7 +60,7 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
   return value;
 }
 
-/// As PNG has it (ISO 15948, annex D).
+/// CRC of PNG (ISO 15948, annex D).
 std::uint32_t crcOf(std::span<const std::byte> bytes) {
   static const auto table = [] {
     std::array<std::uint32_t, 256> made{};
@@ -76,7 +76,7 @@ std::uint32_t crcOf(std::span<const std::byte> bytes) {
   return ~crc;
 }
 
-/// The decoder does not look at checksums, and a flipped bit would be a wrong depth that is felt.
+/// The decoder does not verify checksums, and a flipped bit would be a wrong depth that is felt.
 void requireWholePng(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   constexpr std::size_t kFrame = 12;  // length, name and checksum of a chunk
   for (std::size_t at = kPngMagic.size(); at < bytes.size();) {
@@ -92,7 +92,7 @@ void requireWholePng(const std::filesystem::path& file, std::span<const std::byt
   throw FileError::atByte(file, bytes.size(), "ends within the picture; copy it again");
 }
 
-/// The decoder fills up what is missing with grey.
+/// The decoder fills missing parts with grey.
 void requireWholeJpeg(const std::filesystem::path& file, std::span<const std::byte> bytes) {
   const std::string_view text = textOf(bytes);
   const std::size_t scan = text.rfind("\xff\xda"), end = text.rfind("\xff\xd9");
@@ -174,7 +174,7 @@ ColorImage readColorImage(const std::filesystem::path& file) {
 ColorImage resized(const ColorImage& image, ImageSize size) {
   ColorImage made{.width = size.width, .height = size.height, .rgb = {}};
   made.rgb.reserve(std::size_t{size.width} * size.height);
-  // The pixel under the middle of the new one.
+  // The pixel under the centre of the new one.
   const auto nearest = [](std::uint32_t at, std::uint32_t to, std::uint32_t from) {
     return static_cast<std::size_t>((2 * std::uint64_t{at} + 1) * from / (2 * std::uint64_t{to}));
   };

@@ -1,4 +1,4 @@
-// Pictures in files: what depth and colour cameras wrote.
+// Image files of depth and colour cameras.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// One value of 16 bits for each pixel, row by row from the top.
+/// A 16-bit value for each pixel, row by row from the top.
 struct GreyImage {
   std::uint32_t width = 0, height = 0;
   std::vector<std::uint16_t> values;
@@ -20,23 +20,23 @@ struct ColorImage {
   std::vector<std::array<std::uint8_t, 3>> rgb;
 };
 
-/// The longest side of a picture that is read, pixels.
+/// Maximum side of an image, pixels.
 inline constexpr std::uint32_t kLongestImageSide = 8192;
 
 struct ImageSize {
   std::uint32_t width = 0, height = 0;
   bool operator==(const ImageSize&) const = default;
 };
-/// As the file's head says it; no pixel is decoded. Throws FileError for what is neither a PNG nor a JPEG.
+/// Size from the file's header, without decoding pixels. Throws FileError if the file is neither PNG nor JPEG.
 ImageSize imageSizeOf(const std::filesystem::path& file);
 
-/// A grey PNG of 16 bits. All of them throw FileError for another kind of file, for one that is damaged or cut off, and
-/// for sides beyond kLongestImageSide; memory is taken only where the file is long enough to fill it.
+/// A grey PNG of 16 bits. Both functions throw FileError for another kind of file, for a damaged or truncated one,
+/// and for sides beyond kLongestImageSide; memory is allocated only if the file is long enough to fill it.
 GreyImage readGreyImage(const std::filesystem::path& file);
-/// A PNG or a JPEG of 8 bits, grey or coloured; what is transparent is not.
+/// A PNG or a JPEG of 8 bits, grey or coloured; transparency is ignored.
 ColorImage readColorImage(const std::filesystem::path& file);
 
-/// Of another size, each pixel the nearest of `image`, which has one.
+/// Nearest-neighbour scaling to another size; `image` must not be empty.
 ColorImage resized(const ColorImage& image, ImageSize size);
 
 }  // namespace palpate

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// A piece of foreign text for a message: short, printable, in quotes.
+/// Foreign text for a message: truncated, printable, in quotes.
 std::string inQuotes(std::string_view text);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
-// Whole numbers that are close to what is expected of them, as LASzip codes them: by how many bits their difference
-// has, and then by its bits, of which the upper ones have a model.
+// Integers that are close to an expected value, as LASzip codes them: by the number of bits of their difference, and
+// then by these bits, of which the upper ones have a model.
 #pragma once
 
 #include <bit>
@@ -10,21 +10,21 @@ namespace palpate {
 
 class IntegerModel {
  public:
-  /// Numbers of 16 or of 32 bits, in so many contexts of which each has its own counts of bits.
+  /// Integers of 16 or 32 bits, in `contexts` contexts, each with its own model of bit counts.
   IntegerModel(unsigned bits, unsigned contexts)
       : bits_(bits),
         mask_(static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1)),
         lengths_(contexts),
         uppers_(bits + 1) {}
 
-  /// A number that is being coded, step by step: of an encoder, all of it from the first one on.
+  /// State of an integer while it is coded step by step; an encoder sets all of it in the first step.
   struct Number {
     std::int32_t expected = 0;
     unsigned length = 0;
-    std::uint32_t place = 0;  // among all numbers of this length
+    std::uint32_t place = 0;  // rank among all numbers of this length
   };
 
-  // The steps of a number, in their order. Between them those of other streams may be taken.
+  // The steps of coding an integer, in their order. Steps of other streams may be interleaved.
   template <class Coder>
   [[gnu::always_inline]] void codeLength(Coder& coder, Number& number, std::int32_t expected, std::int32_t value,
                                          unsigned context) {
@@ -46,7 +46,7 @@ class IntegerModel {
       number.place = kMin;
     }
   }
-  /// The number. Of 32 bits it wraps around; of 16 it comes out of the decoder as 0 to 65535.
+  /// Returns the integer. 32-bit integers wrap around; the decoder returns 16-bit integers as 0 to 65535.
   template <class Coder>
   [[gnu::always_inline]] std::int32_t codeLower(Coder& coder, Number& number) {
     if (number.length > kUpperBits && number.length < 32) {
@@ -54,7 +54,7 @@ class IntegerModel {
       const std::uint32_t rest = coder.bits(lower, number.place & ((1u << lower) - 1));
       if constexpr (!Coder::kEncodes) number.place = number.place << lower | rest;
     }
-    // Without a branch: the sign nobody could foresee.
+    // Without a branch, since the sign is unpredictable.
     const std::uint64_t all = std::uint64_t{1} << number.length;
     const std::uint64_t negative = number.place < static_cast<std::uint32_t>(all / 2) ? 1 : 0;
     const std::uint32_t sum = static_cast<std::uint32_t>(number.expected) + number.place + 1 -
@@ -62,7 +62,7 @@ class IntegerModel {
     return static_cast<std::int32_t>(sum & mask_);
   }
 
-  /// All steps at once.
+  /// All steps in sequence.
   template <class Coder>
   std::int32_t code(Coder& coder, std::int32_t expected, std::int32_t value, unsigned context) {
     Number number;
@@ -71,12 +71,12 @@ class IntegerModel {
     return codeLower(coder, number);
   }
 
-  /// How many bits the difference of the last number had.
+  /// Number of bits of the last difference.
   unsigned lastLength() const { return lastLength_; }
 
  private:
   static constexpr unsigned kUpperBits = 8;
-  static constexpr std::uint32_t kMin = 0x7fffffffu;  // the place of the only number of length 32
+  static constexpr std::uint32_t kMin = 0x7fffffffu;  // rank of the only number of length 32
 
   std::int32_t difference(std::int32_t value, std::int32_t expected) const {
     const std::uint32_t off = static_cast<std::uint32_t>(value) - static_cast<std::uint32_t>(expected);
@@ -85,8 +85,8 @@ class IntegerModel {
     return static_cast<std::int32_t>((off + half) & mask) - static_cast<std::int32_t>(half);
   }
 
-  // Of length n > 0 are those from 2^(n-1) + 1 to 2^n, and from 1 - 2^n to -2^(n-1): the lower half of 2^n numbers
-  // stands for the negative ones. Of length 0 are 0, whose place is -1, and 1; of length 32 the least one alone.
+  // Length n > 0 has the numbers from 2^(n-1) + 1 to 2^n, and from 1 - 2^n to -2^(n-1): the lower half of 2^n ranks
+  // represents the negative ones. Length 0 has 0 (rank -1) and 1; length 32 has only the minimum.
   static void setPlace(Number& number, std::int32_t off) {
     const auto raw = static_cast<std::uint32_t>(off);
     number.length = static_cast<unsigned>(std::bit_width(off <= 0 ? 0 - raw : raw - 1));

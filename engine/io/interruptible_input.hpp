@@ -7,17 +7,17 @@
 
 namespace palpate {
 
-/// Bytes that come when they come: a pipe, or standard input. One thread reads, and another one may end its waiting.
+/// Input from a pipe or standard input. One thread reads; another thread may interrupt it.
 class InterruptibleInput {
  public:
-  /// `descriptor` stays the caller's, and outlives it. Throws Error where the system has no room for it.
+  /// `descriptor` remains the caller's, and must outlive the object. Throws Error if system resources are exhausted.
   explicit InterruptibleInput(int descriptor);
   ~InterruptibleInput();
   InterruptibleInput(const InterruptibleInput&) = delete;
   InterruptibleInput& operator=(const InterruptibleInput&) = delete;
 
-  /// Waits, and reads as many bytes as are there, at least one; 0 at the end, and once stop() was called. Throws Error
-  /// that says why where the system cannot.
+  /// Blocks until data is available, and reads at least one byte; 0 at the end, and after stop(). Throws Error with the
+  /// reason if the system fails.
   std::size_t read(std::span<std::byte> bytes);
   /// From any thread.
   void stop() noexcept;
@@ -25,7 +25,7 @@ class InterruptibleInput {
 
  private:
   int descriptor_;
-  std::intptr_t wake_ = -1;  // what ends a wait, where the system needs something
+  std::intptr_t wake_ = -1;  // handle that interrupts a wait, if the system needs one
   std::atomic<bool> stopped_ = false;
 };
 

@@ -14,7 +14,7 @@ namespace palpate {
 
 namespace {
 
-constexpr DWORD kLook_ms = 2;  // between two looks at a pipe: a wait for one cannot be ended
+constexpr DWORD kLook_ms = 2;  // polling interval: a blocking read of a pipe cannot be interrupted
 constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;
 
 }  // namespace
@@ -27,7 +27,7 @@ std::size_t InterruptibleInput::read(std::span<std::byte> bytes) {
   const bool isPipe = ::GetFileType(handle) == FILE_TYPE_PIPE;
   while (isPipe && !stopped_) {
     DWORD there = 0;
-    if (!::PeekNamedPipe(handle, nullptr, 0, nullptr, &there, nullptr)) return 0;  // its writer has gone
+    if (!::PeekNamedPipe(handle, nullptr, 0, nullptr, &there, nullptr)) return 0;  // the writer has closed it
     if (there > 0) break;
     ::Sleep(kLook_ms);
   }

@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// Whether it is there and a file; one that cannot be asked for is not.
+/// Whether the path is a regular file; false if that cannot be determined.
 inline bool isFile(const std::filesystem::path& path) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(path, ignored);

@@ -16,15 +16,15 @@ namespace palpate {
 
 namespace {
 
-constexpr double kExactSteps = 1 << 22;  // float32 tells so many steps of the grid apart
-constexpr std::size_t kFew = 512;        // rows that stay next to the processor while all columns take theirs
-constexpr std::size_t kMany = 1 << 17;   // points, so that threads hardly meet in a large page that has to be fetched
-constexpr double kUnitTolerance = 1e-5;  // nearer to 1 a normal stays as it is
+constexpr double kExactSteps = 1 << 22;  // number of grid steps that float32 can distinguish
+constexpr std::size_t kFew = 512;        // rows that stay in the first-level cache while all columns process them
+constexpr std::size_t kMany = 1 << 17;   // points, large enough that threads rarely fault in the same large page
+constexpr double kUnitTolerance = 1e-5;  // normals closer to unit length are not changed
 
 using Numbers = std::array<std::int32_t, 3>;
 static_assert(sizeof(Numbers) == sizeof(Vec3));
 
-/// Calls f(load, Out) with what takes one value of a field from its bytes. Loops over it have no branch.
+/// Calls f(load), where load(at) reads a value of the field from its bytes. Loops over load are branch-free.
 template <class F>
 void visitField(const LasField& field, F&& f) {
   if (field.bits > 0) {
@@ -49,7 +49,7 @@ void visitField(const LasField& field, F&& f) {
               [&]<class T>(std::type_identity<T>) { f([](const std::byte* at) { return loadScalar<T>(at); }); });
 }
 
-/// Whether a whole number of 64 bits among `count` rows is none in double precision.
+/// Whether a 64-bit integer among `count` rows is not exact in double precision.
 bool anyRounded(const LasField& field, const std::byte* rows, std::size_t rowBytes, std::size_t count) {
   constexpr std::uint64_t kWhole = std::uint64_t{1} << 53;
   bool any = false;
@@ -61,7 +61,7 @@ bool anyRounded(const LasField& field, const std::byte* rows, std::size_t rowByt
   return any;
 }
 
-/// Whether bits of the value are set: of a negative zero one is.
+/// Whether any bit of the value is set: negative zero has one.
 template <class T>
 bool isSet(const T& value) {
   constexpr std::array<std::byte, sizeof(T)> kNone{};
@@ -69,13 +69,13 @@ bool isSet(const T& value) {
   return std::memcmp(&value, kNone.data(), sizeof(T)) != 0;
 }
 
-/// Calls f(begin, end) for parts of [begin, end) that stay next to the processor.
+/// Calls f(begin, end) for parts of [begin, end) that fit into the first-level cache.
 template <class F>
 void inFew(std::size_t begin, std::size_t end, F&& f) {
   for (; begin < end; begin += kFew) f(begin, std::min(end, begin + kFew));
 }
 
-/// What all threads share is written when it changes, and otherwise read: a write has every other processor wait.
+/// Shared data is written only when it changes, since a write invalidates the cache line of all other processors.
 void setOnce(std::atomic<bool>& flag, bool set) {
   if (set && !flag.load(std::memory_order_relaxed)) flag = true;
 }
@@ -100,7 +100,7 @@ void LasColumns::Range::include(const Range& other) {
 LasColumns::LasColumns(const LasHeader& header, const LasPointFormat& format, const std::vector<LasExtraField>& extra,
                        unsigned threads)
     : header_(header), format_(format), threads_(threads) {
-  // As programs name them that keep normals in extra bytes.
+  // Names used by programs that store normals in extra bytes.
   for (const std::string_view name : kLasNormals) {
     const auto found = std::ranges::find(extra, name, [](const LasExtraField& field) { return field.field.name; });
     if (found != extra.end() && found->field.type == ScalarType::f32) normals_.push_back(found->field);
@@ -130,7 +130,7 @@ void LasColumns::makeRoom(std::size_t to) {
     if (column->used) column->bytes.makeRoom(to * sizeOf(column->field.type));
 }
 
-/// With room for all points that there is room for, or soon is.
+/// Allocates memory for all points that there is room for now or soon.
 void LasColumns::make(Column& column) {
   const std::scoped_lock hold(column.making);
   if (column.used) return;
@@ -163,8 +163,7 @@ void LasColumns::takeFew(const std::byte* rows, std::size_t base, std::size_t co
   takePlaces(rows, base, count, range);
   if (format_.colorAt) takeColors(rows, base, count);
   if (!normals_.empty()) takeNormals(rows, base, count);
-  // Columns lie one behind the other, and most have nothing: the bits that are set in some row are looked for eight
-  // bytes at a time.
+  // Columns are contiguous, and most are all zero: the bits set in any row are collected eight bytes at a time.
   const std::size_t rowBytes = header_.pointBytes;
   std::size_t windowAt = 0;
   std::uint64_t window = 0;
@@ -190,7 +189,7 @@ void LasColumns::takePlaces(const std::byte* rows, std::size_t base, std::size_t
   const std::size_t rowBytes = header_.pointBytes;
   std::array<Numbers, kFew> few;
   for (std::size_t r = 0; r < count; ++r) std::memcpy(&few[r], rows + r * rowBytes, sizeof few[0]);
-  // Four points are twelve numbers, which are compared side by side.
+  // Four points are twelve integers, which are compared in parallel.
   constexpr std::size_t kSide = 4;
   std::array<std::int32_t, 3 * kSide> least, most;
   for (std::size_t k = 0; k < least.size(); ++k) least[k] = range.least[k % 3], most[k] = range.most[k % 3];
@@ -264,8 +263,8 @@ void LasColumns::takeColors(const std::byte* rows, std::size_t base, std::size_t
   addBits(colorBits_.unequal, unequal);
 }
 
-/// The numbers of the file become float32 about an origin of the cloud; where these cannot tell them apart, they are
-/// kept in double precision besides.
+/// Converts the file's integers to float32 relative to an origin; if these cannot distinguish them, positions are also
+/// kept in double precision.
 void LasColumns::placePoints() {
   const CoordinateGrid& grid = header_.grid;
   cloud_.storedAs.grid = grid;
@@ -290,8 +289,8 @@ void LasColumns::placePoints() {
   parallelBlocks(size_, kMany, threads_, placeAll);
 }
 
-/// Colours of 16 bits that hold 8, in either way that programs have, become those; others are kept besides. Files whose
-/// colours are all black have none.
+/// 16-bit colours that contain only 8 bits, in either usual encoding, are converted; others are also kept as
+/// attributes. Files with all colours black have no colours.
 void LasColumns::placeColors(unsigned& colorStep) {
   if (colorBits_.all == 0) return;
   const bool low = colorBits_.all < 256, high = (colorBits_.all & 0xff) == 0, both = colorBits_.unequal == 0;
@@ -318,8 +317,7 @@ void LasColumns::placeColors(unsigned& colorStep) {
   colors_ = {};
 }
 
-/// Makes them of unit length; who has none is given back. Whatever vectors are that are not finite, they are
-/// attributes, all of them.
+/// Normalises normals; returns the points without a normal. If any normal is not finite, all become attributes instead.
 std::vector<std::size_t> LasColumns::placeNormals() {
   if (normals_.empty()) return {};
   if (normalKinds_.infinite) {
@@ -337,7 +335,7 @@ std::vector<std::size_t> LasColumns::placeNormals() {
     cloud_.normals = {};
     return {};
   }
-  if (!normalKinds_.scaled) return {};  // a missing one is far from unit length
+  if (!normalKinds_.scaled) return {};  // a missing normal is far from unit length, too
   parallelFor(size_, threads_, [&](std::size_t begin, std::size_t end) {
     for (Vec3& normal : std::span(cloud_.normals).subspan(begin, end - begin)) {
       const double squared = squaredLength(&normal.x);
@@ -358,11 +356,12 @@ PointCloud LasColumns::finish(std::vector<std::string>& lost, unsigned& colorSte
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     Column& column = *columns_[k];
     if (column.rounded) lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53", column.field.name));
-    if (k >= standard && !column.used) make(column);  // what a file describes is there, though it be zero
+    if (k >= standard && !column.used) make(column);  // a described attribute is kept even if it is zero
     if (column.used) complete(column);
     if (column.used || k >= standard) cloud_.extra.push_back(std::move(column.attribute));
   }
-  // What its field could not hold, as an intensity with fractions, stands beside it and has its name again.
+  // An attribute that did not fit its field (for example a fractional intensity) was stored as extra bytes, and gets
+  // its name back.
   for (const LasField& field : format_.fields) {
     const auto isNamed = [&](const std::string& name) {
       return std::ranges::find(cloud_.extra, name, &Attribute::name);

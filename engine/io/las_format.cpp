@@ -18,7 +18,7 @@ constexpr std::string_view kFamily = "LAS";
 
 enum class LasKind { none, las, laz, copc };
 
-/// By the first bytes of a file.
+/// Determined by the first bytes of a file.
 LasKind kindOf(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return LasKind::none;

@@ -1,5 +1,4 @@
-// LAS 1.0 to 1.4, the files of laser scanners, as a format, and packed: LAZ, and COPC, which is LAZ by the nodes of an
-// octree.
+// LAS 1.0 to 1.4, the format of laser scanners, and its compressed forms: LAZ, and COPC, which is LAZ in an octree.
 #pragma once
 
 #include "engine/io/cloud_format.hpp"
@@ -8,7 +7,7 @@ namespace palpate {
 
 CloudFormat lasFormat();
 CloudFormat lazFormat();
-/// Is only read.
+/// Read only.
 CloudFormat copcFormat();
 
 }  // namespace palpate

@@ -34,7 +34,7 @@ Bounds boxInFile(const PointCloud& cloud) {
 
 double largest(const DVec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-/// Whether 32 bits hold the numbers of all points.
+/// Whether the integers of all points fit into 32 bits.
 bool fits(const CoordinateGrid& grid, const Bounds& box) {
   for (const DVec3& corner : {grid.nearest(box.min), grid.nearest(box.max)})
     for (int k = 0; k < 3; ++k)
@@ -42,7 +42,7 @@ bool fits(const CoordinateGrid& grid, const Bounds& box) {
   return true;
 }
 
-/// `beside`: how far from a place, in parts of a coordinate's size, a point may be.
+/// `beside`: allowed distance from the grid, relative to the coordinate.
 bool allOn(const CoordinateGrid& grid, const PointCloud& cloud, double beside) {
   std::atomic<bool> all = true;
   parallelBlocks(cloud.size(), 1 << 16, 0, [&](std::size_t begin, std::size_t end) {
@@ -56,7 +56,7 @@ bool allOn(const CoordinateGrid& grid, const PointCloud& cloud, double beside) {
   return all;
 }
 
-/// As many halvings as 32 bits leave room for, and float32 can use.
+/// Halves the step as often as 32 bits allow, and as float32 can resolve.
 CoordinateGrid refined(const CoordinateGrid& grid, const Bounds& box) {
   constexpr int kMaxHalvings = 20;
   CoordinateGrid finer = grid;
@@ -87,7 +87,7 @@ LasGrid lasGridFor(const PointCloud& cloud) {
     if (!fits(decimal, box)) decimal.offset = middle;
     if (fits(decimal, box) && allOn(decimal, cloud, kRounding)) return {decimal, allOn(decimal, cloud, 0)};
   }
-  // Half the numbers are left, so that a whole cell more at either end fits.
+  // Uses half the range, so that a whole cell fits at either end.
   const auto finest = [](double reach) {
     return std::exp2(std::ceil(std::log2(std::max(reach, 1e-30) / (kMaxSteps / 2))));
   };

@@ -1,4 +1,4 @@
-// Whole numbers for the coordinates of a cloud, as LAS keeps them.
+// Integer coordinates of a cloud, as stored in LAS.
 #pragma once
 
 #include "engine/cloud/point_cloud.hpp"
@@ -7,12 +7,12 @@ namespace palpate {
 
 struct LasGrid {
   CoordinateGrid grid;
-  bool exact = true;  ///< every point is at a place of it, bit by bit
+  bool exact = true;  ///< every point is exactly on the grid, bit by bit
 };
 
-/// The grid that the cloud came with, finer by a power of two where points are beside it by now: those that are on it
-/// stay what they are. Else the coarsest decimal one, of steps from 1 to 1e-9, whose places the points are; else the
-/// finest of a power of two that 32 bits reach over. Its whole numbers fit 32 bits for all points.
+/// The grid of the original file, refined by a power of two if points are off it: points on it keep their values. Else
+/// the coarsest decimal grid, with steps from 1 to 1e-9, that contains the points; else the finest power of two for
+/// which 32 bits suffice. The integers of all points fit into 32 bits.
 LasGrid lasGridFor(const PointCloud& cloud);
 
 }  // namespace palpate

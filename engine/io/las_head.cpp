@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-/// Puts values into the bytes of a header.
+/// Writes values into the bytes of a header.
 class HeaderBytes {
  public:
   explicit HeaderBytes(std::vector<std::byte>& bytes) : bytes_(bytes) {}
@@ -41,7 +41,7 @@ void appendRecord(std::vector<std::byte>& bytes, std::string_view user, unsigned
   appendBytes(bytes, data);
 }
 
-/// All comments but what the header and its records say in their own way.
+/// All comments except those that the header and its records express.
 std::string commentsOf(const PointCloud& cloud, LengthUnit unit) {
   constexpr std::size_t kLongest = 65535;  // of a record
   std::vector<std::string> known{"comment up: z"};
@@ -54,7 +54,7 @@ std::string commentsOf(const PointCloud& cloud, LengthUnit unit) {
   return text;
 }
 
-/// The records of the file that the cloud came from, and palpate's own.
+/// The records of the original file, and palpate's own.
 std::uint32_t appendRecords(std::vector<std::byte>& bytes, const PointCloud& cloud, const LasPlan& plan) {
   std::uint32_t count = 0;
   const std::string comments = commentsOf(cloud, plan.baggage ? plan.baggage->unit : LasBaggage().unit);
@@ -86,7 +86,7 @@ std::uint32_t appendRecords(std::vector<std::byte>& bytes, const PointCloud& clo
     }
   describe();
   comment();
-  if (plan.baggage) appendBytes(bytes, std::span(plan.baggage->head).subspan(end));  // what some programs leave there
+  if (plan.baggage) appendBytes(bytes, std::span(plan.baggage->head).subspan(end));  // data after the records
   return count;
 }
 
@@ -104,7 +104,7 @@ std::vector<std::byte> lasHeadFor(const PointCloud& cloud, const LasPlan& plan) 
   if (!plan.baggage) {
     out.putText(0, "LASF", 4);
     out.put(6,
-            static_cast<std::uint16_t>(plan.format >= 6 ? 16 : 0));  // its reference system is text, where it has one
+            static_cast<std::uint16_t>(plan.format >= 6 ? 16 : 0));  // a reference system, if any, is text
   }
   if (isOurs(cloud.storedAs.comments)) out.putText(58, kLasOurs, 32);
   out.put(24, std::uint8_t{1});
@@ -124,7 +124,7 @@ std::vector<std::byte> lasHeadFor(const PointCloud& cloud, const LasPlan& plan) 
 
 namespace {
 
-/// How many points there are, and where what stands behind them begins.
+/// Sets the number of points, and the position of the data behind them.
 void putCounts(std::vector<std::byte>& head, const LasPlan& plan, std::uint64_t points, std::uint64_t end) {
   HeaderBytes out(head);
   const bool early = plan.format < 6 || (plan.baggage && plan.oldEarlyCount > 0);
@@ -138,7 +138,7 @@ void putCounts(std::vector<std::byte>& head, const LasPlan& plan, std::uint64_t 
   out.put(247, points);
 }
 
-/// The box around the points, and how many there are of each return.
+/// Sets the bounding box, and the number of points of each return.
 void putSums(std::vector<std::byte>& head, const LasPlan& plan, const PointCloud& cloud) {
   HeaderBytes out(head);
   DVec3 low(0), high(0);

@@ -28,12 +28,12 @@ void readLateFields(std::span<const std::byte> begin, LasHeader& header) {
   header.longRecordsAt = loadScalar<std::uint64_t>(begin, 235);
   header.longRecords = loadScalar<std::uint32_t>(begin, 243);
   if (header.longRecords == 0) header.longRecordsAt = 0;
-  // Some programs count in the older field alone.
+  // Some programs set only the older field.
   if (const auto points = loadScalar<std::uint64_t>(begin, 247)) header.points = points;
 }
 
 CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::byte> begin) {
-  constexpr double kLargestStep = 1e20, kFarthest = 1e29;  // so that coordinates stay below 1e30
+  constexpr double kLargestStep = 1e20, kFarthest = 1e29;  // coordinates stay below 1e30
   CoordinateGrid grid;
   for (int k = 0; k < 3; ++k) {
     const std::size_t stepAt = 131 + 8 * static_cast<std::size_t>(k), offsetAt = stepAt + 24;
@@ -50,7 +50,7 @@ CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::
   return grid;
 }
 
-// Real files have some tens of them; each is an attribute with a name.
+// Real files have some tens of bytes; each is a named attribute.
 constexpr std::size_t kMaxExtraBytes = 4096;
 
 void checkPointBytes(const std::filesystem::path& file, const LasHeader& header) {
@@ -79,7 +79,7 @@ struct ExtraType {
   ScalarType type;
   bool wide, isSigned;
 };
-// By the number that the specification gives them, less 1.
+// Indexed by the type number of the specification minus 1.
 constexpr std::array<ExtraType, 10> kExtraTypes{{{ScalarType::u8, false, false},
                                                  {ScalarType::i8, false, true},
                                                  {ScalarType::u16, false, false},
@@ -91,7 +91,7 @@ constexpr std::array<ExtraType, 10> kExtraTypes{{{ScalarType::u8, false, false},
                                                  {ScalarType::f32, false, true},
                                                  {ScalarType::f64, false, true}}};
 
-/// Makes names that files of text can hold, and no two the same.
+/// Makes names valid in text files, and unique.
 class NamesInUse {
  public:
   explicit NamesInUse(const LasPointFormat& format) {
@@ -202,8 +202,8 @@ LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::
 
 namespace {
 
-// `count` records from byte `at` on; the length of each is a Length in its head. `beyond` says what is wrong with the
-// number of one that goes on behind the end, and the byte where it begins.
+// `count` records starting at byte `at`; each header contains the length of its record. `beyond` makes the error for a
+// record (its number, and the byte where it begins) that exceeds the end.
 template <class Length>
 std::vector<LasRecord> recordsFrom(std::span<const std::byte> bytes, std::size_t at, std::uint32_t count,
                                    std::size_t headBytes,
@@ -292,7 +292,7 @@ std::optional<std::vector<LasExtraField>> lasExtraFields(std::span<const std::by
   for (std::size_t k = 0; k < described; ++k) {
     const auto one = descriptors.subspan(k * kLasDescriptor, kLasDescriptor);
     const unsigned code = loadScalar<std::uint8_t>(one, 2), options = loadScalar<std::uint8_t>(one, 3);
-    const bool known = code >= 1 && code <= 30;  // otherwise as many bytes as the options say
+    const bool known = code >= 1 && code <= 30;  // otherwise `options` is the number of bytes
     const ExtraType type = known ? kExtraTypes[(code - 1) % 10] : kExtraTypes[0];
     const std::size_t elements = known ? 1 + (code - 1) / 10 : options;
     const std::string name = textAt(one, 4, 32);

@@ -12,9 +12,9 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kMaxLasBytes = 65535;  // a point, or a record, in bytes
+constexpr std::size_t kMaxLasBytes = 65535;  // maximum size of a point or a record, bytes
 
-/// Calls f(std::type_identity<T>{}) with the type that the file stores.
+/// Calls f(std::type_identity<T>{}) with the stored type.
 template <class F>
 void visitStored(const LasField& field, F&& f) {
   if (field.wide && field.isSigned) return f(std::type_identity<std::int64_t>{});
@@ -22,7 +22,7 @@ void visitStored(const LasField& field, F&& f) {
   visitScalar(field.raw.value_or(field.type), f);
 }
 
-/// The number that is stored for a value.
+/// The stored number for a value.
 double storedFor(const LasField& field, double value) {
   return field.raw ? std::round((value - field.offset) / field.scale) : value;
 }
@@ -30,13 +30,13 @@ double storedFor(const LasField& field, double value) {
 template <class T>
 bool holds(double number) {
   if constexpr (std::is_floating_point_v<T>) return static_cast<double>(static_cast<T>(number)) == number;
-  // 2^64 itself is no number of 64 bits, but what the largest one becomes in double precision.
+  // 2^64 is out of range, but the largest 64-bit integer rounds to it in double precision.
   const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
   return number >= static_cast<double>(std::numeric_limits<T>::min()) && number < end && number == std::trunc(number);
 }
 
 std::vector<std::byte> descriptorOf(const Attribute& attribute) {
-  constexpr std::array<std::uint8_t, 8> kCodes{2, 1, 4, 3, 6, 5, 9, 10};  // by ScalarType
+  constexpr std::array<std::uint8_t, 8> kCodes{2, 1, 4, 3, 6, 5, 9, 10};  // indexed by ScalarType
   std::vector<std::byte> bytes(kLasDescriptor);
   bytes[2] = static_cast<std::byte>(kCodes[static_cast<std::size_t>(attribute.type)]);
   std::memcpy(bytes.data() + 4, attribute.name.data(), std::min<std::size_t>(32, attribute.name.size()));
@@ -70,7 +70,7 @@ void LasSource::encode(std::size_t begin, std::size_t end, std::byte* rows, std:
       *to |= static_cast<std::byte>(static_cast<unsigned>(value(i)) << field.shift);
     return;
   }
-  if (field.type == attribute->type && !field.wide && !field.raw) {  // also what is no number
+  if (field.type == attribute->type && !field.wide && !field.raw) {  // also NaN
     const std::size_t bytes = sizeOf(field.type);
     for (std::size_t i = begin; i < end; ++i, to += rowBytes)
       std::memcpy(to, attribute->data.data() + i * bytes, bytes);
@@ -112,10 +112,10 @@ LasPlan::LasPlan(const PointCloud& cloud)
   takeOldExtra();
   for (const Attribute* attribute : attributes_)
     if (!isTaken(*attribute)) take(*attribute);
-  if (!descriptors.empty() && !baggage) minor = 4;  // which describes extra bytes
+  if (!descriptors.empty() && !baggage) minor = 4;  // first version that describes extra bytes
 }
 
-/// The format of points, and what of it the cloud has.
+/// Chooses the point format, and the attributes that fit its fields.
 void LasPlan::choose(const PointCloud& cloud) {
   const auto has = [&](const LasPointFormat& among, std::string_view name) {
     const auto field = std::ranges::find(among.fields, name, &LasField::name);
@@ -143,7 +143,7 @@ void LasPlan::choose(const PointCloud& cloud) {
       }
 }
 
-/// Those of the file that the cloud came from which it still has, as they were described there.
+/// Keeps extra attributes of the original file that the cloud still has, with their descriptions.
 void LasPlan::takeOldExtra() {
   if (!baggage) return;
   const auto extra = *lasExtraFields(baggage->descriptors, lasPointFormat(old.format), old.pointBytes);
@@ -191,7 +191,7 @@ const LasSource* LasPlan::sourceOf(std::string_view name) const {
   return found == sources.end() ? nullptr : &*found;
 }
 
-/// That of the file where the point was not painted since.
+/// The original value unless the point was painted.
 std::uint16_t LasPlan::color(const PointCloud& cloud, std::size_t i, std::size_t channel) const {
   const unsigned now = cloud.colors[i][channel];
   if (const Attribute* fine = fineColors_[channel]) {

@@ -1,4 +1,4 @@
-// Where each number of a cloud goes in a point of LAS.
+// Assigns values of a cloud to the fields of a LAS point.
 #pragma once
 
 #include "engine/io/las_grid.hpp"
@@ -6,33 +6,33 @@
 
 namespace palpate {
 
-/// A field of points, and the attribute that goes there.
+/// A field of points, and the attribute stored in it.
 struct LasSource {
   LasField field;
   const Attribute* attribute = nullptr;
 
   double value(std::size_t i) const;
-  /// All values can be stored and come back as they are.
+  /// Whether all values can be stored without loss.
   bool fits() const;
-  /// Into rows, the first of which is of point `begin`.
+  /// Writes into rows; the first row is that of point `begin`.
   void encode(std::size_t begin, std::size_t end, std::byte* rows, std::size_t rowBytes) const;
 };
 
-/// Refers to the cloud, which must outlive it.
+/// Refers to the cloud, which must outlive the object.
 class LasPlan {
  public:
   explicit LasPlan(const PointCloud& cloud);
 
-  /// Throws FileError where a point would be longer than LAS can say.
+  /// Throws FileError if a point would be longer than LAS allows.
   void check(const std::filesystem::path& file) const;
   const LasSource* sourceOf(std::string_view name) const;
-  /// Rows of points, into bytes that are zero.
+  /// Writes rows of points into zeroed bytes.
   void encode(const PointCloud& cloud, std::size_t begin, std::size_t end, std::byte* rows) const;
   std::uint16_t color(const PointCloud& cloud, std::size_t i, std::size_t channel) const;
 
-  const LasBaggage* baggage = nullptr;  ///< null: the cloud comes from no LAS file
-  LasHeader old;                        ///< of that file
-  std::uint32_t oldEarlyCount = 0;      ///< the number of points in the field that all versions have
+  const LasBaggage* baggage = nullptr;  ///< null: the cloud was not read from a LAS file
+  LasHeader old;                        ///< header of that file
+  std::uint32_t oldEarlyCount = 0;      ///< number of points in the field that all versions have
   unsigned minor = 2, format = 0;
   LasPointFormat points;
   std::size_t pointBytes = 0;
@@ -52,7 +52,7 @@ class LasPlan {
   unsigned colorStep_ = 257;
 };
 
-/// Attributes that are not written because normals or colours are, under their names.
+/// Attributes that are not written because normals are stored under their names.
 std::vector<std::string> lasNamesGivingWay(const PointCloud& cloud);
 
 }  // namespace palpate

@@ -21,10 +21,10 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBlock = 4096;                        // points that one thread takes at a time
-constexpr std::size_t kSlab = std::size_t{1} << 30;         // bytes of points that threads read before they meet
-constexpr std::size_t kLessSlab = std::size_t{1} << 27;     // as kSlab, where they are in memory all at once
-constexpr std::size_t kMaxReserved = std::size_t{1} << 27;  // points: a sparse file is long without holding any
+constexpr std::size_t kBlock = 4096;                        // points that a thread processes at a time
+constexpr std::size_t kSlab = std::size_t{1} << 30;         // bytes of points between synchronisations of threads
+constexpr std::size_t kLessSlab = std::size_t{1} << 27;     // likewise, if they are in memory at once
+constexpr std::size_t kMaxReserved = std::size_t{1} << 27;  // points: a sparse file may be long without containing data
 
 std::string textOfField(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -160,7 +160,7 @@ LasReader::Tail LasReader::readPlain(LasColumns& columns, unsigned threads) {
 
 LasReader::Tail LasReader::readPacked(LasColumns& columns, Log* log, std::vector<std::string>& lost) {
   const LasHeader& header = head_.header;
-  const auto body = file_.peek(std::numeric_limits<std::size_t>::max() / 2);  // all there is
+  const auto body = file_.peek(std::numeric_limits<std::size_t>::max() / 2);  // all bytes
   LazChunks found;
   if (isCopc(head_.bytes)) {
     const LasRecord info = lasRecords(file_.path(), header, head_.bytes).front();
@@ -176,7 +176,7 @@ LasReader::Tail LasReader::readPacked(LasColumns& columns, Log* log, std::vector
   return {.bytes = {tail.begin(), tail.end()}, .at = end};
 }
 
-/// What goes from LAS to LAS: the file without its points, as it would be were they not packed.
+/// Data kept from LAS to LAS: the file without its points, as if these were not compressed.
 std::shared_ptr<LasBaggage> LasReader::packBaggage(const Tail& tail) {
   const LasHeader& header = head_.header;
   const bool copc = isCopc(head_.bytes);

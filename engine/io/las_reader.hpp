@@ -1,4 +1,4 @@
-// Reading LAS and LAZ: points by columns, many at a time, on all cores.
+// Reads LAS and LAZ: points by columns, in blocks, on all cores.
 #pragma once
 
 #include "engine/core/log.hpp"
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// A file up to its first point.
+/// The part of a file before its first point.
 struct LasHead {
   LasHeader header;
   LasPointFormat format;
@@ -19,20 +19,20 @@ struct LasHead {
   std::vector<std::byte> descriptors;  ///< of extra bytes
   std::vector<LasExtraField> extra;
   std::vector<std::string> comments;  ///< as in StoredAs
-  std::optional<LazLayout> packing;   ///< where the points are packed
+  std::optional<LazLayout> packing;   ///< set if the points are compressed
 };
 
-/// Reads front to back. Throws FileError with the byte that is wrong.
+/// Reads front to back. Throws FileError with the byte of the error.
 class LasReader {
  public:
   explicit LasReader(const std::filesystem::path& path);
 
   const LasHead& head() const { return head_; }
-  /// The cloud, once. What does not come along goes to `lost`, in words.
+  /// Reads the cloud; call once. Appends to `lost`, in words, what is not kept.
   PointCloud read(Log* log, std::vector<std::string>& lost, const CloudReadOptions& options = {});
 
  private:
-  /// Where points end and the records behind them begin.
+  /// The bytes behind the points.
   struct Tail {
     std::vector<std::byte> bytes;
     std::uint64_t at = 0;

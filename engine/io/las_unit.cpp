@@ -17,7 +17,7 @@ std::string_view wordsIn(const LasRecord& record) {
 }
 
 LengthUnit unitOfMetres(double metres) {
-  constexpr double kInternational = 1e-5;  // the foot of US surveys is 2e-6 longer than the international one
+  constexpr double kInternational = 1e-5;  // the US survey foot is 2e-6 longer than the international foot
   for (const auto& [unit, size] : {std::pair{LengthUnit::m, 1.0},
                                    {LengthUnit::foot, 0.3048},
                                    {LengthUnit::cm, 0.01},
@@ -27,7 +27,7 @@ LengthUnit unitOfMetres(double metres) {
   return LengthUnit::unknown;
 }
 
-/// What stands in the brackets behind one of the words, if any of them is there.
+/// The text in the brackets behind the first of the words that occurs.
 std::optional<std::string_view> insideOf(std::string_view text, std::initializer_list<std::string_view> words) {
   for (const std::string_view word : words) {
     const std::size_t begin = text.find(word);
@@ -41,14 +41,14 @@ std::optional<std::string_view> insideOf(std::string_view text, std::initializer
   return std::nullopt;
 }
 
-/// The last unit of length in a projected system is that of its axes: those of its parameters come first.
+/// The last unit of length in a projected system is that of its axes; units of parameters come first.
 LengthUnit unitInText(std::string_view text) {
   auto projected = insideOf(text, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["});
   if (!projected) {
     const bool degrees = insideOf(text, {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["}).has_value();
-    return degrees ? LengthUnit::unknown : LengthUnit::m;  // of what is local, or measured from a centre
+    return degrees ? LengthUnit::unknown : LengthUnit::m;  // local or geocentric system
   }
-  // Some programs have the vertical system within.
+  // Some programs nest the vertical system.
   projected = projected->substr(
       0, std::min({projected->find("VERTCS["), projected->find("VERT_CS["), projected->find("VERTCRS[")}));
   LengthUnit unit = LengthUnit::m;
@@ -60,7 +60,7 @@ LengthUnit unitInText(std::string_view text) {
     const char* const end = projected->data() + projected->size();
     if (comma == projected->npos) break;
     std::from_chars(std::find_if(projected->data() + comma + 1, end, [](char c) { return c != ' '; }), end, metres);
-    constexpr double kDegree = 0.0174532925;  // of a geographic system within, in WKT 1
+    constexpr double kDegree = 0.0174532925;  // of a nested geographic system, in WKT 1
     if (std::abs(metres / kDegree - 1) > 1e-6) unit = unitOfMetres(metres);
   }
   return unit;
@@ -69,7 +69,7 @@ LengthUnit unitInText(std::string_view text) {
 LengthUnit unitInKeys(std::span<const std::byte> data, std::string_view names) {
   constexpr unsigned kModel = 1024, kProjected = 3072, kLinearUnits = 3076;
   constexpr unsigned kGeographic = 2, kMetre = 9001, kFoot = 9002, kSurveyFoot = 9003;
-  constexpr unsigned kFirstInFeet = 2222, kLastInFeet = 2289;  // state planes of NAD83 in EPSG's list
+  constexpr unsigned kFirstInFeet = 2222, kLastInFeet = 2289;  // NAD83 state planes in EPSG's list
   LengthUnit unit = LengthUnit::m;
   if (names.find("ftUS") != names.npos || names.find("foot") != names.npos || names.find("feet") != names.npos)
     unit = LengthUnit::foot;

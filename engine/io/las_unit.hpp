@@ -1,4 +1,4 @@
-// The unit of length of a LAS file: what its coordinate system says, as keys of GeoTIFF (OGC 19-008) or as text
+// The unit of length of a LAS file according to its coordinate system, given as GeoTIFF keys (OGC 19-008) or as text
 // (OGC 18-010).
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-/// Metres where a system names no other unit; unknown without a system, and where coordinates are degrees or of a unit
-/// that has no name here.
+/// Metres if the system declares no other unit; unknown without a system, and if coordinates are in degrees or in an
+/// unsupported unit.
 LengthUnit lasUnit(std::span<const LasRecord> records);
 
 }  // namespace palpate

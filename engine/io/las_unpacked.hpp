@@ -1,23 +1,24 @@
-// What a LAZ file would have before its points and behind them, were it LAS.
+// The bytes before and behind the points of a LAZ file as they would be in an uncompressed LAS file.
 #pragma once
 
 #include "engine/io/las_layout.hpp"
 
 namespace palpate {
 
-/// Takes the records that stay, in their order.
+/// Collects the records that are kept, in order.
 class LasUnpacked {
  public:
-  /// `head`: the bytes of the file before its points; `tailAt`: where those behind them begin. `head` must outlive it.
+  /// `head`: the bytes of the file before its points; `tailAt`: start of the bytes behind them. `head` must outlive the
+  /// object.
   LasUnpacked(const LasHeader& header, std::span<const std::byte> head, std::uint64_t tailAt)
       : header_(header), head_(head), tailAt_(tailAt) {}
 
   void add(const LasRecord& record);
   void addLong(const LasRecord& record);
 
-  /// Header, records that were added, and what follows the records of the file.
+  /// Header, added records, and the bytes after the file's records.
   std::vector<std::byte> head() const;
-  /// The long records that were added, and nothing else.
+  /// The added long records only.
   const std::vector<std::byte>& tail() const { return tail_; }
 
  private:

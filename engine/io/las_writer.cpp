@@ -16,7 +16,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kPointsAtOnce = std::size_t{1} << 18;  // points that are written at a time
+constexpr std::size_t kPointsAtOnce = std::size_t{1} << 18;  // points written at a time
 
 void finish(AtomicFile& file, const LasPlan& plan, const CloudWriteOptions& options) {
   if (plan.baggage) file.write(plan.baggage->tail);
@@ -30,7 +30,7 @@ void sayProgress(const CloudWriteOptions& options, std::size_t done, std::size_t
   if (options.progress) options.progress(static_cast<double>(done) / static_cast<double>(all));
 }
 
-/// The head of a file whose points are packed: with LASzip's record behind all others.
+/// Header of a compressed file: LASzip's record follows all others.
 std::vector<std::byte> packedHead(const PointCloud& cloud, const LasPlan& plan, const LazLayout& layout) {
   std::vector<std::byte> head = lasHeadFor(cloud, plan);
   const LasHeader header = readLasHeader({}, head);
@@ -46,7 +46,7 @@ std::vector<std::byte> packedHead(const PointCloud& cloud, const LasPlan& plan, 
   return head;
 }
 
-/// All points, chunk by chunk.
+/// Compresses all points, chunk by chunk.
 std::vector<std::vector<std::byte>> packPoints(const PointCloud& cloud, const LasPlan& plan, const LazLayout& layout,
                                                const CloudWriteOptions& options) {
   const std::size_t chunkPoints = *layout.chunkPoints, count = (cloud.size() + chunkPoints - 1) / chunkPoints;

@@ -5,12 +5,12 @@
 
 namespace palpate {
 
-/// Version 1.2, or 1.4 where attributes need it, or that of the file that the cloud came from, with its records.
-/// Attributes that LAS has by name go there where they fit, others become extra bytes. The file appears under its name
-/// only when it is whole. Throws FileError.
+/// Writes version 1.2, or 1.4 if attributes need it, or the version of the original file, with its records. Attributes
+/// are stored in the LAS fields of their names if they fit, others as extra bytes. The file appears under its name only
+/// when it is complete. Throws FileError.
 void writeLas(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
-/// The same, packed: chunks of 50,000 points, a thread each; all of them are in memory until the file is written.
-/// Points with wave packets are refused.
+/// The same, compressed: chunks of 50,000 points, a thread each; all chunks are in memory until the file is written.
+/// Points with wave packets are rejected.
 void writeLaz(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
 
 std::vector<std::string> lacksOfLas(const StoredCloud& stored);

@@ -11,8 +11,8 @@ namespace palpate {
 
 namespace {
 
-/// Streams of a layered chunk: those of places, of colours, of infrared, of wave packets, of each byte that is no part
-/// of a format.
+/// Number of layers: those of positions and returns, and one each for colours, infrared, wave packets and every extra
+/// byte.
 std::size_t layersOf(const LazLayout& layout) {
   return kLazLayers14 + (layout.colorAt ? 1 : 0) + (layout.infraredAt ? 1 : 0) + (layout.wavesAt ? 1 : 0) +
          layout.extraBytes;
@@ -20,12 +20,12 @@ std::size_t layersOf(const LazLayout& layout) {
 
 }  // namespace
 
-/// All rows but the first.
+/// Decodes all rows but the first.
 class LazChunkDecoder::Rows {
  public:
   virtual ~Rows() = default;
   virtual void read(std::byte* rows, std::size_t count) = 0;
-  /// The same of this chunk and another one of its file.
+  /// The same for this chunk and another one of its file.
   virtual void readBoth(std::byte* rows, Rows& other, std::byte* others, std::size_t count) = 0;
   virtual bool isWrong() const = 0;
   virtual std::size_t left() const = 0;
@@ -37,7 +37,7 @@ class LazChunkDecoder::Pointwise final : public Rows {
       : layout_(layout), decoder_(bytes.subspan(layout.rowBytes)), row_(layout, bytes.data()) {}
 
   void read(std::byte* rows, std::size_t count) override {
-    RangeDecoder decoder = decoder_;  // of which the compiler knows that rows do not overlap it
+    RangeDecoder decoder = decoder_;  // a local copy, so that the compiler knows that rows do not alias it
     for (std::size_t k = 0; k < count; ++k) {
       LazRow10::Lane<RangeDecoder> lane{row_, decoder, rows + k * layout_.rowBytes};
       LazRow10::code(layout_, lane);
@@ -55,7 +55,7 @@ class LazChunkDecoder::Pointwise final : public Rows {
   std::size_t left() const override { return decoder_.left(); }
 
  private:
-  /// Rows until one of the chunks comes near its end; how many those were.
+  /// Reads rows until one of the chunks is near its end; returns their number.
   [[gnu::always_inline]] std::size_t readSideBySide(std::byte* rows, Pointwise& other, std::byte* others,
                                                     std::size_t count) {
     using Decoder = RangeDecoderOf<false>;
@@ -75,7 +75,8 @@ class LazChunkDecoder::Pointwise final : public Rows {
     return readSideBySide(rows, other, others, count);
   }
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-  // Shifts and counts of zeros that wait for less, of all processors since about 2013; Clang cannot ask for them all.
+  // Uses shift and count instructions with lower latency, available on processors since about 2013; Clang cannot enable
+  // all of them.
   inline static const bool kHasShifts =
       __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("lzcnt");
   [[gnu::target("bmi,bmi2,lzcnt")]] std::size_t readMostWithShifts(std::byte* rows, Pointwise& other, std::byte* others,
@@ -96,7 +97,7 @@ class LazChunkDecoder::Pointwise final : public Rows {
 
 class LazChunkDecoder::Layered final : public Rows {
  public:
-  /// `layers`: from the file.
+  /// `layers`: read from the file.
   Layered(const LazLayout& layout, std::span<const std::byte> first, std::vector<LazLayer<RangeDecoder>> layers)
       : rowBytes_(layout.rowBytes), layers_(std::move(layers)), row_(layout, layers_, first.data()) {}
 
@@ -124,7 +125,7 @@ class LazChunkDecoder::Layered final : public Rows {
 
 namespace {
 
-/// The streams that stand behind the first row, the number of points and the streams' lengths.
+/// Reads the layers, which follow the first row, the number of points and the layers' lengths.
 std::vector<LazLayer<RangeDecoder>> layersFrom(const std::filesystem::path& file, const LazLayout& layout,
                                                const LazChunk& chunk, std::span<const std::byte> bytes) {
   const std::size_t count = layersOf(layout), headAt = layout.rowBytes, sizesAt = headAt + 4;
@@ -226,7 +227,7 @@ std::vector<std::byte> encodeLayered(const LazLayout& layout, std::span<const st
     std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(at), next.size(), next.begin());
     row.code(next.data());
   }
-  std::vector<std::byte> bytes(4 + 4 * layers.size());  // how many rows there are, and bytes in each layer
+  std::vector<std::byte> bytes(4 + 4 * layers.size());  // number of rows, then of bytes in each layer
   const auto put = [&](std::size_t at, std::size_t number) {
     const auto small = static_cast<std::uint32_t>(number);
     std::memcpy(bytes.data() + at, &small, sizeof small);

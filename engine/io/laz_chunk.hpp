@@ -1,4 +1,4 @@
-// The points of one chunk of a LAZ file.
+// Codec for the points of one chunk of a LAZ file.
 #pragma once
 
 #include <memory>
@@ -7,22 +7,22 @@
 
 namespace palpate {
 
-/// Unpacks front to back. Chunks are independent of each other, and may be unpacked on as many threads.
+/// Decodes front to back. Chunks are independent, and may be decoded on several threads.
 class LazChunkDecoder {
  public:
-  /// `bytes`: of the chunk, which outlive it. Throws FileError where they are too few to begin with, or their layers
-  /// are not what they say.
+  /// `bytes`: of the chunk; must outlive the object. Throws FileError if they are too few, or if the layers are
+  /// invalid.
   LazChunkDecoder(const std::filesystem::path& file, const LazLayout& layout, const LazChunk& chunk,
                   std::span<const std::byte> bytes);
   ~LazChunkDecoder();
 
-  /// The next `count` rows. Throws FileError where there are none: the bytes have come to their end.
+  /// Reads the next `count` rows. Throws FileError if the data ends early.
   void read(std::byte* rows, std::size_t count);
-  /// The next `count` rows of each of two chunks of one file, which takes less time than one chunk after the other
-  /// where points are coded in one stream. Layers keep a processor busy by themselves. Throws FileError as read().
+  /// Reads the next `count` rows of two chunks of one file, interleaved. Faster than one after the other for points
+  /// coded in one stream; layers already keep the processor busy. Throws FileError like read().
   static void readBoth(LazChunkDecoder& a, std::byte* rowsOfA, LazChunkDecoder& b, std::byte* rowsOfB,
                        std::size_t count);
-  /// Bytes that were not needed: none after the last point of a chunk as encoders make it.
+  /// Number of unused bytes: 0 after the last point of an undamaged chunk.
   std::size_t left() const;
 
  private:
@@ -30,20 +30,20 @@ class LazChunkDecoder {
   class Pointwise;
   class Layered;
 
-  /// Of the rows that are read next, the first one of a chunk, if it is among them: how many.
+  /// Copies the first row of the chunk if it is the next one and `count` > 0; returns the number of rows copied.
   std::size_t readFirst(std::byte* rows, std::size_t count);
-  /// Throws FileError where the bytes came to their end before the rows that were read.
+  /// Throws FileError if the data ended before the rows that were read.
   void check() const;
 
   const std::filesystem::path& file_;
   LazChunk chunk_;
   std::size_t rowBytes_;
   std::uint64_t done_ = 0;
-  std::span<const std::byte> first_;  // the first row, as it is
+  std::span<const std::byte> first_;  // the first row, uncompressed
   std::unique_ptr<Rows> rows_;
 };
 
-/// Packs rows of LAS, at least one.
+/// Encodes one or more rows of LAS.
 std::vector<std::byte> encodeLazChunk(const LazLayout& layout, std::span<const std::byte> rows);
 
 }  // namespace palpate

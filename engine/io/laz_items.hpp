@@ -1,6 +1,6 @@
-// What the points of LAZ consist of besides places: times, colours, infrared and bytes, coded by what the point before
-// had (Isenburg 2013). Each has one function for both directions (range_coder.hpp): an encoder is given the values, a
-// decoder puts them there.
+// Codecs for the parts of LAZ points besides positions: times, colours, infrared and bytes, predicted from the previous
+// point (Isenburg 2013). Each codec has one function for both directions (range_coder.hpp): an encoder receives the
+// values, a decoder writes them.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// Whole numbers of 32 bits that wrap around, as those of a damaged file may.
+/// 32-bit integers with wrap-around, which occurs in damaged files.
 inline std::int32_t wrappedSum(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b));
 }
@@ -24,7 +24,7 @@ inline std::int32_t wrappedProduct(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) * static_cast<std::uint32_t>(b));
 }
 
-/// Models of 256 symbols, made when they are needed first.
+/// Models of 256 symbols, created at their first use.
 template <std::size_t count>
 class ByteModels {
  public:
@@ -41,11 +41,11 @@ class ByteModels {
   unsigned symbols_;
 };
 
-/// The middle one of about the last five numbers: of those that came last it forgets the least and the largest in turn.
+/// Approximate median of recent numbers: keeps five sorted numbers; each insertion drops the smallest or the largest.
 class StreamingMedian {
  public:
   std::int32_t get() const { return sorted_[2]; }
-  /// Into four that stay, without a branch: which place is its own nobody could foresee.
+  /// Inserts into the four numbers kept, without a branch, since the position is unpredictable.
   void add(std::int32_t v) {
     const std::int32_t* const four = sorted_.data() + (forgetsLargest_ ? 0 : 1);
     const std::int32_t a = four[0], b = four[1], c = four[2], d = four[3];
@@ -55,7 +55,7 @@ class StreamingMedian {
   }
 
  private:
-  // Of std::min() the compiler makes branches at times.
+  // Compilers sometimes generate branches for std::min().
   static std::int32_t lesser(std::int32_t a, std::int32_t b) {
     return b ^ ((a ^ b) & -static_cast<std::int32_t>(a < b));
   }
@@ -67,18 +67,18 @@ class StreamingMedian {
   bool forgetsLargest_ = true;
 };
 
-/// Times, by their bits as whole numbers: those of a scanner grow by the same step again and again, or by multiples of
-/// it; several scanners' times, up to four, may alternate.
+/// Times, coded as integers of their bits: a scanner's times grow by the same step or by multiples of it; up to four
+/// sequences (scanners) may alternate.
 class LazTimes {
  public:
-  /// `mayStay`: a time that is the one before has a symbol of its own, as in version 2; version 3 says it elsewhere.
+  /// `mayStay`: an unchanged time has a symbol of its own, as in version 2; version 3 codes this elsewhere.
   LazTimes(std::int64_t first, bool mayStay)
       : stays_(mayStay ? 1 : 0), plain_(5u + stays_), multiple_(kOwn + 4u + stays_) {
     sequences_[0].time = first;
   }
 
-  enum class Kind { stays, second, multiple, begins };  // second: of a sequence that has no step yet
-  /// A time that is being coded, step by step: of an encoder, all of it from the first one on.
+  enum class Kind { stays, second, multiple, begins };  // second: of a sequence without a step
+  /// State of a time while it is coded step by step; an encoder sets all of it in the first step.
   struct Step {
     std::int64_t time = 0;
     Kind kind = Kind::stays;
@@ -86,14 +86,14 @@ class LazTimes {
     IntegerModel::Number number{};
   };
 
-  // The steps of a time, in their order. Between them those of other streams may be taken.
+  // The steps of coding a time, in their order. Steps of other streams may be interleaved.
   template <class Coder>
   [[gnu::always_inline]] void codeSymbol(Coder& coder, Step& step) {
     step.kind = Kind::stays;
-    for (int turns = 0; turns < 2; ++turns) {  // an encoder changes to another sequence once at most
+    for (int turns = 0; turns < 2; ++turns) {  // an encoder switches to another sequence at most once
       const bool fresh = sequences_[current_].step == 0;
-      // Symbols less than `own` are differences to the sequence's last time; then they are: the same, of a sequence
-      // that begins, of another one.
+      // Symbols below `own` are differences to the sequence's last time; the following ones: unchanged time, new
+      // sequence, another sequence.
       const unsigned own = fresh ? 0 : kOwn;
       if constexpr (Coder::kEncodes) step.symbol = symbolFor(step.time, own);
       step.symbol = coder.symbol(fresh ? plain_ : multiple_, step.symbol);
@@ -134,7 +134,7 @@ class LazTimes {
   [[gnu::always_inline]] void codeUpper(Coder& coder, Step& step) {
     if (step.kind != Kind::stays) difference_.codeUpper(coder, step.number);
   }
-  /// The time.
+  /// Returns the time.
   template <class Coder>
   [[gnu::always_inline]] std::int64_t codeLower(Coder& coder, Step& step) {
     Sequence& now = sequences_[current_];
@@ -150,7 +150,7 @@ class LazTimes {
     return advance(now, off);
   }
 
-  /// All steps at once.
+  /// All steps in sequence.
   template <class Coder>
   std::int64_t code(Coder& coder, std::int64_t time) {
     Step step{.time = time};
@@ -162,7 +162,7 @@ class LazTimes {
 
  private:
   static constexpr unsigned kMaxTimes = 500, kMaxBack = 10, kOwn = kMaxTimes + kMaxBack + 1;
-  static constexpr int kMaxExtremes = 3;  // steps that fit no multiple: then the step is a new one
+  static constexpr int kMaxExtremes = 3;  // steps that fit no multiple; then the step is replaced
 
   struct Sequence {
     std::int64_t time = 0;
@@ -209,7 +209,7 @@ class LazTimes {
   static bool isExtreme(unsigned symbol) {
     return symbol == 0 || symbol == kMaxTimes || symbol == kMaxTimes + kMaxBack;
   }
-  /// How large a multiple of the step is.
+  /// Context for the size of the multiple.
   static unsigned contextOf(unsigned symbol) {
     return symbol == 0                      ? 7u
            : symbol == 1                    ? 1u
@@ -228,26 +228,26 @@ class LazTimes {
     return sequences_[current_].time;
   }
 
-  unsigned stays_;  // 1 where mayStay, else 0
+  unsigned stays_;  // 1 if mayStay, else 0
   SymbolModel plain_, multiple_;
   IntegerModel difference_{32, 9};
   std::array<Sequence, 4> sequences_{};
   unsigned current_ = 0, newest_ = 0;
 };
 
-/// Colours of 16 bits a channel, by their bytes: green by how red has changed, blue by both. Grey says so.
+/// 16-bit colours, coded by bytes: green is predicted from the change of red, blue from both. Grey has a flag.
 class LazColors {
  public:
   using Color = std::array<std::uint16_t, 3>;
 
-  /// A colour that is being coded, step by step: of an encoder, `next` from the first one on.
+  /// State of a colour while it is coded step by step; an encoder sets `next` before the first step.
   struct Step {
     Color next{}, now{};
     unsigned changes = 0;
   };
 
-  // The steps of a colour, in their order: what changes; red, green and blue, the lower byte of each before the upper
-  // ones (`half`), but both of red first. Between them those of other streams may be taken.
+  // The steps of coding a colour, in their order: changes; then red, green and blue, the lower byte of each before the
+  // upper one (`half`), but both of red first. Steps of other streams may be interleaved.
   template <class Coder>
   [[gnu::always_inline]] void codeChanges(Coder& coder, Step& step, const Color& last) {
     if constexpr (Coder::kEncodes) step.changes = changesBetween(last, step.next);
@@ -269,13 +269,13 @@ class LazColors {
     const int both = (redChange(step, last, half) + byteOf(step.now[1], half) - byteOf(last[1], half)) / 2;
     codeByte(coder, step, 4 + half, within(both + byteOf(last[2], half)), last);
   }
-  /// `last` becomes the colour.
+  /// Copies the colour to `last`.
   void finish(Step& step, Color& last) const {
     if (!(step.changes & kColored)) step.now[1] = step.now[2] = step.now[0];
     last = step.now;
   }
 
-  /// All steps at once.
+  /// All steps in sequence.
   template <class Coder>
   void code(Coder& coder, Color& last, const Color& next) {
     Step step{.next = next};
@@ -286,7 +286,7 @@ class LazColors {
   }
 
  private:
-  static constexpr unsigned kColored = 1u << 6;  // below it a bit for each byte: red, green, blue, the lower one first
+  static constexpr unsigned kColored = 1u << 6;  // lower bits: changed bytes of red, green, blue, the lower byte first
 
   static int byteOf(std::uint16_t value, unsigned half) { return value >> (8 * half) & 0xff; }
   static void setByte(std::uint16_t& value, unsigned half, int byte) {
@@ -318,7 +318,7 @@ class LazColors {
   ByteModels<6> bytes_;
 };
 
-/// Infrared of 16 bits, by its two bytes.
+/// 16-bit infrared, coded as two bytes.
 class LazInfrared {
  public:
   template <class Coder>
@@ -340,14 +340,14 @@ class LazInfrared {
   ByteModels<2> bytes_;
 };
 
-/// Where the waves of a point are, and how it lies in them: 29 bytes. Packets mostly follow one another.
+/// Position of a point's wave packet, and its parameters: 29 bytes. Packets usually follow one another.
 class LazWaves {
  public:
-  static constexpr std::size_t kMaxCalls = 26;  // to a coder
+  static constexpr std::size_t kMaxCalls = 26;  // of a coder
 
   explicit LazWaves(const std::byte* first) { last_ = load(first); }
 
-  /// The bytes of the next point.
+  /// Codes the bytes of the next point.
   template <class Coder>
   [[gnu::always_inline]] void code(Coder& coder, std::byte* at) {
     Packet next = last_;
@@ -376,10 +376,10 @@ class LazWaves {
   struct Packet {
     std::uint8_t descriptor = 0;
     std::uint64_t offset = 0;
-    std::array<std::int32_t, 5> numbers{};  // its size; the place of the return in it; the direction, as bits of floats
+    std::array<std::int32_t, 5> numbers{};  // size; position of the return in the packet; direction, as bits of floats
   };
 
-  /// How far its waves are from those of the point before: nowhere, behind them, some bytes, or anywhere.
+  /// Distance of the packet from the previous one: zero, directly behind it, 32 bits, or 64 bits.
   unsigned kindOf(const Packet& next) const {
     const std::uint64_t off = next.offset - last_.offset;
     if (off == 0) return 0;
@@ -407,7 +407,7 @@ class LazWaves {
   unsigned kind_ = 0;
 };
 
-/// A byte that nothing is known of.
+/// A byte of unknown meaning.
 template <class Coder>
 [[gnu::always_inline]] inline void codeLazByte(Coder& coder, SymbolModel& model, std::byte& last, std::byte next) {
   const unsigned was = static_cast<unsigned>(last);

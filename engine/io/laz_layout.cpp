@@ -11,13 +11,13 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kFixedBytes = 34, kItemBytes = 6;  // of the record
-constexpr std::uint32_t kAnyNumber = 0xffffffffu;        // of points of a chunk
+constexpr std::size_t kFixedBytes = 34, kItemBytes = 6;  // in the record
+constexpr std::uint32_t kAnyNumber = 0xffffffffu;        // number of points per chunk varies
 constexpr std::uint64_t kUsualChunk = 50'000;
 
 enum class Packing : unsigned { none, pointwise, chunked, layered };
 
-// Items by the numbers that they have in the record.
+// Item numbers in the record.
 enum class Item : unsigned {
   bytes = 0,
   point10 = 6,
@@ -35,7 +35,7 @@ struct ItemSpan {
   std::size_t bytes;
 };
 
-/// What points of a format are made of.
+/// Items of a point format.
 std::vector<ItemSpan> itemsOf(unsigned format, std::size_t rowBytes) {
   const LasPointFormat points = lasPointFormat(format);
   std::vector<ItemSpan> items;
@@ -55,7 +55,7 @@ std::vector<ItemSpan> itemsOf(unsigned format, std::size_t rowBytes) {
   return items;
 }
 
-/// Where things are in rows of a format, however they are packed.
+/// Offsets in rows of a format, independent of compression.
 LazLayout placesOf(unsigned format, std::size_t rowBytes) {
   const LasPointFormat points = lasPointFormat(format);
   LazLayout layout{.layered = format >= 6, .rowBytes = rowBytes};
@@ -68,7 +68,7 @@ LazLayout placesOf(unsigned format, std::size_t rowBytes) {
   return layout;
 }
 
-/// The record's items are those of the format, in a version that is read.
+/// Verifies that the record's items are those of the format, in a supported version.
 void readItems(const std::filesystem::path& file, const LasHeader& header, const LasRecord& record, LazLayout& layout) {
   const std::uint64_t dataAt = record.at + record.head.size();
   const std::vector<ItemSpan> items = itemsOf(header.format, header.pointBytes);
@@ -87,7 +87,7 @@ void readItems(const std::filesystem::path& file, const LasHeader& header, const
       throw refuse(
           fmt::format("item {} is of kind {} and {} bytes; points of format {} have one of kind {} and {} bytes", k + 1,
                       item, bytes, header.format, static_cast<unsigned>(items[k].item), items[k].bytes));
-    // Wave packets of one stream never had another version.
+    // Wave packets in one stream have only one version.
     const unsigned lowest = layout.layered ? 3 : items[k].item == Item::waves13 ? 1 : 2;
     if (version < lowest)
       throw refuse(fmt::format(
@@ -97,9 +97,9 @@ void readItems(const std::filesystem::path& file, const LasHeader& header, const
   }
 }
 
-/// Where the table of chunks begins, counted from the points on.
+/// Offset of the chunk table, relative to the first point.
 std::size_t tablePlace(const std::filesystem::path& file, std::uint64_t bodyAt, std::span<const std::byte> body) {
-  constexpr std::int64_t kAtTheEnd = -1;  // of a file that could only be written front to back
+  constexpr std::int64_t kAtTheEnd = -1;  // for a file that was written sequentially
   if (body.size() < 8)
     throw FileError::atByte(file, bodyAt + body.size(), "the file ends before it says where its table of chunks is");
   std::size_t saidAt = 0;
@@ -160,7 +160,7 @@ std::vector<std::byte> lazRecordFor(unsigned format, const LazLayout& layout) {
   std::memcpy(bytes.data() + 22, kDescription.data(), kDescription.size());
   const std::size_t data = kLasRecordHead;
   put(data, static_cast<std::uint16_t>(layout.layered ? Packing::layered : Packing::chunked));
-  put(data + 4, std::uint8_t{3});  // the version of LASzip whose files these are
+  put(data + 4, std::uint8_t{3});  // version of LASzip with this file format
   put(data + 5, std::uint8_t{4});
   put(data + 6, std::uint16_t{3});
   put(data + 12, static_cast<std::uint32_t>(*layout.chunkPoints));
@@ -179,7 +179,7 @@ std::vector<std::byte> lazRecordFor(unsigned format, const LazLayout& layout) {
 LazChunks readLazChunks(const std::filesystem::path& file, const LasHeader& header, const LazLayout& layout,
                         std::span<const std::byte> body) {
   const std::uint64_t bodyAt = header.pointsAt;
-  if (header.points == 0 && body.size() < 8) return {{}, bodyAt};  // as some programs leave a file of no points
+  if (header.points == 0 && body.size() < 8) return {{}, bodyAt};  // written by some programs for a file without points
   if (!layout.chunked) {
     const std::uint64_t end = header.longRecordsAt ? header.longRecordsAt : bodyAt + body.size();
     if (header.points == 0) return {{}, end};

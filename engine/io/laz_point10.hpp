@@ -1,4 +1,4 @@
-// The points of formats 0 to 5 in LAZ, item by item in one stream (version 2 of LASzip's items).
+// Codec for points of formats 0 to 5 in LAZ, item by item in one stream (version 2 of LASzip's items).
 #pragma once
 
 #include <cstring>
@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// The twenty bytes that all of these formats begin with.
+/// The first twenty bytes of all these formats.
 struct LazCore10 {
   std::int32_t x, y, z;
   std::uint16_t intensity;
@@ -21,19 +21,19 @@ struct LazCore10 {
 };
 static_assert(sizeof(LazCore10) == 20);
 
-/// Places, and what belongs to each return: what is expected comes from points of the same kind of return before.
+/// Positions and the values of each return: predictions come from previous points with the same kind of return.
 class LazPoint10 {
  public:
   explicit LazPoint10(const LazCore10& first) : last_(first) { last_.intensity = 0; }
 
-  /// A point that is being coded, step by step: of an encoder, all of it from the first one on.
+  /// State of a point while it is coded step by step; an encoder sets all of it in the first step.
   struct Step {
     LazCore10 next{};
     unsigned changes = 0, kind = 0;
-    IntegerModel::Number number{};  // of what is coded at the time
+    IntegerModel::Number number{};  // the integer that is being coded
   };
 
-  // The steps of a point, in their order. Between them those of other streams may be taken.
+  // The steps of coding a point, in their order. Steps of other streams may be interleaved.
   template <class Coder>
   [[gnu::always_inline]] void codeKind(Coder& coder, Step& step) {
     LazCore10& next = step.next;
@@ -116,8 +116,8 @@ class LazPoint10 {
 
  private:
   enum : unsigned { kSource = 1, kUser = 2, kAngle = 4, kClass = 8, kIntensity = 16, kReturns = 32 };
-  // Of a return by how many there were (row) and which of them it is (column): those that are alike share what is
-  // expected of them. Part of the format.
+  // Kind of a return by the number of returns (row) and its own number (column); returns of a kind share predictions.
+  // Part of the format.
   static constexpr std::uint8_t kKinds[8][8] = {
       {15, 14, 13, 12, 11, 10, 9, 8},  {14, 0, 1, 3, 6, 10, 10, 9},    {13, 1, 2, 4, 7, 11, 11, 10},
       {12, 3, 4, 5, 8, 12, 12, 11},    {11, 6, 7, 8, 9, 13, 13, 12},   {10, 10, 11, 12, 13, 14, 14, 13},
@@ -151,11 +151,11 @@ class LazPoint10 {
   ByteModels<2> angles_;
   std::array<std::uint16_t, 16> intensities_{};  // of the last return of each kind
   std::array<StreamingMedian, 16> stepsX_{}, stepsY_{};
-  std::array<std::int32_t, 8> heights_{};  // by how many returns are missing to the last one
+  std::array<std::int32_t, 8> heights_{};  // by the number of returns behind it
   IntegerModel intensity_{16, 4}, source_{16, 1}, x_{32, 2}, y_{32, 22}, z_{32, 20};
 };
 
-/// A row of LAS with all that it has.
+/// Codec for a complete row of LAS.
 class LazRow10 {
  public:
   LazRow10(const LazLayout& layout, const std::byte* first)
@@ -168,7 +168,7 @@ class LazRow10 {
     if (layout.wavesAt) waves_.emplace(first + layout.wavesAt);
   }
 
-  /// A row of one of the chunks that are coded side by side.
+  /// A row of one of the chunks that are coded in parallel.
   template <class Coder>
   struct Lane {
     LazRow10& row;
@@ -179,11 +179,11 @@ class LazRow10 {
     LazColors::Step color{};
   };
 
-  /// Calls to a coder for a row, at most.
+  /// Maximum number of calls of a coder for a row.
   std::size_t mostCalls() const { return 40 + (layout_.wavesAt ? LazWaves::kMaxCalls : 0) + layout_.extraBytes; }
 
-  /// The next row of each lane, all of one layout. What a lane's coder does next waits for what it does now; so each
-  /// step is taken in all lanes in turn, and the processor has work of the others meanwhile.
+  /// Codes the next row of each lane, all with the same layout. Within a lane each step depends on the previous one;
+  /// interleaving the lanes gives the processor independent work.
   template <class... Lanes>
   [[gnu::always_inline]] static void code(const LazLayout& layout, Lanes&... lanes) {
     (lanes.row.load(lanes), ...);
@@ -237,7 +237,7 @@ class LazRow10 {
       if (layout_.colorAt) lane.color.next = load<LazColors::Color>(lane.at + layout_.colorAt);
     }
   }
-  /// Piece by piece: a whole that is read soon after its pieces were written waits until they are in memory.
+  /// Field by field: loading a whole struct soon after its parts were stored stalls until they are in memory.
   [[gnu::always_inline]] static void store(const LazCore10& core, std::byte* at) {
     std::memcpy(at, &core.x, sizeof core.x);
     std::memcpy(at + 4, &core.y, sizeof core.y);

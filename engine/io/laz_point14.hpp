@@ -1,6 +1,6 @@
-// The points of formats 6 to 10 in LAZ, in layers: a stream for what changes together, so that a program can leave out
-// what it does not need; one that would hold no change is not there (version 3 of LASzip's items, and 4). Each of the
-// four channels of a scanner has models and a last point of its own.
+// Codec for points of formats 6 to 10 in LAZ, in layers: a stream for each group of values that change together, so
+// that a program can skip unneeded ones; a layer without changes is omitted (versions 3 and 4 of LASzip's items). Each
+// of a scanner's four channels has its own models and last point.
 #pragma once
 
 #include <cstring>
@@ -14,13 +14,13 @@ namespace palpate {
 
 inline constexpr std::size_t kLazChannels = 4;
 
-/// A stream, and whether anything in it changes: of a decoder, whether it is there.
+/// A stream, and whether it has changes; for a decoder: whether it is present.
 template <class Coder>
 struct LazLayer {
   Coder coder;
   bool changes = false;
 
-  /// Whether a value is coded here: an encoder codes all, and notes whether one differs.
+  /// Whether a value is coded in this layer: an encoder codes all values, and records whether any differs.
   bool codes(bool differs) {
     if constexpr (Coder::kEncodes) {
       changes |= differs;
@@ -31,7 +31,7 @@ struct LazLayer {
   }
 };
 
-/// The layers of places and what belongs to each return, in their order.
+/// The layers of positions and of the values of each return, in their order.
 enum class LazLayer14 : std::size_t { places, heights, classes, flags, intensities, angles, users, sources, times };
 inline constexpr std::size_t kLazLayers14 = 9;
 
@@ -41,13 +41,13 @@ struct LazCore14 {
   std::uint8_t returns, bits, classification, user;
   std::int16_t angle;
   std::uint16_t source;
-  // In front of these the compiler would leave a gap that rows do not have.
+  // Size in rows; sizeof includes padding.
   static constexpr std::size_t kBytes = 22;
 
   unsigned number() const { return returns & 15u; }
   unsigned count() const { return returns >> 4; }
   unsigned channel() const { return bits >> 4 & 3u; }
-  /// What the bits say of the class, and above that the scan's direction and the edge of a flight line.
+  /// Flags of the classification, and above them the scan direction and the edge of a flight line.
   unsigned flags() const { return (bits & 15u) | (bits >> 2 & 0x30u); }
   void setFlags(unsigned flags) {
     bits = static_cast<std::uint8_t>((bits & 0x30u) | (flags & 15u) | (flags & 0x30u) << 2);
@@ -60,14 +60,14 @@ class LazPoint14 {
  public:
   using Layers = std::span<LazLayer<Coder>>;
 
-  /// `layers`: kLazLayers14, which outlive it.
+  /// `layers`: kLazLayers14, which must outlive the object.
   LazPoint14(Layers layers, const LazCore14& first, std::int64_t firstTime)
       : layers_(layers), channel_(first.channel()) {
     channels_[channel_] = std::make_unique<Channel>(first, firstTime);
   }
 
   unsigned channel() const { return channel_; }                  ///< of the last point
-  bool hasChangedChannel() const { return hasChangedChannel_; }  ///< with the last point
+  bool hasChangedChannel() const { return hasChangedChannel_; }  ///< at the last point
 
   void code(LazCore14& next, std::int64_t& time) {
     Coder& places = coder(LazLayer14::places);
@@ -90,7 +90,7 @@ class LazPoint14 {
   }
 
  private:
-  // The lowest two bits say how the number of the return differs: not, by one more, by one less, otherwise.
+  // The lowest two bits tell how the return number differs: not, by +1, by -1, otherwise.
   enum : unsigned { kNumber = 3, kCount = 4, kAngle = 8, kTime = 16, kSource = 32, kChannel = 64 };
 
   struct Channel {
@@ -109,7 +109,7 @@ class LazPoint14 {
     SymbolModel channel{3}, numberSameTime{13};
     ByteModels<16> counts{16}, numbers{16};
     ByteModels<64> classes{256}, flags{64}, users{256};
-    std::array<StreamingMedian, 12> stepsX{}, stepsY{};  // by the kind of return, and whether the time has changed
+    std::array<StreamingMedian, 12> stepsX{}, stepsY{};  // by kind of return, and whether the time has changed
     std::array<std::int32_t, 8> heights{};
     std::array<std::uint16_t, 8> intensities{};
     IntegerModel x{32, 2}, y{32, 22}, z{32, 20}, intensity{16, 4}, angle{16, 2}, source{16, 1};
@@ -214,8 +214,8 @@ class LazPoint14 {
           static_cast<std::uint16_t>(now.source.code(coder(LazLayer14::sources), last.source, next.source, 0));
   }
 
-  // Of a return by how many there were (row) and which of them it is (column): those that are alike share what is
-  // expected of them. Part of the format.
+  // Kind of a return by the number of returns (row) and its own number (column); returns of a kind share predictions.
+  // Part of the format.
   static constexpr std::uint8_t kKinds[16][16] = {
       {0, 1, 2, 3, 4, 5, 3, 4, 4, 5, 5, 5, 5, 5, 5, 5}, {1, 0, 1, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3},
       {2, 1, 2, 4, 4, 4, 4, 4, 4, 4, 4, 3, 3, 3, 3, 3}, {3, 3, 4, 5, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4},
@@ -233,7 +233,7 @@ class LazPoint14 {
   std::array<std::unique_ptr<Channel>, kLazChannels> channels_;
 };
 
-/// What another item has for each channel: models, and the last value.
+/// State of another item for each channel: models, and the last value.
 template <class Models, class Value>
 class LazChannels {
  public:
@@ -246,8 +246,7 @@ class LazChannels {
     Value& last;
   };
 
-  /// `lag`: where a channel comes back that was there before, the last value is still that of the channel before it, as
-  /// in version 3.
+  /// `lag`: when a channel recurs, the last value is still that of the previous channel, as in version 3.
   LazChannels(bool lag, unsigned channel, Models models, Value first) : fresh_(models), lag_(lag), current_(channel) {
     channels_[channel] = std::make_unique<Channel>(Channel{std::move(models), std::move(first)});
   }
@@ -270,7 +269,7 @@ class LazChannels {
   std::array<std::unique_ptr<Channel>, kLazChannels> channels_;
 };
 
-/// A row of LAS with all that it has. `layers`: lazLayersOf(), which outlive it.
+/// Codec for a complete row of LAS. `layers`: all layers of the layout; they must outlive the object.
 template <class Coder>
 class LazRow14 {
  public:
@@ -292,12 +291,13 @@ class LazRow14 {
     core_.code(core, time);
     std::memcpy(row, &core, LazCore14::kBytes);
     std::memcpy(row + layout_.timeAt, &time, sizeof time);
-    // Version 3 tells the other items of a channel with its first point alone; they take all others for those of 0.
+    // In version 3 only the first point of a channel has the right channel for other items; for the following ones they
+    // use channel 0.
     const unsigned channel = layout_.channelsLag && !core_.hasChangedChannel() ? 0 : core_.channel();
     std::size_t layer = kLazLayers14;
     if (colors_) codeColor(channel, row + layout_.colorAt, layers_[layer++]);
     if (infrared_) codeInfrared(channel, row + layout_.infraredAt, layers_[layer++]);
-    if (layout_.wavesAt) {  // their layer is passed over, as their waves mostly are in another file
+    if (layout_.wavesAt) {  // their layer is skipped, since waveforms usually are in another file
       std::memset(row + layout_.wavesAt, 0, kLazWaveBytes);
       ++layer;
     }

@@ -15,11 +15,11 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kRowBlock = 1024;  // rows that stay near the processor
+constexpr std::size_t kRowBlock = 1024;  // rows that stay in the cache
 constexpr std::uint64_t kTogether = std::uint64_t{1} << 25, kSlice = std::uint64_t{1} << 18;  // points
-constexpr std::uint64_t kMaxFromByte = 64;  // points that room is made for at once; more are rare
+constexpr std::uint64_t kMaxFromByte = 64;  // plausible number of points per byte; more are rare
 
-/// Unpacks the next `count` points of a chunk, which are from number `base` on.
+/// Decodes the next `count` points of a chunk, whose numbers start at `base`.
 void take(LazChunkDecoder& decoder, std::size_t rowBytes, std::size_t base, std::size_t count, LasColumns& columns) {
   BareVector<std::byte> rows(std::min(count, kRowBlock) * rowBytes);
   for (std::size_t done = 0; done < count;) {
@@ -30,7 +30,7 @@ void take(LazChunkDecoder& decoder, std::size_t rowBytes, std::size_t base, std:
   }
 }
 
-/// As take() of all points of two chunks of the same file, side by side.
+/// Like take() for all points of two chunks of the same file, interleaved.
 void takeBoth(LazChunkDecoder& a, LazChunkDecoder& b, std::size_t rowBytes, std::array<std::size_t, 2> bases,
               std::array<std::size_t, 2> counts, LasColumns& columns) {
   const std::size_t both = std::min(counts[0], counts[1]);
@@ -47,10 +47,10 @@ void takeBoth(LazChunkDecoder& a, LazChunkDecoder& b, std::size_t rowBytes, std:
   take(b, rowBytes, bases[1] + both, counts[1] - both, columns);
 }
 
-/// Chunks that are unpacked at the same time: one alone where it is said to hold more than its bytes make likely.
+/// Chunks that are decoded concurrently; a chunk with an implausible number of points is a group of its own.
 struct ChunkGroup {
-  std::size_t begin, end;  // of the chunks
-  std::uint64_t base, to;  // of their points
+  std::size_t begin, end;  // chunk indices
+  std::uint64_t base, to;  // point numbers
   bool alone;
 };
 
@@ -83,7 +83,7 @@ void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, s
     return LazChunkDecoder(file, layout, chunk, body.subspan(chunk.at - bodyAt, chunk.bytes));
   };
   for (const ChunkGroup& group : groups) {
-    if (group.alone) {  // perhaps a very long one, which is unpacked slice by slice
+    if (group.alone) {  // perhaps a very long one, which is decoded in slices
       LazChunkDecoder decoder = open(chunks[group.begin]);
       for (std::uint64_t base = group.base; base < group.to;) {
         const std::uint64_t count = std::min(kSlice, group.to - base);
@@ -110,14 +110,14 @@ void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, s
                  columns);
         odd += (first.left() > 0 ? 1 : 0) + (second.left() > 0 ? 1 : 0);
       };
-      // Two at a time where that is faster, if it leaves no thread without one.
+      // Two interleaved where that is faster, unless threads would be idle.
       const bool sideBySide = !layout.layered && bases.size() > threadCount(columns.threads());
       const std::size_t together = sideBySide ? 2 : 1;
       parallelBlocks(bases.size(), together, columns.threads(), [&](std::size_t begin, std::size_t end) {
         if (end - begin == 1) return unpack(begin);
         try {
           unpackBoth(begin);
-        } catch (const FileError&) {  // of which chunk? The first one that is damaged is named, as one after the other
+        } catch (const FileError&) {  // repeat separately, so that the first damaged chunk is reported
           unpack(begin);
           unpack(begin + 1);
         }

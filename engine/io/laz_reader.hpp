@@ -1,4 +1,4 @@
-// Unpacks the points of LAZ: a chunk a thread, or two side by side.
+// Decodes the points of LAZ, one chunk per thread or two interleaved.
 #pragma once
 
 #include <functional>
@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-/// `body`: the bytes of the file from byte `bodyAt` on, with all chunks. Memory follows the points that are unpacked,
-/// some millions ahead at most, whatever the file says. Throws FileError with the byte of what is damaged.
+/// `body`: the bytes of the file from byte `bodyAt` on, with all chunks. Memory grows with the decoded points, at most
+/// some millions ahead, independent of what the file claims. Throws FileError with the byte of the damage.
 void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, std::span<const LazChunk> chunks,
                    std::span<const std::byte> body, std::uint64_t bodyAt, LasColumns& columns, Log* log);
 

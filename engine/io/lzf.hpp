@@ -1,4 +1,4 @@
-// LZF (Lehmann 2000), the compression of PCD files, as far as it is read.
+// Decompression of LZF (Lehmann 2000), the compression of PCD files.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,10 @@
 
 namespace palpate {
 
-/// No byte of input stands for more of output.
+/// Maximum number of output bytes per input byte.
 inline constexpr std::uint64_t kMaxPerLzfByte = 132;
 
-/// Fills `out` to its last byte; where it cannot, the byte of `in` at which that is seen.
+/// Fills `out` completely; on failure returns the byte of `in` where the error is.
 std::optional<std::size_t> unpackLzf(std::span<const std::byte> in, std::span<std::byte> out);
 
 }  // namespace palpate

@@ -21,7 +21,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxSceneFile = std::size_t{1} << 20;  // bytes
 
-// Where a field is written, and which kinds of matter, and soft bodies of which preset, have it.
+// Name and reader of a field, the kinds of matter that have it, and the preset of soft bodies that has it.
 struct Field {
   const char* name;
   void (*read)(const Field& field, const Json& value, MatterScene& scene);
@@ -150,7 +150,7 @@ constexpr std::array kFields{
     Field{.name = "gain", .read = readNumber<&MatterScene::gain>},
 };
 
-// In the order of the file's keys, which is that of the alphabet, so that the same file gets the same complaint.
+// In the order of the parsed keys, which is alphabetical, so that the same file gives the same error.
 void readFields(const Json& object, MatterScene& scene) {
   for (const auto& [name, value] : object.items()) {
     const auto* const field = std::ranges::find(kFields, name, &Field::name);

@@ -27,7 +27,7 @@ std::string madeFrom(const TriangleSoup& soup) { return fmt::format("{} triangle
 
 using Import = ImportedMesh (*)(const std::filesystem::path& file);
 
-/// What is not at a place is left out, and counted.
+/// Leaves out corners that are not finite, with their triangles, and counts them.
 ImportedMesh importedBy(Import import, const std::filesystem::path& file) {
   ImportedMesh mesh = import(file);
   const std::size_t before = mesh.soup.triangles.size();
@@ -56,7 +56,7 @@ FileContents contentsOfMesh(const std::filesystem::path& file) {
   return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = points ? "" : madeFrom(mesh.soup)};
 }
 
-/// Whether single precision holds a number: to the last bit, or to the last digit that somebody wrote of it.
+/// Whether single precision holds a number: exactly, or to the last decimal digit written.
 bool isNarrow(double number) {
   const auto narrow = static_cast<float>(number);
   if (static_cast<double>(narrow) == number) return true;
@@ -67,7 +67,7 @@ bool isNarrow(double number) {
 
 PointCloud cornersOf(const TriangleSoup& soup, Log* log) {
   std::vector<Vec3> narrow, normals = soup.normals;
-  for (Vec3& normal : normals)  // what is no direction is missing
+  for (Vec3& normal : normals)  // a normal that is not finite counts as missing
     if (!std::isfinite(glm::dot(normal, normal))) normal = Vec3(0);
   bool exact = true;
   for (const DVec3& corner : soup.corners) {
@@ -117,7 +117,7 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
 
 StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
   StoredCloud stored = readMesh<importGltf>(file, log, options);
-  stored.cloud.storedAs.comments.emplace_back("comment up: y");  // as the format says, and
+  stored.cloud.storedAs.comments.emplace_back("comment up: y");  // up axis and unit as defined by the format
   sayUnit(stored.cloud.storedAs.comments, LengthUnit::m);
   return stored;
 }

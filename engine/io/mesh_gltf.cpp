@@ -15,14 +15,14 @@ namespace {
 using Json = nlohmann::json;
 using DMat3 = glm::dmat3;
 
-constexpr unsigned kMaxNodeDepth = 1000;  // nodes below each other
+constexpr unsigned kMaxNodeDepth = 1000;  // maximum nesting of nodes
 
 struct Placement {
   DMat3 turn{1};
   DVec3 shift{0};
 
   Placement operator*(const Placement& inner) const { return {turn * inner.turn, turn * inner.shift + shift}; }
-  /// What normals are turned by, whatever the scales are: the cofactors, to the same side.
+  /// Transformation of normals for any scale: the cofactor matrix, with the sign that preserves the side.
   DMat3 ofNormals() const {
     const DMat3 cofactors(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]), glm::cross(turn[0], turn[1]));
     return isMirrored() ? -1.0 * cofactors : cofactors;
@@ -50,7 +50,7 @@ class GltfReader {
  private:
   const Json& list(const char* name) const { return listOf(file_.json(), name); }
   const Json& nodes() const { return list("nodes"); }
-  /// Empty where it is not there.
+  /// Empty if missing.
   const Json& listOf(const Json& object, const char* name) const {
     static const Json none = Json::array();
     const auto found = object.find(name);
@@ -70,7 +70,7 @@ class GltfReader {
                            draco ? "with Draco " : "", extension));
   }
 
-  /// The nodes that a scene begins with; without a scene those that are nobody's children.
+  /// The root nodes of the scene; without a scene those that are not children.
   std::vector<Json> roots() const {
     if (!list("scenes").empty()) {
       const Json& scene = file_.named("scenes", Json(file_.whole(file_.json(), "scene", 0)));
@@ -89,8 +89,7 @@ class GltfReader {
     return roots;
   }
 
-  /// Normals are taken where all triangles have them, colours where any have. Without a triangle points are what
-  /// counts.
+  /// Normals are used if all triangles have them, colours if any has them. Without any triangle, points are read.
   void settleAttributes() {
     const auto eachPrimitive = [&](auto&& visit) {
       for (const Json& mesh : list("meshes")) {
@@ -212,14 +211,14 @@ class GltfReader {
     const double full = colors.normalized || colors.kind == kFloat ? 1 : colors.kind == kByte ? 255 : 65535;
     for (std::size_t i = 0; i < colors.count; ++i) raw_.emplace_back(threeOf(colors, i) / full);
   }
-  /// What has none where others have is white.
+  /// Corners without a colour become white if others have one.
   void settleColors() {
     if (!colors_) return;
     const std::size_t missing = cornerColors(raw_, false, mesh_.soup.colors);
     if (missing > 0) mesh_.lost.push_back(fmt::format("{} corners have no colour, and are white", missing));
   }
 
-  /// `corner`: of the `count` that follow one another, by their numbers from `first` on, of which there are `there`.
+  /// `corner`: maps 0 to `count` - 1 to a corner index below `there`; `first` is added to it.
   template <class Corner>
   void addTriangles(std::size_t count, std::size_t mode, bool mirrored, std::size_t first, std::size_t there,
                     Corner&& corner) {
@@ -235,7 +234,7 @@ class GltfReader {
     }
   }
 
-  static constexpr std::size_t kPoints = 0, kTriangles = 4, kStrip = 5, kFan = 6;  // as glTF numbers them
+  static constexpr std::size_t kPoints = 0, kTriangles = 4, kStrip = 5, kFan = 6;  // numbers of glTF
   static constexpr unsigned kByte = 5121, kFloat = 5126;
   static constexpr std::array<const char*, 2> kPacked{"KHR_draco_mesh_compression", "EXT_meshopt_compression"};
 

@@ -1,4 +1,4 @@
-// Reading triangle meshes: OBJ (Wavefront), STL (3D Systems), OFF (Geomview) and glTF 2.0 (Khronos).
+// Reads triangle meshes: OBJ (Wavefront), STL (3D Systems), OFF (Geomview) and glTF 2.0 (Khronos).
 #pragma once
 
 #include <filesystem>
@@ -11,18 +11,19 @@ namespace palpate {
 
 struct ImportedMesh {
   TriangleSoup soup;
-  std::vector<std::string> lost;  ///< what of the file is no triangle, in words
+  std::vector<std::string> lost;  ///< contents of the file other than triangles, in words
 };
 
-/// All of them throw FileError with the line or the byte, and take memory for what a file has and not for what it says.
+/// All of them throw FileError with the line or the byte, and allocate memory for data present in the file, not for
+/// what it claims.
 
-/// Places, and normals and colours where all corners have them. Polygons become triangles.
+/// Reads positions, and normals and colours if all corners have them. Polygons become triangles.
 ImportedMesh importObj(const std::filesystem::path& file);
-/// Binary or as text; corners of different triangles are different ones, and the normals that it gives are not used.
+/// Binary or text; triangles do not share corners, and normals of the file are not used.
 ImportedMesh importStl(const std::filesystem::path& file);
-/// As text, with normals and colours of corners (NOFF, COFF). Polygons become triangles.
+/// Text, with normals and colours of corners (NOFF, COFF). Polygons become triangles.
 ImportedMesh importOff(const std::filesystem::path& file);
-/// JSON with its buffers within or beside it, or GLB: each mesh wherever the nodes of its scene have it.
+/// JSON with embedded or separate buffers, or GLB: each mesh at all positions where the nodes of its scene place it.
 ImportedMesh importGltf(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// Lines of text of a mesh, as words.
+// Reads the text lines of a mesh as words.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,12 +15,12 @@
 
 namespace palpate {
 
-/// Walks over the lines that have words, less what follows a '#'.
+/// Iterates over the lines that are not blank, without comments that begin with '#'.
 class MeshLines {
  public:
   explicit MeshLines(const std::filesystem::path& file) : file_(file) {}
 
-  /// False at the end of the file. A line that ends with a backslash goes on in the next one.
+  /// False at the end of the file. A line that ends with a backslash continues on the next one.
   bool next() {
     do {
       auto line = file_.readLine(kLongestLine);

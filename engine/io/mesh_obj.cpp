@@ -54,12 +54,12 @@ class ObjReader {
     const std::size_t count = lines_.words().size();
     places_.push_back(lines_.three(1, "a coordinate"));
     if (places_.size() > 0xffffffffu) lines_.fail("more than 4,294,967,295 corners");
-    if (count < 7) return;  // a weight at most, or else colours, in some programs with an opacity
+    if (count < 7) return;  // at most a weight; 7 or more: colours, in some programs with an opacity
     colors_.resize(places_.size() - 1);
     colors_.emplace_back(lines_.three(4, "a colour"));
   }
 
-  /// Which of `count` a reference means: from 1 on, or back from the last one.
+  /// Converts a reference to an index below `count`: references count from 1, or back from the last if negative.
   std::uint32_t referred(std::string_view text, std::size_t count, std::string_view what) const {
     const auto number = textNumber<std::int64_t>(text);
     if (!number) lines_.fail(fmt::format("found {}, expected the number of {}", inQuotes(text), what));
@@ -115,14 +115,14 @@ class ObjReader {
     return std::move(mesh_);
   }
 
-  /// How many corners have none where others have.
+  /// Returns the number of corners without a colour if others have one.
   std::size_t settleColors() {
     if (colors_.empty()) return 0;
     colors_.resize(places_.size());
     return cornerColors(colors_, false, bytes_);
   }
 
-  /// A corner for each place and normal that stand together.
+  /// Creates a corner for each combination of position and normal.
   void pairUp() {
     TriangleSoup& soup = mesh_.soup;
     std::unordered_map<std::uint64_t, std::uint32_t> corners;
@@ -145,12 +145,12 @@ class ObjReader {
   ImportedMesh mesh_;
   std::vector<DVec3> places_;
   std::vector<Vec3> normals_;
-  std::vector<std::optional<DVec3>> colors_;        // of places, up to the last one that has one
-  std::vector<std::array<std::uint8_t, 4>> bytes_;  // the same once all are known
-  std::vector<std::uint32_t> polygon_, normalsOf_;  // of the face at hand
+  std::vector<std::optional<DVec3>> colors_;        // by position, up to the last one that has a colour
+  std::vector<std::array<std::uint8_t, 4>> bytes_;  // the same for all positions, once complete
+  std::vector<std::uint32_t> polygon_, normalsOf_;  // of the current face
   std::vector<DVec3> around_;
   std::vector<std::array<std::uint32_t, 3>> local_;
-  std::vector<std::uint32_t> cornerNormals_;  // three of each triangle, while all have one
+  std::vector<std::uint32_t> cornerNormals_;  // three for each triangle, as long as all have normals
   bool facing_ = true;
   std::size_t others_ = 0, freeForms_ = 0, unknown_ = 0, large_ = 0;
 };

@@ -48,7 +48,7 @@ class OffReader {
     return *value;
   }
 
-  /// The word is followed by the counts: behind it, on its line or on the next one; some files have no word.
+  /// The word OFF is followed by the counts, on the same line or on the next one; some files have no word.
   void header() {
     needLine("nothing");
     std::string_view word = lines_.words().front();
@@ -98,7 +98,7 @@ class OffReader {
       whole_ = whole_ && lines_.words()[k].find_first_of(".eE") == std::string_view::npos;
   }
 
-  /// Whole numbers go up to 255, others up to 1 or more, as all of them together tell.
+  /// Integers range up to 255, other numbers up to 1 or more, determined by all of them.
   void settleColors() {
     if (cornerColors_.empty()) return;
     cornerColors_.resize(mesh_.soup.corners.size());
@@ -126,8 +126,8 @@ class OffReader {
 
   MeshLines lines_;
   ImportedMesh mesh_;
-  std::vector<std::optional<DVec3>> cornerColors_;  // up to the last corner that has one
-  bool whole_ = true;                               // all numbers of colours are
+  std::vector<std::optional<DVec3>> cornerColors_;  // up to the last corner that has a colour
+  bool whole_ = true;                               // all colours are integers
   std::vector<std::uint32_t> polygon_;
   std::vector<DVec3> around_;
   std::vector<std::array<std::uint32_t, 3>> local_;

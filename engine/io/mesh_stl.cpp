@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kHead = 84, kTriangle = 50;  // bytes; the last four of the head say how many there are
+constexpr std::size_t kHead = 84, kTriangle = 50;  // bytes; the last four of the header are the number of triangles
 
 void addCorners(const std::filesystem::path& file, TriangleSoup& soup, const std::array<DVec3, 3>& corners) {
   const std::size_t first = soup.corners.size();
@@ -101,8 +101,8 @@ class StlText {
   bool open_ = false;
 };
 
-/// Text begins with a word with which some binary files begin as well: those have as many bytes as they say, or bytes
-/// that no text has.
+/// Text begins with a word with which some binary files begin as well: these have exactly the size they declare, or
+/// bytes that do not occur in text.
 bool isText(ChunkedFile& file) {
   constexpr std::size_t kLookedAt = 1024;
   file.passTextMark();

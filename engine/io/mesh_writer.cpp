@@ -23,7 +23,7 @@ void place(RowOutput& out, const DVec3& p, bool doubles) {
   for (int k = 0; k < 3; ++k) out.real(doubles ? ScalarType::f64 : ScalarType::f32, p[k]);
 }
 
-/// Whether places need more than single precision.
+/// Whether positions need more than single precision.
 bool isWide(const PointCloud& cloud, const CloudWriteOptions& options) {
   return options.doubles || cloud.origin != DVec3(0) || !cloud.exactPositions.empty();
 }

@@ -1,18 +1,18 @@
-// Writing triangle meshes: OBJ (Wavefront), STL (3D Systems) and OFF (Geomview).
+// Writes triangle meshes: OBJ (Wavefront), STL (3D Systems) and OFF (Geomview).
 #pragma once
 
 #include "engine/io/cloud_format.hpp"
 
 namespace palpate {
 
-/// All of them: of the cloud, whose points are the corners of the triangles that the options name. The file appears
-/// under its name only when it is whole. Throws FileError, also where there are no triangles.
+/// All functions write the triangles given in the options, whose corners are the points of the cloud. The file appears
+/// under its name only when it is complete. They throw FileError, also without triangles.
 
-/// Places, colours and normals as text.
+/// Writes positions, colours and normals as text.
 void writeObj(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
-/// Places in single precision and normals of triangles, binary unless ASCII is asked for.
+/// Writes positions in single precision and normals of triangles, binary unless ASCII is requested.
 void writeStl(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
-/// Places as text.
+/// Writes positions as text.
 void writeOff(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);
 
 std::vector<std::string> lacksOfObj(const StoredCloud& stored);

@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::size_t kMaxColumns = 4096;
 
-/// A literal of Python, of the kinds that a header has.
+/// A Python literal, of the kinds that occur in a header.
 struct Literal {
   enum class Kind { text, number, truth, list, table } kind = Kind::text;
   std::string text;
   std::uint64_t number = 0;
-  std::vector<Literal> items;  ///< of a table: keys and values in turn
+  std::vector<Literal> items;  ///< of a table: keys and values alternate
 
   const Literal* find(std::string_view key) const {
     for (std::size_t k = 0; k + 1 < items.size(); k += 2)
@@ -31,7 +31,7 @@ struct Literal {
   }
 };
 
-/// Reads one literal; throws FileError with the byte where it is none.
+/// Parses one literal; throws FileError with the byte if it is invalid.
 class LiteralText {
  public:
   LiteralText(const std::filesystem::path& file, std::string_view text, std::uint64_t at)
@@ -109,7 +109,7 @@ class LiteralText {
   std::size_t next_ = 0;
 };
 
-/// What a text like `<f4` says; the size alone, where it is padding (`|V4`).
+/// A parsed type code like `<f4`; only the size for padding (`|V4`).
 struct Number {
   NpyColumn column;
   std::uint64_t bytes = 0;
@@ -142,7 +142,7 @@ Number numberOf(const std::string& code, const LiteralText& text) {
   return number;
 }
 
-/// Throws where a product is more than any file.
+/// Throws if a product exceeds any possible file size.
 std::uint64_t product(std::uint64_t a, std::uint64_t b, const LiteralText& text) {
   constexpr std::uint64_t kMax = std::uint64_t{1} << 60;
   if (b > 0 && a > kMax / b) text.fail("more numbers than can be");
@@ -158,7 +158,7 @@ std::uint64_t elementsOf(const Literal& shape, const LiteralText& text) {
   return elements;
 }
 
-/// Names of three numbers that are kept in one field.
+/// Names for the elements of a field.
 std::string elementName(const std::string& name, std::uint64_t k, std::uint64_t of) {
   static const std::map<std::string_view, std::array<const char*, 3>> kThrees{
       {"position", {"x", "y", "z"}},     {"positions", {"x", "y", "z"}},      {"xyz", {"x", "y", "z"}},
@@ -169,7 +169,7 @@ std::string elementName(const std::string& name, std::uint64_t k, std::uint64_t 
   return of == 1 ? name : fmt::format("{}_{}", name, k);
 }
 
-/// The fields of a structure; says how many bytes one is.
+/// Adds the fields of a structure; returns its size in bytes.
 std::uint64_t addFields(const Literal& fields, NpyArray& array, const LiteralText& text) {
   std::uint64_t at = 0;
   for (const Literal& field : fields.items) {
@@ -190,7 +190,7 @@ std::uint64_t addFields(const Literal& fields, NpyArray& array, const LiteralTex
   return at;
 }
 
-/// The numbers of a plain array: its last side counts columns, those before it rows.
+/// Adds the columns of a plain array: its last dimension is that of columns, the others are rows.
 std::uint64_t addNumbers(const std::string& code, bool fortran, NpyArray& array, const LiteralText& text) {
   const Number number = numberOf(code, text);
   const bool flat = array.shape.size() < 2;

@@ -31,13 +31,13 @@ std::vector<std::byte> readWhole(const std::filesystem::path& path, Log* log) {
   return bytes;
 }
 
-/// A column, and the array that it is of.
+/// A column, and the data of its array.
 struct Source {
   NpyColumn column;
   std::span<const std::byte> data;
 };
 
-/// Columns of as many rows each, under the names that a cloud's attributes have.
+/// Columns of equal length, under the names of a cloud's attributes.
 class NpyTable {
  public:
   explicit NpyTable(const std::filesystem::path& path) : path_(path) {}
@@ -46,7 +46,7 @@ class NpyTable {
   const std::vector<Source>& sources() const { return sources_; }
   std::vector<std::string>& lost() { return lost_; }
 
-  /// An array that is all there is.
+  /// Adds the only array.
   void addAlone(const NpyArray& array) {
     rows_ = array.rows;
     const std::size_t begin = sources_.size();
@@ -54,7 +54,7 @@ class NpyTable {
     if (!array.structured) nameColumns(std::span(sources_).subspan(begin), array);
   }
 
-  /// An array of an archive, whose name says what it is.
+  /// Adds an array of an archive; its name tells its meaning.
   void addNamed(const std::string& name, const NpyArray& array) {
     if (sources_.empty()) rows_ = array.rows;
     const bool perPoint = array.rows == rows_ && !array.shape.empty();
@@ -76,7 +76,7 @@ class NpyTable {
     return isOneOf(name, {"points", "xyz", "positions", "position", "pos", "vertices", "coords"});
   }
 
-  /// Columns of a name that one before has are lost.
+  /// Drops columns with duplicate names, and names them as lost.
   void settle() {
     for (std::size_t k = 0; k < sources_.size();) {
       std::string& name = sources_[k].column.name;
@@ -101,7 +101,7 @@ class NpyTable {
     return element;
   }
 
-  /// Names what of the rows is lost, too.
+  /// Also names rows and columns that are lost.
   PointCloud cloud(Log* log) {
     PlyVertices vertices(path_, element(), log);
     vertices.reserve(rows_);
@@ -126,7 +126,7 @@ class NpyTable {
   static bool isOneOf(std::string_view name, std::initializer_list<const char*> names) {
     return std::ranges::find(names, name) != names.end();
   }
-  /// To a hundredth, as programs round; those that are zero, or no numbers, are none.
+  /// Tolerance of one hundredth for rounding; zero vectors and those that are not finite are ignored.
   bool areNormals(std::span<const Source> three) const {
     for (std::uint64_t r = 0; r < rows_; ++r) {
       double squared = 0;
@@ -170,7 +170,7 @@ class NpyTable {
   std::vector<std::string> lost_;
 };
 
-/// The bytes of a file, and what they are.
+/// The bytes of a file, and the table made of them.
 struct NpyFile {
   std::vector<std::vector<std::byte>> bytes;
   NpyTable table;
@@ -188,7 +188,7 @@ struct NamedArray {
   NpyArray array;
 };
 
-/// Without names numpy.savez() calls arrays arr_0, arr_1 and so on: the first one is the places then.
+/// numpy.savez() names arrays arr_0, arr_1 and so on by default: then the first one contains the positions.
 void nameByOrder(std::vector<NamedArray>& arrays) {
   const auto first = std::ranges::find(arrays, "arr_0", &NamedArray::name);
   const bool named = std::ranges::any_of(arrays, [](const NamedArray& one) { return NpyTable::isPlaces(one.name); });
@@ -214,7 +214,7 @@ NpyFile openNpz(const std::filesystem::path& path, Log* log) {
   if (arrays.size() == 1) {
     file.table.addAlone(arrays[0].array);
   } else {
-    // That of the places tells how many points there are.
+    // The array of positions determines the number of points.
     std::stable_partition(arrays.begin(), arrays.end(),
                           [](const NamedArray& one) { return NpyTable::isPlaces(one.name); });
     for (const NamedArray& one : arrays) file.table.addNamed(one.name, one.array);

@@ -1,4 +1,4 @@
-// Arrays of NumPy as formats: NPY, one array, and NPZ, several with names.
+// NumPy arrays as formats: NPY, one array, and NPZ, several named arrays.
 #pragma once
 
 #include "engine/io/cloud_format.hpp"

@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::array<const char*, 8> kCodes{"|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<f4", "<f8"};
 
-/// The line that describes an array, with blanks so that numbers begin at a multiple of 64. `type` and `shape`: as
-/// Python writes them.
+/// The header of an array, padded with blanks so that numbers begin at a multiple of 64. `type` and `shape`: in Python
+/// syntax.
 std::string headerOf(const std::string& type, const std::string& shape) {
   std::string text = fmt::format("{{'descr': {}, 'fortran_order': False, 'shape': {}, }}", type, shape);
-  const bool late = text.size() + 64 > 65535;  // version 1 says its length in 16 bits
+  const bool late = text.size() + 64 > 65535;  // version 1 stores the length in 16 bits
   const std::size_t before = late ? 12 : 10;
   text += std::string(63 - (before + text.size()) % 64, ' ');
   text += '\n';
@@ -40,7 +40,7 @@ void report(const CloudWriteOptions& options, double share) {
   if (options.progress) options.progress(share);
 }
 
-/// Little endian, one after the other.
+/// Appends numbers in little-endian order.
 class ArrayBytes {
  public:
   ArrayBytes(const std::string& type, const std::string& shape, std::size_t bytes) {
@@ -89,7 +89,7 @@ ArrayBytes valuesOf(const PointCloud& cloud, const Attribute& attribute) {
   return array;
 }
 
-/// Names of arrays that mean something else when they are read, and those that no archive has.
+/// Array names that have another meaning when read, and invalid member names.
 bool isTakenInNpz(const std::string& name) {
   constexpr std::array kTaken{"xyz",     "points", "positions", "position", "pos", "vertices", "coords",
                               "normals", "normal", "colors",    "colours",  "rgb", "color",    "alpha"};

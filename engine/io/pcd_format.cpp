@@ -74,7 +74,7 @@ class PcdBody {
     appendColumns(columns);
   }
 
-  /// All of the first field, then all of the next one.
+  /// Columns are stored field by field: all values of the first field, then all of the next one.
   void appendColumns(const std::vector<std::byte>& columns) {
     std::vector<std::byte> rows;
     for (std::size_t begin = 0; begin < header_.points; begin += kPointBatch) {

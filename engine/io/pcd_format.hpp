@@ -1,4 +1,4 @@
-// PCD, the files of the Point Cloud Library, as a format.
+// PCD, the format of the Point Cloud Library.
 #pragma once
 
 #include "engine/io/cloud_format.hpp"

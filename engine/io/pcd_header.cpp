@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxPcdHeaderLine = std::size_t{1} << 16;
-constexpr std::size_t kMaxNumbers = 4096;  // of one point
+constexpr std::size_t kMaxNumbers = 4096;  // per point
 
 std::vector<std::string> pcdWordsOf(std::string_view line) {
   std::vector<std::string> words;
@@ -25,7 +25,7 @@ std::vector<std::string> pcdWordsOf(std::string_view line) {
   return words;
 }
 
-/// Takes the lines of a header one by one.
+/// Parses the lines of a header.
 class PcdHeaderLines {
  public:
   explicit PcdHeaderLines(ChunkedFile& file) : file_(file) {}

@@ -1,4 +1,4 @@
-// The header of PCD files, of the Point Cloud Library (Rusu and Cousins 2011), versions 0.5 to 0.7.
+// The header of PCD files (Point Cloud Library; Rusu and Cousins 2011), versions 0.5 to 0.7.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct PcdField {
   std::string name;
   std::size_t bytes = 4;  ///< of one number
   char type = 'F';        ///< I, U or F
-  std::size_t count = 1;  ///< numbers
+  std::size_t count = 1;  ///< numbers per point
 };
 
 struct PcdHeader {
@@ -24,15 +24,15 @@ struct PcdHeader {
   std::string viewpoint;
   PcdData data = PcdData::ascii;
   std::vector<std::string> comments;  ///< as in StoredAs
-  std::uint64_t line = 0;             ///< its last one
+  std::uint64_t line = 0;             ///< number of its last line
 
   std::size_t rowBytes() const;
 };
 
-/// Reads up to the first byte of the points. Throws FileError with the line that is wrong.
+/// Reads up to the first byte of the points. Throws FileError with the line of the error.
 PcdHeader readPcdHeader(ChunkedFile& file);
 
-/// Calls f(std::type_identity<T>{}) with the type of a field's numbers, which is one that the header allows.
+/// Calls f(std::type_identity<T>{}) with the type of a field's numbers, which readPcdHeader() has validated.
 template <class F>
 decltype(auto) visitPcd(const PcdField& field, F&& f) {
   const auto whole = [&]<class I8, class I16, class I32, class I64>(I8 one, I16 two, I32 four, I64 eight) {

@@ -1,4 +1,4 @@
-// From the rows of a PCD file to those of a cloud's attributes.
+// Converts the rows of a PCD file to columns of a cloud.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-/// Names become those that all formats share: normal_x is nx, the bytes of rgb are red, green and blue, a field of many
-/// numbers NAME_0, NAME_1 and so on. Padding (`_`) is left out.
+/// Names are converted to those shared by all formats: normal_x becomes nx, the bytes of rgb become red, green and
+/// blue, a field of several numbers NAME_0, NAME_1 and so on. Padding (`_`) is skipped.
 class PcdRows {
  public:
   PcdRows(const std::filesystem::path& file, const PcdHeader& header, Log* log);
@@ -20,16 +20,16 @@ class PcdRows {
     std::size_t row;
     std::string what;
   };
-  /// Takes rows as the file has them.
+  /// Appends rows in the layout of the file.
   std::optional<Bad> append(const std::byte* rows, std::size_t count);
   PointCloud finish(Log* log) { return vertices_.finish(log); }
   std::vector<std::string> lost() const { return vertices_.lost(); }
 
-  /// What the rows become.
+  /// Columns after conversion.
   static PlyElement elementOf(const PcdHeader& header);
 
  private:
-  enum class From : std::uint8_t { number, wide, wideSigned };  // 64 bits become double precision
+  enum class From : std::uint8_t { number, wide, wideSigned };  // 64-bit integers become double precision
   struct Column {
     std::size_t at;
     ScalarType type;

@@ -5,7 +5,7 @@
 namespace palpate {
 namespace {
 
-/// Says when something follows the last element; blank lines do not count.
+/// Logs if data follows the last element; blank lines are ignored.
 void remarkOnRest(ChunkedFile& file, Log* log) {
   const std::uint64_t offset = file.offset();
   const auto rest = file.peek(1);

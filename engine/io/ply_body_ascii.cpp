@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kLongestRow = std::size_t{64} << 20;  // a strip of a whole mesh is one line
 
-/// Walks over the rows of an element, one line each as the format asks; blank lines are passed over.
+/// Iterates over the rows of an element, one line each as the format requires; blank lines are skipped.
 class AsciiRows {
  public:
   AsciiRows(ChunkedFile& file, const PlyElement& element) : file_(file), element_(element) {}
@@ -28,7 +28,7 @@ class AsciiRows {
     }
   }
 
-  /// The next word of the row; fails where there is none.
+  /// The next word of the row; throws if there is none.
   std::string_view word(const PlyProperty& property) {
     if (!skipBlanks())
       fail(fmt::format("{} {} ends before '{}'; expected a value for each property", element_.name, row_ + 1,
@@ -79,7 +79,7 @@ class AsciiRows {
   std::string_view rest_;
 };
 
-/// Bytes of the shortest row: a digit and a separator per value. The last line may end without one.
+/// Minimum size of a row: a digit and a separator per value. The last line may lack its separator.
 std::uint64_t minAsciiRowBytes(const PlyElement& element) { return 2 * element.properties.size(); }
 
 std::string brokenAsciiPromise(const ChunkedFile& file, const PlyElement& element) {
@@ -126,8 +126,8 @@ void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyRowSink&
   }
 }
 
-/// Only the shape of the rows is checked: there are programs that write other values here than their header says, and
-/// what is not used should not stand in the way.
+/// Checks only the shape of the rows: some programs write other values here than their header declares, and unused data
+/// should not cause errors.
 void passAsciiElement(ChunkedFile& file, const PlyElement& element, PlyFaces* faces) {
   const std::string broken = brokenAsciiPromise(file, element);
   if (!broken.empty()) throw FileError::atLine(file.path(), element.line, broken);

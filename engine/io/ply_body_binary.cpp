@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// Walks over rows that contain lists; fails with the byte offset.
+/// Iterates over rows that contain lists; errors have the byte offset.
 class BinaryRows {
  public:
   BinaryRows(ChunkedFile& file, const PlyElement& element, bool swapBytes)
@@ -21,7 +21,7 @@ class BinaryRows {
          fmt::format("the file ends in {} {} of {}; it is truncated", element_.name, row + 1, element_.count));
   }
 
-  /// Copies a scalar to `to` where that is not null.
+  /// Copies a scalar to `to` if it is not null.
   void scalar(const PlyProperty& property, std::uint64_t row, std::byte* to) {
     const std::size_t bytes = sizeOf(property.type);
     const auto unread = file_.peek(bytes);
@@ -30,7 +30,7 @@ class BinaryRows {
     file_.consume(bytes);
   }
 
-  /// Reads the length of a list and checks it against what is left of the file.
+  /// Reads the length of a list and checks it against the remaining size of the file.
   std::uint64_t listLength(const PlyProperty& property, std::uint64_t row) {
     const std::uint64_t offset = file_.offset();
     std::byte raw[8];
@@ -74,7 +74,7 @@ class BinaryRows {
   bool swapBytes_;
 };
 
-/// Bytes of the shortest row: all lists empty.
+/// Minimum size of a row: all lists empty.
 std::uint64_t minBinaryRowBytes(const PlyElement& element) {
   std::uint64_t bytes = element.scalarBytes();
   for (const PlyProperty& property : element.properties) bytes += property.isList ? sizeOf(property.countType) : 0;
@@ -83,7 +83,7 @@ std::uint64_t minBinaryRowBytes(const PlyElement& element) {
 
 void readPackedVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices) {
   const std::size_t rowBytes = vertices.rowBytes();
-  // A pipe's rows are taken as they come.
+  // The rows of a pipe are processed as they are received.
   const std::uint64_t rowsAtOnce = file.remaining() ? std::max<std::uint64_t>(1, vertices.bytesAtOnce() / rowBytes) : 1;
   for (std::uint64_t done = 0; done < element.count;) {
     const auto unread = file.peek(rowBytes * std::min(rowsAtOnce, element.count - done));

@@ -29,7 +29,7 @@ std::optional<std::string> PlyFaces::add(std::span<const std::int64_t> indices, 
     if (isStrip && indices[k] == -1) {
       start = k + 1;
     } else if (k >= start + 2) {
-      const bool flipped = isStrip && (k - start) % 2 == 1;  // every second triangle of a strip winds the other way
+      const bool flipped = isStrip && (k - start) % 2 == 1;  // strips alternate their winding
       const auto a = static_cast<std::uint64_t>(indices[isStrip ? k - 2 : start]);
       const auto b = static_cast<std::uint64_t>(indices[k - 1]);
       const auto c = static_cast<std::uint64_t>(indices[k]);

@@ -1,4 +1,4 @@
-// Point normals from the faces of a mesh, for readers that meet one.
+// Point normals from the faces of a mesh, for readers of formats with faces.
 #pragma once
 
 #include <array>
@@ -19,29 +19,30 @@ class PlyFaces {
  public:
   explicit PlyFaces(std::uint64_t vertexCount) : vertexCount_(vertexCount) {}
 
-  /// The list of `element` that holds vertex indices; null when it has none.
+  /// The list of `element` that contains vertex indices; null if there is none.
   static const PlyProperty* indexList(const PlyElement& element);
 
-  /// Adds one polygon, or one row of strips in which -1 starts a new one. Says what is wrong with an index.
+  /// Adds a polygon, or a row of strips in which -1 starts a new one. Returns an error message for an invalid index.
   std::optional<std::string> add(std::span<const std::int64_t> indices, bool isStrip);
 
-  /// Cuts polygons of more than three corners in the plane that they lie in; before that they are fans, which are wrong
-  /// where corners point inwards. `leftOut`: numbers of vertices that are not in the cloud, in order.
+  /// Triangulates polygons of more than three corners in their plane; until then they are fans, which are wrong for
+  /// concave polygons. `leftOut`: vertex numbers that are not in the cloud, ascending.
   void cutPolygons(const PointCloud& cloud, std::span<const std::uint64_t> leftOut);
 
-  /// Takes the triangles of vertices that are left out away, and counts the others' vertices without them. `rows`: of
-  /// those, in order. How many triangles are gone.
+  /// Removes the triangles of vertices that were left out, and renumbers the others. `rows`: the vertices left out,
+  /// ascending. Returns the number of removed triangles.
   std::size_t leaveOut(std::span<const std::uint64_t> rows);
 
-  /// Area-weighted mean of the normals around each point (the cross products of its triangles, summed). Points that no
-  /// face uses get the normal of the nearest point that has one. Throws Error when there is no face.
+  /// Sets each normal to the area-weighted mean of the normals around the point (the sum of the cross products of its
+  /// triangles). Points without a face get the normal of the nearest point that has one. Throws Error if there is no
+  /// face.
   void applyTo(PointCloud& cloud, const std::filesystem::path& file, Log* log) const;
 
-  /// In the order of the file, wound as there.
+  /// In the order and winding of the file.
   std::span<const std::array<std::uint64_t, 3>> triangles() const { return triangles_; }
 
  private:
-  /// Triangles that follow one another.
+  /// Consecutive triangles.
   struct Polygon {
     std::size_t first, triangles;
   };

@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-// What of an element is not carried: its other properties where its triangles are, all of it elsewhere.
+// Names what is lost of an element: its other properties if it has triangles, else the whole element.
 void nameLostOf(const PlyElement& element, std::vector<std::string>& lost) {
   if (element.count == 0) return;
   const bool vertex = element.name == "vertex";

@@ -25,12 +25,12 @@ std::vector<std::string_view> wordsOf(std::string_view line) {
   return words;
 }
 
-/// Turns header lines into a PlyInfo, one call per line.
+/// Parses header lines into a PlyInfo, one call per line.
 class HeaderParser {
  public:
   explicit HeaderParser(const ChunkedFile& file) : file_(file) {}
 
-  /// False once the line was `end_header`.
+  /// False after the line `end_header`.
   bool take(std::string_view line) {
     const auto words = wordsOf(line);
     if (words.empty()) return true;
@@ -137,7 +137,7 @@ void checkMagic(ChunkedFile& file) {
   }
 }
 
-// Of a binary body; nothing where lists make it depend on the rows.
+// Size of a binary body; nothing if lists make it depend on the rows.
 std::optional<std::uint64_t> bodyBytes(const PlyInfo& info) {
   std::uint64_t bytes = 0;
   for (const PlyElement& element : info.elements) {
@@ -148,8 +148,8 @@ std::optional<std::uint64_t> bodyBytes(const PlyInfo& info) {
   return bytes;
 }
 
-// Where lines end with CR, an LF behind the last one is the body's first byte. But where the file has one byte more
-// than the body takes, that line ended with CR LF after all.
+// If lines end with CR, an LF after the last one is the first byte of the body. But if the file has one byte more than
+// the body, that line ended with CR LF.
 void passLineFeed(ChunkedFile& file, const PlyInfo& info) {
   if (info.format == PlyFormat::ascii || !file.linesEndWithCr()) return;
   const auto next = file.peek(1);

@@ -24,9 +24,9 @@ struct PlyProperty {
 
 struct PlyElement {
   std::string name;
-  std::uint64_t count = 0;  ///< what the header promises, which need not be true
+  std::uint64_t count = 0;  ///< as declared by the header, possibly wrong
   std::vector<PlyProperty> properties;
-  std::uint64_t line = 0;  ///< where the header says so, 1-based
+  std::uint64_t line = 0;  ///< line of its declaration, 1-based
 
   bool hasLists() const;
   /// Bytes of a row's scalars, packed in the order of the header.
@@ -36,16 +36,16 @@ struct PlyElement {
 struct PlyInfo {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;   ///< in the order of the file
-  std::vector<std::string> comments;  ///< lines that begin with `comment` or `obj_info`, with that word
+  std::vector<std::string> comments;  ///< lines that begin with `comment` or `obj_info`, including that word
 
-  /// Null when there is none of that name.
+  /// Null if there is no element of that name.
   const PlyElement* find(std::string_view element) const;
 };
 
-/// Reads the header only. Throws FileError with the line of the first thing that is wrong.
+/// Reads the header only. Throws FileError with the line of the first error.
 PlyInfo readPlyInfo(const std::filesystem::path& file);
 
-/// The same from an open file, which then stands at the first byte of the body.
+/// The same from an open file, which is then at the first byte of the body.
 PlyInfo readPlyHeader(ChunkedFile& file);
 
 }  // namespace palpate

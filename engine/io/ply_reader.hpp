@@ -1,4 +1,4 @@
-// Reading PLY files of any encoding, property types, order and extra elements.
+// Reads PLY files of any encoding, property types, order and extra elements.
 #pragma once
 
 #include <filesystem>
@@ -10,16 +10,16 @@
 namespace palpate {
 
 struct PlyReadOptions {
-  bool normalsFromFaces = false;  ///< area-weighted from the face element, in place of any that the file gives
-  std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;  ///< where to put those of the faces, if anywhere
-  std::vector<std::string>* lost = nullptr;           ///< where to put in words what rows are lost, if anywhere
-  std::vector<std::uint64_t>* leftOutRows = nullptr;  ///< where to put the numbers of those that are no points
-  PlyInfo* info = nullptr;  ///< where to put the header, if anywhere; who takes it says itself which elements are lost
+  bool normalsFromFaces = false;  ///< area-weighted from the face element, replacing any in the file
+  std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;  ///< receives the triangles of the faces; may be null
+  std::vector<std::string>* lost = nullptr;                        ///< receives descriptions of lost rows; may be null
+  std::vector<std::uint64_t>* leftOutRows = nullptr;  ///< receives the row numbers that are left out; may be null
+  PlyInfo* info = nullptr;  ///< receives the header; if not null, the caller reports which elements are lost
 };
 
-/// Reads the vertex element. The whole file is walked, so a truncated one is refused wherever it ends; bytes after the
-/// last element are ignored and said through `log`, as is everything that is lost. Throws FileError with the line
-/// (header and ASCII) or byte offset (binary). Memory follows the bytes that are really there, not the header's counts.
+/// Reads the vertex element. The whole file is read, so that a truncated one is rejected wherever it ends; bytes after
+/// the last element are ignored and logged, as are all losses. Throws FileError with the line (header and ASCII) or
+/// byte offset (binary). Memory grows with the bytes present, not with the header's counts.
 PointCloud readPly(const std::filesystem::path& path, Log* log = nullptr, PlyReadOptions options = {});
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// Who takes the rows of a PLY file's points, whatever becomes of them.
+// Interface of receivers of the rows of a PLY file's points.
 #pragma once
 
 #include <cstddef>
@@ -8,23 +8,23 @@
 
 namespace palpate {
 
-/// Takes packed rows: scalars in the order of the header, lists left out.
+/// Receives packed rows: scalars in the order of the header, without lists.
 class PlyRowSink {
  public:
   virtual ~PlyRowSink() = default;
 
   virtual std::size_t rowBytes() const = 0;
-  /// For a number of rows that may be in the file, as far as its size tells.
+  /// Reserves memory for a number of rows that is plausible for the size of the file.
   virtual void reserve(std::uint64_t promised) = 0;
 
-  /// How many bytes of rows it takes best at a time: as many as a processor has at hand, or enough for many threads.
+  /// Preferred number of bytes per call: as many as fit into the cache, or enough for many threads.
   virtual std::size_t bytesAtOnce() const { return std::size_t{1} << 20; }
 
   struct BadRow {
-    std::size_t row;  ///< within the rows given
+    std::size_t row;  ///< index within the given rows
     std::string what;
   };
-  /// Appends `count` rows; names the first that cannot be right.
+  /// Appends `count` rows; returns the first invalid one.
   virtual std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes) = 0;
 };
 

@@ -17,7 +17,7 @@ constexpr double kFarthest = 1e30;  // squares of distances must stay finite in 
 
 static_assert(sizeof(Vec3) == 3 * sizeof(float) && sizeof(DVec3) == 3 * sizeof(double));
 
-/// Single precision holds every value of these types.
+/// Whether single precision holds every value of the type.
 bool fitsFloat(ScalarType type) {
   return type != ScalarType::f64 && type != ScalarType::i32 && type != ScalarType::u32;
 }
@@ -62,7 +62,7 @@ PlyVertices::PlyVertices(const std::filesystem::path& file, const PlyElement& ve
   }
 }
 
-/// The column of that name; or else the first one whose name is that in another case, or means it.
+/// The column of that name; else the first one whose name matches case-insensitively, or is an alias.
 std::vector<PlyVertices::Column>::iterator PlyVertices::named(std::string_view name) {
   auto found = std::ranges::find(columns_, name, &Column::name);
   const auto lower = [](std::string text) {
@@ -76,7 +76,7 @@ std::vector<PlyVertices::Column>::iterator PlyVertices::named(std::string_view n
   return found;
 }
 
-/// Gives `role` to the columns of these names if the first three are there; a fourth may be missing.
+/// Assigns `role` to the columns of these names if the first three exist; a fourth is optional.
 bool PlyVertices::assignGroup(Role role, std::initializer_list<std::string_view> names) {
   for (std::size_t k = 0; k < 3; ++k)
     if (named(names.begin()[k]) == columns_.end()) return false;
@@ -98,7 +98,7 @@ bool PlyVertices::assignGroup(Role role, std::initializer_list<std::string_view>
 }
 
 void PlyVertices::reserve(std::uint64_t promised) {
-  constexpr std::uint64_t kMaxRows = std::uint64_t{1} << 27;  // a sparse file is long without holding anything
+  constexpr std::uint64_t kMaxRows = std::uint64_t{1} << 27;  // a sparse file may be long without containing data
   const auto rows = static_cast<std::size_t>(std::min(promised, kMaxRows));
   if (wide_) cloud_.exactPositions.reserve(rows);
   if (!wide_) cloud_.positions.reserve(rows);
@@ -109,7 +109,7 @@ void PlyVertices::reserve(std::uint64_t promised) {
 }
 
 std::optional<PlyVertices::BadRow> PlyVertices::append(const std::byte* rows, std::size_t count, bool swapBytes) {
-  if (count == 0) return std::nullopt;  // there is no first row to point at
+  if (count == 0) return std::nullopt;  // there is no first row to report
   const std::size_t base = count_;
   resize(count_ + count);
   for (const Column& column : columns_) {
@@ -138,7 +138,7 @@ void PlyVertices::resize(std::size_t count) {
   for (Attribute& attribute : cloud_.extra) attribute.data.resize(count * sizeOf(attribute.type));
 }
 
-/// Of the rows from `base` on, which are the last ones of the file so far.
+/// Checks the rows from `base` on, which are the last ones read so far.
 void PlyVertices::leaveOutBadRows(std::size_t base) {
   std::size_t kept = base;
   for (std::size_t i = base; i < count_; ++i) {
@@ -194,7 +194,7 @@ void PlyVertices::appendColumn(const Column& column, const std::byte* rows, std:
       scatter<T, kSwap>(from, rowBytes_, count, &cloud_.normals[base].x + column.index, 3, toFloat);
       break;
     case Role::color:
-      // Some programs call bytes that have no sign a type that has one.
+      // Some programs declare unsigned bytes with a signed type.
       if (rawColors_)
         scatter<T, kSwap>(from, rowBytes_, count, rawColors + column.index, 4, [](T value) {
           return static_cast<float>(std::is_same_v<T, std::int8_t> && value < 0 ? value + 256 : value);
@@ -225,7 +225,7 @@ std::optional<PlyVertices::BadRow> PlyVertices::checkPositions(std::size_t base)
 
 std::optional<PlyVertices::BadRow> PlyVertices::normalise(std::size_t base) {
   constexpr double kUnitTolerance =
-      1e-5;  // nearer to 1 than this a normal is left as it is, so that it is written back unchanged
+      1e-5;  // normals closer to unit length are not changed, so that they are written back unchanged
   if (!hasNormals_) return std::nullopt;
   for (std::size_t i = base; i < count_; ++i) {
     const DVec3 n(cloud_.normals[i]);
@@ -276,7 +276,7 @@ void PlyVertices::settleColors() {
   raw_ = {};
 }
 
-/// Splits double coordinates into an origin and float32 positions; drops the doubles where that lost nothing.
+/// Splits double coordinates into an origin and float32 positions; drops the doubles if that is lossless.
 void PlyVertices::placeOrigin() {
   const BareVector<DVec3>& exact = cloud_.exactPositions;
   if (exact.empty()) return;

@@ -1,4 +1,4 @@
-// From rows of scalars, as all three encodings deliver them, to the arrays of a point cloud.
+// Converts rows of scalars, from all three encodings, to the arrays of a point cloud.
 #pragma once
 
 #include <optional>
@@ -13,34 +13,35 @@
 
 namespace palpate {
 
-/// What becomes of rows whose position is not a finite number below 1e30.
+/// Treatment of rows whose position is not a finite number below 1e30.
 enum class BadRows : std::uint8_t { leaveOut, refuse };
 
-/// Takes packed rows (scalars in the order of the header, lists left out) and sorts their columns into a PointCloud:
-/// x y z; nx ny nz; red green blue [alpha], also as diffuse_red or r, in any case and as sharedColumnName() knows them;
-/// everything else is carried as an Attribute. What colours' numbers mean, all of them tell together (ColorScale).
+/// Receives packed rows (scalars in the order of the header, without lists) and sorts their columns into a PointCloud:
+/// x y z; nx ny nz; red green blue [alpha], also as diffuse_red or r, case-insensitive and with the aliases of
+/// sharedColumnName(); all others become an Attribute. The scale of colours is determined by all of their numbers
+/// (ColorScale).
 class PlyVertices final : public PlyRowSink {
  public:
-  /// Throws FileError at the element's line when x, y or z is missing. Says through `log` which properties are lost.
+  /// Throws FileError at the element's line if x, y or z is missing. Logs which properties are lost.
   PlyVertices(const std::filesystem::path& file, const PlyElement& vertex, Log* log,
               BadRows badRows = BadRows::leaveOut);
 
   std::size_t rowBytes() const override { return rowBytes_; }
   void reserve(std::uint64_t promised) override;
-  /// Names the first row whose position or normal is not a finite number where such are refused. Otherwise points
-  /// without a position are left out, and normals that are not numbers are missing ones.
+  /// With BadRows::refuse, returns the first row whose position or normal is not finite. Otherwise points without a
+  /// finite position are left out, and normals that are not finite count as missing.
   std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes) override;
 
-  /// Colours that are stored as real numbers count steps, as text without a point does: 1 is nearly black.
+  /// Declares that colours stored as floats are integer steps, as in text without a decimal point: 1 is nearly black.
   void countColorSteps() { colorSteps_ = true; }
 
-  /// Numbers of the rows that are left out, from 0 on, in order.
+  /// Row numbers (from 0, ascending) that are left out.
   const std::vector<std::uint64_t>& leftOut() const { return leftOut_; }
-  /// "3 points without a finite position"; empty where there are none.
+  /// "3 points without a finite position"; empty if there are none.
   std::vector<std::string> lost() const;
 
-  /// The cloud. Normals are made unit length; where some are zero they are taken from the nearest point that has one,
-  /// and where more than a tenth are zero the cloud counts as having none, so that they get estimated.
+  /// Returns the cloud. Normals are normalised; zero normals are replaced by that of the nearest point that has one. If
+  /// more than a tenth are zero, the cloud counts as having no normals, so that they are estimated.
   PointCloud finish(Log* log);
 
  private:
@@ -49,7 +50,7 @@ class PlyVertices final : public PlyRowSink {
     std::size_t offset;
     ScalarType type;
     Role role;
-    std::size_t index;  // component, or place in cloud_.extra
+    std::size_t index;  // component, or index in cloud_.extra
     std::string name;
   };
   std::vector<Column>::iterator named(std::string_view name);
@@ -70,13 +71,13 @@ class PlyVertices final : public PlyRowSink {
   bool wide_ = false;  // positions need more than single precision
   bool hasNormals_ = false, hasColors_ = false;
   BadRows badRows_;
-  /// Colours whose scale is not known yet; empty where they are bytes.
+  /// Colours whose scale is not known yet; empty if they are bytes.
   bool rawColors_ = false, wholeColors_ = true, colorSteps_ = false;
   BareVector<std::array<float, 4>> raw_;
   std::size_t count_ = 0;
-  std::uint64_t rows_ = 0;  // with those that are left out
+  std::uint64_t rows_ = 0;  // including those left out
   std::vector<std::uint64_t> leftOut_;
-  std::uint64_t darkColors_ = 0;  // that are not numbers
+  std::uint64_t darkColors_ = 0;  // number of colours that are NaN
   std::vector<std::size_t> zeroNormals_;
   PointCloud cloud_;
 };

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array<const char*, 4> kColorNames{"red", "green", "blue", "alpha"};
 
-/// The types that a cloud is written in.
+/// The types in which a cloud is written.
 struct Layout {
   ScalarType position, normal, color;
   std::size_t colorChannels;
@@ -22,7 +22,7 @@ struct Layout {
 
 std::size_t channelsOf(const PointCloud& cloud) { return cloud.storedAs.alpha ? 4 : 3; }
 
-// A lone nx of the input became an attribute; it gives way once the cloud has real normals.
+// A lone nx of the input became an attribute; it is replaced once the cloud has normals.
 bool propertyGivesWay(const PointCloud& cloud, const std::string& name) {
   const bool isNormal = name == "nx" || name == "ny" || name == "nz";
   const auto* end = kColorNames.begin() + channelsOf(cloud);

@@ -4,6 +4,6 @@
 
 namespace palpate {
 
-inline constexpr std::size_t kPointBatch = 4096;  ///< points that a reader of text or of columns hands over at a time
+inline constexpr std::size_t kPointBatch = 4096;  ///< points per batch of readers of text or columns
 
 }  // namespace palpate

@@ -6,7 +6,7 @@ namespace palpate {
 
 namespace {
 
-/// Twice the area that the corners enclose, along the normal of their plane (Newell's method).
+/// Twice the enclosed area, as a vector along the normal of the plane (Newell's method).
 DVec3 twiceArea(std::span<const DVec3> around) {
   DVec3 sum(0);
   for (std::size_t k = 1; k + 1 < around.size(); ++k)
@@ -14,7 +14,7 @@ DVec3 twiceArea(std::span<const DVec3> around) {
   return sum;
 }
 
-/// Positive where the three turn left, seen against `normal`.
+/// Positive if the three turn left, seen against `normal`.
 double turn(const DVec3& a, const DVec3& b, const DVec3& c, const DVec3& normal) {
   return glm::dot(glm::cross(b - a, c - b), normal);
 }
@@ -26,7 +26,7 @@ bool isConvex(std::span<const DVec3> around, const DVec3& normal) {
   return true;
 }
 
-/// The corners that are left, by their numbers around the polygon.
+/// The remaining corners, by their index in the polygon.
 class Ears {
  public:
   Ears(std::span<const DVec3> around, const DVec3& normal) : around_(around), normal_(normal) {
@@ -34,9 +34,8 @@ class Ears {
   }
 
   std::size_t left() const { return left_.size(); }
-  /// Takes one off and gives its corners: a spike where the outline goes back on itself, an ear, a corner that lies
-  /// straight between its neighbours, and
-  /// where rounding or crossing edges leave none of those, the first three.
+  /// Removes a corner and returns its triangle: a spike, where the outline reverses; else an ear; else a corner
+  /// collinear with its neighbours; else, due to rounding or crossing edges, the first three corners.
   std::array<std::uint32_t, 3> cut() {
     std::size_t tip = 1;
     if (!findTip(tip, [&](std::size_t k) { return isSpike(k); }) &&
@@ -74,8 +73,8 @@ class Ears {
       if (std::ranges::find(ear, left_[other]) == ear.end() && reachesInto(other, corners)) return false;
     return true;
   }
-  /// Whether a corner lies within the triangle, or on its outline with an edge that leads inside. Those that merely
-  /// touch it do not count: both ends of a bridge to a hole are at one place.
+  /// Whether a corner lies inside the triangle, or on its outline with an edge that leads inside. Corners that only
+  /// touch the outline do not count: both ends of a bridge to a hole have the same position.
   bool reachesInto(std::size_t other, const std::array<DVec3, 3>& ear) const {
     const std::array<std::uint32_t, 3> corners = cornersAt(other);
     const auto sideOf = [&](std::size_t edge, const DVec3& p) {

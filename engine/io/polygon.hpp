@@ -1,4 +1,4 @@
-// Polygons of files of meshes as triangles.
+// Triangulates polygons of mesh files.
 #pragma once
 
 #include <array>
@@ -10,12 +10,13 @@
 
 namespace palpate {
 
-/// Beyond so many corners a polygon is taken for convex.
+/// Larger polygons are assumed to be convex.
 inline constexpr std::size_t kLargestConcavePolygon = 256;
 
-/// Adds the triangles of a polygon, whose corners are these, in order around it and numbered from 0 on: a fan where no
-/// corner points inwards, or else by cutting off ears (Meisters 1975) in the plane that it lies in, as near as that
-/// goes. It may touch itself, and have holes to which bridges lead. Two less than corners; none for less than three.
+/// Adds the triangles of a polygon, given its corners in order; triangles index these corners. Convex polygons become
+/// fans, others are triangulated by ear clipping (Meisters 1975) in their best-fitting plane. A polygon may touch
+/// itself, and have holes connected by bridges. The number of triangles is that of corners minus two; none for fewer
+/// than three corners.
 void addPolygon(std::span<const DVec3> around, std::vector<std::array<std::uint32_t, 3>>& triangles);
 
 }  // namespace palpate

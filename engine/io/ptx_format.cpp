@@ -19,13 +19,13 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxPtxLine = std::size_t{1} << 16;
-constexpr std::size_t kPlain = 4, kColored = 7;  // numbers of a point
+constexpr std::size_t kPlain = 4, kColored = 7;  // numbers per point
 constexpr std::uint64_t kMaxScans = 65535;
 
-/// Where a scan puts its points: the rows of its matrix, of which the last one moves.
+/// Pose of a scan: the rows of its matrix; the last one is the translation.
 using PtxPlace = std::array<DVec3, 4>;
 
-/// Walks over the scans of a file.
+/// Iterates over the scans of a file.
 class PtxScans {
  public:
   explicit PtxScans(const std::filesystem::path& path) : file_(path) {}
@@ -35,7 +35,7 @@ class PtxScans {
   std::uint64_t scans() const { return scans_; }
   const PtxPlace& place() const { return place_; }
 
-  /// To the next scan; how many points it promises, or nothing at the end of the file.
+  /// Advances to the next scan; returns its declared number of points, or nothing at the end of the file.
   std::optional<std::uint64_t> next() {
     if (!line()) return std::nullopt;
     if (++scans_ > kMaxScans) fail(fmt::format("more than {} scans", kMaxScans));
@@ -51,8 +51,7 @@ class PtxScans {
     return columns * rows;
   }
 
-  /// The numbers of the next point, which all points of a file have the same number of; colours are 0 where it has
-  /// none.
+  /// The numbers of the next point; all points of a file have the same number of them. Colours are 0 if missing.
   std::array<double, kColored> point(std::uint64_t number, std::uint64_t promised) {
     if (!line()) fail(fmt::format("the file ends after {} of {} points of scan {}", number, promised, scans_));
     const std::size_t found = words_.words().size();
@@ -122,7 +121,7 @@ PlyElement ptxElement(bool colored) {
 
 bool isEcho(const std::array<double, kColored>& point) { return point[0] != 0 || point[1] != 0 || point[2] != 0; }
 
-/// Rows of the cloud that is made.
+/// Collects the rows of the cloud.
 class PtxCloud {
  public:
   PtxCloud(const std::filesystem::path& path, bool colored, Log* log)
@@ -152,7 +151,7 @@ class PtxCloud {
     packed_.insert(packed_.end(), bytes, bytes + sizeof value);
   }
   void flush() {
-    vertices_.append(packed_.data(), rows_, false);  // what is no point is left out
+    vertices_.append(packed_.data(), rows_, false);  // invalid points are left out
     packed_.clear();
     rows_ = 0;
   }
@@ -206,7 +205,7 @@ StoredCloud readPtx(const std::filesystem::path& path, Log* log, const CloudRead
   return stored;
 }
 
-/// The lines before the points of a scan, by how many numbers they have.
+/// Checks the numbers of words in the lines before a scan's points.
 bool beginsAsPtx(const FileStart& start) {
   constexpr std::array<std::size_t, 10> kNumbers{1, 1, 3, 3, 3, 3, 4, 4, 4, 4};
   if (!start.isText()) return false;

@@ -1,13 +1,14 @@
-// PTX, Leica's text of structured scans (Cyclone, "PTX format"): of each scan its grid, its place and its points.
+// PTX, Leica's text format of structured scans (Cyclone, "PTX format"): grid, pose and points of each scan.
 #pragma once
 
 #include "engine/io/cloud_format.hpp"
 
 namespace palpate {
 
-/// A scan is its columns and rows, its scanner's place and axes, a matrix of four rows whose last one moves, and a line
-/// for each point: x y z, an intensity, and maybe red green blue. (0 0 0) is no echo: such are left out and counted.
-/// All scans become one cloud, each where its matrix puts it. It is only read.
+/// A scan has its numbers of columns and rows, its scanner's position and axes, a matrix of four rows, the last one of
+/// which is the translation, and a line for each point: x y z, an intensity, and optionally red green blue. (0 0 0)
+/// means no echo: such points are left out and counted. All scans become one cloud, transformed by their matrices. Read
+/// only.
 CloudFormat ptxFormat();
 
 }  // namespace palpate

@@ -6,7 +6,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kWhole = 0x80000000u;  // shares come from counts through 31 bits
+constexpr std::uint32_t kWhole = 0x80000000u;  // shares are computed from counts with 31 bits
 
 std::uint32_t longer(std::uint32_t cycle, std::uint32_t longest) { return std::min(5 * cycle / 4, longest); }
 
@@ -22,7 +22,7 @@ void fillCells(std::uint16_t* cells, std::uint32_t shares) {
 void BitModel::update() {
   constexpr std::uint32_t kMaxCounted = 1u << 13, kLongestCycle = 64;
   all_ += cycle_;
-  if (all_ > kMaxCounted) {  // what is long past counts half
+  if (all_ > kMaxCounted) {  // halve the weight of old counts
     all_ = (all_ + 1) / 2;
     zeros_ = (zeros_ + 1) / 2;
     if (zeros_ == all_) ++all_;
@@ -33,7 +33,7 @@ void BitModel::update() {
 }
 
 SymbolModel::SymbolModel(unsigned symbols) {
-  // About as many parts as symbols, so that few searches go beyond their first step.
+  // About as many cells as symbols, so that few searches need more than one step.
   const auto bits = static_cast<unsigned>(std::bit_width(symbols - 1));
   const std::size_t cells = (std::size_t{1} << bits) + 2 + kBehindCells, behind = symbols + kBehind;
   last_ = static_cast<std::uint16_t>(symbols - 1);
@@ -67,8 +67,8 @@ void SymbolModel::update() {
   for (std::uint32_t k = 0; k < symbols; ++k) {
     sums[k] = static_cast<std::uint16_t>(scale * sum >> (31 - kShift));
     sum += counts[k];
-    // The cells that begin in the symbol before, some more than those at once, which the next ones write again: how
-    // many they are nobody could foresee.
+    // Fills the cells that begin in the previous symbol, several at once and possibly too many; the following symbols
+    // overwrite the excess. This avoids a branch on their unpredictable number.
     const std::uint32_t end = (sums[k] >> cellShift_) + 1u;
     for (std::uint32_t from = cell; from < end; from += kBehindCells) fillCells(cells + from, sharesAt_ + k - 1);
     cell = end;
@@ -86,7 +86,7 @@ void RangeEncoder::carry() {
 }
 
 std::vector<std::byte> RangeEncoder::finish() {
-  // A place inside of the interval, in as few bytes as tell it, and then as many as the decoder has read ahead.
+  // A value inside the interval in as few bytes as possible, followed by the bytes that the decoder reads ahead.
   const bool wide = length_ > 2 * kShortest;
   if (wide)
     narrow(kShortest, kShortest >> 1);

@@ -1,10 +1,10 @@
-// The arithmetic coder of LASzip: symbols become parts of an interval, as wide as they are frequent, which is halved
-// until a byte of it is known; how frequent they are is counted on both sides while they pass (Said 2004, "Introduction
+// The arithmetic coder of LASzip: symbols are parts of an interval, proportional to their frequency; the interval is
+// narrowed until a byte of it is known. Frequencies are adapted on both sides during coding (Said 2004, "Introduction
 // to arithmetic coding: theory and practice"; Isenburg 2013, "LASzip: lossless compression of LiDAR data").
 //
-// Decoder and encoder have the same functions: those of the encoder put a value into the stream and give it back, those
-// of the decoder give the one of the stream, whatever they are given. So what is coded, and in what order, is one text
-// for both (laz_point10.hpp and the others).
+// Decoder and encoder have the same functions: those of the encoder write a value to the stream and return it, those of
+// the decoder ignore the value and return that of the stream. So one piece of code serves both directions
+// (laz_point10.hpp and the others).
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@
 
 namespace palpate {
 
-/// How likely a bit is 0, by those that passed.
+/// Probability that a bit is 0, estimated from previous bits.
 class BitModel {
  public:
-  static constexpr unsigned kShift = 13;  ///< the share of zeros is in parts of 2^13
+  static constexpr unsigned kShift = 13;  ///< the share of zeros is in units of 2^-13
 
   std::uint32_t zeroShare() const { return zeroShare_; }
   void count(bool isZero) {
@@ -35,20 +35,20 @@ class BitModel {
   std::uint32_t cycle_ = 4, untilUpdate_ = 4;
 };
 
-/// How likely each of several symbols is, by those that passed.
+/// Probabilities of several symbols, estimated from previous symbols.
 class SymbolModel {
  public:
-  static constexpr unsigned kShift = 15;  ///< shares are in parts of 2^15
+  static constexpr unsigned kShift = 15;  ///< shares are in units of 2^-15
 
   SymbolModel() = default;
   explicit SymbolModel(unsigned symbols);
 
   bool isMade() const { return !words_.empty(); }
   unsigned last() const { return last_; }
-  /// The share of all symbols before this one.
+  /// Sum of the shares of all symbols before this one.
   std::uint32_t before(unsigned symbol) const { return words_[sharesAt_ + symbol]; }
-  /// The shares before a symbol and those behind it: a search for the one that has `share` in its part begins there. It
-  /// ends before kBehind more, which nothing reaches.
+  /// The cumulative shares at which a search for the symbol containing `share` starts. It ends within kBehind more
+  /// entries, which exceed all shares.
   const std::uint16_t* from(std::uint32_t share) const { return words_.data() + words_[share >> cellShift_]; }
   unsigned symbolOf(const std::uint16_t* shares) const {
     return static_cast<unsigned>(shares - words_.data()) - sharesAt_;
@@ -63,48 +63,47 @@ class SymbolModel {
   static constexpr unsigned kBehind = 6;
   [[gnu::noinline, gnu::cold]] void update();
 
-  // Where the shares of the symbol stand at the beginning of each of equal parts, where a search begins; the shares
-  // before the symbols, and behind them kBehind that are more than any; how often each symbol passed. In one piece, of
+  // For each of equal cells, the index of the cumulative share where a search starts; the cumulative shares before each
+  // symbol, followed by kBehind entries that exceed all shares; and the count of each symbol. One block of memory, of
   // which little is touched.
   std::vector<std::uint16_t> words_;
   std::uint16_t last_ = 0, sharesAt_ = 0, countsAt_ = 0, cellShift_ = 0;
   std::uint32_t all_ = 0, cycle_ = 0, untilUpdate_ = 0;
 };
 
-/// What decoder and encoder have in common.
+/// Common to decoder and encoder.
 class RangeCoder {
  protected:
-  static constexpr std::uint32_t kShortest = 1u << 24;  // of the interval: shorter ones get a byte more
-  static constexpr unsigned kMaxBits = 19;              // that are coded at a time without a model
+  static constexpr std::uint32_t kShortest = 1u << 24;  // minimum length of the interval; else extended by a byte
+  static constexpr unsigned kMaxBits = 19;              // coded at a time without a model
 };
 
-/// Reads beyond its bytes as if zeros followed, and says so. `mayEnd`: false where whoever decodes has seen to it that
-/// so many bytes are left() as can be needed, kMaxBytes for each call; what is decoded is the same, sooner.
+/// Reads zeros beyond the end of its bytes, and records this as an error. `mayEnd` = false: the caller guarantees that
+/// left() is large enough, kMaxBytes for each call; the result is the same, but faster.
 template <bool mayEnd>
 class RangeDecoderOf : RangeCoder {
  public:
   static constexpr bool kEncodes = false;
-  static constexpr std::size_t kMaxBytes = 6;  ///< that a call takes in, and looks ahead; a little more at the last one
+  static constexpr std::size_t kMaxBytes = 6;  ///< maximum per call, with look-ahead; slightly more for the last one
 
   explicit RangeDecoderOf(std::span<const std::byte> bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {
     for (int k = 0; k < 4; ++k) value_ = value_ << 8 | next();
-    // What follows takes for granted that the value is within the interval, and no encoder leaves it.
+    // The following code requires the value to be within the interval, as encoders guarantee.
     if (value_ >= length_) wrong_ = true, value_ = 0;
   }
-  /// Goes on where another one stands.
+  /// Continues at the position of another decoder.
   explicit RangeDecoderOf(const RangeDecoderOf<!mayEnd>& other)
       : at_(other.at_), end_(other.end_), value_(other.value_), length_(other.length_), wrong_(other.wrong_) {}
 
-  /// What was read is no stream of an encoder, or was read with other models: it ended too early, or named what there
-  /// is not.
+  /// The stream is invalid, or was read with other models: it ended too early, or contained an invalid symbol.
   bool isWrong() const { return wrong_; }
-  /// Bytes that were not needed: none where a stream was read to its end.
+  /// Number of unused bytes: 0 after a stream was read completely.
   std::size_t left() const { return static_cast<std::size_t>(end_ - at_); }
   void setWrong() { wrong_ = true; }
 
   [[gnu::always_inline]] unsigned symbol(SymbolModel& model, unsigned = 0) {
-    // What comes next waits for this: the steps of the search are few, and have no branch but where a part of the table
-    // has more than three symbols, which are rare ones then.
+    // The latency of this search limits the speed of decoding: it has few steps, and no branch unless a cell of the
+    // table has more than three symbols, which are then rare ones.
     const std::uint32_t whole = length_ >> SymbolModel::kShift;
     const std::uint64_t part = whole, value = value_;
     const std::uint16_t* at = model.from(value_ / whole);
@@ -118,7 +117,7 @@ class RangeDecoderOf : RangeCoder {
     std::uint64_t high = one ? second : first;
     low = two ? second : low;
     high = two ? third : high;
-    // Behind the last symbol stands a share that is more than all, and its part reaches to the end of the length.
+    // The entry behind the last symbol exceeds all shares, and its part extends to the end of the length.
     high = high < length_ ? high : length_;
     const unsigned found = model.symbolOf(at) + (one ? 1u : 0u) + (two ? 1u : 0u);
     value_ = static_cast<std::uint32_t>(value - low);
@@ -136,7 +135,7 @@ class RangeDecoderOf : RangeCoder {
     model.count(!found);
     return found;
   }
-  /// `count`: at most 32.
+  /// `count`: maximum 32.
   [[gnu::always_inline]] std::uint32_t bits(unsigned count, std::uint32_t = 0) {
     if (count <= kMaxBits) return fewBits(count);
     const std::uint32_t low = fewBits(16);
@@ -158,9 +157,9 @@ class RangeDecoderOf : RangeCoder {
     wrong_ = true;
     return 0;
   }
-  /// Without a branch, but near the end: how many bytes come in next nobody could foresee.
+  /// Without a branch except near the end, since the number of bytes is unpredictable.
   [[gnu::always_inline]] void widen() {
-    const auto bits = static_cast<unsigned>(std::countl_zero(length_ | 1)) & 24u;  // no length is 0
+    const auto bits = static_cast<unsigned>(std::countl_zero(length_ | 1)) & 24u;  // the length is never 0
     if (mayEnd && end_ - at_ < 4) [[unlikely]] {
       for (unsigned k = 0; k < bits; k += 8) value_ = value_ << 8 | next();
     } else {
@@ -183,7 +182,7 @@ class RangeEncoder : RangeCoder {
  public:
   static constexpr bool kEncodes = true;
 
-  void setWrong() {}  ///< what is encoded is right
+  void setWrong() {}  ///< encoded data is always valid
 
   unsigned symbol(SymbolModel& model, unsigned value) {
     const std::uint32_t part = length_ >> SymbolModel::kShift, low = model.before(value) * part;
@@ -209,7 +208,7 @@ class RangeEncoder : RangeCoder {
     return value;
   }
 
-  /// The stream, of which the decoder needs every byte. Once, at the end.
+  /// Returns the stream, of which the decoder needs every byte; call once, at the end.
   std::vector<std::byte> finish();
 
  private:

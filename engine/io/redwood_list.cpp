@@ -63,7 +63,7 @@ Pictures picturesIn(const std::filesystem::path& folder) {
   return pictures;
 }
 
-/// Blocks of five lines: two numbers of the frame and one of the next, and four rows of its pose.
+/// Blocks of five lines: two numbers of the frame and one of the next frame, and the four rows of its pose.
 Poses readLog(const std::filesystem::path& path) {
   ChunkedFile file(path);
   Poses poses;
@@ -100,7 +100,8 @@ Poses readLog(const std::filesystem::path& path) {
   return poses;
 }
 
-/// By their places where they are as many as the pictures and have other numbers, as where those begin with 1.
+/// Assigns poses by order if there are as many as pictures and their numbers differ, for example if pictures start at
+/// 1.
 Poses renumbered(Poses poses, const Pictures& depths) {
   const auto sameNumber = [](const auto& a, const auto& b) { return a.first == b.first; };
   if (poses.size() != depths.size() || std::ranges::equal(poses, depths, sameNumber)) return poses;
@@ -123,9 +124,9 @@ RgbdList listRedwood(const std::filesystem::path& folder, double rate_Hz) {
   const std::filesystem::path log = folder / "trajectory.log";
   std::error_code ignored;
   const Poses poses = std::filesystem::exists(log, ignored) ? renumbered(readLog(log), depths) : Poses{};
-  const bool hasPoses = !poses.empty();  // an empty list is none
+  const bool hasPoses = !poses.empty();  // an empty list counts as missing
 
-  // What has a picture or a pose was a frame.
+  // Every number with a picture or a pose is a frame.
   std::map<std::uint64_t, RgbdFiles> frames;
   for (const auto& [number, depth] : depths) frames[number].depth = depth;
   for (const auto& [number, pose] : poses) frames[number].pose = pose.pose;

@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-/// PrimeSense's, as the TUM benchmark and Open3D take it where nothing is calibrated.
+/// PrimeSense camera, as assumed by the TUM benchmark and Open3D without calibration.
 constexpr DepthCamera kUsualCamera{.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5};
 constexpr double kUsualRate_Hz = 30;
 
@@ -26,7 +26,7 @@ std::filesystem::path ownIntrinsics(const std::filesystem::path& folder) {
 }  // namespace
 
 bool isRgbdFolder(const std::filesystem::path& path) {
-  // A reconstruction may have kept its depth beside it.
+  // A reconstruction may contain a folder of depth.
   return (isTumFolder(path) || isRedwoodFolder(path)) && !isColmapFolder(path);
 }
 
@@ -123,7 +123,7 @@ std::optional<UpAxis> RgbdFolder::up() const {
   DVec3 ups(0);
   for (const RgbdFiles& files : list_.frames)
     if (files.pose) ups += files.pose->turn * DVec3(0, -1, 0);
-  // Redwood's world is mostly that of the first camera.
+  // Redwood's world is usually that of the first camera.
   const std::optional<UpAxis> up = upOfCameras(ups / static_cast<double>(poses()));
   return up || isTum_ ? up : UpAxis::minusY;
 }

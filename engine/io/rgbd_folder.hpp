@@ -1,4 +1,4 @@
-// Depth cameras that were recorded into a folder of pictures.
+// Depth cameras recorded into a folder of pictures.
 #pragma once
 
 #include <filesystem>
@@ -14,20 +14,20 @@ namespace palpate {
 
 /// Whether a path is a folder that RgbdFolder reads.
 bool isRgbdFolder(const std::filesystem::path& path);
-/// What is read, for messages: "a TUM or Redwood folder (depth.txt, or depth and trajectory.log)".
+/// Description of the readable folders for messages.
 std::string_view rgbdFoldersRead();
 
 struct RgbdOptions {
-  std::filesystem::path intrinsics = {};  ///< JSON (parseCamera()); empty: the folder's own, or else the usual camera's
-  double depthScale = 0;                  ///< values per metre; 0: as the intrinsics or the kind of folder say
+  std::filesystem::path intrinsics = {};  ///< JSON (parseCamera()); empty: the folder's own, else the usual camera's
+  double depthScale = 0;                  ///< values per metre; 0: according to the intrinsics or the kind of folder
 };
 
-/// Frames of a folder of the TUM benchmark or of Redwood and Open3D (rgbd_list.hpp). A picture is read when its frame
-/// is asked for.
+/// Frames of a folder of the TUM benchmark or of Redwood and Open3D (rgbd_list.hpp). Pictures are read when their frame
+/// is requested.
 class RgbdFolder final : public DepthStream {
  public:
-  /// Says to `log` (null: to nobody) what it had to assume. Throws FileError for lists that are wrong, for a folder
-  /// none of whose frames may be one, and for pictures that the camera does not have.
+  /// Logs its assumptions (`log` may be null). Throws FileError for invalid lists, for a folder without a valid frame,
+  /// and if the size of the pictures differs from the camera's.
   explicit RgbdFolder(const std::filesystem::path& folder, const RgbdOptions& options = {}, Log* log = nullptr);
 
   const DepthCamera& camera() const override { return camera_; }
@@ -41,9 +41,9 @@ class RgbdFolder final : public DepthStream {
   /// "TUM" or "Redwood".
   std::string_view kind() const { return isTum_ ? "TUM" : "Redwood"; }
   double depthScale() const { return depthScale_; }  ///< values per metre
-  std::size_t poses() const;                         ///< frames that have one
-  std::size_t colors() const;                        ///< frames that have some
-  /// Which way is up in the world of the poses, as far as the cameras were held upright; without poses the camera's.
+  std::size_t poses() const;                         ///< number of frames with a pose
+  std::size_t colors() const;                        ///< number of frames with colours
+  /// Up axis in the world of the poses, if the cameras were held upright; without poses that of the camera.
   std::optional<UpAxis> up() const;
 
  private:
@@ -56,7 +56,7 @@ class RgbdFolder final : public DepthStream {
   RgbdList list_;
   std::size_t next_ = 0;
   Log* log_;
-  bool hasResized_ = false;  // and said so
+  bool hasResized_ = false;  // already logged
 };
 
 }  // namespace palpate

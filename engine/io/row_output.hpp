@@ -1,4 +1,4 @@
-// Rows of numbers on their way into a file.
+// Writes rows of numbers to a file.
 #pragma once
 
 #include <fmt/format.h>
@@ -16,10 +16,10 @@
 
 namespace palpate {
 
-inline constexpr std::size_t kBetweenReports = 1 << 16;  ///< points that are written between reports of progress
+inline constexpr std::size_t kBetweenReports = 1 << 16;  ///< number of points written between progress reports
 
-/// Collects bytes and hands them to the file in large pieces: numbers in binary, little endian, or as the shortest
-/// decimals that read back as the same, with a blank or another sign between them.
+/// Collects bytes and writes them to the file in large pieces: numbers in binary, little-endian, or as the shortest
+/// decimals that read back as the same number, separated by a blank or another character.
 class RowOutput {
  public:
   RowOutput(const std::filesystem::path& path, bool ascii, char between = ' ')
@@ -37,7 +37,7 @@ class RowOutput {
     if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
     text_.append(bytes.data(), bytes.data() + bytes.size());
   }
-  /// Of text, as a value of its row.
+  /// Text as a value of its row.
   void word(std::string_view text) {
     if (!atLineStart_) text_.push_back(between_);
     atLineStart_ = false;

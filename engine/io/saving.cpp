@@ -47,7 +47,7 @@ FileInTheWay fileInTheWay(const std::filesystem::path& file, const CloudFormats&
     const FileContents contents = contentsOf(file, formats);
     found.byPalpate = isOurs(contents.comments);
     found.more = moreOf(contents);
-  } catch (const FileError&) {  // it is something else
+  } catch (const FileError&) {  // another kind of file
   }
   return found;
 }
@@ -78,7 +78,7 @@ std::filesystem::path whereToSave(const std::filesystem::path& file) {
 }
 
 std::filesystem::path nameBeside(const std::filesystem::path& file) {
-  // A folder is not written, so that its cloud goes into a file of the usual format.
+  // Folders cannot be written, so their cloud is saved to a file of the default format.
   std::error_code isNone;
   const bool folder = std::filesystem::is_directory(file, isNone);
   const std::filesystem::path whole = file.has_filename() ? file : file.parent_path();

@@ -1,4 +1,4 @@
-// Saving a sculpted cloud where a file may be already: what would be lost is known before, and kept.
+// Saves a sculpted cloud where a file may exist: losses are known in advance, and that file is kept.
 #pragma once
 
 #include <filesystem>
@@ -11,40 +11,40 @@
 
 namespace palpate {
 
-/// A file under whose name a cloud is about to be saved.
+/// An existing file under the name of a cloud that is about to be saved.
 struct FileInTheWay {
-  std::string name;        ///< without its folder; empty: there is none
+  std::string name;        ///< without its folder; empty: there is no such file
   bool byPalpate = false;  ///< a comment in it says that palpate wrote it
-  std::string more;        ///< what it has that a cloud does not carry: "69451 faces, 12 edges"; empty: nothing
+  std::string more;        ///< contents that a cloud cannot keep: "69451 faces, 12 edges"; empty: none
 
-  /// It must not be replaced without a word, and is kept when it is.
+  /// If true, the file must not be replaced without notice, and is kept.
   bool losesSomething() const { return !name.empty() && (!byPalpate || !more.empty()); }
-  /// What is lost, for a person.
+  /// Description of the loss for the user.
   std::string sentence() const;
 };
-/// Reads no more of it than its head. What is in no format that is known was not written by palpate.
+/// Reads only its header. A file of unknown format counts as not written by palpate.
 FileInTheWay fileInTheWay(const std::filesystem::path& file, const CloudFormats& formats = cloudFormats());
 
-/// Says what saving a sculpted cloud as `file` is going to cost, and as what the file that is there is kept; nothing
-/// where it costs nothing, or the name is empty.
+/// Logs what saving a sculpted cloud as `file` loses, and the name under which the existing file is kept; nothing if
+/// there is no loss, or the name is empty.
 void sayWhatIsLost(const std::filesystem::path& file, Log& log);
 
 /// Whether the comments of a file say that palpate wrote it.
 bool isOurs(std::span<const std::string> comments);
 
-/// Says in the header of what is written from `cloud` that palpate wrote it.
+/// Adds the comment that palpate wrote the file to `cloud`.
 void markAsOurs(PointCloud& cloud);
 
-/// Writes `cloud`, marked as ours; a file that loses something by it is kept. Says as what; empty where none was.
-/// Throws FileError.
+/// Writes `cloud`, marked as ours; keeps an existing file whose contents would be lost. Returns the kept file's new
+/// path, or an empty path. Throws FileError.
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud,
                                   const CloudFormats& formats = cloudFormats());
 
-/// Where a sculpted cloud of `file` is saved unless a person says otherwise: there, or beside it where it is of a
-/// format that is only read, and so would become something else.
+/// Default path for saving a sculpted cloud of `file`: the same, or beside it if its format is read only, and saving
+/// would convert it.
 std::filesystem::path whereToSave(const std::filesystem::path& file);
 
-/// NAME-sculpted.EXT beside `file`, or NAME-sculpted-2.EXT and so on: the first that is not there.
+/// NAME-sculpted.EXT beside `file`, or NAME-sculpted-2.EXT and so on: the first name that does not exist.
 std::filesystem::path nameBeside(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// Numbers as people and programs write them into files of text.
+// Numbers in text files of people and programs.
 #pragma once
 
 #include <charconv>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// from_chars leaves the value alone when it does not fit: too small is zero, too large infinite.
+/// from_chars does not set the value on range errors: too small becomes zero, too large infinite.
 template <class T>
 T beyondRange(std::string_view text) {
   double value = 0;
@@ -22,7 +22,7 @@ T beyondRange(std::string_view text) {
   return tiny ? T{0} : std::copysign(std::numeric_limits<T>::infinity(), text[0] == '-' ? T{-1} : T{1});
 }
 
-/// Of text that is no number as C++ writes it: what Windows' programs wrote before 2015 for what is none.
+/// Parses NaN and infinity as Windows programs wrote them before 2015.
 template <class T>
 std::optional<T> oldWindowsNumber(std::string_view text) {
   if (text.find("#IND") != text.npos || text.find("#QNAN") != text.npos || text.find("#SNAN") != text.npos)
@@ -32,7 +32,7 @@ std::optional<T> oldWindowsNumber(std::string_view text) {
   return std::nullopt;
 }
 
-/// All of `text` as one number; nothing where it is none, or a whole number does not fit. A plus may stand before it.
+/// All of `text` as one number, optionally with a plus sign; nothing if it is invalid, or an integer is out of range.
 template <class T>
 std::optional<T> textNumber(std::string_view text) {
   if (text.size() > 1 && text[0] == '+') text.remove_prefix(1);
@@ -43,7 +43,7 @@ std::optional<T> textNumber(std::string_view text) {
     if (error == std::errc{}) return value;
     if constexpr (std::is_floating_point_v<T>) return beyondRange<T>(text);
   } else if constexpr (std::is_integral_v<T>) {
-    // Some programs write whole numbers as 255.0.
+    // Some programs write integers as 255.0.
     double real = 0;
     const auto [realStop, realError] = std::from_chars(text.data(), end, real);
     constexpr double kLow = std::numeric_limits<T>::min(), kHigh = static_cast<double>(std::numeric_limits<T>::max());

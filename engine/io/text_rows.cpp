@@ -20,7 +20,7 @@ constexpr std::string_view kHowToName =
 
 bool isRemark(std::string_view word) { return word.starts_with('#') || word.starts_with("//"); }
 
-/// As spreadsheets and statistics write what is not known.
+/// Missing values as written by spreadsheets and statistics programs.
 bool isMissing(std::string_view word) {
   constexpr std::array<std::string_view, 7> kWords{"", "NA", "N/A", "null", "NULL", "None", "none"};
   return std::ranges::find(kWords, word) != kWords.end();
@@ -28,21 +28,21 @@ bool isMissing(std::string_view word) {
 
 bool isNumber(std::string_view word) { return textNumber<double>(word).has_value(); }
 
-/// Positions, normals and colours are known in whatever case they are written; all other names keep theirs.
+/// Names of positions, normals and colours are case-insensitive; all other names are unchanged.
 std::vector<std::string> columnNames(const std::vector<std::string_view>& words) {
   constexpr std::array<std::string_view, 10> kKnown{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha"};
   constexpr std::array<std::string_view, 4> kShort{"r", "g", "b", "a"};
   std::vector<std::string> names(words.begin(), words.end()), shared;
   for (std::string& name : names) {
     shared.push_back(sharedColumnName(name));
-    std::ranges::replace(name, ' ', '_');  // which would part it where it is written
+    std::ranges::replace(name, ' ', '_');  // a blank would split it when written
   }
   const auto has = [&](std::string_view name) { return std::ranges::find(shared, name) != shared.end(); };
-  const bool colored = has("r") && has("g") && has("b");  // alone such a letter means anything
+  const bool colored = has("r") && has("g") && has("b");  // a single such letter is ambiguous
   for (std::size_t k = 0; k < names.size(); ++k) {
     const bool known = std::ranges::find(kKnown, shared[k]) != kKnown.end() ||
                        (colored && std::ranges::find(kShort, shared[k]) != kShort.end());
-    // Of two columns that mean the same the first one, or that with the very name, is meant.
+    // Of two columns with the same meaning, the one with the exact name is used, else the first one.
     if (known && std::ranges::find(names, shared[k]) == names.end()) names[k] = shared[k];
   }
   return names;
@@ -61,7 +61,7 @@ bool namesColumns(const std::vector<std::string>& names) {
 }  // namespace
 
 void UnnamedColumns::take(std::string_view a, std::string_view b, std::string_view c) {
-  constexpr double kUnitTolerance = 0.01;  // as programs round
+  constexpr double kUnitTolerance = 0.01;  // tolerance for rounding
   double squared = 0;
   for (const std::string_view word : {a, b, c}) {
     const double value = textNumber<double>(word).value_or(std::numeric_limits<double>::quiet_NaN());
@@ -78,7 +78,7 @@ void UnnamedColumns::take(std::string_view a, std::string_view b, std::string_vi
 TextRows::TextRows(const std::filesystem::path& path, TextKind kind, const std::vector<std::string>& columns)
     : file_(path), counted_(kind == TextKind::pts), named_(!columns.empty()) {
   begin();
-  if (words_.empty()) {  // no point at all
+  if (words_.empty()) {  // no points
     checkEnd();
     return;
   }
@@ -119,7 +119,7 @@ void TextRows::checkColumns() {
                    twice ? "; if its commas are decimal ones, write points, or blanks between the numbers" : ""));
 }
 
-/// The second of a name is NAME_2.
+/// A duplicate name becomes NAME_2.
 void TextRows::keepApart() {
   for (auto name = names_.begin(); name != names_.end(); ++name) {
     const std::string first = *name;
@@ -128,7 +128,7 @@ void TextRows::keepApart() {
   }
 }
 
-/// Of files that have it: the number of points of the scan that follows.
+/// For formats with counts: whether the line is the number of points of the next scan.
 bool TextRows::isCount() {
   if (!counted_ || words().size() != 1) return false;
   const auto count = textNumber<std::uint64_t>(words().front());
@@ -148,9 +148,9 @@ void TextRows::checkEnd() const {
   if (promised_ && seen_ < *promised_) fail(fmt::format("ends after {} of {} points", seen_, *promised_));
 }
 
-/// To the first point, past the line that names the columns.
+/// Advances to the first point, past the line that names the columns.
 void TextRows::begin() {
-  bool passed = false;  // a line of names that the caller's stand for
+  bool passed = false;  // skipped a line of names that the caller has replaced
   while (const auto line = file_.readLine(kMaxTextRow)) {
     const std::size_t first = line->find_first_not_of(" \t");
     if (first == line->npos) continue;

@@ -1,4 +1,4 @@
-// Walks over the lines of a file of text that hold points, and finds out what their columns are.
+// Iterates over the lines of a text file that contain points, and determines the meaning of columns.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@ namespace palpate {
 
 enum class TextKind { xyz, csv, pts };
 
-/// What three columns without names may be, as far as the rows so far tell.
+/// Possible meanings of three columns without names, according to the rows so far.
 struct UnnamedColumns {
   bool normals = true, shares = true, bytes = true, whole = true;
   bool anyNormal = false;
@@ -23,25 +23,25 @@ struct UnnamedColumns {
 
 class TextRows {
  public:
-  /// To the first point. `columns`: names, in place of what the file says. Throws FileError.
+  /// Advances to the first point. `columns`: names that replace those of the file. Throws FileError.
   TextRows(const std::filesystem::path& path, TextKind kind, const std::vector<std::string>& columns);
 
   [[noreturn]] void fail(std::string_view what) const { throw FileError::atLine(file_.path(), file_.line(), what); }
 
   ChunkedFile& file() { return file_; }
-  /// Columns 4 to 6 that may be normals or colours are called kUnnamed until all rows have been seen.
+  /// Columns 4 to 6 that may be normals or colours are called kUnnamed until all rows were read.
   const std::vector<std::string>& names() const { return names_; }
   static constexpr std::array<const char*, 3> kUnnamed{"column_4", "column_5", "column_6"};
-  /// Whether the columns have no names, and these may be normals or colours.
+  /// Whether there are columns kUnnamed.
   bool hasUnnamed() const { return unnamed_; }
   const UnnamedColumns& unnamed() const { return looked_; }
-  /// After the last row: throws FileError where the unnamed columns can be neither.
+  /// Call after the last row: throws FileError if the unnamed columns can be neither normals nor colours.
   void checkUnnamed() const;
-  /// Of the present point; empty after the last.
+  /// Of the current point; empty after the last.
   const std::vector<std::string_view>& words() const { return words_.words(); }
   void next();
 
-  /// The number that a word says; NaN where it says that there is none. Throws FileError with the line.
+  /// The number in a column; NaN if it is marked as missing. Throws FileError with the line.
   double number(std::size_t column) const;
 
  private:
@@ -57,10 +57,10 @@ class TextRows {
   ChunkedFile file_;
   std::vector<std::string> names_;
   TextWords words_;
-  bool counted_;  // lines say how many points follow
+  bool counted_;  // lines contain the number of points that follow
   bool named_;    // by the caller
   bool unnamed_ = false;
-  std::size_t colorsAt_ = 0;  // of columns that have no names; 0: nowhere
+  std::size_t colorsAt_ = 0;  // of columns without names; 0: none
   std::uint64_t firstLine_ = 0;
   UnnamedColumns looked_;
   std::optional<std::uint64_t> promised_;

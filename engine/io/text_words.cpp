@@ -10,7 +10,7 @@ constexpr std::string_view kBlank = " \t\r\v\f";
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-/// Also of a line that begins with an empty word, or a quote.
+/// Also true if the line begins with an empty word or a quote.
 bool isNumberStart(std::string_view text) {
   if (text.starts_with('"')) text.remove_prefix(1);
   if (text.empty()) return false;
@@ -50,7 +50,7 @@ void TextWords::cut(bool commasSeparate) {
     const std::size_t quoted = text[at] == '"' ? text.find('"', at + 1) : text.npos;
     if (quoted != text.npos) {
       const std::string_view word = text.substr(at + 1, quoted - at - 1);
-      // Within quotes a comma separates nothing.
+      // Inside quotes a comma is not a separator.
       if (word.find_first_not_of("0123456789+-,eE") == word.npos)
         std::replace(text_.begin() + static_cast<std::ptrdiff_t>(at),
                      text_.begin() + static_cast<std::ptrdiff_t>(quoted), ',', '.');
@@ -69,7 +69,7 @@ void TextWords::cut(bool commasSeparate) {
 
 bool TextWords::isNumberLine() const { return !words_.empty() && isNumberStart(words_.front()); }
 
-/// Words that were cut at all but commas.
+/// Requires words that were split at everything except commas.
 bool TextWords::areCommasDecimal() const {
   if (words_.size() < 3) return false;
   return std::ranges::all_of(words_, [](std::string_view word) {

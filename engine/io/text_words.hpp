@@ -1,4 +1,4 @@
-// A line of numbers as programs write them, split into words.
+// Splits a line of numbers, in the usual notations of programs, into words.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace palpate {
 
-/// Between words stand blanks, tabs, commas or semicolons; nothing between two commas or semicolons is an empty word.
-/// Commas within numbers between which there is something else are decimal ones ("0,5 1,25 3"); the first line of
-/// numbers with a comma tells for all that follow, and words have a point in their place. Quotes around a word go.
-/// Names with commas or semicolons between them may have blanks within ("Easting [m]").
+/// Separators are blanks, tabs, commas or semicolons; between two commas or semicolons without text there is an empty
+/// word. Commas inside numbers that are separated otherwise are decimal ("0,5 1,25 3"); the first line of numbers with
+/// a comma decides for all following lines, and words then have a point instead. Quotes around a word are removed.
+/// Names separated by commas or semicolons may contain blanks ("Easting [m]").
 class TextWords {
  public:
   /// The words are valid until the next call.
@@ -18,7 +18,7 @@ class TextWords {
   const std::vector<std::string_view>& words() const { return words_; }
   bool empty() const { return words_.empty(); }
   void clear() { words_.clear(); }
-  /// A comma or semicolon stood behind the last word, where another one may be missing.
+  /// Whether a comma or semicolon follows the last word, so that an empty word may follow.
   bool endsOpen() const { return endsOpen_; }
   void addEmpty() { words_.emplace_back(); }
   bool hasDecimalCommas() const { return commas_ == Commas::decimal; }

@@ -1,4 +1,4 @@
-// Triangle meshes from files, as the truth about a surface.
+// Triangle meshes from files, as ground truth of a surface.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Reads vertices and faces. Throws FileError, also for a file without faces that have an area.
+/// Reads vertices and faces. Throws FileError, also for a file without faces, and Error if no face has an area.
 TriangleMesh readTriangleMesh(const std::filesystem::path& file);
 
 }  // namespace palpate

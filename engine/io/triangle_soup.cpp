@@ -14,9 +14,9 @@ namespace palpate {
 
 namespace {
 
-constexpr double kMaxCorner = 1e30;  // as of all clouds
+constexpr double kMaxCorner = 1e30;  // as for all clouds
 
-/// Triangles by how much area there is up to their end.
+/// Triangles by cumulative area.
 class AreaOfTriangles {
  public:
   explicit AreaOfTriangles(const TriangleSoup& soup) : soup_(soup) {
@@ -35,7 +35,7 @@ class AreaOfTriangles {
 
   std::size_t flat() const { return flat_; }
   double whole() const { return ends_.empty() ? 0 : ends_.back(); }
-  /// The place, among triangles that have an area, of the one that holds `area`, counted from the first on.
+  /// Index, among triangles with an area, of the one that contains the cumulative `area`.
   std::size_t holding(double area) const {
     const auto end = std::ranges::upper_bound(ends_, area);
     return std::min<std::size_t>(static_cast<std::size_t>(end - ends_.begin()), ends_.size() - 1);
@@ -65,13 +65,13 @@ struct Spot {
   DVec3 shares;
 };
 
-/// The `i`th of `count` spots.
+/// The `i`th of `count` sample positions.
 Spot spotOf(const AreaOfTriangles& areas, std::size_t i, std::size_t count, std::uint64_t seed) {
-  constexpr double kPlastic = 1.32471795724474602596;  // its powers turn as evenly as two numbers can
+  constexpr double kPlastic = 1.32471795724474602596;  // its powers have low discrepancy in two dimensions
   const double step = areas.whole() / static_cast<double>(count);
   const double shift = randomUnit(seed, 0);
   const std::size_t place = areas.holding((static_cast<double>(i) + shift) * step);
-  // Which of the triangle's own spots it is: as many as came before have begun in it.
+  // Index of the sample within its triangle: i minus the number of samples before the triangle.
   const double first = std::max(0.0, std::ceil(areas.begin(place) / step - shift));
   const double own = static_cast<double>(i) - first;
   const auto part = [](double value) { return value - std::floor(value); };
@@ -97,7 +97,7 @@ std::array<std::uint8_t, 4> colorAt(const TriangleSoup& soup, const Spot& spot) 
   const auto& corners = soup.triangles[spot.triangle];
   std::array<std::uint8_t, 4> color{};
   for (std::size_t channel = 0; channel < 4; ++channel) {
-    double value = 0.5;  // rounds
+    double value = 0.5;  // for rounding
     for (std::size_t k = 0; k < 3; ++k) value += spot.shares[static_cast<int>(k)] * soup.colors[corners[k]][channel];
     color[channel] = static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0));
   }

@@ -1,4 +1,4 @@
-// Triangles as files of meshes hold them, and points that are sampled from them.
+// Triangles of mesh files, and sampling of points from them.
 #pragma once
 
 #include <array>
@@ -9,8 +9,7 @@
 
 namespace palpate {
 
-/// Corners by number; normals and colours of corners where all have them, else empty. Nothing is said of how triangles
-/// hang together.
+/// Triangles index corners; normals and colours are per corner if all corners have them, else empty. No connectivity.
 struct TriangleSoup {
   std::vector<DVec3> corners;
   std::vector<Vec3> normals;                        ///< of any length
@@ -18,23 +17,23 @@ struct TriangleSoup {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// How many of each are gone.
+/// Number of each that were removed.
 struct BadCorners {
   std::size_t corners = 0, triangles = 0;
 };
-/// Takes corners away that are not at finite numbers below 1e30, with their triangles.
+/// Removes corners without finite coordinates below 1e30, and their triangles.
 BadCorners leaveOutBadCorners(TriangleSoup& soup);
 
 struct SampledSoup {
-  PointCloud cloud;      ///< with normals, and colours where the corners have some
-  std::size_t flat = 0;  ///< triangles that are left out, as they have no area
+  PointCloud cloud;      ///< with normals, and colours if the corners have them
+  std::size_t flat = 0;  ///< triangles left out because they have no area
 };
 
-/// `count` points, spread evenly by area: the same number to equal areas but for one, in order of the triangles, and
-/// within each by a sequence that leaves no gaps (Roberts 2018, "The unreasonable effectiveness of quasirandom
-/// sequences", after Weyl 1916), which `seed` turns. Normals are those of the corners, blended, or else of the
-/// triangle, whose corners are anticlockwise seen from outside. The same for any number of threads (0: one per core).
-/// No points where no triangle has an area.
+/// Samples `count` points, distributed evenly by area: equal areas have the same number of points (differing by at most
+/// one), in the order of triangles, and within each triangle a low-discrepancy sequence (Roberts 2018, "The
+/// unreasonable effectiveness of quasirandom sequences", after Weyl 1916), shifted by `seed`. Normals are interpolated
+/// from the corners, or else those of the triangle, whose corners are anticlockwise seen from outside. Independent of
+/// the number of threads (0: one per core). No points if no triangle has an area.
 SampledSoup sampleSoup(const TriangleSoup& soup, std::size_t count, std::uint64_t seed, unsigned threads = 0);
 
 }  // namespace palpate

@@ -17,8 +17,8 @@ namespace {
 constexpr std::size_t kMaxListLine = std::size_t{1} << 16;
 constexpr double kDepthScale = 5000;
 constexpr double kSameMoment_s = 0.02;  // between depth and its colours
-constexpr double kLongestGap_s = 1;     // between two poses: what was in between is anybody's guess
-constexpr std::size_t kCandidates = 8;  // before a depth and behind it: more stand in no list that was ever recorded
+constexpr double kLongestGap_s = 1;     // between two poses: longer gaps are not interpolated
+constexpr std::size_t kCandidates = 8;  // before and behind a depth: no recorded list has more within kSameMoment_s
 
 struct Stamped {
   double stamp_s = 0;
@@ -30,7 +30,7 @@ struct StampedPose {
   CameraPose pose;
 };
 
-/// The lines of a list that say something.
+/// The lines of a list that are not blank or comments.
 class Lines {
  public:
   explicit Lines(const std::filesystem::path& path) : file_(path) {}
@@ -54,7 +54,7 @@ class Lines {
   std::string_view rest_;
 };
 
-/// In order of time, whatever order they have in the list.
+/// Sorted by time, independent of the order in the list.
 std::vector<Stamped> readFiles(const std::filesystem::path& folder, const char* name) {
   Lines lines(folder / name);
   std::vector<Stamped> files;
@@ -76,7 +76,7 @@ std::vector<Stamped> readFiles(const std::filesystem::path& folder, const char* 
   return files;
 }
 
-/// In order of time, whatever order they have in the file.
+/// Sorted by time, independent of the order in the file.
 std::vector<StampedPose> readPoses(const std::filesystem::path& path) {
   Lines lines(path);
   std::vector<StampedPose> poses;
@@ -97,8 +97,8 @@ std::vector<StampedPose> readPoses(const std::filesystem::path& path) {
   return poses;
 }
 
-/// Of each depth its colours' place in the list, or none: the closest pairs first, each of both once (as the
-/// benchmark's own associate.py).
+/// For each depth the index of its colours, or none: the closest pairs first, each used once (like the benchmark's
+/// associate.py).
 std::vector<std::optional<std::size_t>> associate(const std::vector<Stamped>& depths,
                                                   const std::vector<Stamped>& colors) {
   std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
@@ -140,7 +140,7 @@ RgbdList listTum(const std::filesystem::path& folder) {
   if (depths.empty()) throw FileError(list, "names no pictures");
   const auto colors = isFile(folder / "rgb.txt") ? readFiles(folder, "rgb.txt") : std::vector<Stamped>{};
   const auto poses = isFile(poseList) ? readPoses(poseList) : std::vector<StampedPose>{};
-  const bool hasColors = !colors.empty(), hasPoses = !poses.empty();  // an empty list is none
+  const bool hasColors = !colors.empty(), hasPoses = !poses.empty();  // an empty list counts as missing
   const auto chosen = associate(depths, colors);
 
   RgbdList made{.frames = {}, .depthScale = kDepthScale};

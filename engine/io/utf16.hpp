@@ -1,4 +1,4 @@
-// Text of 16 bits a letter, as Windows' programs save "Unicode" (The Unicode Standard, chapter 3.9).
+// UTF-16 text, as saved by Windows programs as "Unicode" (The Unicode Standard, chapter 3.9).
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@
 
 namespace palpate {
 
-/// How text begins that is in UTF-16: with its mark, or with a letter of one byte and a zero.
+/// Detects UTF-16 by its byte order mark, or by a one-byte character and a zero byte.
 struct Utf16Start {
   bool bigEndian = false;
   std::size_t markBytes = 0;
 };
 std::optional<Utf16Start> utf16Start(std::span<const std::byte> begin);
 
-/// Takes bytes as they come, and gives them as UTF-8. Halves of a pair without the other one become '?'.
+/// Converts bytes to UTF-8 incrementally. Unpaired surrogates become '?'.
 class Utf16Decoder {
  public:
   explicit Utf16Decoder(bool bigEndian) : bigEndian_(bigEndian) {}
@@ -30,7 +30,7 @@ class Utf16Decoder {
 
   bool bigEndian_;
   std::optional<unsigned> half_;  // the first byte of a unit
-  std::uint32_t high_ = 0;        // the first unit of a pair
+  std::uint32_t high_ = 0;        // the first unit of a surrogate pair
 };
 
 }  // namespace palpate

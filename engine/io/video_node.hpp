@@ -1,4 +1,4 @@
-// What a video device of Linux is asked, so that tests can answer in the place of a camera.
+// Interface of a Linux video device, so that tests can simulate a camera.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +11,21 @@
 
 namespace palpate {
 
-/// An open device. Functions that return an int return a number of errno, 0 where all went well.
+/// An open device. Functions that return an int return an errno value, 0 on success.
 class VideoNode {
  public:
   virtual ~VideoNode() = default;
-  /// One of <linux/videodev2.h>'s.
+  /// A request of <linux/videodev2.h>.
   virtual int control(unsigned long request, void* argument) noexcept = 0;
   virtual int map(std::size_t bytes, std::int64_t offset, std::span<const std::byte>& memory) noexcept = 0;
   virtual void unmap(std::span<const std::byte> memory) noexcept = 0;
-  /// Until there is a frame, or something went wrong with the device, or wake() was called.
+  /// Waits for a frame, an error of the device, or wake().
   virtual int wait() noexcept = 0;
-  /// Ends a wait, and all that come. From any thread.
+  /// Interrupts the current wait and all later ones. From any thread.
   virtual void wake() noexcept = 0;
 };
 
-/// Streams the frames of a node. As openDepthCamera().
+/// Streams the frames of a node; see openDepthCamera().
 std::shared_ptr<DepthStream> streamVideoNode(std::unique_ptr<VideoNode> node, const std::string& name,
                                              const CameraText& camera);
 

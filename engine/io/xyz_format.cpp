@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kChannels{"red", "green", "blue"};
 
-/// All is as exact as text can be, but for normals.
+/// Double precision for all columns except normals.
 PlyElement elementOf(const TextRows& rows) {
   PlyElement element{.name = "vertex", .count = 0, .properties = {}, .line = 1};
   for (const std::string& name : rows.names()) {
@@ -29,7 +29,7 @@ PlyElement elementOf(const TextRows& rows) {
   return element;
 }
 
-/// Three columns without names, which are carried as attributes until all rows have been seen.
+/// Three columns without names, which are stored as attributes until all rows were read.
 class UnnamedAttributes {
  public:
   explicit UnnamedAttributes(PointCloud& cloud) : cloud_(cloud) {
@@ -93,7 +93,7 @@ StoredCloud readText(const std::filesystem::path& path, Log* log, const CloudRea
   std::vector<std::byte> packed;
   std::size_t count = 0;
   const auto append = [&] {
-    vertices.append(packed.data(), count, false);  // what is no point is left out
+    vertices.append(packed.data(), count, false);  // invalid points are left out
     packed.clear();
     count = 0;
   };
@@ -169,7 +169,7 @@ const Attribute* intensityOf(const PointCloud& cloud) {
   return found == cloud.extra.end() ? nullptr : &*found;
 }
 
-/// Where there are colours there is an intensity before them, 0 where the cloud has none.
+/// Colours are preceded by an intensity, 0 if the cloud has none.
 void writePts(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
   RowOutput out(path, true);
   out.headerLine(fmt::format("{}", cloud.size()));
@@ -208,7 +208,7 @@ std::vector<std::string> lacksOfPts(const StoredCloud& stored) {
   return lost;
 }
 
-/// Three numbers or more, or names of columns with x, y and z among them.
+/// Three or more numbers, or column names including x, y and z.
 bool beginsAsText(const FileStart& start) {
   if (!start.isText()) return false;
   const auto lines = start.lines(1);
@@ -220,7 +220,7 @@ bool beginsAsText(const FileStart& start) {
   return lines[0].size() >= 3 && std::ranges::all_of(lines[0], isNumberWord);
 }
 
-/// How many points follow, and then one of them, or one at once.
+/// The number of points followed by a point, or directly a point.
 bool beginsAsPts(const FileStart& start) {
   if (beginsAsText(start)) return true;
   if (!start.isText()) return false;

@@ -1,20 +1,20 @@
-// Points as lines of text, which every program of scans can write.
+// Points as lines of text, which all scanning programs can write.
 #pragma once
 
 #include "engine/io/cloud_format.hpp"
 
 namespace palpate {
 
-/// A point a line: numbers with blanks, tabs, commas or semicolons between them (TextWords), and `#` or `//` before
-/// what is no point. A line before the first point may name the columns as a PLY file names properties: x y z, nx ny
-/// nz, red green blue (or r g b), in any case, also as surveyors and spreadsheets name them, and any others, which are
-/// carried along. Without one, three columns are places, four have an intensity behind them, seven colours behind that,
-/// and six have normals where those of all points have length one, or colours where none is negative. Written with that
-/// line wherever there is more than a place.
+/// A point per line: numbers separated by blanks, tabs, commas or semicolons (TextWords); lines that begin with `#` or
+/// `//` are comments. A line before the first point may name the columns like PLY properties: x y z, nx ny nz, red
+/// green blue (or r g b), case-insensitive and with the names of surveyors and spreadsheets; any other columns are kept
+/// as attributes. Without names, three columns are positions, a fourth is an intensity, seven have colours behind it,
+/// and six have normals if all have unit length, or colours if all are in range. Writing adds the line of names if
+/// there are other columns than positions.
 CloudFormat xyzFormat();
-/// The same with commas, and names always; read with any sign between numbers.
+/// The same with commas, and always with names; any separator is accepted when reading.
 CloudFormat csvFormat();
-/// The number of points before those of each scan; x y z, an intensity, red green blue.
+/// Each scan is preceded by its number of points; columns are x y z, an intensity, red green blue.
 CloudFormat ptsFormat();
 
 }  // namespace palpate

@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint32_t kEndOfArchive = 0x06054b50, kWideEnd = 0x06064b50, kWideLocator = 0x07064b50,
                         kEntry = 0x02014b50, kLocalHead = 0x04034b50;
 constexpr std::size_t kEndBytes = 22, kEntryBytes = 46, kLocalBytes = 30, kWideEndBytes = 56, kLocatorBytes = 20;
-constexpr std::uint32_t kElsewhere = 0xffffffff;  // a number of 32 bits that stands in one of 64
+constexpr std::uint32_t kElsewhere = 0xffffffff;  // marks a 32-bit number whose value is in a 64-bit field
 
 class ZipReader {
  public:
@@ -132,7 +132,7 @@ std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<c
 std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive,
                                  const ZipMember& member) {
   constexpr std::uint64_t kMaxPerByte = 1032,
-                          kMax = std::numeric_limits<int>::max() - 2;  // deflate's; what is unpacked at once
+                          kMax = std::numeric_limits<int>::max() - 2;  // deflate's maximum ratio; maximum size at once
   const auto packed = archive.subspan(member.at, member.packed);
   const auto damaged = [&](std::string_view what) {
     return FileError::atByte(file, member.at, fmt::format("{} {}", inQuotes(member.name), what));
@@ -146,7 +146,7 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
       throw damaged("is packed and larger than 2 GiB, which is not read");
     if (member.bytes / kMaxPerByte > member.packed) throw damaged("cannot be as long as it is said to be");
     bytes.resize(member.bytes);
-    // It wants to look two bytes beyond the last code, where an archive has its list of members.
+    // The decoder reads two bytes beyond the last code, where an archive has its list of members.
     const auto beyond =
         archive.subspan(member.at, std::min<std::uint64_t>(member.packed + 2, archive.size() - member.at));
     const int got =

@@ -24,20 +24,20 @@ constexpr std::uint32_t kEndOfArchive = 0x06054b50, kWideEnd = 0x06064b50, kWide
                         kEntry = 0x02014b50, kLocalHead = 0x04034b50;
 constexpr std::uint64_t kMax32 = 0xffffffff, kMax16 = 0xffff;
 constexpr std::uint16_t kVersion = 20, kWideVersion = 45, kUtf8 = 1 << 11, kDeflate = 8;
-constexpr std::uint16_t kFirstDay = 1 << 5 | 1;  // of January 1980: the same bytes in each run
+constexpr std::uint16_t kFirstDay = 1 << 5 | 1;  // January 1, 1980: the same bytes in each run
 
 void number(std::string& out, std::uint64_t value, unsigned bytes) {
   for (unsigned k = 0; k < bytes; ++k) out += static_cast<char>(value >> (8 * k) & 0xff);
 }
 
-/// What stands between the two bytes before and the four bytes behind that deflated data have in a file of their own;
-/// nothing where that is no smaller.
+/// Raw deflate data, without the two bytes before and the four bytes behind it of a zlib stream; empty if it is not
+/// smaller.
 std::string deflated(std::span<const std::byte> bytes) {
   constexpr std::size_t kMax = std::size_t{1} << 30, kBefore = 2, kBehind = 4;
   if (bytes.empty() || bytes.size() > kMax) return {};
   constexpr int kQuality = 8;
   int length = 0;
-  // It only reads them.
+  // The input is only read.
   auto* given = reinterpret_cast<unsigned char*>(const_cast<std::byte*>(bytes.data()));
   const std::unique_ptr<unsigned char, decltype(&std::free)> packed(
       stbi_zlib_compress(given, static_cast<int>(bytes.size()), &length, kQuality), &std::free);
@@ -58,7 +58,7 @@ void ZipOutput::add(const std::string& name, std::span<const std::byte> bytes) {
   const std::string packed = deflated(bytes);
   const std::uint64_t size = packed.empty() ? bytes.size() : packed.size(), local = at_;
   const bool wide = std::max<std::uint64_t>(size, bytes.size()) >= kMax32, far = local >= kMax32;
-  std::string sizes;  // of 64 bits
+  std::string sizes;  // 64-bit sizes
   if (wide) number(sizes, bytes.size(), 8), number(sizes, size, 8);
   const auto common = [&](std::string& out, std::size_t extra) {
     number(out, wide || far ? kWideVersion : kVersion, 2);
@@ -86,7 +86,7 @@ void ZipOutput::add(const std::string& name, std::span<const std::byte> bytes) {
   number(list_, kEntry, 4);
   number(list_, wide || far ? kWideVersion : kVersion, 2);
   common(list_, sizes.empty() ? 0 : 4 + sizes.size());
-  number(list_, 0, 2), number(list_, 0, 2), number(list_, 0, 2), number(list_, 0, 4);  // no remark, disk or attributes
+  number(list_, 0, 2), number(list_, 0, 2), number(list_, 0, 2), number(list_, 0, 4);  // no comment, disk or attributes
   number(list_, far ? kMax32 : local, 4);
   list_ += name;
   if (!sizes.empty()) number(list_, 1, 2), number(list_, sizes.size(), 2), list_ += sizes;

@@ -1,4 +1,4 @@
-// Writing ZIP archives (PKWARE's APPNOTE 6.3), deflated, with sizes of 64 bits where they need them.
+// Writes ZIP archives (PKWARE's APPNOTE 6.3), deflated, with 64-bit sizes if needed.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@
 
 namespace palpate {
 
-/// An archive appears under its name only when it is whole. Throws FileError.
+/// The archive appears under its name only when it is complete. Throws FileError.
 class ZipOutput {
  public:
   explicit ZipOutput(const std::filesystem::path& path) : file_(path) {}
 
-  /// A member; what is larger than 1 GiB, or does not become smaller, is stored as it is.
+  /// Adds a member; it is stored without compression if it is larger than 1 GiB, or does not become smaller.
   void add(const std::string& name, std::span<const std::byte> bytes);
-  /// Where `keptAs` is not null an older file is kept, and its new name put there (AtomicFile::commitAndKeep()).
+  /// If `keptAs` is not null, an existing file is kept, and its new path is stored there (AtomicFile::commitAndKeep()).
   void finish(std::filesystem::path* keptAs);
 
  private:
@@ -26,7 +26,7 @@ class ZipOutput {
 
   AtomicFile file_;
   std::uint64_t at_ = 0, members_ = 0;
-  std::string list_;  // what stands at the end
+  std::string list_;  // central directory, written at the end
 };
 
 }  // namespace palpate

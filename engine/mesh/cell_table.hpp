@@ -1,4 +1,4 @@
-// The cases of marching cubes, made from a rule when the program is compiled.
+// The cases of marching cubes, generated from a rule at compile time.
 #pragma once
 
 #include <array>
@@ -7,22 +7,22 @@
 
 namespace palpate {
 
-/// What a cell of the lattice holds, for each of the 256 ways in which its corners can be inside (Lorensen and Cline
-/// 1987). Corner c stands at (c & 1, c >> 1 & 1, c >> 2 & 1); bit c of a case says that it is inside. Edge e runs along
-/// axis e / 4 from corner lowCorner(e).
+/// The triangles of a lattice cell for each of the 256 inside/outside states of its corners (Lorensen and Cline 1987).
+/// Corner c is at (c & 1, c >> 1 & 1, c >> 2 & 1); bit c of a case is set if it is inside. Edge e runs along axis e / 4
+/// from corner lowCorner(e).
 ///
-/// The rule. In every face of the cell, walked anticlockwise as seen from outside, each run of inside corners is cut
-/// off from the rest by a segment, from the edge where the walk comes in to the one where it goes out. So of two inside
-/// corners that face each other diagonally each is cut off alone. That depends on the four corners of the face only,
-/// so that the two cells of a face agree, and nothing cracks. The segments of a cell chain up into loops, anticlockwise
-/// as seen from the side that is not inside. A loop becomes triangles, so that no diagonal joins two edges of one face:
-/// the neighbour there could draw the same one, and four triangles would meet in it. Of the triangulations that are
-/// left it is the one whose worst triangle, with vertices mid-edge, is the fattest.
+/// The rule. In every face of the cell, traversed anticlockwise as seen from outside, each run of inside corners is cut
+/// off by a segment, from the edge where the run begins to the edge where it ends. So two diagonally opposite inside
+/// corners are cut off separately. This depends only on the four corners of the face, so that both cells of a face
+/// agree, and the mesh has no cracks. The segments of a cell form loops, anticlockwise as seen from the outer side. A
+/// loop is triangulated without diagonals between two edges of one face: the neighbouring cell could use the same
+/// diagonal, and four triangles would share it. Of the remaining triangulations the one with the fattest worst triangle
+/// is taken, for vertices at the middle of edges.
 ///
-/// What follows. Each cut edge of the lattice is a vertex of one loop in each of its four cells, each segment belongs
-/// to the two cells of its face, each diagonal to one cell: where all cells around are there, the mesh is a closed
-/// 2-manifold. Vertices stand within their edges, never at an end, and a line meets the surface of a cube in two points
-/// or lies in a face, where no triangle has its three vertices: no triangle is without area.
+/// Consequences. Each cut edge of the lattice is a vertex of one loop in each of its four cells, each segment belongs
+/// to the two cells of its face, each diagonal to one cell: where all neighbouring cells exist, the mesh is a closed
+/// 2-manifold. Vertices lie inside their edges, never at an end, and a line meets the surface of a cube in two points
+/// or lies in a face, where no triangle has its three vertices: so no triangle has zero area.
 struct CellCase {
   std::uint8_t triangles = 0;
   std::array<std::uint8_t, 15> edges{};  ///< three for each triangle, anticlockwise as seen from outside the surface
@@ -60,7 +60,7 @@ constexpr bool shareFace(unsigned edgeA, unsigned edgeB) {
   return false;
 }
 
-/// For each edge the one that a segment leads to; kNone where none begins.
+/// For each edge the edge to which its segment leads; kNone if no segment begins there.
 constexpr std::array<unsigned, 12> segmentsOf(unsigned inside) {
   std::array<unsigned, 12> next{};
   next.fill(kNone);
@@ -77,7 +77,8 @@ constexpr std::array<unsigned, 12> segmentsOf(unsigned inside) {
   return next;
 }
 
-/// Four times the squared area over the square of the sum of squared sides, of a triangle mid-edge.
+/// Four times the squared area over the square of the sum of squared sides, of a triangle with vertices at the middle
+/// of its edges.
 constexpr double fatness(unsigned edgeA, unsigned edgeB, unsigned edgeC) {
   const auto middle = [](unsigned edge, unsigned axis) {
     return static_cast<double>((lowCorner(edge) >> axis & 1u) + (highCorner(edge) >> axis & 1u)) / 2;
@@ -98,7 +99,7 @@ constexpr double fatness(unsigned edgeA, unsigned edgeB, unsigned edgeC) {
   return squared / (sides * sides);
 }
 
-/// Adds the triangles of a loop of `count` edges: the best triangulation of each run of it from those of shorter runs.
+/// Adds the triangles of a loop of `count` edges: finds the best triangulation of each run from those of shorter runs.
 constexpr void addLoop(CellCase& cell, const std::array<unsigned, 12>& loop, unsigned count) {
   constexpr double kForbidden = -1, kOpen = 2;
   double worst[kLongestLoop][kLongestLoop] = {};
@@ -160,7 +161,7 @@ constexpr std::array<CellCase, 256> makeAll() {
 
 }  // namespace cell_table
 
-/// By the bits of the inside corners.
+/// Indexed by the bits of the inside corners.
 inline constexpr std::array<CellCase, 256> kCellCases = cell_table::makeAll();
 
 static_assert(kCellCases[0].triangles == 0 && kCellCases[255].triangles == 0);

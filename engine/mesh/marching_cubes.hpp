@@ -14,41 +14,41 @@
 
 namespace palpate {
 
-/// Where the time of a mesh went, us on the GPU; 0 where the device keeps no time.
+/// GPU time of a mesh by pass, us; 0 if the device has no timestamps.
 struct MeshTimes {
   double index = 0;      ///< the hash of the points
-  double list = 0;       ///< which blocks there are
+  double list = 0;       ///< listing the blocks
   double field = 0;      ///< the value of every node
-  double classify = 0;   ///< what every cell holds
-  double scan = 0;       ///< where its vertices and triangles go
-  double vertices = 0;   ///< places and normals
-  double triangles = 0;  ///< their numbers
+  double classify = 0;   ///< case of every cell
+  double scan = 0;       ///< offsets of vertices and triangles
+  double vertices = 0;   ///< positions and normals
+  double triangles = 0;  ///< vertex indices
   double total() const { return index + list + field + classify + scan + vertices + triangles; }
 };
 
 struct MeshStep {
   MeshTimes gpu_us;
-  std::uint32_t blocks = 0;   ///< that are there
-  std::uint32_t treated = 0;  ///< whose nodes were computed; the others were carried over
+  std::uint32_t blocks = 0;   ///< number of blocks
+  std::uint32_t treated = 0;  ///< number of blocks whose nodes were computed; the others were copied
 };
 
 /// Marching cubes (Lorensen and Cline 1987; cases as in engine/mesh/cell_table.hpp) over the implicit surface of a
-/// cloud on the GPU. Only blocks of 8 x 8 x 8 cells near points are stored and treated. Passes: hash, mark blocks,
-/// scan, list; value of every node; classify cells; scan; vertices, each placed on its edge and given its normal by a
-/// pass over the points there; triangles. After an edit the nodes and vertices of blocks that it may have changed are
-/// made anew, the others' are copied, and the result is that of a build from nothing, bit by bit: points are visited
-/// in an order that depends on where they are and on their numbers, and on nothing else. (Places where more than
-/// kMeshMostCandidates points crowd are the exception.) Belongs to the sight side.
+/// cloud on the GPU. Only blocks of 8 x 8 x 8 cells near points are stored and processed. Passes: hash, mark blocks,
+/// scan, list; value of every node; classify cells; scan; vertices, each with a position on its edge and a normal from
+/// a pass over nearby points; triangles.
+/// After an edit the nodes and vertices of blocks that it may have changed are computed again, the others are copied.
+/// The result equals that of a new build, bit by bit: points are visited in an order that depends only on their
+/// positions and numbers (except where more than kMeshMostCandidates points crowd). Part of the sight side.
 class MarchingCubes {
  public:
-  /// `cloud` must have normals. `spare`: points that edits may add. `painted`: edits may give colours
-  /// where the cloud has none. Uploads the cloud. Throws OutOfGpuMemory.
+  /// `cloud` must have normals. `spare`: number of points that edits may add. `painted`: edits may set colours although
+  /// the cloud has none. Uploads the cloud. Throws OutOfGpuMemory.
   MarchingCubes(Device& device, const PointCloud& cloud, const MeshPlan& plan, std::uint32_t spare = 0,
                 bool painted = false);
 
   /// Meshes the whole cloud, and waits. Throws OutOfGpuMemory.
   MeshStep build();
-  /// Sets points to what `edits` say, in order, and follows with the mesh. What leaves the lattice is not meshed.
+  /// Applies `edits` to the points in order, and updates the mesh. Points outside the lattice are not meshed.
   MeshStep update(std::span<const PointState> edits);
 
   std::uint32_t vertexCount() const { return vertexCount_; }
@@ -60,14 +60,14 @@ class MarchingCubes {
   bool hasColors() const { return points_.hasColors(); }
   const MeshPlan& plan() const { return plan_; }
   Mesh download() const;
-  /// What it holds on the GPU at present.
+  /// GPU memory in use.
   std::uint64_t bytes() const { return points_.bytes() + storage_.bytes(); }
 
  private:
   MeshStep remesh(bool update);
   void listBlocks(MeshStep& step);
   void fillLattice(MeshStep& step, bool update);
-  /// Runs a pass over all blocks, in parts of so many that a job which may be cut ends soon; its time on the GPU, us.
+  /// Runs a pass over all blocks, split into parts so that an interruptible job ends soon; returns its GPU time, us.
   double runOverBlocks(const std::string& name, bool update,
                        const std::function<void(CommandList&, const shared::MeshArgs&)>& record);
   void writeTriangles(MeshStep& step, bool update);

@@ -11,13 +11,13 @@ namespace palpate {
 
 namespace {
 
-/// A side of a triangle: its vertices in ascending order, and whether it runs the other way.
+/// A side of a triangle: its vertices in ascending order, and whether it runs in the opposite direction.
 struct Side {
   std::uint32_t low, high;
   bool against;
 };
 
-/// Sets that merge (Galler and Fischer 1964).
+/// Disjoint sets (Galler and Fischer 1964).
 class Parts {
  public:
   explicit Parts(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }

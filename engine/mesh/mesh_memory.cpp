@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-// Of each block: vertices and triangles where the surface crosses it askew, less what most blocks do not reach.
+// Per block: number where the surface crosses a block diagonally, reduced because most blocks have fewer.
 constexpr std::uint64_t kVerticesPerBlock = 96;
 constexpr std::uint64_t kTrianglesPerBlock = 2 * kVerticesPerBlock;
 

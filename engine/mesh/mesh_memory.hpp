@@ -1,4 +1,4 @@
-// What a mesh needs on the GPU, known before anything is uploaded.
+// GPU memory that a mesh needs, predicted before any upload.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@ namespace palpate {
 
 class Device;
 
-/// What a mesh needs on the GPU, bytes.
+/// GPU memory of a mesh, bytes.
 struct MeshMemory {
-  std::uint64_t blocks = 0;  ///< how many are there; not bytes
+  std::uint64_t blocks = 0;  ///< number of blocks; not bytes
   std::uint64_t cloud = 0;   ///< points in two orders
   std::uint64_t index = 0;
-  std::uint64_t lattice = 0;  ///< the table and what the blocks hold
-  std::uint64_t mesh = 0;     ///< vertices and triangles: an estimate on the safe side
+  std::uint64_t lattice = 0;  ///< the table and the contents of blocks
+  std::uint64_t mesh = 0;     ///< vertices and triangles: a conservative estimate
   std::uint64_t total() const { return cloud + index + lattice + mesh; }
 };
 MeshMemory predictMeshMemory(const PointCloud& cloud, const MeshPlan& plan);
 
-/// Throws OutOfGpuMemory, with the numbers, where the device has less memory than that.
+/// Throws OutOfGpuMemory, with both sizes, if the device has less memory.
 void requireMeshMemory(const Device& device, const MeshMemory& memory);
 
 }  // namespace palpate

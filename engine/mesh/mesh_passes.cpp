@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-// Blocks along an axis that a box of two reaches, and a little more for rounding, may touch.
+// Maximum number of blocks along an axis that a box of side 2 * reach touches, with a margin for rounding.
 std::uint32_t rowsFor(const shared::MeshLattice& lattice, float reach) {
   const float side = static_cast<float>(shared::kMeshBlockSide) * lattice.cell;
   return static_cast<std::uint32_t>(std::ceil(2.001f * reach / side)) + 1;
@@ -20,11 +20,11 @@ std::uint32_t rowsFor(const shared::MeshLattice& lattice, float reach) {
 std::uint64_t threadsFor(std::uint64_t places, std::uint64_t rows) {
   const std::uint64_t threads = places * rows * rows;
   if (threads > std::numeric_limits<std::uint32_t>::max())
-    throw Error("the lattice is too fine for {} points with so wide a support; take a coarser one", places);
+    throw Error("the lattice is too fine for {} points with such a wide support radius; take a coarser one", places);
   return threads;
 }
 
-// The points of a piece take 28 bytes each, and what else the invocations share less than 6 KiB.
+// A point of a piece takes 28 bytes, other shared memory less than 6 KiB.
 constexpr std::uint32_t kPiece = 512, kSmallPiece = 256, kPieceBytes = 20 * 1024;
 
 std::uint32_t fieldWorkgroup(const Device& device) {
@@ -64,7 +64,7 @@ void MeshPasses::recordList(CommandList& list, const shared::MeshArgs& args) con
 }
 
 void MeshPasses::recordTouch(CommandList& list, shared::MeshArgs args) const {
-  // From one block further down: its uppermost cells end where the next one begins.
+  // One block more at the low end: its uppermost cells end where the next block begins.
   args.rows = rowsFor(args.lattice, args.lattice.radius + args.lattice.cell) + 1;
   list.dispatch(touch_, threadsFor(2 * std::uint64_t{args.count}, args.rows), args);
 }

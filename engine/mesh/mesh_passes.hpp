@@ -5,8 +5,7 @@
 
 namespace palpate {
 
-/// The passes of MarchingCubes, in the order in which they run. Each takes in `args` how many points or blocks it goes
-/// over.
+/// The passes of MarchingCubes, in order. Each receives in `args` its number of points or blocks.
 class MeshPasses {
  public:
   /// `colored`: vertices get colours.
@@ -14,15 +13,15 @@ class MeshPasses {
 
   /// Marks the blocks near points.
   void recordMark(CommandList& list, shared::MeshArgs args) const;
-  /// Lists the blocks that are there.
+  /// Lists the marked blocks.
   void recordList(CommandList& list, const shared::MeshArgs& args) const;
-  /// Of an update: the blocks that moved points may have changed.
+  /// Updates only: the blocks that moved points may have changed.
   void recordTouch(CommandList& list, shared::MeshArgs args) const;
   /// The value of every node.
   void recordField(CommandList& list, const shared::MeshArgs& args) const;
-  /// What every cell holds.
+  /// The case of every cell.
   void recordClassify(CommandList& list, const shared::MeshArgs& args) const;
-  /// How many vertices and triangles a block has.
+  /// Number of vertices and triangles of each block.
   void recordCount(CommandList& list, const shared::MeshArgs& args) const;
   void recordVertices(CommandList& list, const shared::MeshArgs& args) const;
   void recordTriangles(CommandList& list, const shared::MeshArgs& args) const;

@@ -15,7 +15,7 @@ namespace {
 constexpr double kMaxBlocks = 1u << 26;
 // More spacings within a support radius give no better surface, only more points to visit.
 constexpr double kMaxSpacings = 5;
-constexpr std::uint64_t kChoice = 0x6d657368;  // which points a share takes
+constexpr std::uint64_t kChoice = 0x6d657368;  // seed for the choice of points
 
 }  // namespace
 
@@ -27,21 +27,20 @@ MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& optio
   MeshPlan plan{.surface = options.surface};
   const double side = bounds.longestSide();
   const double wanted = options.radius > 0 ? options.radius : static_cast<double>(shared::kSupportSpacings) * spacing;
-  // A cloud without extent has one place, and any cell will do.
+  // A cloud without extent is a single position: any cell size works.
   const double cell = side > 0 ? side / options.lattice : wanted > 0 ? wanted / 4 : 1.0;
   const double radius = std::max(wanted, kMinRadius_cells * cell);
-  // The skin of the density lies anywhere within the radius, so cells are needed one further out.
+  // The skin of the density may lie anywhere within the radius, which requires one more cell.
   const double reach = radius + (options.surface == MeshSurface::density ? cell : 0);
 
-  // Half a cell off the box, so that flat sides of a model that fills it do not lie on nodes.
+  // Half a cell of offset, so that the flat sides of a model that fills its box do not lie on nodes.
   const double margin = (std::ceil(reach / cell) + std::ceil(options.room * side / cell) + 0.5) * cell;
   DVec3 blocks(0);
   for (int k = 0; k < 3; ++k)
     blocks[k] = std::ceil(((bounds.max[k] - bounds.min[k] + 2 * margin) / cell + 1) / shared::kMeshBlockSide);
   if (!(blocks.x * blocks.y * blocks.z <= kMaxBlocks))
-    throw Error(
-        "a lattice of {} cells along the longest side is too fine for points that lie {:.3g} apart; take a coarser one",
-        options.lattice, spacing);
+    throw Error("a lattice of {} cells along the longest side is too fine for points {:.3g} apart; take a coarser one",
+                options.lattice, spacing);
   if (spacing > 0) plan.share = std::min(1.0, std::pow(kMaxSpacings * spacing / radius, 2));
   const double usedSpacing = spacing > 0 ? spacing / std::sqrt(plan.share) : radius / 4;
   plan.lattice = {.origin = Vec3(bounds.min - margin),

@@ -14,9 +14,9 @@ namespace palpate {
 
 namespace {
 
-constexpr float kNowhere = std::bit_cast<float>(0x7fc00000u);  // as the shaders know it
+constexpr float kNowhere = std::bit_cast<float>(0x7fc00000u);  // as defined in the shaders
 
-// The points that the plan uses. Their places are their numbers in it.
+// The points that the plan uses; their new index is their rank among them.
 PointCloud partOf(const PointCloud& cloud, const MeshPlan& plan) {
   if (plan.share >= 1) return cloud;
   PointCloud part;
@@ -29,7 +29,7 @@ PointCloud partOf(const PointCloud& cloud, const MeshPlan& plan) {
   return part;
 }
 
-// The numbers of all points that there may ever be, in the part; empty where it is the whole.
+// Ranks of all possible points in the subset; empty if all are used.
 std::vector<std::uint32_t> placesIn(const MeshPlan& plan, std::uint64_t points, std::uint32_t none) {
   if (plan.share >= 1) return {};
   std::vector<std::uint32_t> places(points, none);
@@ -114,7 +114,7 @@ std::uint32_t MeshPoints::set(std::span<const PointState> edits) {
 
 double MeshPoints::buildIndex() {
   double time_us = 0;
-  // From the order of numbers each time: what stands in a bucket does not depend on how it came there.
+  // Always from the order of numbers: the content of a bucket must not depend on its history.
   for (SortMethod used = hash_.sort();; used = hash_.fallback()) {
     CommandList list(device_, device_.throughputQueue(), "mesh index", CommandList::Timing::sections);
     list.begin();

@@ -11,22 +11,21 @@
 
 namespace palpate {
 
-/// The points that a mesh is made of, on the GPU: those of the cloud that the plan uses, with their index. Edits set
-/// them.
+/// The points of a mesh on the GPU: those of the cloud that the plan uses, with their index. Edits change them.
 class MeshPoints {
  public:
-  /// As of MarchingCubes.
+  /// Arguments as for MarchingCubes.
   MeshPoints(Device& device, const PointCloud& cloud, const MeshPlan& plan, std::uint32_t spare, bool painted);
 
-  /// Sets points to what `edits` say, in order, and says how many of the mesh's were among them.
+  /// Applies `edits` in order; returns how many points of the mesh they changed.
   std::uint32_t set(std::span<const PointState> edits);
-  /// How many the last call of set() has set.
+  /// Result of the last set().
   std::uint32_t moveCount() const { return moveCount_; }
   void forgetMoves() { moveCount_ = 0; }
-  /// Builds the index of all, and says what it took on the GPU, us.
+  /// Builds the index of all points; returns its GPU time, us.
   double buildIndex();
 
-  /// With its index, which is built.
+  /// View with the index; requires buildIndex().
   shared::CloudView view() const { return hash_.view(live_.back(), live_.slots()); }
   std::uint32_t slots() const { return live_.slots(); }
   const DVec3& origin() const { return origin_; }
@@ -41,9 +40,9 @@ class MeshPoints {
 
   Device& device_;
   bool colored_;
-  std::vector<std::uint32_t> placeOf_;  // of a point in the live cloud; empty where all have their own number
+  std::vector<std::uint32_t> placeOf_;  // index of a point in the live cloud, by its number; empty if they are equal
   DVec3 origin_;
-  LiveCloud live_;  // its front half by number, its back half in the order of the hash
+  LiveCloud live_;  // front half by number, back half in hash order
   SpatialHash hash_;
   ComputePipeline movePoints_;
   Buffer colors_, moves_;

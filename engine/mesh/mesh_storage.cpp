@@ -25,8 +25,8 @@ std::vector<UVec2> packedCases() {
 void growBuffer(Device& device, Buffer& buffer, std::uint64_t bytes) {
   if (buffer.bytes() >= bytes) return;
   const std::string name = buffer.name();
-  if (buffer.bytes() > 0) bytes += bytes / 4;        // a mesh that follows edits grows again and again
-  buffer = Buffer(device, 0, Memory::device, name);  // gives back first
+  if (buffer.bytes() > 0) bytes += bytes / 4;        // a mesh that follows edits grows repeatedly
+  buffer = Buffer(device, 0, Memory::device, name);  // frees the old memory first
   buffer = Buffer(device, bytes, Memory::device, name);
 }
 

@@ -10,30 +10,30 @@ namespace palpate {
 
 inline constexpr std::uint64_t kMeshWordBytes = sizeof(std::uint32_t);
 
-/// Makes room for so many bytes; what was in it is lost where it had less.
+/// Ensures a capacity of `bytes`; the contents are lost if the buffer grows.
 void growBuffer(Device& device, Buffer& buffer, std::uint64_t bytes);
 
-/// What the passes of a mesh read and write on the GPU besides the points: the lattice and the mesh, as they are and as
-/// they were before an update. Grows as the mesh does. "Slots": blocks that are there.
+/// GPU memory of the mesh passes besides the points: the lattice and the mesh, in their current state and in that
+/// before an update. Grows with the mesh. "Slots": the blocks in use.
 class MeshStorage {
  public:
   MeshStorage(Device& device, const shared::MeshLattice& lattice);
 
-  /// What an update keeps from the state before it.
+  /// State that an update keeps from before.
   struct State {
     Buffer table, values, vertexStarts, vertices;
     std::uint64_t bytes() const { return table.bytes() + values.bytes() + vertexStarts.bytes() + vertices.bytes(); }
   };
   const State& now() const { return states_[current_]; }
-  /// What is there now becomes the state before.
+  /// The current state becomes the previous one.
   void flip() { current_ = 1 - current_; }
 
   void growTable(std::uint32_t entries);
-  /// `update`: with room for what an edit has touched. `scanBytes`: for each of two scans.
+  /// `update`: also for the blocks touched by an edit. `scanBytes`: for each of two scans.
   void growBlocks(std::uint64_t slots, bool update, std::uint64_t scanBytes);
   void growMesh(std::uint64_t vertices, std::uint64_t triangles);
 
-  /// Where all of it is, for shaders; after it has grown. `colors`, `moves`: of the points.
+  /// Writes the addresses of all buffers for shaders; call after growing. `colors`, `moves`: of the points.
   void writeAddresses(DeviceAddress colors, DeviceAddress moves);
   DeviceAddress addresses() const { return addresses_.address(); }
 

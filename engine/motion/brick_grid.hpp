@@ -1,4 +1,4 @@
-// The cubes that space is divided into where a cloud is handed out piece by piece, to who has not all of it.
+// Grid of cubes (bricks) in which a cloud is sent piece by piece to a client that holds only part of it.
 #pragma once
 
 #include <algorithm>
@@ -10,14 +10,14 @@
 
 namespace palpate {
 
-/// Which brick; the same at both ends of a link.
+/// Packed coordinates of a brick; identical at both ends of a link.
 using BrickKey = std::uint64_t;
 
-/// Bricks from one corner to the other, both among them.
+/// Bricks from one corner to the other, both included.
 struct BrickBox {
   IVec3 low{0}, high{-1};
 
-  /// How many; a double, since the answer may be far too many.
+  /// Number of bricks; a double, since it may exceed any integer type.
   double count() const {
     const DVec3 sides = DVec3(high) - DVec3(low) + 1.0;
     return sides.x * sides.y * sides.z;
@@ -30,14 +30,14 @@ struct BrickBox {
   }
 };
 
-/// Bricks of one edge, model units, the first one from the cloud's origin on. What lies beyond the last one belongs to
-/// that.
+/// Bricks of one edge length (model units), starting at the cloud's origin. Positions beyond the outermost brick belong
+/// to it.
 class BrickGrid {
  public:
   explicit BrickGrid(double edge) : edge_(edge) {}
   double edge() const { return edge_; }
 
-  /// Never falls where a coordinate rises, so that the bricks of a box are those between its corners'.
+  /// Monotonic in each coordinate, so that the bricks of a box are those between the bricks of its corners.
   IVec3 brickAt(const DVec3& place) const {
     IVec3 brick;
     for (int k = 0; k < 3; ++k)
@@ -46,7 +46,7 @@ class BrickGrid {
   }
   BrickKey keyAt(const DVec3& place) const { return keyOf(brickAt(place)); }
   BrickBox boxOf(const DVec3& low, const DVec3& high) const { return {brickAt(low), brickAt(high)}; }
-  /// From the brick to the place; 0 within it.
+  /// Distance from the brick to the position; 0 inside it.
   double distance(const IVec3& brick, const DVec3& place) const {
     const DVec3 low = DVec3(brick) * edge_;
     return glm::length(glm::max(glm::max(low - place, place - (low + edge_)), DVec3(0)));
@@ -62,7 +62,7 @@ class BrickGrid {
     for (int k = 0; k < 3; ++k) brick[k] = static_cast<int>(key >> (k * kBits) & (2 * kReach - 1)) - kReach;
     return brick;
   }
-  /// Whether a foreign key is one.
+  /// Whether a key received from the other end is valid.
   static bool isKey(BrickKey key) { return key >> (3 * kBits) == 0; }
 
  private:

@@ -47,7 +47,7 @@ void BrickOverlay::make(std::span<const PointChange> changes) {
   }
 }
 
-// Since it was looked at, it may have come in another brick than it stood in then.
+// Since the point was read, a brick other than `where` may have been received with it.
 BrickKey BrickOverlay::cameIn(std::uint32_t point, BrickKey where) const {
   const auto hasIt = [&](const Brick& brick) { return std::ranges::binary_search(brick.ids, point); };
   if (const auto there = come_.find(where); there != come_.end() && hasIt(*there->second)) return where;
@@ -97,7 +97,7 @@ std::shared_ptr<const Brick> BrickOverlay::shown(BrickKey key) const {
     result->normals.push_back(normal);
     result->colors.push_back(color);
   };
-  // Both are in the order of ids, and no point is in both.
+  // Both are sorted by id, and no point is in both.
   static const std::set<std::uint32_t> kNone;
   const std::set<std::uint32_t>& own = standing == standing_.end() ? kNone : standing->second;
   auto next = own.begin();

@@ -1,4 +1,4 @@
-// What a hand has made of the points of a cloud that somebody else has, over the bricks of it that have come.
+// A client's own edits on top of the bricks received from the server that holds the cloud.
 #pragma once
 
 #include <cstdint>
@@ -14,51 +14,51 @@
 
 namespace palpate {
 
-/// The points of a brick, by ascending id: their numbers in the whole cloud. Relative to the cloud's origin.
+/// Points of a brick by ascending id (their number in the whole cloud). Positions are relative to the cloud's origin.
 struct Brick {
   std::vector<std::uint32_t> ids;
   std::vector<Vec3> positions, normals;
-  std::vector<Vec3> velocities;       ///< empty where points stand still
-  std::vector<std::uint32_t> colors;  ///< RGBA8, red in the lowest byte; 0: none. Empty where no point has any
+  std::vector<Vec3> velocities;       ///< empty where points do not move
+  std::vector<std::uint32_t> colors;  ///< RGBA8, red in the lowest byte; 0: no colour. Empty if no point has a colour
 
   std::size_t size() const { return ids.size(); }
   bool operator==(const Brick&) const = default;
 };
 
-/// Points that are made otherwise here are so at once, and stay so, whatever comes, until it is known that what comes
-/// has them in it (settle()). One thread uses it at a time.
+/// Points edited here take effect at once and override received data until the server confirms that its data contains
+/// the edits (settle()). For one thread at a time.
 class BrickOverlay {
  public:
   explicit BrickOverlay(const BrickGrid& grid) : grid_(grid) {}
 
-  // Of who has the whole cloud.
+  // Data received from the server.
   void come(BrickKey key, std::shared_ptr<const Brick> brick);
   void drop(BrickKey key);
-  /// All that has come is known no more; what was made here stays.
+  /// Discards all received bricks; local edits stay.
   void forget();
-  /// What became of these points is in what has come: what was made of them here since takeMade() told of it alone
-  /// stays.
+  /// The received bricks contain the edits of these points: only edits made since the last takeMade() stay.
   void settle(std::span<const std::uint32_t> points);
 
-  // Of the hand.
-  /// `from`: as the point was here before.
+  // Local edits.
+  /// `from`: the point's local state before the edit.
   void make(std::span<const PointChange> changes);
-  /// Appends what was made since the last call: each point once, as it was made last, those first that were made first.
+  /// Appends the points edited since the last call: each point once, in its latest state, in the order of their first
+  /// edit.
   void takeMade(std::vector<PointState>& states);
   bool allTaken() const { return made_.empty(); }
-  /// Points of which what comes is not shown.
+  /// Number of points whose local state overrides the received one.
   std::size_t own() const { return own_.size(); }
 
-  /// Bricks that may be others than at the last call.
+  /// Bricks that may have changed since the last call.
   std::set<BrickKey> takeTouched();
-  /// A brick as it is with what was made here; null where none has come.
+  /// A received brick with the local edits applied; null if the brick was not received.
   std::shared_ptr<const Brick> shown(BrickKey key) const;
 
  private:
   struct Own {
     PointState state;
-    BrickKey came = 0;   // the last brick that came with the point in it
-    bool isNew = false;  // it was made since takeMade()
+    BrickKey came = 0;   // last received brick that contained the point
+    bool isNew = false;  // edited since takeMade()
   };
   BrickKey keyOf(const PointState& state) const { return grid_.keyAt(DVec3(state.position)); }
   BrickKey cameIn(std::uint32_t point, BrickKey where) const;
@@ -68,7 +68,7 @@ class BrickOverlay {
   BrickGrid grid_;
   std::map<BrickKey, std::shared_ptr<const Brick>> come_;
   std::unordered_map<std::uint32_t, Own> own_;
-  std::map<BrickKey, std::set<std::uint32_t>> standing_;  // of own_, those that are there, by brick
+  std::map<BrickKey, std::set<std::uint32_t>> standing_;  // points of own_ that exist, by brick
   std::vector<std::uint32_t> made_;                       // since takeMade(), in order
   std::set<BrickKey> touched_;
 };

@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kMaxBricks = 1 << 15;  // that a hand may reach at a tick
+constexpr double kMaxBricks = 1 << 15;  // maximum number of bricks that a hand may reach at a tick
 
 }  // namespace
 
@@ -77,7 +77,7 @@ bool BrickSource::isReached(const HandReaches& hands, BrickKey key) const {
   });
 }
 
-// What was not known, or is again as it was, changes nothing under a hand.
+// A brick that was not known, or has the same contents again, changes nothing under a hand.
 bool BrickSource::compose() {
   const auto hands = asked_.load();
   bool isChanged = false;
@@ -91,7 +91,7 @@ bool BrickSource::compose() {
     }
     if (!brick) continue;
     if (brick->size() > options_.points - points_)
-      throw Error("more than {} points have come for what lies around the hands", options_.points);
+      throw Error("more than {} points were received for the region around the hands", options_.points);
     points_ += brick->size();
     now_.bricks.emplace(key, std::move(brick));
   }
@@ -163,13 +163,13 @@ bool BrickSource::hasNewer(double time_s, double /*than_s*/) {
   return stateFor(time_s).version != made_;
 }
 
-// Each frame has a time of its own, by which covers() knows it.
+// Each frame has a unique time, by which covers() finds it.
 double BrickSource::frameTime(double time_s, double true_s) {
   if (options_.moves) {
     if (const auto asked = asked_.load()) toSession_s_ = asked->time_s - asked->steady_s;
     if (toSession_s_) time_s = true_s + *toSession_s_;
   }
-  constexpr double kBack_s = 0.5;  // a session that is run again begins anew
+  constexpr double kBack_s = 0.5;  // a larger step back: the session was restarted
   if (lastTime_s_ && time_s <= *lastTime_s_ && time_s > *lastTime_s_ - kBack_s)
     time_s = std::nextafter(*lastTime_s_, std::numeric_limits<double>::infinity());
   lastTime_s_ = time_s;

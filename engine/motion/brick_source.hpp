@@ -1,4 +1,4 @@
-// A cloud of which only the bricks around the hands are here: what has come of them is a source of frames.
+// A cloud of which only the bricks around the hands are present: received bricks are a source of frames.
 #pragma once
 
 #include <array>
@@ -19,48 +19,48 @@
 
 namespace palpate {
 
-/// What changes at once of what is known.
+/// Changes that are applied together.
 struct BrickUpdate {
-  double true_s = 0;              ///< of points that move: when all known bricks are where they are now (steadyNow_s())
-  bool whole = false;             ///< nothing else is to come of what was asked for
-  std::vector<BrickKey> dropped;  ///< not known any more
-  std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;  ///< are this now
-  std::vector<std::uint32_t> settled;  ///< points that were made otherwise here: this has what has become of that
+  double true_s = 0;              ///< for moving points: steadyNow_s() at which all known bricks are where they are now
+  bool whole = false;             ///< nothing requested is still to be received
+  std::vector<BrickKey> dropped;  ///< no longer known
+  std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;  ///< new contents
+  std::vector<std::uint32_t> settled;  ///< points edited here whose edits this update contains
 };
 
-/// Ticks, and those at which the surface may be made of points that are not known.
+/// Number of ticks, and of those at which the surface may depend on unknown points.
 struct UnknownTicks {
   std::uint64_t ticks = 0, without = 0;
 };
 
-/// A clock that only goes on, for times that are taken on several threads.
+/// A monotonic clock, for times that are compared across threads.
 double steadyNow_s();
 
-/// Where the points have to be known for one hand. Relative to the cloud's origin, but for what says otherwise.
+/// Region in which one hand needs the points; relative to the cloud's origin unless stated otherwise.
 struct HandReach {
-  DVec3 low{0}, high{0};   ///< box of all that the surface may be made of at this tick
+  DVec3 low{0}, high{0};   ///< box of all points that may contribute to the surface at this tick
   DVec3 hip{0}, proxy{0};  ///< file coordinates, at the last tick
   bool touching = false;
 };
 struct HandReaches {
-  double time_s = 0;    ///< of the session
-  double steady_s = 0;  ///< when they were there
+  double time_s = 0;    ///< session time
+  double steady_s = 0;  ///< steadyNow_s() at the same moment
   std::uint32_t count = 0;
-  bool sculpts = false;  ///< the first one has a brush
+  bool sculpts = false;  ///< the first hand has a brush
   std::array<HandReach, kMaxHands> hands{};
 };
 
-/// Bricks as they have come, in frames: the points of all known bricks in the order of the whole cloud, so that sums
-/// over neighbours are those of whoever has all of it, bit by bit. The number of a point in a frame is its place there.
-/// What apply() brings is in the next frame. ask(), covers() and await() are for one thread, makeFrame() and hasNewer()
-/// for another one, the rest for any.
+/// Received bricks as frames: the points of all known bricks in the order of the whole cloud, so that sums over
+/// neighbours equal those over the whole cloud, bit by bit. A point's number in a frame is its index there.
+/// The next frame contains the changes of apply(). ask(), covers() and await() are for one thread, makeFrame() and
+/// hasNewer() for another one, all other functions for any thread.
 class BrickSource final : public CloudSource {
  public:
-  /// Room for so many points.
+  /// Memory is reserved for `points` points.
   struct Options {
     double edge = 1;         ///< of a brick, model units
-    std::size_t points = 1;  ///< that are known at once, at most
-    bool moves = false;      ///< their frames are true for the times of their updates, and not for any
+    std::size_t points = 1;  ///< maximum number of points known at once
+    bool moves = false;      ///< frames are true for the times of their updates only
     bool colored = false;    ///< their frames have colours
   };
   explicit BrickSource(const Options& options) : options_(options), grid_(options.edge), overlay_(grid_) {}
@@ -68,52 +68,51 @@ class BrickSource final : public CloudSource {
   bool moves() const { return options_.moves; }
   bool isColored() const { return options_.colored; }
 
-  /// Where the hands are. Allocates nothing and waits for nobody.
+  /// Sets the positions of the hands. Does not allocate or block.
   void ask(const HandReaches& hands) noexcept { asked_.store(hands); }
   std::optional<HandReaches> asked() const noexcept { return asked_.load(); }
 
-  /// Whether all bricks that the box reaches are in the frame that is true for `frame_s`, of the last ones that were
-  /// made.
+  /// Whether the frame that is true for `frame_s`, one of the last ones made, contains all bricks that the box reaches.
   bool covers(double frame_s, const DVec3& low, const DVec3& high) const noexcept;
-  /// Waits until all bricks that each of the hands reaches are known, at most so long. What is known then is what the
-  /// frame for the hands' time has, whatever comes or goes meanwhile.
+  /// Waits up to `patience_s` until all bricks that the hands reach are known. The frame for the hands' time has the
+  /// bricks known then, whatever is received or dropped meanwhile.
   bool await(const HandReaches& hands, double patience_s);
-  /// Waits for the same, and for all around it that `wide` reaches, as far as there is room for that.
+  /// Also waits for the bricks that `wide` reaches, as far as there is memory for them.
   bool await(const HandReaches& hands, const HandReaches& wide, double patience_s);
 
-  /// Whether a brick that a hand reaches (ask()) has other points now than it was known to have. Throws Error for more
-  /// points than there is room for.
+  /// Returns whether a brick that a hand reaches (ask()) has changed points. Throws Error if the points exceed the
+  /// reserved memory.
   bool apply(BrickUpdate update);
-  /// Nothing is known any more.
+  /// Discards all known bricks.
   void forget();
 
-  // What a hand here makes of points that stand still: it is so in the frames that are made from then on.
-  /// Appends the points of a box, relative to the cloud's origin, as they are now.
+  // Local edits of points that do not move: frames made after an edit contain it.
+  /// Appends the current points of a box relative to the cloud's origin.
   void pointsIn(const DVec3& low, const DVec3& high, std::vector<PointState>& points) const;
-  /// Gives the version that frames have with it. Throws Error for more points than there is room for.
+  /// Returns the version of frames that contain the edit. Throws Error if the points exceed the reserved memory.
   std::uint64_t make(std::span<const PointChange> changes);
   /// BrickOverlay::takeMade().
   void takeMade(std::vector<PointState>& states);
-  /// Of the frame that is true for `frame_s`, of the last ones that were made; 0: it is none of those.
+  /// Version of the frame that is true for `frame_s`, one of the last ones made; 0: it is not one of those.
   std::uint64_t versionOf(double frame_s) const noexcept;
-  /// From now on await() waits for nobody, and says no.
+  /// From now on await() does not block, and returns false unless the bricks are known.
   void giveUp();
   struct Known {
     std::size_t bricks = 0, points = 0;
-    std::size_t own = 0;   ///< points that are as a hand here has made them
-    bool allTaken = true;  ///< nothing was made since takeMade()
+    std::size_t own = 0;   ///< points whose local state overrides the received one
+    bool allTaken = true;  ///< no edits since takeMade()
   };
   Known known() const;
 
   std::size_t size() const override { return options_.points; }
   bool keepsPoints() const override { return false; }
   void makeFrame(double time_s, CloudFrame& frame) override;
-  /// The points of the frame that was made last, by their numbers in the whole cloud. For the thread that makes frames.
+  /// Ids (numbers in the whole cloud) of the last frame's points. For the thread that makes frames.
   std::vector<std::uint32_t> ids() const;
   bool hasNewer(double time_s, double than_s) override;
 
  private:
-  // What a frame had, for covers(). Of three the one that is made last is neither felt nor the one before it.
+  // Contents of a frame, for covers(). Three frames: the one being made is neither the one in use nor its predecessor.
   struct Made {
     std::atomic<double> time_s = -1;
     std::uint64_t version = 0;
@@ -136,7 +135,7 @@ class BrickSource final : public CloudSource {
   BrickGrid grid_;
   LatestValue<HandReaches> asked_;
 
-  mutable std::mutex lock_;  // of these
+  mutable std::mutex lock_;  // guards the members up to isOver_
   std::condition_variable came_;
   State now_{.version = 1};
   std::size_t points_ = 0;
@@ -145,10 +144,10 @@ class BrickSource final : public CloudSource {
   std::optional<double> awaitedFor_s_;
   bool isWhole_ = false, isOver_ = false;
 
-  // Of the thread that makes frames.
+  // For the thread that makes frames.
   std::uint64_t made_ = 0;
   std::vector<std::shared_ptr<const Brick>> taken_;
-  std::vector<std::pair<std::uint32_t, std::uint64_t>> order_;  // id; which brick, and which point of it
+  std::vector<std::pair<std::uint32_t, std::uint64_t>> order_;  // id; index of its brick, and of the point in it
   std::optional<double> lastTime_s_, toSession_s_;
   std::uint64_t frames_ = 0;
   std::array<Made, 3> frame_;

@@ -12,7 +12,7 @@ namespace palpate {
 namespace {
 
 bool areFinite(const std::vector<Vec3>& values) {
-  // In words, which a compiler does many at a time: the exponent of what is no number, or infinite, is all ones.
+  // Bitwise, so that compilers vectorise it: the exponent bits of NaN and infinity are all ones.
   constexpr std::uint32_t kExponent = 0x7f800000u;
   std::uint32_t found = 0;
   for (const Vec3& value : values)
@@ -30,18 +30,18 @@ void requireWhole(const std::vector<Vec3>& values, std::string_view what, const 
   if (areFinite(values)) return;
   std::size_t wrong = 0;
   while (isFinite(values[wrong])) ++wrong;
-  throw Error("a frame for {} s: of the {}, that of point {} is no number", frame.time_s, what, wrong);
+  throw Error("a frame for {} s: in its {}, the value of point {} is not finite", frame.time_s, what, wrong);
 }
 
 }  // namespace
 
 void requireWhole(const CloudFrame& frame, std::size_t points) {
   if (frame.size() > points)
-    throw Error("a frame for {} s has {} points, and the source has {} at most", frame.time_s, frame.size(), points);
+    throw Error("a frame for {} s has {} points; the maximum of its source is {}", frame.time_s, frame.size(), points);
   requireWhole(frame.positions, "positions", frame);
   requireWhole(frame.normals, "normals", frame);
   if (!frame.velocities.empty()) requireWhole(frame.velocities, "velocities", frame);
-  if (!frame.turns.empty()) requireWhole(frame.turns, "turns of normals", frame);
+  if (!frame.turns.empty()) requireWhole(frame.turns, "rotations of normals", frame);
   if (!frame.colors.empty()) requireAll(frame.colors.size(), "colours", frame);
   if (frame.ids.empty()) return;
   requireAll(frame.ids.size(), "ids", frame);

@@ -1,4 +1,4 @@
-// What moves points: the seam between whoever knows where they are at a time, and touch, which feels them there.
+// Interface between the owner of moving points and touch, which feels them.
 #pragma once
 
 #include <cstddef>
@@ -11,37 +11,36 @@ namespace palpate {
 struct PointCloud;
 class FrameCarrier;
 
-/// Points that move, frame by frame, made on the host or on a GPU. For one thread at a time, which need not be the same
-/// each time.
+/// Points that move, frame by frame, made on the host or on a GPU. For one thread at a time; the thread may change.
 class CloudSource {
  public:
   virtual ~CloudSource() = default;
 
-  /// Ids that points may have, from 0: touch makes its memory for so many before the first frame.
+  /// Number of ids (from 0): touch allocates memory for them before the first frame.
   virtual std::size_t size() const = 0;
-  /// Whether a point of one frame is the same as that of its id in the next one. Otherwise nothing is known of what
-  /// moved where between the two.
+  /// Whether a point has the same id in each frame. Otherwise the motion of points between frames is unknown.
   virtual bool keepsPoints() const { return true; }
-  /// Whether frames may say how their normals turn.
+  /// Whether frames may contain rotations of their normals.
   virtual bool turnsNormals() const { return false; }
-  /// Makes `frame`, whose memory is used again, the newest one that is known at `time_s`, and says in it which time it
-  /// is true for. The same time gives the same bytes, whatever was asked for before. Throws Error where it cannot.
+  /// Makes `frame`, whose memory is reused, the newest one known at `time_s`, and sets the time that it is true for.
+  /// The same time gives the same bytes, independent of earlier calls. Throws Error on failure.
   virtual void makeFrame(double time_s, CloudFrame& frame) = 0;
-  /// Whether the frame for `time_s` is another one than that which was made last and is true for `than_s`.
+  /// Whether the frame for `time_s` differs from the last one made, which is true for `than_s`.
   virtual bool hasNewer(double /*time_s*/, double /*than_s*/) { return true; }
-  /// Where the points are moved on a GPU: who brings them from there; null: they are moved on the host.
+  /// If the points are moved on a GPU: transfers them from there; null: they are moved on the host.
   virtual FrameCarrier* carrier() { return nullptr; }
-  /// makeFrame() for who takes them from the carrier: moves them on, and returns the time that they are true for;
-  /// nothing where they are of no use any more.
+  /// makeFrame() for users of the carrier: moves the points, and returns the time that they are true for; nothing if
+  /// they are outdated.
   virtual std::optional<double> goTo(double time_s) { return time_s; }
 };
 
-/// The door through which frames come in. Throws Error for what is no number, for more points than `points`, for values
-/// that not all points have, and for ids that do not ascend below `points`.
+/// Validates every frame. Throws Error for values that are not finite, for more than `points` points, for arrays whose
+/// size differs from the number of points, and for ids that do not ascend or are not below `points`.
 void requireWhole(const CloudFrame& frame, std::size_t points);
 
-/// Puts the points of a cloud where the frame has them; how many have moved, or are there in place of others. Where the
-/// frame has other points than the cloud, those are all that is left of it, and what only the cloud's own had is gone.
+/// Moves the points of a cloud to their positions in the frame; returns the number of points that moved or were
+/// replaced. If the frame has other points than the cloud, it replaces them, and attributes that only the cloud has are
+/// lost.
 std::size_t placeAt(const CloudFrame& frame, PointCloud& cloud);
 
 }  // namespace palpate

@@ -13,23 +13,24 @@ namespace palpate {
 
 namespace {
 
-constexpr double kFastest_m_s = 1;   // of a surface that is followed, towards the camera or away
-constexpr double kMinWay = 0.01;     // in depths: what noise alone lets it move
-constexpr double kMinFacing = 0.2;   // of normals, one to the other, that a surface has turned between
-constexpr double kSameDepth = 0.02;  // in depths: pixels side by side that see one surface
+constexpr double kFastest_m_s = 1;   // maximum speed of a followed surface towards the camera or away from it
+constexpr double kMinWay = 0.01;     // in depths: displacement allowed for noise
+constexpr double kMinFacing = 0.2;   // minimum dot product of the normals before and after
+constexpr double kSameDepth = 0.02;  // in depths: maximum difference of adjacent pixels on one surface
 
 struct Seen {
-  DVec3 place;  // in the world
+  DVec3 place;  // world coordinates
   std::size_t pixel = 0;
 };
 
-/// What a frame saw, asked for from elsewhere.
+/// A depth frame that is sampled at positions of another frame.
 class SeenFrame {
  public:
   SeenFrame(const DepthCamera& camera, const DepthFrame& frame)
       : camera_(camera), depths_(frame.depth_m), axes_(frame.pose.value_or(CameraPose{})) {}
 
-  /// The surface that it saw where a place is, `between_s` earlier; nothing where it saw none, or another one.
+  /// Position on the surface seen `between_s` earlier along the ray through `place`; nothing if no surface or another
+  /// one was seen.
   std::optional<Seen> before(const DVec3& place, std::size_t /*pixel*/, double between_s) const {
     const DVec3 inCamera = axes_.toCamera(place);
     if (!(inCamera.z > 0)) return std::nullopt;
@@ -43,18 +44,18 @@ class SeenFrame {
   }
 
  private:
-  /// A place of the picture, no farther out than the middles of its outermost pixels; nothing beside the picture.
+  /// Position in the image, clamped to the centres of the outermost pixels; nothing outside the image.
   std::optional<DVec2> placeWithin(const DVec2& place) const {
     const DVec2 last(camera_.width - 1, camera_.height - 1);
     if (!(place.x > -0.5 && place.y > -0.5 && place.x < last.x + 0.5 && place.y < last.y + 0.5)) return std::nullopt;
     return glm::clamp(place, DVec2(0), last);
   }
-  /// Numbers are cut off, which is faster than to round them.
+  /// Truncates, which is faster than rounding.
   std::size_t pixelAt(double column, double row) const {
     return static_cast<std::size_t>(row) * camera_.width + static_cast<std::size_t>(column);
   }
-  /// The depth on the ray through a place within the picture: between four pixels where those see one surface, else
-  /// that of the nearest. 0: none.
+  /// Depth on the ray through a position in the image: interpolated if the four pixels see one surface, else that of
+  /// the nearest pixel. 0: no depth.
   double depthAt(const DVec2& place) const {
     const double left = std::min(static_cast<double>(static_cast<std::uint32_t>(place.x)), camera_.width - 2.0);
     const double top = std::min(static_cast<double>(static_cast<std::uint32_t>(place.y)), camera_.height - 2.0);
@@ -67,8 +68,8 @@ class SeenFrame {
       const double depth = d[(y < 0.5 ? 0 : 2) + (x < 0.5 ? 0 : 1)];
       return depth > 0 && std::isfinite(depth) ? depth : 0;
     }
-    // The inverse of depth is linear in the picture of a plane: 1 / ((1 - y) ((1 - x) / d0 + x / d1) + ...), all over
-    // one denominator, since a division costs more than all the rest.
+    // The inverse of depth is linear in the image of a plane: 1 / ((1 - y) ((1 - x) / d0 + x / d1) + ...), written with
+    // one division, since divisions dominate the cost.
     const double upper = d[0] * d[1], lower = d[2] * d[3];
     return upper * lower / ((1 - y) * ((1 - x) * d[1] + x * d[0]) * lower + y * ((1 - x) * d[3] + x * d[2]) * upper);
   }
@@ -78,7 +79,7 @@ class SeenFrame {
   CameraAxes axes_;
 };
 
-/// What the rays of a sensor met, whose points are in its own axes.
+/// Points that a sensor measured on its rays, in its own axes.
 class SeenPoints {
  public:
   SeenPoints(std::size_t rays, const DepthFrame& frame)
@@ -99,11 +100,11 @@ class SeenPoints {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   const SensedPoints& points_;
   CameraAxes axes_;
-  std::vector<std::uint32_t> at_;  // of the points, by ray
+  std::vector<std::uint32_t> at_;  // point index by ray
 };
 
-/// To a normal, from the one that was seen before, which had not come there by `late`; zero where that is none, or
-/// faces away from it.
+/// Change of a normal from its current value (`before` less its remaining change `late`) to `normal`; zero if the
+/// current value is zero or faces away.
 DVec3 turnTo(const DVec3& normal, const DVec3& before, const DVec3& late) {
   const DVec3 from = shared::normalAfter(before, late, -1.0);
   return glm::dot(from, normal) > kMinFacing ? normal - from : DVec3(0);
@@ -126,8 +127,7 @@ void DepthBlend::begin(CloudFrame& points) {
 
 void DepthBlend::follow(const DepthCamera& camera, const Before& before, const DepthFrame& frame, const DVec3& origin,
                         const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points) {
-  const double share =
-      ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysGoOn_s_, 0.0, 1.0);  // that is still to come
+  const double share = ways_.empty() ? 0 : std::clamp(1 - step.since_s / waysGoOn_s_, 0.0, 1.0);  // still to come
   const std::size_t rays = std::size_t{camera.width} * camera.height;
   left_.swap(ways_);
   ways_.assign(rays, {});

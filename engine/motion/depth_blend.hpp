@@ -7,48 +7,48 @@
 
 namespace palpate {
 
-/// Makes one surface that moves of depth frames without correspondence: a frame's points begin where the surface was
-/// seen last, and reach their own places when the next frame is due. So what is felt lags one frame behind, and does
-/// not jump.
+/// Makes one moving surface of depth frames without correspondence: the points of a frame begin where the surface was
+/// last seen, and reach their own positions when the next frame is due. The felt surface lags one frame behind, and
+/// does not jump.
 ///
-/// A point is looked for in the frame before, by projection (no pixel of one frame is one of the next, but the surface
-/// is the same), or where a sensor sends points on the same ray. It begins in the very place, and with the normal, that
-/// were seen there; of its velocity the part along the surface says nothing, as nobody knows how that slid. Where the
-/// frame before saw nothing there, or another surface, the point stands in its place from the beginning.
+/// A point is looked up in the previous frame by projection (pixels do not correspond, but the surface is the same), or
+/// on the same ray if a sensor sends points. It begins at the position and with the normal seen there. The tangential
+/// part of its velocity means nothing, since sliding cannot be observed. Where the previous frame saw no surface or
+/// another one, the point starts at its own position.
 class DepthBlend {
  public:
   /// The points do not depend on `threads` (0: one per core).
   explicit DepthBlend(unsigned threads = 1) : threads_(threads) {}
 
-  /// The times of two frames, one after the other.
+  /// Times of two consecutive frames.
   struct Step {
-    double between_s = 0;  ///< of the camera's time, from one to the other
-    double since_s = 0;    ///< of the session's, since the points of the one before began to move
-    double goOn_s = 0;     ///< of the session's, that those of this one have for their way
-    double gone_s = 0;     ///< so much of that has passed
+    double between_s = 0;  ///< camera time between the two frames
+    double since_s = 0;    ///< session time since the points of the previous frame began to move
+    double goOn_s = 0;     ///< session time in which the points of this frame reach their positions
+    double gone_s = 0;     ///< part of goOn_s that has passed
   };
-  /// Whether that can be said of two frames: pictures, or points on the rays of one sensor.
+  /// Whether correspondence is possible: both are depth images, or points on the rays of one sensor.
   static bool canFollow(const DepthFrame& before, const DepthFrame& frame);
-  /// What a frame saw, with its normals by pixel, or ray; zero where it has no point.
+  /// A frame with its normals by pixel or ray; zero where it has no point.
   struct Before {
     const DepthFrame& frame;
     const std::vector<Vec3>& normals;
   };
-  /// `points` are those of `frame`, as DepthPoints makes them with their pixels(), and get velocities, turns and times
-  /// to go. `before`: of the same camera, the frame that was given the last time.
+  /// `points` are those of `frame`, made by DepthPoints with their pixels(); they receive velocities, rotations and a
+  /// time limit. `before`: the frame of the same camera that was passed last.
   void follow(const DepthCamera& camera, const Before& before, const DepthFrame& frame, const DVec3& origin,
               const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points);
-  /// There is no frame before: `points` stand where they are.
+  /// Without a previous frame: `points` do not move.
   void begin(CloudFrame& points);
 
  private:
   unsigned threads_;
-  // Of a point, and of its normal.
+  // Displacement of a point, and change of its normal.
   struct Way {
     Vec3 way{0}, turn{0};
   };
-  std::vector<Way> left_;  // by the pixels of the frame before, as they were at its beginning; empty: none had any
-  std::vector<Way> ways_;  // likewise, of this frame
+  std::vector<Way> left_;  // at the start of the previous frame, by its pixels; empty: no point moved
+  std::vector<Way> ways_;  // likewise, for this frame
   double waysGoOn_s_ = 0;
 };
 

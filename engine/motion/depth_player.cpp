@@ -11,10 +11,10 @@ namespace palpate {
 namespace {
 
 constexpr double kSilent_s = 1;
-constexpr double kRounding_s = 1e-9;  // a frame that is due at a tick is not held back to the next one by rounding
-constexpr double kUsualRate_Hz = 30;  // where one frame is all there is
+constexpr double kRounding_s = 1e-9;  // a frame due at a tick is not delayed to the next one by rounding
+constexpr double kUsualRate_Hz = 30;  // assumed if there is only one frame
 
-/// From the first frame to that of the next pass: as long as frames are apart in the middle.
+/// Duration of a pass, from its first frame to that of the next: includes one mean frame interval at the end.
 double periodOf(const DepthStream& stream) {
   if (stream.frames() < 2 || !(stream.duration_s() > 0)) return 1 / kUsualRate_Hz;
   return stream.duration_s() * static_cast<double>(stream.frames()) / static_cast<double>(stream.frames() - 1);
@@ -39,7 +39,7 @@ DepthPlayer::DepthPlayer(std::shared_ptr<DepthStream> stream, const PlayOptions&
   played_ = 1;
 }
 
-// Where in a recording a time of the session is.
+// Position in the recording at a session time.
 DepthPlayer::Place DepthPlayer::placeAt(double time_s) const {
   const double place_s = time_.placeAt(time_s) + kRounding_s;
   if (!options_.loop || place_s < 0) return {.pass = 0, .time_s = place_s};
@@ -47,7 +47,7 @@ DepthPlayer::Place DepthPlayer::placeAt(double time_s) const {
   return {.pass = static_cast<std::uint64_t>(pass), .time_s = place_s - pass * period_s_};
 }
 
-// The present frame becomes the one before.
+// The current frame becomes the previous one.
 void DepthPlayer::keepBefore() {
   std::swap(frame_, before_);
   beforeSince_s_ = current_ ? std::optional(currentSince_s_) : std::nullopt;
@@ -79,7 +79,7 @@ bool DepthPlayer::isBackAt(const Place& due) const {
                       (current_->pass == due.pass && !current_->isFirst && current_->time_s > due.time_s));
 }
 
-// A pass begins with the first frame of it that could be read, however late that is.
+// A pass begins with its first readable frame, however late that is.
 bool DepthPlayer::isDueAt(const Place& due, const Place& next) const {
   if (!current_ || next.pass < due.pass) return true;
   return next.pass == due.pass && (next.time_s <= due.time_s || current_->pass < due.pass);
@@ -96,7 +96,7 @@ std::uint64_t DepthPlayer::takeDue(const Place& due) {
   std::uint64_t taken = 0;
   while (const auto next = ahead_.peek(options_.exact || !current_)) {
     if (!isDueAt(due, *next)) break;
-    // Against the clock what was played is the one before, and not what was due in between.
+    // In real time the previous frame is the one that was played, not one that was due in between.
     if (options_.exact || taken == 0) keepBefore();
     if (current_ && next->pass != current_->pass) beforeSince_s_.reset();
     takeNext(*next);
@@ -118,7 +118,7 @@ void DepthPlayer::playRecorded(double time_s) {
     taken += more;
     if (!options_.exact) break;
   }
-  if (!current_) current_ = before;  // what could be read once cannot be now
+  if (!current_) current_ = before;  // a frame that was readable before no longer is
   count(time_s, options_.exact ? std::min<std::uint64_t>(taken, 1) : taken);
 }
 
@@ -144,7 +144,7 @@ void DepthPlayer::playLive(double time_s) { count(time_s, takeLive(time_s)); }
 
 void DepthPlayer::count(double time_s, std::uint64_t taken) {
   const std::scoped_lock lock(mutex_);
-  // While a stream is held nobody waits for its frames: that is no silence of its own.
+  // While a stream is held its frames are not taken: this does not count as silence.
   if (isPaused()) lastCame_s_ += std::max(0.0, time_s - asked_s_);
   asked_s_ = time_s;
   if (taken == 0) return;
@@ -237,7 +237,8 @@ DepthPlayer::Losses DepthPlayer::takeLosses() {
 
 void DepthPlayer::play(double time_s) {
   time_.play(time_s);
-  // A session that goes on with it may count its time from another moment, and may not have asked while it was held.
+  // A session that takes over the player may have another time base, and may not have requested frames while it was
+  // held.
   const std::scoped_lock lock(mutex_);
   lastCame_s_ = asked_s_ = time_s;
 }

@@ -12,18 +12,17 @@
 namespace palpate {
 
 struct PlayOptions {
-  double speed = 1;   ///< of a recorded stream: its seconds in one of the session's; above 0
-  bool loop = false;  ///< of a recorded stream: after the last frame the first one follows
-  /// Of a recorded stream: the frame that is due is waited for, so that the same time has the same frame. Otherwise it
-  /// is played against the clock: what comes too late is dropped.
+  double speed = 1;   ///< recorded streams: recording seconds per session second; above 0
+  bool loop = false;  ///< recorded streams: restart after the last frame
+  /// Recorded streams: wait for the frame that is due, so that the same time has the same frame. Otherwise the stream
+  /// plays in real time: late frames are dropped.
   bool exact = true;
 };
 
-/// Plays a depth stream in the time of a session. Calls are for one thread at a time, but for counts().
+/// Plays a depth stream in session time. For one thread at a time, except counts() and view().
 class DepthPlayer {
  public:
-  /// `first`: a frame of a live stream that was taken from it before; it is the present one, and what nextDue() hands
-  /// out comes behind it.
+  /// `first`: a frame already taken from a live stream; it is the current frame, and nextDue() returns later ones.
   explicit DepthPlayer(std::shared_ptr<DepthStream> stream, const PlayOptions& options = {},
                        std::optional<DepthFrame> first = {});
 
@@ -31,59 +30,59 @@ class DepthPlayer {
 
   struct Played {
     const DepthFrame& frame;   ///< valid until the next call
-    double time_s = 0;         ///< of the session, from which on it was the newest one
-    std::uint64_t serial = 0;  ///< another one for another frame; of a recorded stream the same for the same frame
-    /// Of frameAt(): the one that was played before it, in the same pass of a recording; null where there is none. In
-    /// exact play always the one that comes before it in the recording.
+    double time_s = 0;         ///< session time at which it became the newest frame
+    std::uint64_t serial = 0;  ///< identifies the frame; stable for recorded streams
+    /// Set by frameAt(): the frame played before it in the same pass of a recording; null if there is none. In exact
+    /// play it is always the preceding frame of the recording.
     const DepthFrame* before = nullptr;
-    /// Until the next one is due, as far as that is known: otherwise as long as since the one before.
+    /// Seconds until the next frame is due; if unknown, the interval since the previous one.
     double lasts_s = 0;
   };
-  /// The newest frame that is due at a time of the session. Recorded: the last of those up to its place in the
-  /// recording, or the first one that could be read where none was. Live: the last that has come. Waits for the first
-  /// one. Throws Error where there is none and none will come.
+  /// The newest frame due at a session time. Recorded: the last one up to that time of the recording, or the first
+  /// readable one. Live: the last one received. Waits for the first frame. Throws Error if there is no frame and none
+  /// will follow.
   Played frameAt(double time_s);
-  /// The same frames one after another, for a map that each of them goes into: the next one that is due at a time of
-  /// the session and was not handed out before. Recorded and exact: every one, in order and without a gap, of all
-  /// passes. Otherwise the newest alone, and what it overtakes is dropped. Nothing where all have been; waits for the
-  /// first one, and where it plays exactly for the next. A time that has gone back begins anew, as rewindFor() says.
+  /// For a map, which fuses each frame: the next frame that is due and was not returned before; nothing if all were.
+  /// Recorded and exact: every frame of all passes in order; otherwise the newest, and skipped ones count as dropped.
+  /// Waits for the first frame, in exact play for the next. A time that went back restarts it, see rewindFor().
   std::optional<Played> nextDue(double time_s);
-  /// Recorded: where a frame that nextDue() has handed out is not due yet at that time, it begins anew, from the first
-  /// frame on or behind the one that beginBehind() or beginHere() has named. Whether it did: then a map begins anew.
+  /// Recorded: if a frame returned by nextDue() is not yet due at that time, restarts from the first frame, or behind
+  /// the one set by beginBehind() or beginHere(). Returns whether it restarted: the map must restart, too.
   bool rewindFor(double time_s);
 
   using Place = DepthReadAhead::Place;
-  /// Recorded: goes to a frame, as if all up to it had been handed out: nextDue() begins behind it. Waits for it.
+  /// Recorded: seeks to a frame as if all frames up to it had been returned: nextDue() continues behind it. Waits for
+  /// it.
   void beginBehind(const Place& place);
-  /// Likewise, behind the present frame.
+  /// Likewise, behind the current frame.
   void beginHere() { begin_ = current_; }
-  /// Live: whether none has come for so long that the last one says nothing any more (DepthStream::staysTrue_s()).
+  /// Live: whether the last frame is no longer valid (DepthStream::staysTrue_s()).
   bool isOutdated(double time_s) const;
 
-  /// The last frame that was handed out did not go into the map: it counts as lost, for that reason.
+  /// The last frame returned was not fused: it counts as lost, with that reason.
   void leaveOut(const std::string& why);
-  /// Frames that could not be read since the last call, and why the last one of them.
+  /// Frames that could not be read since the last call, and the reason for the last one.
   struct Losses {
     std::uint64_t frames = 0;
     std::string why;
   };
   Losses takeLosses();
 
-  /// Recorded, from that time of the session on. What is live holds its frame while it is paused.
+  /// Recorded streams pause at that session time. Live streams hold their frame while paused.
   void pause(double time_s) { time_.pause(time_s); }
   void play(double time_s);
   void setSpeed(double speed, double time_s) { time_.setSpeed(speed, time_s); }
-  /// Pauses at the present frame: one that is due by now and was not asked for comes only once it goes on.
+  /// Pauses at the current frame: a frame that is due but was not requested follows after play().
   void hold(double time_s);
   bool isPaused() const { return time_.isPaused(); }
   /// PlayOptions::exact, of a recorded stream.
   bool isExact() const { return options_.exact && ahead_.stream().isRecorded(); }
-  /// Recorded, while it is paused: goes to the next frame; stays where there is none.
+  /// Recorded, while paused: advances to the next frame, if there is one.
   void step();
 
   /// From any thread.
   PlayCounts counts() const;
-  /// From where the newest frame that was handed out was seen; nothing where it does not say. From any thread.
+  /// Camera view of the newest frame returned; nothing if it has no pose. From any thread.
   std::optional<PlayedView> view() const;
 
  private:
@@ -93,7 +92,7 @@ class DepthPlayer {
   double lasts_s();
   bool isBackAt(const Place& due) const;
   bool isDueAt(const Place& due, const Place& next) const;
-  // How many frames they took: recorded and exact the next one that is due, otherwise all of them.
+  // Both return the number of frames taken: recorded and exact the next one due, otherwise all of them.
   std::uint64_t takeDue(const Place& due);
   std::uint64_t takeLive(double time_s);
   void playRecorded(double time_s);
@@ -103,7 +102,7 @@ class DepthPlayer {
   void requireFrame() const;
   void count(double time_s, std::uint64_t taken);
   Played present() const;
-  // Of frame_; while mutex_ is held.
+  // Requires mutex_.
   void noteView();
 
   const PlayOptions options_;
@@ -111,16 +110,16 @@ class DepthPlayer {
   const double period_s_;  // of a loop
   PlaybackTime time_;
   DepthFrame frame_, before_;
-  std::optional<Place> current_;  // that of frame_; none: there is none yet
-  std::optional<Place> begin_;    // what nextDue() hands out comes behind it
+  std::optional<Place> current_;  // position of frame_; none: no frame yet
+  std::optional<Place> begin_;    // nextDue() returns frames behind it
   double currentSince_s_ = 0;
-  std::optional<double> beforeSince_s_;  // that before_ was due; none: it is of another pass, or there is none
+  std::optional<double> beforeSince_s_;  // when before_ became due; none: no previous frame, or one of another pass
   std::uint64_t lossesTaken_ = 0;
   std::optional<double> liveOffset_s_;  // from the time of a live stream to the session's
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the following members
   std::uint64_t played_ = 0, dropped_ = 0, leftOut_ = 0;
-  std::string lastLeftOut_;  // why
+  std::string lastLeftOut_;  // reason
   double asked_s_ = 0, lastCame_s_ = 0;
   std::optional<PlayedView> view_;
 };

@@ -13,11 +13,11 @@ namespace palpate {
 
 namespace {
 
-constexpr double kSteepest = 10;   // tangent of the angle at which a surface is seen that is worth a normal
-constexpr double kMinJump = 0.01;  // of the depth: what a structured-light camera rounds to at four metres
+constexpr double kSteepest = 10;   // tangent of the largest angle of view at which normals are computed
+constexpr double kMinJump = 0.01;  // in depths: rounding step of a structured-light camera at four metres
 constexpr double kFarthest_m = 1e5;
 
-/// What the pixels of a frame see, in the camera's axes.
+/// Positions and normals of a frame's pixels, in the camera's axes.
 class DepthGrid {
  public:
   DepthGrid(const DepthCamera& camera, const DepthFrame& frame)
@@ -30,7 +30,7 @@ class DepthGrid {
     for (std::uint32_t row = 0; row < height_; ++row) down_.push_back(camera.placeAt(0, row, 1).y);
   }
 
-  /// 0 where none was measured.
+  /// 0 if not measured.
   double depthAt(std::size_t pixel) const {
     const double depth = depths_[pixel];
     return depth > 0 && depth <= kFarthest_m ? depth : 0;
@@ -39,7 +39,7 @@ class DepthGrid {
     const double depth = depthAt(pixelAt(column, row));
     return {across_[column] * depth, down_[row] * depth, depth};
   }
-  /// Unit, towards the camera, of a pixel that sees `place`; nothing where nobody knows.
+  /// Unit normal towards the camera of a pixel that sees `place`; nothing if it cannot be computed.
   std::optional<DVec3> normalAt(std::uint32_t column, std::uint32_t row, const DVec3& place) const {
     for (int reach = shared::fitReach(sensor_, static_cast<float>(place.z)); reach > 1; --reach)
       if (const auto normal = wideNormal(column, row, place, static_cast<std::uint32_t>(reach))) return normal;
@@ -50,8 +50,8 @@ class DepthGrid {
   }
 
  private:
-  /// Of the plane that fits the pixel and the eight that are `reach` beside it, above it and below it; nothing where
-  /// they do not all see its surface.
+  /// Normal of the plane fitted to the pixel and its eight neighbours at distance `reach`; nothing if they do not all
+  /// see its surface.
   std::optional<DVec3> wideNormal(std::uint32_t column, std::uint32_t row, const DVec3& place,
                                   std::uint32_t reach) const {
     if (column < reach || row < reach || column + reach >= width_ || row + reach >= height_) return std::nullopt;
@@ -75,14 +75,14 @@ class DepthGrid {
   }
   struct Pixel {
     std::uint32_t column, row;
-    bool hasBefore, hasBehind;  // pixels of the picture, along the way that is asked for
+    bool hasBefore, hasBehind;  // whether the image has the neighbours in the direction of the step
   };
   struct Step {
     std::uint32_t columns, rows;
   };
   std::size_t pixelAt(std::uint32_t column, std::uint32_t row) const { return std::size_t{row} * width_ + column; }
   bool isSameSurface(double depth, double there) const { return there > 0 && std::abs(there - depth) <= jump_ * depth; }
-  /// From the pixel before to the one behind, where the picture has them and they see the same surface.
+  /// Difference from the previous pixel to the next, as far as they exist and see the same surface.
   std::optional<DVec3> way(const DVec3& place, const Pixel& at, const Step& step) const {
     const std::size_t pixel = pixelAt(at.column, at.row), stride = pixelAt(step.columns, step.rows);
     const bool before = at.hasBefore && isSameSurface(place.z, depthAt(pixel - stride));
@@ -94,22 +94,22 @@ class DepthGrid {
 
   const std::vector<float>& depths_;
   std::uint32_t width_, height_;
-  shared::DepthSensor sensor_;         // whose noise says how wide a normal is
-  double jump_;                        // of depth from pixel to pixel, in depths
-  std::vector<double> across_, down_;  // of a place at depth 1, by column and by row
+  shared::DepthSensor sensor_;         // its noise determines how wide a normal's fit is
+  double jump_;                        // largest depth difference from pixel to pixel, in depths
+  std::vector<double> across_, down_;  // of a position at depth 1, by column and by row
 };
 
 void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
   const std::size_t pixels = std::size_t{camera.width} * camera.height;
   if (frame.points) {
     const std::size_t points = frame.points->places.size(), colors = frame.colors.size();
-    if (points > pixels) throw Error("frame {} has {} points, and there is room for {}", frame.number, points, pixels);
+    if (points > pixels) throw Error("frame {} has {} points; the maximum is {}", frame.number, points, pixels);
     if (frame.points->normals.size() != points || (colors != 0 && colors != points))
       throw Error("frame {} has {} points, {} normals and {} colours", frame.number, points,
                   frame.points->normals.size(), colors);
     const std::vector<std::uint32_t>& rays = frame.points->rays;
     if (!rays.empty() && (rays.size() != points || rays.back() >= pixels))
-      throw Error("frame {} has {} points on {} rays, of {} that there are", frame.number, points, rays.size(), pixels);
+      throw Error("frame {} has {} points on {} rays; the sensor has {}", frame.number, points, rays.size(), pixels);
     return;
   }
   if (frame.depth_m.size() != pixels || (!frame.colors.empty() && frame.colors.size() != pixels))

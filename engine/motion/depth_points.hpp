@@ -8,34 +8,33 @@
 
 namespace palpate {
 
-/// The places that the pixels of a frame see, row by row, as points in metres relative to `origin`: in the world where
-/// the frame has a pose, else in the camera's axes (x right, y down, z ahead). Each with the normal that faces the
-/// camera, and its colour where the frame has some. The frame's time is left to the caller.
+/// Points that the pixels of a frame see, row by row, in metres relative to `origin`: in world coordinates if the frame
+/// has a pose, else in the camera's axes (x right, y down, z ahead). Each has a normal that faces the camera, and a
+/// colour if the frame has colours. The caller sets the frame's time.
 ///
-/// A normal is that of the plane which fits 3 x 3 pixels, as far apart as noise demands, up to three pixels (fitReach()
-/// of shaders/shared/depth_image.h, for the noise of a structured-light camera). Where not all of those lie on the
-/// surface it stands upright on the way from the pixel before to the one behind, along the row and along the column
-/// (central differences); where one of the two was not measured, or lies on another surface, the pixel itself stands in
-/// for it; where both do, there is no normal, and no point. Another surface begins where depth jumps by more than a
-/// surface can from pixel to pixel that is seen at less than 84 degrees from upright, or than a depth camera's noise.
+/// A normal is that of the plane fitted to 3 x 3 pixels, spaced by up to three pixels according to the noise
+/// (fitReach() of shaders/shared/depth_image.h, for a structured-light camera). Where not all of them lie on the
+/// surface, it is the cross product of the central differences along row and column. A neighbour that was not measured
+/// or lies on another surface is replaced by the pixel itself; without either neighbour there is no normal, and no
+/// point. Another surface begins where depth jumps by more than a surface seen at less than 84 degrees from its normal
+/// can from pixel to pixel, or by more than the noise.
 ///
-/// Depths that are not positive or not finite were not measured. Of a frame of points they are the points, without
-/// those that single precision does not reach. For one thread at a time, with memory that is used again for each frame.
+/// Depths that are not positive or not finite were not measured. A frame of points gives its points, except those
+/// beyond single precision. For one thread at a time; memory is reused for each frame.
 class DepthPoints {
  public:
   /// The points do not depend on `threads` (0: one per core).
   explicit DepthPoints(unsigned threads = 1) : threads_(threads) {}
 
-  /// Throws Error for another number of depths, or of colours, than the camera has pixels, and for more points.
+  /// Throws Error if the number of depths or colours differs from the number of pixels, and for too many points.
   void make(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points);
-  /// Of the last frame: the pixel that each point is of, or its ray; where those are not known, its place
-  /// in the frame.
+  /// Pixel or ray of each point of the last frame; if unknown, its index in the frame.
   const std::vector<std::uint32_t>& pixels() const { return pixels_; }
-  /// Of the last frame, whose points they are, by pixel or ray; zero where there is none.
+  /// Normals of the last frame's `points` by pixel or ray; zero where there is no point.
   void normalsByPixel(const CloudFrame& points, std::size_t pixels, std::vector<Vec3>& normals) const;
 
  private:
-  struct Part {  // of the rows
+  struct Part {  // points of some rows
     std::vector<Vec3> positions, normals;
     std::vector<std::uint32_t> pixels;
   };

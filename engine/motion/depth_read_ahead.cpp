@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kQueue = 4;  // frames: a disk that hesitates for a tenth of a second is not felt
+constexpr std::size_t kQueue = 4;  // frames: bridges disk delays of up to a tenth of a second
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void DepthReadAhead::serve() {
       if (!lock.owns_lock()) lock.lock();
       ++counts_.lost;
       counts_.lastLoss = error.what();
-    } catch (const std::exception& error) {  // out of memory: nothing that comes would be better
+    } catch (const std::exception& error) {  // out of memory: the following frames would fail as well
       if (!lock.owns_lock()) lock.lock();
       counts_.lastLoss = error.what();
       counts_.ended = true;
@@ -43,7 +43,7 @@ void DepthReadAhead::serve() {
   }
 }
 
-// False where it is to stop.
+// False: the thread is to stop.
 bool DepthReadAhead::waitForRoom(Lock& lock) {
   changed_.wait(lock,
                 [&] { return stops_ || restarts_ || (!counts_.ended && (queue_.size() < kQueue || !isRecorded_)); });

@@ -11,14 +11,15 @@ namespace palpate {
 
 namespace {
 
-// Frames that are farther apart show another world: nothing is known of what happened in between.
+// Frames further apart are not blended: the motion in between is unknown.
 constexpr double kLongestGap_s = 0.2;
-// From points on the host to points that are felt: 300,000 of them are copied and indexed within it.
+// From points on the host to points that can be felt: enough to copy and index 300,000 of them.
 constexpr double kHandOver_s = 0.003;
-// Points that have arrived are made once more where no other frame comes for so long: for whoever sees or saves them.
+// Without a new frame for this time, points that have arrived are made once more, so that they are drawn and saved at
+// rest.
 constexpr double kSettled_s = 0.1;
 
-// Frames are made beside a servo thread, which may have no real-time priority: most cores are left alone.
+// Frames are made beside a servo thread that may lack real-time priority: most cores stay free.
 unsigned frameThreads() { return std::clamp(std::thread::hardware_concurrency() / 4, 1u, 4u); }
 
 }  // namespace
@@ -65,7 +66,7 @@ void DepthSource::makeFrame(double time_s, CloudFrame& frame) {
     blend(played, time_s, time_s + watch.elapsed_us() * 1e-6 + kHandOver_s, frame);
 }
 
-// A frame is measured once, however often its points are blended; most often the one before is known as well.
+// A frame is measured once, however often its points are blended; usually the previous one is known as well.
 void DepthSource::measure(const DepthPlayer::Played& played) {
   const auto isOf = [](const std::optional<Measured>& measured, const DepthFrame& frame) {
     return measured && measured->number == frame.number && measured->time_s == frame.time_s;
@@ -96,13 +97,13 @@ void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double
   }
   DepthBlend::Step step{.between_s = between_s, .goOn_s = played.lasts_s};
   if (isExact_) {
-    // A recording says when the next frame is due: nothing is left of the way before. Points are made where they are
-    // now.
+    // A recording says when the next frame is due, so no displacement remains from the previous frame. Points are made
+    // at their current positions.
     step.since_s = std::numeric_limits<double>::infinity();
     step.gone_s = time_s - played.time_s;
     frame.time_s = time_s;
   } else {
-    // The surface sets out once it can be felt, so that it does not leap by as far as it is late.
+    // The surface starts to move once it can be felt, so that it does not jump by its latency.
     frame.time_s = std::max(played.time_s, ready_s);
     step.since_s = frame.time_s - setOut_s_;
     setOut_s_ = frame.time_s;

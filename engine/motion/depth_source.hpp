@@ -8,36 +8,36 @@
 namespace palpate {
 
 /// The newest frame of a depth stream is the cloud: points in metres, in the world of the stream's poses, or in the
-/// camera's axes where it has none (DepthPoints). No point of one frame is one of the next; their surface goes from the
-/// one to the other until the next frame is due (DepthBlend). Where the stream is taken from it, the last frame stays;
-/// where a live one falls silent for longer than that is true, there are no points until another frame comes.
+/// camera's axes if it has none (DepthPoints). Points of two frames do not correspond; their surface moves from one
+/// frame to the next until the latter is due (DepthBlend). If another source takes over the stream, the last frame
+/// stays. If a live stream is silent for longer than its frames are valid, the cloud is empty until the next frame.
 class DepthSource final : public CloudSource {
  public:
-  /// `origin`: of the cloud, metres.
+  /// `origin`: origin of the cloud, metres.
   explicit DepthSource(std::shared_ptr<PlayedStream> stream, const DVec3& origin = DVec3(0));
 
-  /// As many as the camera has pixels.
+  /// Number of pixels of the camera.
   std::size_t size() const override { return size_; }
   bool keepsPoints() const override { return false; }
   bool turnsNormals() const override { return true; }
-  /// Throws Error where no frame of the stream can be read. A time of a recorded stream that is played exactly has the
-  /// same points, whatever was asked for before.
+  /// Throws Error if no frame of the stream can be read. In exact play of a recorded stream the same time has the same
+  /// points, independent of earlier calls.
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
 
  private:
   struct Made {
     std::uint64_t serial = 0;
-    bool isAtRest = false;    // its points have come to where they were measured
-    bool isOutdated = false;  // it is no longer there
+    bool isAtRest = false;    // its points have reached their measured positions
+    bool isOutdated = false;  // it is no longer valid
     bool operator==(const Made&) const = default;
   };
   const DepthPlayer::Played& playedAt(double time_s);
   Made wanted(const DepthPlayer::Played& played, double time_s) const;
-  /// The points of a frame, as it was measured.
+  /// Points of a frame as measured.
   struct Measured {
     std::uint64_t number = 0;
-    double time_s = 0;  ///< of the camera
+    double time_s = 0;  ///< camera time
     CloudFrame points;
     std::vector<std::uint32_t> pixels;
     std::vector<Vec3> normals;  ///< by pixel; zero where there is no point
@@ -52,12 +52,12 @@ class DepthSource final : public CloudSource {
   bool isExact_;
   DepthPoints points_;
   DepthBlend blend_;
-  // What the player has said last: hasNewer() and makeFrame() for one time are of one frame.
+  // Last reply of the player: hasNewer() and makeFrame() for one time use one frame.
   std::optional<DepthPlayer::Played> played_;
   double asked_s_ = 0;
-  std::optional<Measured> now_, before_;  // of the frame that was played last, and the one before it
-  std::optional<Made> made_;              // last
-  double setOut_s_ = 0;                   // when its points did
+  std::optional<Measured> now_, before_;  // frame that was played last, and the one before it
+  std::optional<Made> made_;              // last frame made
+  double setOut_s_ = 0;                   // when its points began to move
 };
 
 }  // namespace palpate

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-// Numbers that are left out are of frames that were lost or dropped: the camera has had so much longer to move.
+// Missing numbers are frames lost or dropped: the camera had more time to move.
 void FrameIntake::noteNumber(std::uint64_t number) {
   if (number_ && number > *number_ + 1) tracker_.missed(number - *number_ - 1);
   number_ = number;
@@ -41,7 +41,7 @@ void FrameIntake::fused(const CameraPose& pose, std::uint64_t refused) {
 
 void FrameIntake::sayWhereFull(std::uint64_t refused) {
   if (refused > 0 && !std::exchange(saidFull_, true) && log_)
-    log_->say("the map is full: {} points; what is seen anew finds no room", options_.capacity);
+    log_->say("the map is full: {} points; new points are not added", options_.capacity);
 }
 
 void FrameIntake::countLost(std::string_view why, std::uint64_t frames) {

@@ -8,35 +8,35 @@
 
 namespace palpate {
 
-/// What becomes of depth frames on their way into a map, for whoever fuses, on the host or on the GPU: each is read and
-/// placed, or else left out, counted and said.
+/// Reads frames and finds their poses for fusion, on the host or on the GPU. A frame that fails is left out, counted
+/// and reported.
 class FrameIntake {
  public:
   /// `log`, if any, must outlive it.
   FrameIntake(const FusionOptions& options, const IcpOptions& icp, Log* log)
       : options_(options), log_(log), tracker_(icp) {}
 
-  /// False where a frame is none: of another size, with depths that are no numbers, or with a pose that is none.
+  /// False for an invalid frame: wrong size, depths that are not finite, or an invalid pose.
   bool read(const DepthCamera& camera, const DepthFrame& frame);
-  /// Of the last one that was read.
+  /// Images of the last frame read.
   const FrameImages& images() const { return images_; }
-  /// Where a frame that was read was seen from; nothing where `search` does not find it.
+  /// Pose of a frame that was read; nothing if `search` does not find it.
   std::optional<CameraPose> place(const DepthFrame& frame, const PoseTracker::Search& search);
-  /// It was fused from there; `refused`: how many new points found no room.
+  /// The frame was fused from that pose; `refused`: number of new points that exceeded the capacity.
   void fused(const CameraPose& pose, std::uint64_t refused);
-  /// Says, once, that the map is full, where points have found no room.
+  /// Logs once that the map is full if `refused` > 0.
   void sayWhereFull(std::uint64_t refused);
-  /// For a frame that its stream could not give.
+  /// For a frame that the stream could not read.
   void countLost(std::string_view why, std::uint64_t frames = 1);
-  /// Anew, from where the last frame was seen; nothing: from the beginning.
+  /// Restarts at the pose of the last frame; nothing: from the beginning.
   void beginAt(const std::optional<CameraPose>& seenFrom);
 
-  /// Of the last frame: why it was left out, and the search for its pose.
+  /// Why the last frame was left out, and the search for its pose.
   const std::string& why() const { return why_; }
   const IcpResult& search() const { return tracker_.result(); }
   std::uint64_t fused() const { return fused_; }
   std::uint64_t unplaced() const { return unplaced_; }
-  /// Frames that were refused, or could not be read.
+  /// Frames that were invalid or could not be read.
   std::uint64_t lost() const { return lost_; }
 
  private:

@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double kHandOver_s = 0.003;    // from points on the host to points that are felt
-constexpr float kFarthestWay_m = 0.02f;  // of a point from frame to frame: what goes farther has another one's id
+constexpr float kFarthestWay_m = 0.02f;  // of a point from frame to frame: a larger one means a reused id
 
 }  // namespace
 
@@ -58,7 +58,7 @@ bool FusedSource::hasNewer(double time_s, double /*than_s*/) {
 void FusedSource::makeFrame(double time_s, CloudFrame& frame) {
   const Stopwatch watch;
   fuseDue(time_s);
-  // Points that set out before they can be felt would leap by as far as they are late.
+  // Points that start to move before they can be felt would jump by their latency.
   if (changes_ != shownChanges_)
     setOut(isExact_ ? time_s_ : std::max(time_s_, time_s + watch.elapsed_s() + kHandOver_s));
   shownChanges_ = changes_;

@@ -6,21 +6,20 @@
 
 namespace palpate {
 
-/// The map that the frames of a depth stream fuse into on the host, as it is at a time: points in metres, relative to
-/// the map's origin. What a frame does to a point it does until the next one is due: from where it was shown, and with
-/// the normal that it had, it comes to where it is now (CloudFrame::comes_s). A new one is there at once. A stream that
-/// is taken from it leaves the map as it is.
+/// The map into which the frames of a depth stream are fused on the host: points in metres, relative to the map's
+/// origin. A point moves from its shown position and normal to those of the map until the next frame is due
+/// (CloudFrame::comes_s); a new point appears at once. If another source takes over the stream, the map stays as it is.
 class FusedSource final : public CloudSource {
  public:
-  /// Throws as FusionOptions::validate() and SurfelMap::begin().
+  /// Throws like FusionOptions::validate() and SurfelMap::begin().
   explicit FusedSource(FusedStream frames);
 
   std::size_t size() const override { return fusion_.map().options().capacity; }
   bool keepsPoints() const override { return true; }
   bool turnsNormals() const override { return true; }
-  /// All frames that are due by then and that the stream's player hands out are fused. Where those are all there are
-  /// (PlayOptions::exact), the same time has the same map: where it has gone back, the map begins anew. A frame that
-  /// cannot be placed or fused is said, counts as lost, and leaves the map as it was.
+  /// Fuses all frames of the player that are due. If it returns every frame (PlayOptions::exact), the same time has the
+  /// same map: if the time went back, the map restarts. A frame that cannot be placed or fused is reported, counts as
+  /// lost, and leaves the map unchanged.
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
 
@@ -28,24 +27,24 @@ class FusedSource final : public CloudSource {
 
  private:
   void begin();
-  // From where it was shown, at that time, the map comes to what it is now.
+  // From that time on the shown points move towards the map.
   void setOut(double from_s);
   void fuseDue(double time_s);
 
   FusedStream frames_;
-  std::optional<CameraPose> begunFrom_;  // from where the last frame of the map that it begins with was seen
+  std::optional<CameraPose> begunFrom_;  // pose of the last frame in the cloud that the map begins with
   bool isExact_;
   FrameFusion fusion_;
-  double time_s_ = 0;   // of the frame that was fused last
-  double lasts_s_ = 0;  // until the next one is due
-  // A point of the map as it was shown last, and the way on which it came there; without a normal it was not there.
+  double time_s_ = 0;   // time of the frame fused last
+  double lasts_s_ = 0;  // until the next frame is due
+  // A point as shown last, and its motion to that state; no normal: it was not shown.
   struct Shown {
     Vec3 place{0}, normal{0};
     shared::SurfelWay way{Vec3(0), Vec3(0)};
   };
   std::vector<Shown> shown_;  // by id
   PointsTime shownTime_;
-  std::uint64_t changes_ = 0, shownChanges_ = ~0ull;  // of the map; and how many there were when it was shown
+  std::uint64_t changes_ = 0, shownChanges_ = ~0ull;  // number of changes of the map; the same when last shown
 };
 
 }  // namespace palpate

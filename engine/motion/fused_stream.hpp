@@ -1,4 +1,4 @@
-// A depth stream on its way into a map, and from one session to the next.
+// A depth stream that is fused into a map, and handed from one session to the next.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,17 @@
 
 namespace palpate {
 
-/// A depth stream that is played, and what has to be known to go on with it behind a cloud that was made of it. It has
-/// one owner at a time: who takes it leaves it empty, and whoever played it before has no more frames.
+/// A depth stream that is played, with what is needed to continue it behind a cloud made of it. It has one owner at a
+/// time: taking it leaves the previous owner without player, so without further frames.
 struct PlayedStream {
-  std::unique_ptr<DepthPlayer> player;  ///< null: another one plays it, or is to open the recording
-  /// Of a recording that nobody plays yet: the frame that the cloud was made of.
+  std::unique_ptr<DepthPlayer> player;  ///< null: another owner plays it, or the recording is not open yet
+  /// For a recording that is not played yet: the frame that the cloud was made of.
   std::optional<DepthPlayer::Place> behind;
-  /// From where the newest frame that is in the cloud was seen; nothing: there is none.
+  /// Pose of the newest frame in the cloud; nothing: there is none.
   std::optional<CameraPose> seenFrom;
 };
 
-/// Of a stream that nobody has played yet. Throws nothing; `first` as for DepthPlayer.
+/// Wraps a stream that was not played yet. Throws nothing; `first` as for DepthPlayer.
 inline std::shared_ptr<PlayedStream> playedStream(std::shared_ptr<DepthStream> stream, const PlayOptions& options = {},
                                                   std::optional<DepthFrame> first = {}) {
   auto played = std::make_shared<PlayedStream>();
@@ -30,11 +30,11 @@ inline std::shared_ptr<PlayedStream> playedStream(std::shared_ptr<DepthStream> s
   return played;
 }
 
-/// Depth frames that are to be fused, on the host or on the GPU: into a map that begins with the points of a cloud,
-/// which count as measured often enough. `log`, if any, outlives what fuses them.
+/// Depth frames to be fused, on the host or on the GPU, into a map that begins with the points of a cloud, which count
+/// as stable. `log`, if any, must outlive the fusion.
 struct FusedStream {
   std::shared_ptr<PlayedStream> stream;
-  std::shared_ptr<const PointCloud> begin;  ///< with normals; its origin is the map's. Null: no point
+  std::shared_ptr<const PointCloud> begin;  ///< with normals; its origin is the map's. Null: an empty map
   FusionOptions options;
   IcpOptions icp;
   Log* log = nullptr;

@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-// Both comparisons in any case: no branch.
+// No short-circuit, so no branch.
 bool isWithin(float depth, float least, float most) { return (depth >= least) & (depth <= most); }
 bool isDepth(float depth) { return isWithin(depth, 0, std::numeric_limits<float>::max()); }
 
@@ -22,11 +22,11 @@ void requireWithin(std::string_view field, double value, double least, double mo
 [[noreturn]] void refuseDepth(const DepthCamera& camera, const DepthFrame& frame) {
   const auto bad = std::ranges::find_if_not(frame.depth_m, isDepth);
   const auto pixel = static_cast<std::size_t>(bad - frame.depth_m.begin());
-  throw Error("frame {}: the depth of pixel ({}, {}) is {}, not a number from 0 on", frame.number, pixel % camera.width,
-              pixel / camera.width, *bad);
+  throw Error("frame {}: the depth of pixel ({}, {}) is {}; expected a finite number from 0", frame.number,
+              pixel % camera.width, pixel / camera.width, *bad);
 }
 
-// Frames are waited for: both loops are such that compilers let pixels go together.
+// Latency matters: both loops can be vectorised by compilers.
 void readDepths(const DepthCamera& camera, const DepthFrame& frame, const FusionOptions& options,
                 std::vector<float>& depths) {
   depths.resize(frame.depth_m.size());
@@ -62,9 +62,9 @@ void FusionOptions::validate() const {
 
 void requireCamera(const DepthCamera& camera) {
   if (camera.width == 0 || camera.height == 0 || std::uint64_t{camera.width} * camera.height > (1u << 28))
-    throw Error("a depth camera of {} x {} pixels; it has at least one, and at most 2^28", camera.width, camera.height);
+    throw Error("a depth camera of {} x {} pixels; expected 1 to 2^28 pixels", camera.width, camera.height);
   if (!isFinite(DVec4(camera.fx, camera.fy, camera.cx, camera.cy)) || !(camera.fx > 0) || !(camera.fy > 0))
-    throw Error("a depth camera with fx {}, fy {}, cx {}, cy {}; all are numbers, and the focal lengths positive",
+    throw Error("a depth camera with fx {}, fy {}, cx {}, cy {}; expected finite numbers, and positive focal lengths",
                 camera.fx, camera.fy, camera.cx, camera.cy);
 }
 
@@ -102,8 +102,8 @@ shared::DepthSensor sensorOf(const DepthCamera& camera, const FusionOptions& opt
 void requirePose(const CameraPose& pose, std::uint64_t frame) {
   const double length = glm::length(pose.turn);
   if (!isFinite(pose.centre) || !(std::abs(length - 1) < 1e-3))
-    throw Error("frame {}: its pose is no rotation and place: a quaternion of length {} at ({}, {}, {})", frame, length,
-                pose.centre.x, pose.centre.y, pose.centre.z);
+    throw Error("frame {}: its pose is not a rotation and position: a quaternion of length {} at ({}, {}, {})", frame,
+                length, pose.centre.x, pose.centre.y, pose.centre.z);
 }
 
 shared::FusionView fusionView(const FrameImages& images, const CameraPose& pose, const DVec3& origin,

@@ -1,5 +1,4 @@
-// What a fusion of depth frames is told, what it sees, and what it says: shared by the map on the host and the one on
-// the GPU.
+// Options, inputs and results of fusion, shared by the maps on the host and on the GPU.
 #pragma once
 
 #include <array>
@@ -12,13 +11,13 @@
 
 namespace palpate {
 
-/// By which rules frames are fused. validate() says which number is out of its bounds.
+/// Parameters of fusion. validate() names the field that is out of its bounds.
 struct FusionOptions {
-  std::size_t capacity = 5'000'000;  ///< points of the map at most; 1 to 2^31 - 1
-  /// Depths that are believed, m; positive. What lies nearer or farther counts as not measured.
+  std::size_t capacity = 5'000'000;  ///< maximum number of points of the map; 1 to 2^31 - 1
+  /// Accepted depths, m; positive. Depths outside count as not measured.
   double nearest_m = 0.1, farthest_m = 10;
-  /// Frames that a point remembers at most: a surface that moves less than the gate is followed in so many. 1 to
-  /// 10,000.
+  /// Maximum number of frames that a point averages: a surface that moves by less than the gate is followed within that
+  /// many. 1 to 10,000.
   double memory_frames = 50;
   /// Deviation of a measured depth, m: least + growth * (depth - from)^2; least is positive, the others not negative.
   double noiseLeast_m = 0.0012, noiseGrowth_per_m = 0.0019, noiseFrom_m = 0.4;
@@ -28,51 +27,51 @@ struct FusionOptions {
   void validate() const;
 };
 
-/// What became of the points in one frame, or in all of them.
+/// Changes of the points by one frame, or by all.
 struct FusionCounts {
-  std::uint64_t points = 0;    ///< of the map, afterwards
-  std::uint64_t matched = 0;   ///< that were measured again
-  std::uint64_t appended = 0;  ///< that are new
-  std::uint64_t removed = 0;   ///< that free space has contradicted, or that were never measured again
-  std::uint64_t refused = 0;   ///< that found no room
+  std::uint64_t points = 0;    ///< points of the map afterwards
+  std::uint64_t matched = 0;   ///< points measured again
+  std::uint64_t appended = 0;  ///< new points
+  std::uint64_t removed = 0;   ///< points contradicted by free space, or never measured again
+  std::uint64_t refused = 0;   ///< new points beyond the capacity
 
   bool operator==(const FusionCounts&) const = default;
 };
 
-/// Throws Error where a camera is none: without pixels, or with numbers that are not finite, or focal lengths that are
-/// not positive.
+/// Throws Error for a camera without pixels, with numbers that are not finite, or with focal lengths that are not
+/// positive.
 void requireCamera(const DepthCamera& camera);
 
-/// A frame as it is fused.
+/// A frame ready for fusion.
 struct FrameImages {
   DepthCamera camera;
   std::uint64_t number = 0;
-  std::vector<float> depths;          ///< m, row by row; 0 where none was measured, or none that is believed
-  std::vector<std::uint32_t> colors;  ///< RGBA8; empty where there are none
+  std::vector<float> depths;          ///< m, row by row; 0 if not measured or not accepted
+  std::vector<std::uint32_t> colors;  ///< RGBA8; may be empty
 };
 
-/// Reads a frame into memory that is used again. Throws Error where it has not as many depths as its camera has pixels,
-/// or colours, and for a depth that is negative or no number, with its pixel; for a camera as requireCamera().
+/// Reads a frame into memory that is reused. Throws Error if the number of depths or colours differs from the number of
+/// pixels, for a depth that is negative or not finite (naming its pixel), and like requireCamera().
 void readFrame(const DepthCamera& camera, const DepthFrame& frame, const FusionOptions& options, FrameImages& images);
 
-/// What is known of a point that no frame has seen, but that is there: as if it had been measured often enough from 1
-/// m. `color`: RGBA8; 0 where it has none.
+/// Record of an existing point that no frame has measured: as if it had been measured from 1 m until stable. `color`:
+/// RGBA8; 0: none.
 shared::SurfelRecord givenRecord(const FusionOptions& options, std::uint32_t color);
 
 shared::DepthSensor sensorOf(const DepthCamera& camera, const FusionOptions& options);
 
-/// Throws Error for a pose that is no number, or whose turn is not of unit length.
+/// Throws Error for a pose that is not finite, or whose rotation is not of unit length.
 void requirePose(const CameraPose& pose, std::uint64_t frame);
 
-/// What a frame sees from `pose` in a map with that origin in the world. Throws as requirePose().
+/// View of a frame from `pose` in a map with that origin in the world. Throws like requirePose().
 shared::FusionView fusionView(const FrameImages& images, const CameraPose& pose, const DVec3& origin,
                               const FusionOptions& options);
 
-/// Grey where none was seen.
+/// Grey without a measured colour.
 std::array<std::uint8_t, 3> colorOf(const shared::SurfelRecord& record);
 
-/// The origin of a map whose first frame was seen from there: whole metres, so that coordinates in single precision
-/// resolve the room about it, wherever in the world it is; zero within 16 m of it.
+/// Origin of a map whose first frame has that pose: whole metres, so that single precision suffices anywhere in the
+/// world; zero within 16 m of the world's origin.
 DVec3 mapOriginFor(const CameraPose& pose);
 
 }  // namespace palpate

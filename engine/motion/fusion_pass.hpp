@@ -10,67 +10,67 @@ namespace palpate {
 class Queue;
 
 /// Fuses depth frames of one camera into a live cloud on the GPU, as SurfelMap does on the host: reads the points of
-/// one half, and writes them with what the frame changes to where the index is built from, in any order, w carrying the
-/// ids. A build then brings them into the other half (SpatialHash::recordBuild). No atomics on 64 bits, and no sum
-/// whose order matters: the same points in the same slots and the same frame give the same bytes.
+/// one half, and writes the fused points to the input of the index build, in any order, with ids in w. A build then
+/// writes them into the other half (SpatialHash::recordBuild). No 64-bit atomics and no order-dependent sums: the same
+/// points in the same slots and the same frame give the same bytes.
 class FusionPass {
  public:
-  /// `slots`: of the live cloud, options.capacity or more. Throws Error as FusionOptions::validate() and
+  /// `slots`: of the live cloud, options.capacity or more. Throws Error like FusionOptions::validate() and
   /// requireCamera(), and OutOfGpuMemory.
   FusionPass(Device& device, const DepthCamera& camera, const FusionOptions& options, std::uint32_t slots);
 
-  /// Before the first frame, and to begin anew: the first ids are those of a cloud that is there, whose points count as
-  /// measured often enough, with their colours; the others are free. Waits.
+  /// Before the first frame, and to restart: the first ids are those of an existing cloud, whose points count as
+  /// stable, with their colours; the other ids are free. Blocks.
   void reset(Queue& queue, const PointCloud& given);
-  /// What the next run of a recorded list fuses: a frame of this camera, as readFrame() gives it, seen from `pose` in
-  /// the world, into a map of that origin. Not while such a list is running. Throws as requirePose().
+  /// Input of the next run of a recorded list: a frame of this camera from readFrame(), seen from `pose` in the world,
+  /// and the map's origin. Not while such a list is running. Throws like requirePose().
   void put(const FrameImages& images, const CameraPose& pose, const DVec3& origin);
-  /// The same for a frame that was put already, whose pose is found only now.
+  /// Sets the pose of a frame that was put already.
   void setPose(const FrameImages& images, const CameraPose& pose, const DVec3& origin);
-  /// Fuses what was put. Reads all slots of `from` and writes all of `to`, which must be other memory. May be recorded
-  /// ahead for both halves and submitted again and again.
+  /// Fuses the frame that was put. Reads all slots of `from` and writes all of `to`, which must be other memory. May be
+  /// recorded ahead for both halves and submitted repeatedly.
   void record(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to) const {
     record(list, from, to, {});
   }
-  /// The same for a map that is felt: what the frame does to a point it does over a time. The addresses are of the
-  /// velocities of both halves, with turns (shaders/shared/motion.h).
+  /// The same for a map that is felt: the points move over time. Addresses of the velocities of both halves, with
+  /// rotations (shaders/shared/motion.h).
   struct Velocities {
     DeviceAddress from = 0, to = 0;
   };
   void record(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
               const Velocities& velocities) const;
-  /// Of the frames that are put from now on: points come to where it puts them within `comes_s`, and those of the one
-  /// before still have a way of `left_s` before them. A map that is felt, alone.
+  /// Only for a map that is felt; applies to frames put from now on: points reach their new positions within `comes_s`,
+  /// and those of the previous frame have `left_s` of their motion left.
   void setWay(double left_s, double comes_s);
 
-  /// What the frame's pixels see, for who looks for its pose first; record() has it with the rest.
+  /// Surfaces of the frame's pixels, for a pose search before fusion; record() includes them.
   void recordSurfaces(CommandList& list) const;
 
-  /// What became of the points in the last run, once it is done.
+  /// Changes of the points by the last run, once it is done.
   FusionCounts counts() const;
   /// By id: weight, age and colour (shared::SurfelRecord).
   const Buffer& records() const { return records_; }
   const DepthCamera& camera() const { return camera_; }
-  /// The frame that was put, in memory of the GPU; the surfaces from recordSurfaces() on.
+  /// The frame that was put, in GPU memory; the surfaces are valid after recordSurfaces().
   struct FrameAddresses {
     DeviceAddress view, depths, surfaces;
   };
   FrameAddresses frame() const {
     return {images_.view.address(), images_.depths.address(), images_.surfaces.address()};
   }
-  /// On the GPU, besides the cloud.
+  /// GPU memory besides the cloud.
   std::uint64_t bytes() const;
 
  private:
-  // By pixel.
+  // Indexed by pixel.
   struct Images {
     Buffer view, depths, colors, surfaces, covered;
   };
-  // Pixels that need a new point, by bits and by words of 32; and by such a pixel, id and slot.
+  // Pixels that need a new point, as bits in words of 32; and for each of them id and slot.
   struct NewPoints {
     Buffer pixels, before, scratch, places;
   };
-  // By words of 32.
+  // Indexed by words of 32.
   struct Free {
     Buffer ids, slots, idsBefore, slotsBefore, idScratch, slotScratch;
   };

@@ -10,14 +10,14 @@ namespace palpate {
 
 namespace {
 
-// Below this mean square of the normals' share a direction of motion is not known, even without noise.
+// Below this mean square of the normals' components a direction is undetermined, even without noise.
 constexpr double kMinShare = 2e-3;
-// Times what noise feigns on average, for chance.
+// Safety factor on the mean contribution of noise.
 constexpr double kFeignedMargin = 1.5;
 constexpr double kSmallStep_m = 1e-5;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
-// A pose on its way.
+// State of a pose search.
 class PoseSearch {
  public:
   PoseSearch(const FrameImages& images, const CameraPose& expected) : expected_(expected), pose_(expected) {
@@ -28,8 +28,8 @@ class PoseSearch {
     return {.level = level, .pose = pose_, .pivot = pose_.toWorld(middle_), .scale = spread_m_};
   }
 
-  // One step, in the directions whose eigenvalues are above `least`; how far it went. Others may be known once more has
-  // come together.
+  // One step in the directions whose eigenvalues exceed `least`; returns its length. Later steps may determine the
+  // other directions.
   double step(const NormalEquations& equations, double least) {
     const NormalEquations::Row x = solve(equations, least);
     const DVec3 turn = DVec3(x[0], x[1], x[2]) / spread_m_, shift(x[3], x[4], x[5]);
@@ -53,7 +53,7 @@ class PoseSearch {
   }
 
  private:
-  // Mean and deviation of some of the places that are seen.
+  // Mean and standard deviation of a sample of the seen positions.
   void findMiddle(const FrameImages& images) {
     constexpr std::uint32_t kStride = 4;
     DVec3 sum(0);
@@ -83,7 +83,7 @@ bool hasTooFew(const IcpSums& sums, const IcpOptions& options, IcpResult& result
   return sums.pairs < 6 * NormalEquations::kUnknowns || result.matched < options.fewestMatched;
 }
 
-// The least eigenvalue of a direction that the pairs tell of.
+// Smallest eigenvalue at which a direction counts as determined.
 double judge(const IcpSums& sums, IcpResult& result) {
   const double weights = sums.equations.weights;
   result.weakest = eigenSymmetric(sums.equations.matrix).values[0] / weights;
@@ -106,14 +106,14 @@ std::string IcpResult::why() const {
     case IcpState::found:
       return "its pose was found";
     case IcpState::tooFewMatches:
-      return fmt::format("only {:.0f} % of what it sees is in the map", 100 * matched);
+      return fmt::format("only {:.0f} % of its surface is in the map", 100 * matched);
     case IcpState::degenerate:
       return fmt::format(
-          "what it sees does not say where the camera is (a plane, or too even): the least certain direction has a "
+          "its surface does not determine the pose (a plane, or too even): the least certain direction has a "
           "share of {:.4f}, and noise alone {:.4f}",
           weakest, feigned);
     case IcpState::tooFar:
-      return fmt::format("what it sees lies {:.1f} times the noise of its depth off the map", residual);
+      return fmt::format("its surface is off the map by {:.1f} times the noise of depth", residual);
     case IcpState::jumped:
       return fmt::format("the camera would have jumped by {:.3f} m and {:.1f} degrees", step_m, turn_deg);
   }

@@ -29,7 +29,7 @@ MapPairs::MapPairs(const SurfelMap& map, const FrameImages& images, const std::v
 }
 
 void MapPairs::findFront() {
-  // Depth, whose bits are in the order of its values since it is positive, above the id.
+  // Depth above the id; positive floats order like their bits.
   std::vector<std::uint64_t> nearest(surfaces_.size(), ~std::uint64_t{0});
   parallelFor(map_.ids(), map_.options().threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t id = begin; id < end; ++id) {
@@ -49,7 +49,7 @@ IcpSums MapPairs::sum(const IcpQuery& query) const {
   const std::uint32_t stride = query.level.stride;
   const std::size_t rows = (view_.height + stride - 1) / stride;
   std::vector<IcpSums> sums(rows);
-  // Counted in pixels, and each row taken by whoever has its first one.
+  // Ranges are in pixels; a thread processes the rows whose first pixel is in its range.
   parallelFor(rows * view_.width, map_.options().threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = (begin + view_.width - 1) / view_.width; row * view_.width < end; ++row)
       for (std::uint32_t column = 0; column < view_.width; column += stride)

@@ -7,17 +7,17 @@
 
 namespace palpate {
 
-/// The pairs of a frame's pixels and the points of a map on the host, by projection: a pixel's place falls on the pixel
-/// of the map as it is seen from the expected pose. Sums in double precision and in the order of the rows: the same for
-/// any number of threads. All that it is made from must outlive it.
+/// Pairs a frame's pixels with points of a map on the host, by projection into the map's index image from the expected
+/// pose. Sums in double precision in the order of rows: independent of the number of threads. Its arguments must
+/// outlive it.
 class MapPairs {
  public:
   MapPairs(const SurfelMap& map, const FrameImages& images, const std::vector<shared::PixelSurface>& surfaces,
            const CameraPose& expected);
 
   IcpSums sum(const IcpQuery& query) const;
-  /// Which point stands in front in each pixel: the index image. kNoPoint where there is none. Points that face the
-  /// camera alone; of two in a pixel the nearer, and of equally near ones the one of the lower id.
+  /// Index image: id of the frontmost point in each pixel; kNoPoint: none. Only points that face the camera; the nearer
+  /// of two in a pixel, at equal depth the one with the lower id.
   const std::vector<std::uint32_t>& ids() const { return ids_; }
   static constexpr std::uint32_t kNoPoint = 0xffffffffu;
 
@@ -28,7 +28,7 @@ class MapPairs {
   const SurfelMap& map_;
   const FrameImages& images_;
   const std::vector<shared::PixelSurface>& surfaces_;
-  shared::FusionView view_;  // from the expected pose
+  shared::FusionView view_;  // expected pose
   std::vector<std::uint32_t> ids_;
 };
 

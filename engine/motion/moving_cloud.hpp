@@ -6,10 +6,11 @@
 
 namespace palpate {
 
-/// A cloud that moves as a whole, rigidly, with the velocity of each point.
+/// A cloud that moves rigidly, with velocities of its points.
 class MovingCloud final : public CloudSource {
  public:
-  /// Copies what it needs of `rest`, which must have normals. `motion`: model units, relative to the cloud's origin.
+  /// Copies positions and normals of `rest`, which must have normals. `motion`: model units, relative to the cloud's
+  /// origin.
   MovingCloud(const PointCloud& rest, const RigidMotion& motion)
       : positions_(rest.positions), normals_(rest.normals), motion_(motion) {}
 

@@ -5,14 +5,14 @@
 
 namespace palpate {
 
-/// The truth about a shape that moves: what MovingCloud does to a sampling of it, in double precision.
+/// Ground truth for a moving shape: the motion that MovingCloud applies to its sampling, in double precision.
 class MovingShape {
  public:
-  /// `origin`: of the sampled cloud, which `motion` is relative to. `shape` must outlive it.
+  /// `origin`: of the sampled cloud; `motion` is relative to it. `shape` must outlive the object.
   MovingShape(const AnalyticShape& shape, const RigidMotion& motion, const DVec3& origin = DVec3(0))
       : shape_(shape), motion_(motion), origin_(origin) {}
 
-  /// At a time, in file coordinates: distance to the surface, positive outside.
+  /// Distance to the surface at a time, positive outside. File coordinates.
   double signedDistance(const DVec3& place, double time_s) const {
     return shape_.signedDistance(origin_ + motion_.poseAt(time_s).movedBack(place - origin_));
   }

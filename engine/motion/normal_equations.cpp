@@ -12,7 +12,7 @@ constexpr std::size_t kN = NormalEquations::kUnknowns;
 using Row = NormalEquations::Row;
 using Matrix = std::array<Row, kN>;
 
-// Turns axes p and q so that the entry between them is 0.
+// Rotates axes p and q so that the entry between them becomes 0.
 void rotate(Matrix& a, Matrix& columns, std::size_t p, std::size_t q) {
   if (a[p][q] == 0) return;
   const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);

@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// Six unknowns, weighted least squares, in double precision: sums over rows J with residual r, so that J x = -r as
-/// well as can be.
+/// Weighted least squares with six unknowns in double precision: sums over rows J with residual r, minimising |J x +
+/// r|.
 struct NormalEquations {
   static constexpr std::size_t kUnknowns = 6;
   using Row = std::array<double, kUnknowns>;
@@ -27,7 +27,7 @@ struct Eigen6 {
 };
 Eigen6 eigenSymmetric(std::array<NormalEquations::Row, NormalEquations::kUnknowns> matrix);
 
-/// The x with the least error, among those without a share in the eigenvectors whose values are not above `least`.
+/// Least-squares x without components along eigenvectors whose eigenvalues are not above `least`.
 NormalEquations::Row solve(const NormalEquations& equations, double least = 0);
 
 }  // namespace palpate

@@ -7,11 +7,11 @@
 
 namespace palpate {
 
-/// What each pixel of a frame sees, in single precision, as the GPU does; into memory that is used again.
+/// Surface seen by each pixel of a frame, in single precision, as on the GPU; into memory that is reused.
 void findPixelSurfaces(const FrameImages& images, const FusionOptions& options,
                        std::vector<shared::PixelSurface>& surfaces);
 
-/// The plane that fits the depths about a pixel, in single or double precision. Depth 0 where there is none.
+/// Plane fitted to the depths around a pixel, in single or double precision. Depth 0: no plane.
 template <class Real>
 shared::PixelSurfaceOf<Real> pixelSurface(const FrameImages& images, const shared::DepthSensorOf<Real>& sensor,
                                           int column, int row) {

@@ -2,16 +2,16 @@
 
 namespace palpate {
 
-/// Which place of a recording is due at a time of a session: it goes on with a speed, or stands still. Both in seconds.
+/// Maps session time to the position in a recording, which advances at a speed or is paused. Both in seconds.
 class PlaybackTime {
  public:
   explicit PlaybackTime(double speed) : speed_(speed) {}
 
   double placeAt(double time_s) const { return isPaused_ ? begin_s_ : begin_s_ + speed_ * (time_s - since_s_); }
-  /// When a place is due, or was.
+  /// Session time at which a position is due.
   double timeOf(double place_s) const { return since_s_ + (place_s - begin_s_) / speed_; }
 
-  // From a time of the session on.
+  // Take effect at that session time.
   void pause(double time_s) {
     goTo(placeAt(time_s), time_s);
     isPaused_ = true;
@@ -24,7 +24,7 @@ class PlaybackTime {
     goTo(placeAt(time_s), time_s);
     speed_ = speed;
   }
-  /// While it is paused.
+  /// Only while paused.
   void stepTo(double place_s) { begin_s_ = place_s; }
   bool isPaused() const { return isPaused_; }
   double speed() const { return speed_; }
@@ -36,7 +36,7 @@ class PlaybackTime {
   }
 
   double speed_;
-  double since_s_ = 0, begin_s_ = 0;  // at that time of the session that place is due
+  double since_s_ = 0, begin_s_ = 0;  // at session time since_s_ position begin_s_ is due
   bool isPaused_ = false;
 };
 

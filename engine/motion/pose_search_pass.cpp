@@ -20,7 +20,7 @@ Buffer byPixel(Device& device, const DepthCamera& camera, std::uint64_t bytes, c
   return Buffer(device, std::uint64_t{camera.width} * camera.height * bytes, Memory::device, name);
 }
 
-// Adds what one workgroup has summed up.
+// Adds the sums of one workgroup.
 void add(IcpSums& sums, std::span<const float> group) {
   std::size_t entry = 0;
   for (std::size_t i = 0; i < shared::kIcpUnknowns; ++i) {
@@ -56,7 +56,7 @@ PoseSearchPass::PoseSearchPass(Device& device, Queue& queue, FusionPass& fusion,
       sums_(Buffer::of<float>(device, std::uint64_t{groupsFor(fusion.camera(), 1)} * shared::kIcpSums, Memory::readback,
                               "icp sums")) {}
 
-// Recorded when they are needed: by then there is urgent work, which long dispatches give way to.
+// Recorded on demand: by then the device knows of urgent work, to which long dispatches give way.
 const CommandList& PoseSearchPass::frontOf(std::uint32_t half) {
   auto& list = fronts_[half];
   if (list) return *list;

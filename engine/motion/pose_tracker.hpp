@@ -7,29 +7,29 @@
 
 namespace palpate {
 
-/// Follows a camera from frame to frame: a frame stands where it says, or else where it is found in the map, near the
-/// one before. For whoever fuses, on the host or on the GPU.
+/// Tracks a camera from frame to frame: a frame has its own pose, or one found in the map near the previous one. For
+/// fusion on the host or on the GPU.
 class PoseTracker {
  public:
   explicit PoseTracker(const IcpOptions& options = {}) : options_(options) {}
 
-  /// Looks for a pose about an expected one, with these options.
+  /// Searches for a pose near an expected one, with these options.
   using Search = std::function<IcpResult(const CameraPose& expected, const IcpOptions& options)>;
-  /// Where `frame` was seen from, by `search` where it does not say so; nothing where that was not found, and result()
-  /// says why. The first one of all that does not say so stands in the middle of the world.
+  /// The pose of `frame`, by `search` if it has none; nothing if that fails, and result() tells why. The first frame
+  /// without a pose is at the world's origin.
   std::optional<CameraPose> place(const DepthFrame& frame, const Search& search);
-  /// Of the last search; of state `found` where none was needed.
+  /// Result of the last search; state `found` if none was needed.
   const IcpResult& result() const { return result_; }
 
-  /// The frame was fused from there; or it was not, and the camera has had so much longer to move.
+  /// The frame was fused from that pose; or it was not, and the camera has more time to move.
   void fused(const CameraPose& pose);
   void missed(std::uint64_t frames = 1) { missed_ += frames; }
-  /// From where the last frame was seen; nothing: from the beginning.
+  /// Restarts at the pose of the last frame; nothing: from the beginning.
   void beginAt(const std::optional<CameraPose>& seenFrom);
 
  private:
   IcpOptions options_;
-  std::optional<CameraPose> last_;  // from which a frame was fused
+  std::optional<CameraPose> last_;  // of the last frame fused
   std::uint64_t missed_ = 0;        // frames since then
   IcpResult result_;
 };

@@ -9,20 +9,20 @@
 
 namespace palpate {
 
-/// To and fro along an axis; along it at a constant speed; about it.
+/// Oscillation along an axis; translation along it at constant speed; rotation about it.
 enum class MotionKind { oscillate, drift, turn };
 inline constexpr std::array<std::pair<std::string_view, MotionKind>, 3> kMotionKinds{
     {{"oscillate", MotionKind::oscillate}, {"drift", MotionKind::drift}, {"turn", MotionKind::turn}}};
 
-/// Where a rigid body is at one time, and how it moves then. At rest by default.
+/// Pose and velocity of a rigid body at one time. At rest by default.
 struct RigidPose {
-  DVec3 centre{0};  ///< at rest; what it turns about
+  DVec3 centre{0};  ///< centre of rotation, at rest
   DQuat turn{1, 0, 0, 0};
-  DVec3 offset{0};    ///< of the centre from where it rests
+  DVec3 offset{0};    ///< displacement of the centre
   DVec3 velocity{0};  ///< of the centre, per second
   DVec3 spin{0};      ///< rad/s about the centre
 
-  /// From a place at rest to where it is, and back. A pose at rest gives back the same bits.
+  /// Maps a position at rest to the current one, and back. The identity pose returns the same bits.
   DVec3 moved(const DVec3& rest) const {
     const DVec3 arm = rest - centre;
     return rest + (turn * arm - arm) + offset;
@@ -30,18 +30,18 @@ struct RigidPose {
   DVec3 movedBack(const DVec3& place) const { return centre + glm::conjugate(turn) * (place - offset - centre); }
   DVec3 turned(const DVec3& direction) const { return turn * direction; }
   DVec3 turnedBack(const DVec3& direction) const { return glm::conjugate(turn) * direction; }
-  /// Of the body at a place where it is now.
+  /// Velocity of the body at a current position.
   DVec3 velocityAt(const DVec3& place) const { return velocity + glm::cross(spin, place - centre - offset); }
 };
 
-/// A rigid body's way as a function of time, in any units of length. At time 0 it is at rest's place.
+/// Motion of a rigid body as a function of time, in any unit of length. At time 0 it is in its rest position.
 struct RigidMotion {
   MotionKind kind = MotionKind::oscillate;
   DVec3 axis{0, 0, 1};      ///< unit
-  DVec3 centre{0};          ///< of turn
-  double amplitude = 0;     ///< of oscillate: half the way from one end to the other
-  double frequency_Hz = 0;  ///< of oscillate and turn: times to and fro, or about, in a second
-  double speed = 0;         ///< of drift, per second
+  DVec3 centre{0};          ///< for turn
+  double amplitude = 0;     ///< for oscillate: half the distance between the two ends
+  double frequency_Hz = 0;  ///< for oscillate and turn: periods per second
+  double speed = 0;         ///< for drift, per second
 
   RigidPose poseAt(double time_s) const;
 };

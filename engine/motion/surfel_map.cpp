@@ -13,13 +13,13 @@
 
 namespace palpate {
 
-// What one frame brings, and what becomes of the points.
+// One frame, and its effect on the points.
 struct SurfelMap::Frame {
   const FrameImages& images;
   const std::vector<shared::PixelSurface>& surfaces;
   shared::FusionView view;
   std::atomic<std::uint64_t> matched = 0;
-  std::mutex lock = {};  // of what follows
+  std::mutex lock = {};  // guards the following member
   std::vector<std::uint32_t> removed = {};
 
   std::size_t indexOf(UVec2 pixel) const { return std::size_t{pixel.y} * view.width + pixel.x; }
@@ -31,7 +31,7 @@ struct SurfelMap::Frame {
             .surface = surfaces[index]};
   }
 
-  // Whether no depth about the pixel hides a place at that depth.
+  // Whether no depth around the pixel occludes a position at that depth.
   bool seesThroughAt(UVec2 pixel, float placeDepth) const {
     for (std::uint32_t y = std::max(pixel.y, 1u) - 1; y <= std::min(pixel.y + 1, view.height - 1); ++y)
       for (std::uint32_t x = std::max(pixel.x, 1u) - 1; x <= std::min(pixel.x + 1, view.width - 1); ++x)
@@ -82,7 +82,7 @@ void SurfelMap::updatePoints(Frame& frame) {
     for (std::size_t id = begin; id < end; ++id)
       if (holds(id)) updatePoint(id, frame);
   });
-  // Threads come to the list in any order.
+  // The order in which threads append is arbitrary.
   std::ranges::sort(frame.removed, std::greater());
   const auto middle = free_.insert(free_.end(), frame.removed.begin(), frame.removed.end());
   std::inplace_merge(free_.begin(), middle, free_.end(), std::greater());

@@ -8,39 +8,39 @@
 
 namespace palpate {
 
-/// A map of surfels on the host: what depth frames have seen, fused into one cloud (shaders/shared/fusion.h says how).
-/// Each point has an id for life; those that are removed give theirs to new ones, the lowest first. The same frames
-/// give the same bytes, with any number of threads.
+/// A map of surfels on the host: depth frames fused into one cloud (see shaders/shared/fusion.h). A point keeps its id;
+/// ids of removed points are reused for new ones, the lowest first. The same frames give the same bytes, with any
+/// number of threads.
 class SurfelMap {
  public:
-  /// Throws as FusionOptions::validate(). Memory follows the points that there are.
+  /// Throws like FusionOptions::validate(). Memory grows with the number of points.
   explicit SurfelMap(const FusionOptions& options);
 
-  /// Fuses a frame that was seen from `pose`, in the world; `surfaces`: of its pixels. Throws Error for a pose that is
-  /// none, and then nothing has changed.
+  /// Fuses a frame seen from `pose` in the world; `surfaces`: of its pixels. Throws Error for an invalid pose, and then
+  /// changes nothing.
   FusionCounts fuse(const FrameImages& images, const std::vector<shared::PixelSurface>& surfaces,
                     const CameraPose& pose);
 
-  /// World = origin + place. Of the cloud that it began with, or follows the first frame's camera; stays.
+  /// World = origin + position. That of the initial cloud, or near the first frame's camera; constant.
   const DVec3& origin() const { return origin_; }
-  /// One more than the highest id that a point has had.
+  /// Highest id used so far, plus one.
   std::size_t ids() const { return surfels_.size(); }
   bool holds(std::size_t id) const { return surfels_[id].record.weight > 0; }
   const shared::Surfel& surfel(std::size_t id) const { return surfels_[id]; }
-  /// Of points that are there.
+  /// Number of points.
   std::size_t count() const { return surfels_.size() - free_.size(); }
-  /// Whether a frame has had colours, or the cloud that it began with.
+  /// Whether a frame or the initial cloud had colours.
   bool isColored() const { return colored_; }
-  /// All frames together; points as they are now.
+  /// Sums over all frames; `points` is the current number.
   const FusionCounts& totals() const { return totals_; }
   const FusionOptions& options() const { return options_; }
 
   /// The points in the order of their ids, in metres.
   PointCloud cloud() const;
-  /// The same as a frame, with their ids; its time stays.
+  /// The same as a frame, with ids; its time is not changed.
   void show(CloudFrame& frame) const;
-  /// Begins anew with the points of a cloud, which have the first ids and count as measured often enough, and with its
-  /// origin; without points there is no origin either. Throws Error where they are more than the capacity.
+  /// Restarts with the points of a cloud, which have the first ids and count as stable, and with its origin; an empty
+  /// cloud sets no origin. Throws Error if the points exceed the capacity.
   void begin(const PointCloud& cloud);
 
  private:
@@ -51,9 +51,9 @@ class SurfelMap {
 
   FusionOptions options_;
   DVec3 origin_{0};
-  std::vector<shared::Surfel> surfels_;  // by id; of weight 0 where there is none
-  std::vector<std::uint32_t> free_;      // ids below ids() that no point has, the lowest last
-  std::vector<std::uint32_t> covered_;   // by pixel: the parts in which points stand
+  std::vector<shared::Surfel> surfels_;  // by id; weight 0: no point
+  std::vector<std::uint32_t> free_;      // unused ids below ids(), the lowest last
+  std::vector<std::uint32_t> covered_;   // by pixel: its parts that contain points
   bool colored_ = false;
   FusionCounts totals_;
   bool hasOrigin_ = false;

@@ -13,12 +13,12 @@ namespace palpate {
 
 namespace {
 
-constexpr double kFrontElevation_deg = 12;  // of the fitted eye above the horizon, and
-constexpr double kFlatElevation_deg = 40;   // over what has no height
-constexpr double kLow = 0.3;                // of the width: what is lower is seen from higher up
-constexpr double kFill = 0.9;               // of the picture, by the model
-constexpr double kClosest = 1e-2;           // of the box: the fitted eye stays this far before the nearest point
-constexpr double kNearestShare = 1e-3;      // of the box: no near plane is closer than this
+constexpr double kFrontElevation_deg = 12;  // elevation of the fitted eye above the horizon
+constexpr double kFlatElevation_deg = 40;   // likewise, for a model without height
+constexpr double kLow = 0.3;                // of the width: flatter models are seen from higher up
+constexpr double kFill = 0.9;               // share of the picture that the model fills
+constexpr double kClosest = 1e-2;           // of the box: minimum distance of the fitted eye from the nearest point
+constexpr double kNearestShare = 1e-3;      // of the box: minimum near plane
 constexpr double kDirectionTolerance = 1e-9;
 
 std::array<DVec3, 8> cornersOf(const Bounds& box) {
@@ -28,16 +28,16 @@ std::array<DVec3, 8> cornersOf(const Bounds& box) {
   return corners;
 }
 
-/// A length to measure by, also for a box without extent.
+/// Scale for relative distances, also for a box without extent.
 double sizeOf(const Bounds& box) {
   const double size = glm::length(box.max - box.min);
   return size > 0 ? size : 1.0;
 }
 
-/// The camera with the axes of `camera` whose picture holds all points and touches them at two opposite borders. A
-/// point at x and depth z before an eye at (ex, -D) is inside when |x - ex| <= t (z + D) with t the tangent of half the
-/// field of view; so each border is one linear bound, and the two of a pair give ex and D at once. A ball around the
-/// point moves each bound outwards by its radius over the cosine of the half field of view.
+/// A camera with the axes of `camera` whose picture contains all points and touches them at two opposite borders. A
+/// point at x and depth z, seen from an eye at (ex, -D), is inside if |x - ex| <= t (z + D), t being the tangent of
+/// half the field of view. So each border is one linear bound, and a pair of bounds gives ex and D directly. A ball
+/// around the point moves each bound outwards by its radius over the cosine of half the field of view.
 template <class Points>
 Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double aspect, double margin) {
   const Camera::Axes axes = camera.axes();
@@ -65,7 +65,7 @@ Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double 
   return camera;
 }
 
-/// At the origin, looking from the front and a little above.
+/// At the origin, looking from the front and slightly from above.
 Camera frontCamera(const Bounds& bounds, double fov_deg, UpAxis up) {
   const DVec3 top = directionOf(up), side = bounds.max - bounds.min;
   const double height = std::abs(glm::dot(side, top)), width = bounds.longestSide();
@@ -165,7 +165,7 @@ Camera Camera::asked(const CameraRequest& given, const PointCloud& cloud, double
     if (glm::length(camera.up) == 0 || parallel(camera.up, direction))
       throw UsageError("camera: up must be a direction that is not along the view");
   } else if (parallel(camera.up, direction)) {
-    camera.up = -frontOf(framing.up);  // looking straight down or up: the front of the model is at the bottom
+    camera.up = -frontOf(framing.up);  // looking straight down or up: the model's front is at the bottom of the picture
   }
   camera.setDepthRange(boundsOf(cloud));
   return camera;

@@ -9,14 +9,14 @@
 
 namespace palpate {
 
-/// What a picture shows of a cloud unless somebody says more.
+/// Defaults of Camera::fitting() for a cloud.
 struct Framing {
-  std::optional<Bounds> shown;  ///< the points in it (coreBoundsOf()); all of them when not given
+  std::optional<Bounds> shown;  ///< box of the points to show (coreBoundsOf()); all points if not set
   UpAxis up = UpAxis::y;
-  double margin = 0;  ///< around each point, model units: the disc as which it is drawn
+  double margin = 0;  ///< around each point, model units: radius of its disc
 };
 
-/// What somebody says of a camera; what is missing comes from Camera::fitting(). Places in file coordinates.
+/// Parameters of a camera; missing ones come from Camera::fitting(). Positions in file coordinates.
 struct CameraRequest {
   std::optional<DVec3> eye, target, up;
   std::optional<double> fov_deg;  ///< vertical, 1 to 170
@@ -29,26 +29,26 @@ struct Camera {
   DVec3 target{0};
   DVec3 up{0, 1, 0};        ///< need not be perpendicular to the view, only not along it
   double fov_deg = 45;      ///< vertical
-  double nearDepth = 0.01;  ///< nothing closer is drawn
+  double nearDepth = 0.01;  ///< closer points are not drawn
   double farDepth = 100;    ///< for projection() only
-  DVec2 center{0.5};        ///< where the target appears: shares of the picture's width and height, from the top left
+  DVec2 center{0.5};        ///< position of the target: shares of the picture's width and height, from the top left
 
   bool operator==(const Camera&) const = default;
 
-  /// Sees everything from the front (frontOf()), a little above, and more so what lies flat, in a picture of width /
-  /// height `aspect`: all of a box, or all points of a cloud, which fills the picture better. The target is at the
-  /// depth of the box's middle.
+  /// Views everything from the front (frontOf()), slightly from above, and from higher above if the model is flat, in a
+  /// picture of aspect ratio `aspect` (width / height): a whole box, or all points of a cloud, which fills the picture
+  /// better. The target is at the depth of the box's centre.
   static Camera fitting(const Bounds& bounds, double aspect, double fov_deg = 45, UpAxis up = UpAxis::y,
                         double margin = 0);
   static Camera fitting(const PointCloud& cloud, double aspect, double fov_deg = 45, const Framing& framing = {});
 
-  /// As asked for. Throws UsageError for what makes no camera.
+  /// A camera as requested. Throws UsageError for invalid parameters.
   static Camera asked(const CameraRequest& request, const PointCloud& cloud, double aspect,
                       const Framing& framing = {});
   /// The same from `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces.
   static Camera parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing = {});
 
-  /// Sets near and far so that `bounds` lies between them as far as it lies before the eye.
+  /// Sets near and far so that the part of `bounds` in front of the eye lies between them.
   void setDepthRange(const Bounds& bounds);
 
   /// Unit vectors: right, up, and forward (from the eye to the target).
@@ -59,10 +59,10 @@ struct Camera {
 
   /// Pixels that one unit covers at depth 1.
   double focal_px(double height_px) const;
-  /// The point at `depth` that appears at `place_px`, pixels from the top left corner.
+  /// The point at `depth` that appears at `place_px` (pixels from the top left corner).
   DVec3 unproject(const DVec2& place_px, double depth, const DVec2& size_px) const;
-  /// Where a point appears: x and y in pixels from the top left corner, z its depth. Nothing when it is closer than
-  /// near.
+  /// Position of a point in the picture: x and y in pixels from the top left corner, z its depth. Nothing if it is
+  /// closer than near.
   std::optional<DVec3> project(const DVec3& position, const DVec2& size_px) const;
 
   /// OpenGL's eye space (looking down -z) and Vulkan's clip space (y downwards, depth 0 to 1).
@@ -70,7 +70,7 @@ struct Camera {
   Mat4 projection(double aspect) const;
 };
 
-/// Depths of the nearest and the farthest corner of a box, before or behind the eye.
+/// Depths of the nearest and the farthest corner of a box; negative behind the eye.
 DVec2 depthRangeOf(const Camera& camera, const Bounds& bounds);
 
 }  // namespace palpate

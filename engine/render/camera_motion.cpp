@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSteepest = 0.995;  // cosine between the view and up: beyond it left and right would flip
 
-// About a unit axis (Rodrigues 1840).
+// Rotation about a unit axis (Rodrigues 1840).
 DVec3 turned(const DVec3& v, const DVec3& axis, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return c * v + s * glm::cross(axis, v) + (1 - c) * glm::dot(axis, v) * axis;
@@ -65,13 +65,13 @@ Camera recentred(const Camera& camera, const DVec3& point) {
 
 namespace {
 
-// Looks at the target from a direction, which is a unit vector.
+// Looks at the target from a direction (unit vector).
 Camera lookingFrom(const Camera& camera, DVec3 side, UpAxis up) {
   Camera result = camera;
   result.up = directionOf(up);
   constexpr double kAlong = 1 - 1e-9;
   if (const double along = glm::dot(side, result.up); std::abs(along) > kAlong) {
-    // almost along up, so that a later turn has an axis
+    // tilted slightly, so that a later rotation has an axis
     constexpr double kSteep = 0.99;
     side = kSteep * side + std::sqrt(1 - kSteep * kSteep) * frontOf(up);
   }

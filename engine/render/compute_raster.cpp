@@ -10,9 +10,10 @@ namespace palpate {
 
 namespace {
 
-// Small workgroups: a workgroup lives as long as its largest splat, and the touch side may be waiting for its place.
+// Small workgroups: a workgroup lasts as long as its largest splat, and the touch side may be waiting for its place on
+// the GPU.
 constexpr std::uint32_t kWorkgroup = 64;
-// Picking looks at every point, at most of them shortly.
+// Picking reads every point, but most are rejected quickly.
 constexpr std::uint32_t kPickSlice = 1 << 21;
 
 ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {

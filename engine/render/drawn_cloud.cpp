@@ -15,18 +15,18 @@ namespace palpate {
 
 namespace {
 
-// All points of a frame are as much memory as a GPU moves at a time: touch has its share between two slices.
+// A whole frame saturates the GPU's memory bandwidth: touch gets its share between two slices.
 constexpr std::uint32_t kPlaceSlice = 1 << 16;
 
-// States that go up at a time; a power of two. A tick's edit mostly fits.
+// Number of states uploaded at a time; a power of two. A tick's edit usually fits.
 constexpr std::uint64_t kPiece = 1 << 16;
 
-// A position where no point is.
+// Position of an unused index.
 const Vec4 kNowhere(Vec3(std::numeric_limits<float>::quiet_NaN()), std::bit_cast<float>(shared::kEmptySlot));
 
 std::uint32_t checkedCount(const Device& device, std::uint64_t count) {
   if (count > std::numeric_limits<std::uint32_t>::max() / 2)
-    throw OutOfGpuMemory("{}: {} points are more than can be drawn", device.name(), count);
+    throw OutOfGpuMemory("{}: {} points exceed the maximum that can be drawn", device.name(), count);
   return static_cast<std::uint32_t>(count);
 }
 
@@ -150,7 +150,7 @@ void DrawnCloud::place(const LiveCloud::Half& live, std::uint32_t slots, bool co
                                .keepsWithin = static_cast<float>(shared::kKeepsDiscWithin * spacing_),
                                .unused = 0};
   list_.begin();
-  // Whose discs were measured elsewhere, or never, are measured now.
+  // Discs never measured, or measured elsewhere, are measured now.
   if (measured_ && !std::exchange(knowsMeasured_, true)) list_.fill(*measured_, shared::kEmptySlot, measured_->bytes());
   list_.dispatch(place_, slots, args);
   list_.dispatch(leave_, count_, args);

@@ -13,58 +13,55 @@ namespace palpate {
 
 struct DrawnOptions {
   std::uint32_t spare = 0;  ///< points that edits may add
-  bool painted = false;     ///< edits give colours, too
-  /// Mean, model units (meanSpacing()): each point gets a disc that closes the surface around it. 0: none has one, and
-  /// a frame must be given a radius.
+  bool painted = false;     ///< edits also set colours
+  /// Mean spacing, model units (meanSpacing()): each point gets a disc that closes the surface around it. 0: points
+  /// have no discs, and a frame requires a radius.
   double spacing = 0;
-  bool edited = false;  ///< keeps what it takes to measure the discs again where points have been edited, or have moved
+  bool edited = false;  ///< keeps the data needed to measure discs again after edits or motion
 };
 
-/// The cloud that is seen, on the GPU: the sight side's own copy, in the order of the file, so that a point's id is its
-/// place. It follows the touched cloud through the edit log alone, or through what a back end reports of its edits. All
-/// of it, its making too, goes over the throughput queue.
+/// The drawn cloud on the GPU: the sight side's own copy, in the order of the file, so that a point's id is its index.
+/// It follows the live cloud only through the edit log, or through the edits that a back end reports. All its work,
+/// including its creation, uses the throughput queue.
 class DrawnCloud {
  public:
   /// Normals and colours are optional. Throws OutOfGpuMemory.
   DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptions& options = {});
 
-  /// Applies everything that is unread, in order, on the throughput queue, waits for it, and consumes it; says how many
-  /// entries there were.
+  /// Applies all unread entries in order on the throughput queue, waits, and consumes them; returns their number.
   std::uint64_t catchUp(EditLog::Reader& reader);
-  /// The same with states from the host (TouchBackend::takeEdits()), front to back: for a cloud that is touched by
-  /// another GPU, or by none. States of points without a place here are left out. The first call may throw
-  /// OutOfGpuMemory.
+  /// The same with states from the host (TouchBackend::takeEdits()), first to last: for a cloud touched on another GPU,
+  /// or on the CPU. Ignores states of points beyond count(). The first call may throw OutOfGpuMemory.
   std::uint64_t catchUp(std::span<const PointState> states);
-  /// Where all points move: takes over those of a live cloud on the same GPU, whole and in any order, or of a frame on
-  /// the host, on the throughput queue, and waits. Points without a place here are left out, and those that are not
-  /// among them are gone; a point that stands where its disc was measured, or next to it, keeps that. `colored`: the
-  /// live normals carry colours, as FramePipeline puts them there.
+  /// If all points move: takes the points of a live cloud on the same GPU, in any order, or of a frame on the host, on
+  /// the throughput queue, and waits. Points beyond count() are ignored, and points missing from the input are removed.
+  /// A disc is kept if its point is at or near the position where it was measured. `colored`: the live normals carry
+  /// colours, as FramePipeline stores them.
   void place(const LiveCloud::Half& live, std::uint32_t slots, bool colored = false);
   void place(const CloudFrame& frame);
-  /// Measures the discs again of the points that catchUp() or place() has changed, and of those around them. Before a
-  /// frame.
+  /// Measures the discs of points changed by catchUp() or place() again, and those around them. Call before a frame.
   void closeSurface();
 
-  /// Places in the arrays: the points of the file, and as many as may be added. Where no point is, or one is gone, the
-  /// position is no number.
+  /// Length of the arrays: the points of the file, and those that may be added. Without a point, or after its removal,
+  /// the position is NaN.
   std::uint32_t count() const { return count_; }
   bool hasColors() const { return hasColors_; }
-  /// Of the cloud as it was loaded, whatever has moved since.
+  /// Of the cloud as loaded, not updated.
   const Bounds& bounds() const { return bounds_; }
   /// count vec4: xyz relative to the cloud's origin; w the bits of the id, or of kEmptySlot.
   const Buffer& positions() const { return points_.positions; }
   /// count vec4: xyz unit, or zero when unknown; w the radius of the disc, model units.
   const Buffer& normals() const { return points_.normals; }
   const Buffer& colors() const { return colors_; }  ///< count RGBA8; empty without colours
-  const Buffer& clips() const { return clips_; }    ///< count words: where discs are cut off (SplatRadii)
-  const Buffer& picked() const { return picked_; }  ///< count words, for whoever draws it
-  /// Mean spacing as the options gave it, and the largest radius of a disc, model units; 0 where discs have none.
+  const Buffer& clips() const { return clips_; }    ///< count words: how discs are clipped (SplatRadii)
+  const Buffer& picked() const { return picked_; }  ///< count words: scratch memory of the rasteriser
+  /// Mean spacing from the options, and the largest radius of a disc, model units; 0 without discs.
   double spacing() const { return spacing_; }
   double largestRadius() const { return largestRadius_; }
   std::uint64_t bytes() const;
 
  private:
-  // A range of a ring of states on the GPU, from `firstSlot` on.
+  // A range of a ring of states on the GPU, starting at `firstSlot`.
   struct Entries {
     DeviceAddress ring = 0;
     std::uint64_t slots = 1;  // a power of two
@@ -80,14 +77,14 @@ class DrawnCloud {
   LiveCloud::Half points_;
   Buffer colors_, clips_, picked_;
   Buffer latest_;                         // count uint32, zero between calls
-  std::optional<Buffer> fromHost_;        // PointState; made when the host first has some
+  std::optional<Buffer> fromHost_;        // PointState; allocated at the first use
   std::optional<LiveCloud::Half> frame_;  // likewise
   ComputePipeline claim_, apply_, place_, leave_;
   CommandList list_;
   std::optional<SplatRadii> radii_;
-  std::optional<Buffer> measured_;  // vec4: PlaceArgs
-  bool isStale_ = false;            // some disc
-  bool knowsMeasured_ = false;      // measured_ is true
+  std::optional<Buffer> measured_;  // vec4, see PlaceArgs
+  bool isStale_ = false;            // some discs must be measured again
+  bool knowsMeasured_ = false;      // measured_ is valid
 };
 
 }  // namespace palpate

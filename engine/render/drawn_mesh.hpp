@@ -6,14 +6,14 @@
 
 namespace palpate {
 
-/// A mesh on the GPU as a frame draws it. Whoever made it keeps it until the frame is done.
+/// A mesh on the GPU as input of a frame. Its owner keeps it until the frame is done.
 struct DrawnMesh {
   DeviceAddress vertices;   ///< shared::MeshVertex
   DeviceAddress triangles;  ///< three uint32 each
   std::uint32_t triangleCount;
   bool hasColors;
   Bounds bounds;
-  double cell;  ///< of the lattice that it comes from, model units: no triangle is larger
+  double cell;  ///< size of a lattice cell, model units: no triangle is larger
 };
 
 }  // namespace palpate

@@ -14,44 +14,45 @@
 
 namespace palpate {
 
-/// A picture of a cloud by surface splatting (Zwicker et al. 2001) in compute shaders or by the graphics pipeline, or
+/// A picture of a cloud by surface splatting (Zwicker et al. 2001), in compute shaders or by the graphics pipeline, or
 /// of a mesh by its triangles: the passes and the images between them. The same input gives the same bytes on the same
-/// device. Belongs to the sight side.
+/// device. Part of the sight side.
 class Frame {
  public:
-  /// Recordings that may be under way at a time: each keeps its own constants.
+  /// Number of recordings in flight: each has its own constants.
   static constexpr std::uint32_t kInFlight = 3;
 
-  /// `supersample` (1 or 2): samples along each side of a pixel. Throws UsageError for a size that cannot be drawn.
+  /// Throws UsageError for a size that cannot be drawn.
   static void checkSize(std::uint32_t width, std::uint32_t height);
-  /// `wideAtomics`: of ComputeRaster.
+  /// `supersample` (1 or 2): samples along each side of a pixel. `wideAtomics`: see ComputeRaster. Throws like
+  /// checkSize().
   Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample = 2,
         bool wideAtomics = true);
 
   void record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options);
-  /// The same for a mesh, which is lit from its vertices' normals; the options about splats are not used.
+  /// The same for a mesh, which is lit by its vertices' normals; ignores the options for splats.
   void record(CommandList& list, const DrawnMesh& mesh, const Camera& camera, const FrameOptions& options);
 
   /// The last completed frame; waits for the throughput queue.
   Image readColor() const;
   DepthImage readDepth() const;
-  /// Of a cloud drawn in compute: how many discs were seen and not left out.
+  /// For a cloud drawn in compute: number of discs drawn.
   std::uint32_t readDiscs() const;
 
   std::uint32_t width() const { return size_.width; }
   std::uint32_t height() const { return size_.height; }
-  /// width x height RGBA8, for whoever shows it.
+  /// width x height RGBA8.
   const Buffer& image() const { return shading_.image(); }
-  /// width x height floats: the depth of what is seen, model units; 0 where nothing is.
+  /// width x height floats: depth of the visible surface, model units; 0 without a surface.
   const Buffer& depthImage() const { return shading_.depthImage(); }
 
  private:
   UVec2 size_px() const { return {size_.width * size_.supersample, size_.height * size_.supersample}; }
   std::uint64_t samples() const { return std::uint64_t{size_px().x} * size_px().y; }
-  // With the constants of the next recording.
+  // Also writes the constants of the next recording.
   RasterTarget targetWith(const Drawn& about, const Camera& camera, const FrameOptions& options, std::uint32_t tiles);
   void recordClear(CommandList& list, bool colors) const;
-  // Instead of clearing and of the compute passes.
+  // Replaces clearing and the compute passes.
   void recordHardware(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target, const Drawn& about,
                       const Camera& camera, const FrameOptions& options);
   void readBack(const Buffer& from, std::span<std::byte> to) const;

@@ -15,11 +15,11 @@ const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
 constexpr double kDiscThickness = 0.12;  // of its radius
 constexpr double kOcclusionRadius =
     0.07;  // of the model's longest side; larger darkens wide hollows, smaller only creases
-constexpr double kUsualRadius_spacings = 1.95;  // where discs have their own radii
-constexpr double kHoleReach = 2.0;              // in usual radii, across a gap from any place in it
-constexpr double kTriangleOff = 0.25;           // of a cell: flat triangles leave the round surface by less
-// Triangles of the same depth in one sample. A few meet there; this many do where a whole mesh is a speck, and their
-// sums may then be wrong.
+constexpr double kUsualRadius_spacings = 1.95;  // if discs have their own radii
+constexpr double kHoleReach = 2.0;              // in usual radii, across a gap from any position in it
+constexpr double kTriangleOff = 0.25;           // of a cell: upper bound of the distance from flat to curved surface
+// Assumed maximum of triangles of equal depth in one sample. Usually a few meet there; more do only if a whole mesh
+// covers a few samples, and their sums may then be wrong.
 constexpr std::uint32_t kTrianglesInSample = 1u << 17;
 
 float linearFromSrgb(std::uint8_t encoded) {
@@ -79,14 +79,15 @@ double usualRadius(const DrawnCloud& cloud, const FrameOptions& options) {
   return options.splatRadius > 0 ? options.splatRadius : kUsualRadius_spacings * cloud.spacing();
 }
 
-// What is finer than samples is drawn as discs of their size, and so are the gaps between them.
+// Discs finer than a sample are drawn as large as one, and the gaps between them grow likewise.
 double usualDrawnRadius(const Drawn& drawn, const Camera& camera, std::uint32_t height_px) {
   if (drawn.everyPoint) return drawn.usualRadius;
   const double middle = glm::distance(camera.eye, drawn.bounds.center());
   return std::max(drawn.usualRadius, shared::kFinestSplat * middle / camera.focal_px(height_px));
 }
 
-// Around a ball on screen, pixels: left, top, right, bottom. Everything where the ball comes too close to the eye.
+// Bounding box of a ball on screen, pixels: left, top, right, bottom. The whole screen if the ball comes too close to
+// the eye.
 std::array<DVec2, 2> boxOf(const Overlays::Ball& ball, const Camera& camera, const DVec2& size_px) {
   const Camera::Axes axes = camera.axes();
   const DVec3 offset = ball.center - camera.eye;
@@ -94,8 +95,8 @@ std::array<DVec2, 2> boxOf(const Overlays::Ball& ball, const Camera& camera, con
   if (!(nearest > camera.nearDepth)) return {DVec2(0), size_px};
   const double focal_px = camera.focal_px(size_px.y);
   const DVec2 aside(glm::dot(offset, axes.right), -glm::dot(offset, axes.up));
-  // No part of the ball is nearer, nor farther aside.
-  constexpr double kSlack_px = 4;  // lines have a least width
+  // Upper bound: every part of the ball at its smallest depth and largest offset.
+  constexpr double kSlack_px = 4;  // lines have a minimum width
   const double reach_px =
       focal_px * (ball.radius + glm::length(aside)) / nearest - focal_px * glm::length(aside) / depth + kSlack_px;
   const DVec2 at_px = camera.center * size_px + focal_px / depth * aside;
@@ -112,7 +113,7 @@ PixelRectangle overlayRectangle(const Overlays& overlays, const Camera& camera, 
     high = glm::max(high, last);
   };
   constexpr double kWidestPart = 4;   // of an arrow or a bar, in their radii (shaders/render/overlays.glsl)
-  constexpr double kThickDisc = 1.5;  // the ball around one, in its radii
+  constexpr double kThickDisc = 1.5;  // radius of the ball around a disc, in radii of the disc
   if (overlays.hip) add(overlays.hip->center, overlays.hip->radius);
   if (overlays.proxy) add(overlays.proxy->center, kThickDisc * overlays.proxy->radius);
   if (overlays.brush) add(overlays.brush->center, overlays.brush->radius);
@@ -194,7 +195,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
     const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));
   }
-  // No sum may reach 2^31, even with all of them in one sample.
+  // No sum may reach 2^31, even if all add up in one sample.
   const std::uint32_t each = 0x7FFFFFFFu / std::max(drawn.inSample, 1u);
   frame.sumScale = static_cast<float>(std::min(std::bit_floor(each), shared::kFinestSum));
   if (options.background)

@@ -1,4 +1,4 @@
-// From what the caller says about a frame to the numbers that the shaders read.
+// Converts the caller's options for a frame to the constants that the shaders read.
 #pragma once
 
 #include "engine/render/camera.hpp"
@@ -16,26 +16,26 @@ struct FrameSize {
 struct PixelRectangle {
   UVec2 first_px{0}, size_px{0};
 };
-/// The pixels of a picture that anything may show in which is laid over the surface.
+/// The pixels of a picture that its overlays may cover.
 PixelRectangle overlayRectangle(const Overlays& overlays, const Camera& camera, const UVec2& size_px);
 
-/// What a frame draws, for its constants.
+/// Input of a frame, for its constants.
 struct Drawn {
   Bounds bounds;
   std::uint32_t count;  ///< points or triangles
   bool hasColors;
-  double widest;           ///< on any side of one of them, model units
-  double splatRadius;      ///< of every disc, model units; 0: each has its own
-  double widestSplat;      ///< radius of a disc at most, model units
-  double usualRadius;      ///< of discs, or how far triangles may stand off the true surface, model units
-  bool closeHoles;         ///< there may be gaps between them
-  std::uint32_t inSample;  ///< how many may add up in one sample
-  bool everyPoint;         ///< however fine they are
+  double widest;           ///< longest side of a point or triangle, model units
+  double splatRadius;      ///< common radius of all discs, model units; 0: each disc has its own
+  double widestSplat;      ///< largest radius of a disc, model units
+  double usualRadius;      ///< typical radius of discs, or deviation of triangles from the true surface, model units
+  bool closeHoles;         ///< close gaps between discs
+  std::uint32_t inSample;  ///< maximum number that may add up in one sample
+  bool everyPoint;         ///< draw every point, however fine
 };
 Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options);
 Drawn drawn(const DrawnMesh& mesh);
 
-/// Tiles along each side of the largest triangle on screen, as far as kMaxTriangleInvocations allows. Larger ones are
+/// Tiles along each side of the largest triangle on screen, limited by kMaxTriangleInvocations. Larger triangles are
 /// walked in more rounds.
 std::uint32_t tilesOf(const Drawn& drawn, const Camera& camera, std::uint32_t height_px);
 

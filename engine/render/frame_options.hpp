@@ -1,4 +1,4 @@
-// What a frame shows and how.
+// Contents and appearance of a frame.
 #pragma once
 
 #include <array>
@@ -15,40 +15,40 @@
 
 namespace palpate {
 
-/// The picture, or one of the images on the way to it.
+/// The picture, or one of its intermediate images.
 enum class ImagePass : std::uint32_t {
   final = shared::kPassFinal,
   depth = shared::kPassDepth,              ///< near is bright
-  smoothDepth = shared::kPassSmoothDepth,  ///< the same of the smoothed depth
+  smoothDepth = shared::kPassSmoothDepth,  ///< likewise, smoothed depth
   normal = shared::kPassNormal,            ///< 0.5 + 0.5 n, model axes, towards the eye
-  color = shared::kPassColor,              ///< the surface's own colour, unlit
+  color = shared::kPassColor,              ///< unlit surface colour
   position = shared::kPassPosition,        ///< 0 to 1 along each side of the model's box
 };
 
-/// Where the surface's own colour comes from.
+/// Source of the surface colour.
 enum class ColorBy : std::uint32_t {
-  rgb = shared::kColorByFile,  ///< the file's, or one material where it has none
+  rgb = shared::kColorByFile,  ///< the file's colours, or one material if it has none
   normal = shared::kColorByNormal,
   depth = shared::kColorByDepth,
   height = shared::kColorByHeight,  ///< along FrameOptions::up
 };
 
-/// Who draws the discs of a cloud. The pictures are the same, but for samples on the rims of discs.
+/// Rasteriser of discs. The pictures are equal except for samples on the rims of discs.
 enum class Raster : std::uint32_t {
   compute,
   hardware,  ///< the graphics pipeline: point sprites
 };
 
-/// As on the command line.
+/// Names on the command line.
 inline constexpr std::array<std::pair<std::string_view, ColorBy>, 4> kColorNames{
     {{"rgb", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}}};
 
-/// By the names of the command line. Throw UsageError with the names there are.
+/// By their names on the command line. Throw UsageError that lists the valid names.
 ImagePass imagePassNamed(std::string_view name);
 ColorBy colorByNamed(std::string_view name);
 Raster rasterNamed(std::string_view name);
 
-/// Drawn over the surface; what lies behind it shines through. Model units relative to the cloud's origin.
+/// Drawn over the surface; parts behind the surface shine through. Model units relative to the cloud's origin.
 struct Overlays {
   struct Ball {
     DVec3 center{0};
@@ -63,32 +63,32 @@ struct Overlays {
   };
   struct Arrow {
     DVec3 from{0};
-    DVec3 along{0};  ///< the force times a length per newton; its tip is at from + along
+    DVec3 along{0};  ///< the force times a length per newton; the tip is at from + along
     double shaftRadius = 0;
     bool operator==(const Arrow&) const = default;
   };
   struct Bar {
     DVec3 from{0};
-    DVec3 along{0};  ///< its other end is at from + along
+    DVec3 along{0};  ///< the other end is at from + along
     double radius = 0;
     bool operator==(const Bar&) const = default;
   };
   std::optional<Ball> hip;
   std::optional<Disc> proxy;
   std::optional<Arrow> force;
-  std::optional<Ball> brush;  ///< shows as its outline
+  std::optional<Ball> brush;  ///< drawn as an outline
   std::optional<Bar> scale;
 
   bool any() const { return hip || proxy || force || brush || scale; }
   bool operator==(const Overlays&) const = default;
 };
 
-/// A thin line in space, as wide in the picture wherever it is. What lies behind the surface shines through a little.
+/// A line in space of constant width in the picture. Parts behind the surface shine through a little.
 struct SpaceLine {
   DVec3 from{0}, to{0};  ///< model units relative to the cloud's origin
   std::array<std::uint8_t, 3> color{};
   double opacity = 1;
-  double width_px = 1.5;  ///< shared::kWidestLine_px at most
+  double width_px = 1.5;  ///< maximum shared::kWidestLine_px
 
   bool operator==(const SpaceLine&) const = default;
 };
@@ -96,18 +96,18 @@ struct SpaceLine {
 struct FrameOptions {
   ImagePass pass = ImagePass::final;
   ColorBy color = ColorBy::rgb;
-  double splatRadius = 0;   ///< of every point, model units; 0: each has its own (DrawnOptions::spacing)
-  bool everyPoint = false;  ///< draws all, also where many share a sample and a share of them would do
-  bool closeHoles = true;   ///< gaps a few spacings wide take the surface around them, also in depth
-  /// Depth is smoothed within the surface, so many pixels to each side, and normals follow from it; 0: normals are
-  /// those of the points, blended.
+  double splatRadius = 0;   ///< common radius of all points, model units; 0: each has its own (DrawnOptions::spacing)
+  bool everyPoint = false;  ///< draws all points, even if a subset suffices because many share a sample
+  bool closeHoles = true;   ///< fills gaps of a few spacings from the surface around them, also in depth
+  /// Radius in pixels within which depth is smoothed along the surface; normals are then derived from depth. 0: normals
+  /// are those of the points, blended.
   std::uint32_t smooth_px = 0;
   Raster raster = Raster::compute;
   DVec3 up{0, 1, 0};            ///< unit, along an axis
-  std::optional<Bounds> shown;  ///< what colours by height, depth and position span; the cloud's box when not given
-  std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
+  std::optional<Bounds> shown;  ///< range of colours by height, depth and position; the cloud's box if not set
+  std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a dark gradient if not set
   Overlays overlays;
-  /// Drawn over all of it; null: none. A list that was given is not changed: another one comes in its place.
+  /// Drawn over everything else; null: none. The list must not be changed after it was set; replace it instead.
   std::shared_ptr<const std::vector<SpaceLine>> lines;
 
   bool operator==(const FrameOptions&) const = default;

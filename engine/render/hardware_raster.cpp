@@ -14,28 +14,28 @@ namespace palpate {
 namespace {
 
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
-// Half floats would lose a crowd's colour: 2048 and one more is 2048.
+// Half floats would lose the colours of crowds: 2048 + 1 is 2048.
 constexpr VkFormat kSumFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
-// Of one draw at most, whatever the number of points; bounds how large a disc may become on screen.
+// Maximum number in one draw; bounds the size of discs on screen.
 constexpr std::uint32_t kMaxSprites = 1u << 26;
 
-constexpr const char* kInstead = "; the raster compute draws on any GPU";
+constexpr const char* kInstead = "; --raster compute works on any GPU";
 
 Device& checkedFor(Device& device, const UVec2& size_px) {
   if (!device.draws())
     throw UsageError(
-        "raster: {} has no graphics queue, cannot draw large points, or stops when validation watches it draw{}",
+        "raster: {} has no graphics queue, cannot draw large points, or hangs when it draws under --validate{}",
         device.name(), kInstead);
   if (!Attachment::supports(device, kDepthFormat) || !Attachment::supports(device, kSumFormat))
-    throw UsageError("raster: {} cannot add up 32-bit floats as it draws{}", device.name(), kInstead);
+    throw UsageError("raster: {} cannot blend 32-bit floats{}", device.name(), kInstead);
   const VkPhysicalDeviceLimits& limits = device.properties().limits;
   const std::uint32_t widest =
       std::min({limits.maxImageDimension2D, limits.maxFramebufferWidth, limits.maxFramebufferHeight,
                 limits.maxViewportDimensions[0], limits.maxViewportDimensions[1]});
   if (std::max(size_px.x, size_px.y) > widest)
-    throw UsageError("size: {} x {} samples are more than the {} on a side that {} draws into{}", size_px.x, size_px.y,
-                     widest, device.name(), kInstead);
+    throw UsageError("size: {} x {} samples exceed the maximum of {} on a side of {}{}", size_px.x, size_px.y, widest,
+                     device.name(), kInstead);
   return device;
 }
 
@@ -50,16 +50,16 @@ GraphicsPipeline pipeline(Device& device, const ShaderCode& fragment, std::vecto
            .pushBytes = sizeof(shared::HardwareDiscArgs)}};
 }
 
-// Exponent of a power of two that no depth comes near, also of points that edits have moved off the cloud.
+// Exponent of a power of two far above every depth, also of points that edits have moved off the cloud.
 int depthExponent(const shared::RenderFrame& frame, double widest) {
   constexpr int kRoom = 6;
   const double deepest = frame.depthMax + widest;
   return std::ilogb(deepest > frame.view.nearDepth && std::isfinite(deepest) ? deepest : frame.view.nearDepth) + kRoom;
 }
 
-// Along each side of the largest disc's box, as many as are affordable; what is beyond is cut off. The near end of a
-// disc is at a smaller depth than its middle, and a box aside from the middle of the picture is wider than the disc;
-// twice that is on the safe side.
+// Sprites along each side of the largest disc's box, limited by kMaxSprites; the rest is cut off. The near end of a
+// disc has a smaller depth than its centre, and away from the picture's centre a box is wider than the disc: twice the
+// size is a safe bound.
 std::uint32_t spritesOf(std::uint32_t tile_px, const shared::RenderFrame& frame, double widest) {
   const double picture = std::max(frame.view.size_px.x, frame.view.size_px.y);
   const double nearest = std::max(frame.depthMin - widest, double{frame.view.nearDepth});
@@ -69,13 +69,13 @@ std::uint32_t spritesOf(std::uint32_t tile_px, const shared::RenderFrame& frame,
   return static_cast<std::uint32_t>(std::clamp(std::ceil(side_px / tile_px), 1.0, std::max(affordable, 1.0)));
 }
 
-// Whole groups of lanes: on a software driver, lanes without a vertex upset the validation layer as those of fragment
-// shaders do (shaders/shared/hardware_raster.h).
+// Whole groups of lanes: on a software driver, lanes without a vertex cause validation errors as in fragment shaders
+// (shaders/shared/hardware_raster.h).
 std::uint32_t verticesFor(std::uint32_t points, std::uint32_t tiles) {
   constexpr std::uint64_t kLanes = 32;
   const std::uint64_t vertices = (std::uint64_t{points} * tiles * tiles + kLanes - 1) / kLanes * kLanes;
   if (vertices > std::numeric_limits<std::uint32_t>::max())
-    throw UsageError("raster: {} points are more than one draw can hold{}", points, kInstead);
+    throw UsageError("raster: {} points exceed the maximum of one draw{}", points, kInstead);
   return static_cast<std::uint32_t>(vertices);
 }
 

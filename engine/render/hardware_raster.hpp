@@ -9,21 +9,21 @@
 
 namespace palpate {
 
-/// Discs by the graphics pipeline, for Frame: leaves the same depths and sums as the compute passes. A disc is a point
-/// sprite: one vertex and one primitive, where a quad is six and two. Where discs may be wider than the GPU's points,
-/// each is a square of them.
+/// Draws discs by the graphics pipeline, for Frame: writes the same depths and sums as the compute passes. A disc is a
+/// point sprite: one vertex and one primitive, instead of the six and two of a quad. Discs wider than the GPU's largest
+/// point are squares of sprites.
 ///
-/// Pass 1 keeps the nearest depth in a depth attachment, as the depth times a power of two, so that no bit of it is
-/// lost. Pass 2 tests depths brought forward by the blending band and adds up in float attachments; blending keeps the
-/// order of the points, so that the same input gives the same bytes here, too. A last pass brings depths and sums into
-/// the form that the rest of the frame reads.
+/// Pass 1 keeps the nearest depth in a depth attachment, scaled by a power of two, which is exact. Pass 2 tests depths
+/// moved towards the eye by the blending band, and sums up in float attachments; blending keeps the order of the
+/// points, so that the same input gives the same bytes. A last pass converts depths and sums to the format that the
+/// rest of the frame reads.
 class HardwareRaster {
  public:
-  /// Throws UsageError where the device cannot do this for a picture of so many samples.
+  /// Throws UsageError if the device cannot draw a picture of that many samples.
   HardwareRaster(Device& device, const UVec2& size_px);
 
-  /// Fills the target's depths, sums of normals and, for a cloud with colours, of colours. Draws every point. `frame`
-  /// is what `target.frame` will hold, `widest` the largest disc's diameter in model units.
+  /// Writes the target's depths, sums of normals and, for a cloud with colours, of colours. Draws every point. `frame`
+  /// is the future content of `target.frame`, `widest` the largest disc's diameter in model units.
   void record(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target, const shared::RenderFrame& frame,
               double widest);
 
@@ -33,7 +33,7 @@ class HardwareRaster {
   ComputePipeline sums_;
   Attachment depth_, normals_;
   ImageReads plainReads_;
-  std::unique_ptr<Attachment> colors_;  // made with the first cloud that has some
+  std::unique_ptr<Attachment> colors_;  // created with the first cloud that has colours
   std::unique_ptr<ImageReads> colorReads_;
 };
 

@@ -65,7 +65,7 @@ void writePfm(const std::filesystem::path& path, const DepthImage& image) {
   PALPATE_CHECK_EQ(image.depth.size(), std::size_t{image.width} * image.height);
   static_assert(std::endian::native == std::endian::little);
   AtomicFile file(path);
-  // A negative scale says little-endian; rows go from the bottom up.
+  // A negative scale means little-endian; rows go from bottom to top.
   file.write(fmt::format("Pf\n{} {}\n-1.0\n", image.width, image.height));
   for (std::uint32_t row = image.height; row-- > 0;)
     file.write(std::as_bytes(std::span(image.depth).subspan(std::size_t{row} * image.width, image.width)));

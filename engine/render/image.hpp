@@ -1,4 +1,4 @@
-// Pictures on the host and the files they become.
+// Pictures on the host, and writing them to files.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct Image {
   }
 };
 
-/// Eye-space depth, rows from the top, model units; 0 where nothing is.
+/// Eye-space depth, rows from the top, model units; 0 without a surface.
 struct DepthImage {
   std::uint32_t width = 0, height = 0;
   std::vector<float> depth;
@@ -28,12 +28,12 @@ struct DepthImage {
 };
 
 enum class ImageFormat : std::uint8_t { png, jpeg };
-/// By the ending of the name, in any case; a name without one is a PNG. Throws UsageError, naming the endings that
-/// there are, for another one.
+/// By the extension of the name, in any case; a name without one is a PNG. Throws UsageError for others, listing the
+/// known extensions.
 ImageFormat imageFormatOf(const std::filesystem::path& path);
 
-/// Writes what the name says. The same picture gives the same bytes. A PNG holds every pixel, a JPEG no alpha and what
-/// the eye sees. Throws FileError, and UsageError as imageFormatOf() does.
+/// Writes the format that the name implies. The same picture gives the same bytes. PNG is lossless; JPEG is lossy and
+/// has no alpha. Throws FileError, and UsageError like imageFormatOf().
 void writeImage(const std::filesystem::path& path, const Image& image);
 /// Portable float map, one channel, little-endian. Throws FileError.
 void writePfm(const std::filesystem::path& path, const DepthImage& image);

@@ -19,26 +19,26 @@ Buffer linesFor(Device& device, std::uint64_t count) {
 }
 
 bool isDrawable(const SpaceLine& line) {
-  constexpr double kLargest = 1e30;  // differences and products of it are still numbers
+  constexpr double kLargest = 1e30;  // differences and products stay finite
   for (const DVec3& end : {line.from, line.to})
     for (int k = 0; k < 3; ++k)
       if (!(std::abs(end[k]) < kLargest)) return false;
   return true;
 }
 
-/// The planes through which lines leave a picture, in eye space: what is seen has no negative distance from any.
+/// The planes that bound the visible space, in eye space: visible positions have no negative distance from any plane.
 class SeenSpace {
  public:
   SeenSpace(const Camera& camera, const UVec2& size_px)
       : axes_(camera.axes()), eye_(camera.eye), near_(camera.nearDepth) {
-    const double beside_px = shared::kWidestLine_px;  // for the width of a line beside the picture
+    const double beside_px = shared::kWidestLine_px;  // margin for the width of lines beside the picture
     const double focal_px = camera.focal_px(size_px.y);
     const DVec2 size(size_px), middle_px = camera.center * size;
     sides_ = {DVec3(focal_px, 0, middle_px.x + beside_px), DVec3(-focal_px, 0, size.x - middle_px.x + beside_px),
               DVec3(0, -focal_px, middle_px.y + beside_px), DVec3(0, focal_px, size.y - middle_px.y + beside_px)};
   }
 
-  /// Both ends of what is seen, in eye space.
+  /// Both ends of the visible part, in eye space.
   std::optional<std::array<DVec3, 2>> partOf(const SpaceLine& line) const {
     const DVec3 from = inEye(line.from), to = inEye(line.to);
     DVec2 part(0, 1);
@@ -53,7 +53,7 @@ class SeenSpace {
     const DVec3 way = place - eye_;
     return {glm::dot(axes_.right, way), glm::dot(axes_.up, way), glm::dot(axes_.forward, way)};
   }
-  /// Takes off what lies behind a plane, by the distances of both ends from it.
+  /// Cuts off the part behind a plane, given the distances of both ends from it.
   static void cut(double from, double to, DVec2& part) {
     if (from < 0 && to < 0) part = {1, 0};
     if (from < 0 && to >= 0) part.x = std::max(part.x, from / (from - to));
@@ -89,7 +89,7 @@ LinePass::LinePass(Device& device, std::uint64_t pixels)
 void LinePass::record(CommandList& list, std::span<const SpaceLine> lines, const Camera& camera, const UVec2& size_px,
                       const LineTarget& target) {
   Buffer& buffer = lines_[recordings_++ % kInFlight];
-  // One more than there are: the validation layer of Debian 12 takes a load of a whole struct for larger than it is.
+  // One more than needed: the validation layer of Debian 12 takes the load of a whole struct for larger than it is.
   if (buffer.bytes() < (lines.size() + 1) * sizeof(shared::RenderLine)) buffer = linesFor(device_, lines.size() + 1);
   const auto memory = buffer.mapped<shared::RenderLine>();
   const SeenSpace seen(camera, size_px);

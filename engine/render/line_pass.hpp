@@ -1,4 +1,4 @@
-// Thin lines in space over a finished picture: cameras, ways, measures.
+// Thin lines in space over a finished picture: cameras, paths, measurements.
 #pragma once
 
 #include <array>
@@ -12,26 +12,26 @@
 
 namespace palpate {
 
-/// What lines are drawn into, and from where it is seen.
+/// Images that lines are drawn into, and the view.
 struct LineTarget {
   DeviceAddress frame;       ///< shared::RenderFrame
-  DeviceAddress depthImage;  ///< of the surface, a float for each pixel; 0 where nothing is
+  DeviceAddress depthImage;  ///< surface depth, a float per pixel; 0 without a surface
   DeviceAddress image;       ///< RGBA8
 };
 
-/// Marks the pixels that each line covers, by how much of a pixel's width it does, and then blends the marks in. Of
-/// lines that cross, the more opaque is seen, so that their order means nothing and the same lines give the same bytes.
+/// Marks the pixels of each line with their coverage, then blends the marks in. Where lines cross, the more opaque one
+/// wins, so that the result does not depend on their order.
 class LinePass {
  public:
-  /// `pixels`: of the pictures.
+  /// `pixels`: number of pixels of the pictures.
   LinePass(Device& device, std::uint64_t pixels);
 
-  /// A line with an end that is no number, or 1e30 or more, is left out, and so is what is not in the picture.
+  /// Leaves out lines with a coordinate that is NaN, or 1e30 or more in magnitude, and parts outside the picture.
   void record(CommandList& list, std::span<const SpaceLine> lines, const Camera& camera, const UVec2& size_px,
               const LineTarget& target);
 
  private:
-  // Recordings that may be under way at a time (Frame::kInFlight): each has lines of its own.
+  // Recordings in flight (Frame::kInFlight): each has its own lines.
   static constexpr std::size_t kInFlight = 3;
 
   Device& device_;

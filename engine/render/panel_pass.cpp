@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-// The tiles that a triangle may show in: columns and rows, the last ones included; none where a last one comes first.
+// The tiles that a triangle may cover: columns and rows, inclusive; empty if left > right.
 struct TileBox {
   int left = 0, top = 0, right = -1, bottom = -1;
 };
@@ -40,8 +40,8 @@ TileBox boxOf(const PanelShapes& shapes, const shared::PanelTriangle& triangle, 
 
 double cross(const DVec2& a, const DVec2& b) { return a.x * b.y - a.y * b.x; }
 
-// Whether the middle of a pixel of a tile may lie in a triangle: the tile, and half a pixel around those middles, is
-// not wholly beyond one of the edges.
+// Whether a triangle may contain the centre of a pixel of a tile: the tile, extended by half a pixel around those
+// centres, is not entirely beyond one of the edges.
 bool mayShow(const PanelShapes& shapes, const shared::PanelTriangle& triangle, int column, int row) {
   const auto corner = [&](int k) { return DVec2(shapes.vertices[triangle.vertices[k % 3]].place_px); };
   const double turn = cross(corner(1) - corner(0), corner(2) - corner(0)) < 0 ? -1 : 1;

@@ -8,39 +8,37 @@
 
 namespace palpate {
 
-/// What lies over a picture: triangles from the lowest to the uppermost, which name their vertices and the rectangle
-/// that clips them (left, top, right, bottom; pixels).
+/// Panels over a picture: triangles in drawing order, which index their vertices and clip rectangles (left, top, right,
+/// bottom; pixels).
 struct PanelShapes {
   std::span<const shared::PanelVertex> vertices;
   std::span<const shared::PanelTriangle> triangles;
   std::span<const Vec4> clips;
 };
 
-/// The triangles of each tile of a picture, in their order: those of tile t are entries[starts[t]] to
-/// entries[starts[t + 1]], tiles in rows from the top left.
+/// The triangles of each tile of a picture, in order: tile t has entries[starts[t]] to entries[starts[t + 1]]
+/// (exclusive); tiles are in rows from the top left.
 struct PanelTiles {
   std::vector<std::uint32_t> starts, entries;
 };
-/// Triangles without area, with a place that is no number, or outside of their clip stand in no tile; the others in
-/// those that they or the pixels next to them reach.
+/// A triangle is listed in the tiles that it or its adjacent pixels reach. Triangles without area, with coordinates
+/// that are not finite, or outside their clip rectangle are not listed.
 PanelTiles tilesOf(const PanelShapes& shapes, const UVec2& size_px);
-/// A number for each tile that tells what it shows from anything else.
+/// A checksum of each tile's content.
 std::vector<std::uint64_t> checksumsOf(const PanelShapes& shapes, const PanelTiles& tiles);
 
-/// Puts panels over a picture and makes of it what a window shows. In compute, so that it needs no graphics pipeline.
-/// The panels have a layer of their own, of which only those tiles are made anew that show something else than before.
-/// Belongs to the sight side.
+/// Composes panels and a picture into the image that a window shows. Uses compute only, so no graphics pipeline is
+/// required. The panels have a layer of their own, of which only changed tiles are drawn again. Part of the sight side.
 class PanelPass {
  public:
-  /// `texture`: how much of each texel is covered, texture_px.x * texture_px.y bytes in rows from the top.
+  /// `texture`: coverage of each texel, texture_px.x * texture_px.y bytes in rows from the top.
   PanelPass(Device& device, std::span<const std::uint8_t> texture, const UVec2& texture_px);
 
-  /// Another one from the next picture on. What was recorded before must be done.
+  /// Replaces the texture for the next recordings. Earlier recordings must be complete.
   void setTexture(std::span<const std::uint8_t> texture, const UVec2& texture_px);
 
-  /// `picture`: RGBA8, of size_px or, where each of its pixels covers `shrink` x `shrink` of them, rounded up; null for
-  /// `background` alone. `shown`: size_px, BGRA8 where `blueFirst`. What was recorded before must
-  /// have been submitted, and be done.
+  /// `picture`: RGBA8 of size_px, or, if each of its pixels covers `shrink` x `shrink` of them, that much smaller,
+  /// rounded up; null: only `background`. `shown`: size_px, BGRA8 if `blueFirst`. Earlier recordings must be complete.
   void record(CommandList& list, const Buffer* picture, std::uint32_t shrink, const PanelShapes& shapes,
               const UVec2& size_px, const Buffer& shown, std::uint32_t background, bool blueFirst);
 

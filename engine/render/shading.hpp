@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// From what a rasteriser has left to the picture: whose surface each sample shows, the smoothed depth where that is
-/// asked for, light, and the samples of each pixel resolved, with what is laid over them.
+/// Converts a rasteriser's output to the picture: assigns surfaces to samples, smooths depth if requested, lights,
+/// resolves the samples of each pixel, and draws overlays.
 class Shading {
  public:
   Shading(Device& device, const FrameSize& size);
@@ -21,22 +21,22 @@ class Shading {
 
   /// A word for each pixel, RGBA8.
   const Buffer& image() const { return image_; }
-  /// A float for each pixel: the depth of what is seen, model units; 0 where nothing is.
+  /// A float for each pixel: depth of the visible surface, model units; 0 without a surface.
   const Buffer& depthImage() const { return depthImage_; }
 
  private:
   std::uint64_t pixels() const { return std::uint64_t{size_.width} * size_.height; }
   std::uint64_t samples() const { return pixels() * size_.supersample * size_.supersample; }
   void recordLines(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options);
-  // Where the depth is that is shaded.
+  // Returns the address of the depth to be shaded.
   DeviceAddress recordSmoothing(CommandList& list, const RasterTarget& target);
 
   Device& device_;
   FrameSize size_;
   ComputePipeline closeHoles_, smoothDepth_, shade_, resolve_, overlay_;
-  Buffer smoothed_;  // made at its first use
+  Buffer smoothed_;  // allocated at the first use
   Buffer source_, shaded_, image_, depthImage_;
-  std::unique_ptr<LinePass> lines_;  // made at its first use
+  std::unique_ptr<LinePass> lines_;  // created at the first use
 };
 
 }  // namespace palpate

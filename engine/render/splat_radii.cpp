@@ -11,8 +11,8 @@ namespace palpate {
 
 namespace {
 
-// A search in a noisy cloud takes an H200 some 100 us, and as long as the longest of a slice. So many at a time leave
-// room for what touch asks meanwhile.
+// A search in a noisy cloud takes an H200 about 100 us, and a slice takes as long as its longest search. This slice
+// size leaves room for queries of touch.
 constexpr std::uint32_t kSliceThreads = 1 << 16;
 constexpr double kWidestShare = 0.1;  // of the box: a wider disc hides a small model
 
@@ -56,7 +56,7 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
 
 void SplatRadii::index(const LiveCloud::Half& points, const std::function<void(CommandList&)>& then) {
   SortMethod sort;
-  do {  // again where a bucket was crowded, and its points may have stood in any order
+  do {  // again if a bucket was crowded, since the order of its points may then be arbitrary
     sort = hash_.sort();
     list_.begin();
     hash_.recordBuild(list_, points, ordered_, places_, sort);

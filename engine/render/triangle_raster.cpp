@@ -7,7 +7,8 @@ namespace palpate {
 
 namespace {
 
-// Small workgroups: a workgroup lives as long as its largest triangle, and the touch side may be waiting for its place.
+// Small workgroups: a workgroup lasts as long as its largest triangle, and the touch side may be waiting for its place
+// on the GPU.
 constexpr std::uint32_t kTriangleWorkgroup = 64;
 
 }  // namespace

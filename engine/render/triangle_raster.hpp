@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Draws the triangles of a mesh in compute shaders: the nearest depth first, then what lies there.
+/// Draws the triangles of a mesh in compute shaders: first the nearest depth, then the attributes there.
 class TriangleRaster {
  public:
   explicit TriangleRaster(Device& device);

@@ -78,7 +78,7 @@ TEST_CASE("a frame with another number of points, or with what is no number, doe
   CHECK_THROWS_AS(requireWhole(whole, 1), Error);
   CloudFrame wrong = whole;
   wrong.positions[1].z = std::numeric_limits<float>::quiet_NaN();
-  CHECK_THROWS_WITH_AS(requireWhole(wrong, 2), "a frame for 0 s: of the positions, that of point 1 is no number",
+  CHECK_THROWS_WITH_AS(requireWhole(wrong, 2), "a frame for 0 s: in its positions, the value of point 1 is not finite",
                        Error);
   wrong = whole;
   wrong.normals[0].x = -std::numeric_limits<float>::infinity();

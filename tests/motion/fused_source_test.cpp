@@ -249,7 +249,8 @@ TEST_CASE("a frame that cannot be placed counts as lost, and the log says so") {
   CHECK(counts.played == 4);
   CHECK(counts.lost == 2);
   REQUIRE(lines.all.size() == 2);
-  CHECK(lines.all[0].find("frame 2 is not fused: frame 2: its pose is no rotation and place") != std::string::npos);
+  CHECK(lines.all[0].find("frame 2 is not fused: frame 2: its pose is not a rotation and position") !=
+        std::string::npos);
   CHECK(counts.lastLoss.find("frame 3 has 19199 depths") != std::string::npos);
 }
 

@@ -381,9 +381,9 @@ TEST_CASE("a frame that is none is refused with its reason, and the map stays as
   painted.colors.resize(5);
   refused(painted, smallCamera(), "5 colours");
   turned.pose->turn = DQuat(0.5, 0, 0, 0);
-  refused(turned, smallCamera(), "no rotation");
+  refused(turned, smallCamera(), "not a rotation");
   lost.pose->centre.x = std::numeric_limits<double>::quiet_NaN();
-  refused(lost, smallCamera(), "no rotation");
+  refused(lost, smallCamera(), "not a rotation");
   DepthCamera blind = smallCamera();
   blind.fx = 0;
   refused(good, blind, "focal lengths");

@@ -73,8 +73,8 @@ TEST_CASE_FIXTURE(
   CHECK(a.positions == b.positions);
   CHECK(a.normals == b.normals);
   CHECK(a.colors == b.colors);
-  CHECK(lines.all == std::vector{fmt::format("the map is full: {} points; what is seen anew finds no room",
-                                             frames.options.capacity)});
+  CHECK(lines.all ==
+        std::vector{fmt::format("the map is full: {} points; new points are not added", frames.options.capacity)});
   touch->query(awayAt(0), 0);
   CHECK(pointsOf(*touch, frames).positions == frames.begin->positions);
 }
