@@ -77,7 +77,7 @@ Contact ProbeGroup::sum(Contact whole, const DVec3& hip) const {
       whole.velocity = contact.velocity;
     }
     whole.touching = true;
-    if (!contact.fresh) whole.dataTime_s = std::min(whole.dataTime_s, contact.dataTime_s);  // the oldest counts
+    if (!contact.fresh) whole.dataTime_s = std::min(whole.dataTime_s, contact.dataTime_s);  // the oldest one
     const DVec3 way = point.share * (contact.proxy - point.hip);
     spring += way;
     normals += glm::length(way) * contact.normal;
@@ -85,7 +85,7 @@ Contact ProbeGroup::sum(Contact whole, const DVec3& hip) const {
     ways += glm::length(way);
   }
   whole.proxy = hip + spring;
-  // Points that have only just come to the surface, or that are pressed from all sides, have no mean.
+  // Points that have just reached the surface, or are pressed from all sides, have no mean.
   if (ways > 0) whole.velocity = velocities / ways;
   const double length = glm::length(normals);
   if (whole.touching) whole.normal = length > 0 ? normals / length : first;
