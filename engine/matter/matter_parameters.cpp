@@ -20,7 +20,7 @@ struct Parameter {
   void (*write)(MatterScene& scene, double value);
   double low, high;
   bool ofWater = true, ofSand = true, ofSoft = true;
-  std::optional<SoftPreset> preset = std::nullopt;  // of soft bodies, the only one that has it
+  std::optional<SoftPreset> preset = std::nullopt;  // for soft bodies: the only preset with this parameter
 
   bool isOf(const MatterScene& scene) const {
     if (scene.matter == Matter::soft) return ofSoft && (!preset || scene.preset == *preset);

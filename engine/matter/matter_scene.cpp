@@ -16,13 +16,13 @@ namespace {
 
 constexpr double kMinSpacing_mm = 0.01, kMaxSpacing_mm = 1e4;
 constexpr double kMaxBox_mm = 1e6;
-constexpr double kMaxCells = 64e6;         // of the grid, whose memory grows with the box
-constexpr double kBytesOfParticle = 1600;  // with its neighbours
+constexpr double kMaxCells = 64e6;         // cells of the grid, whose memory grows with the box
+constexpr double kBytesOfParticle = 1600;  // including its neighbours
 constexpr double kBytesOfCell = 4;
-constexpr double kBytesOfNode = 200;  // of the field about a model, while it is filled
+constexpr double kBytesOfNode = 200;  // node of the field around a model, during its construction
 constexpr double kMinModel_spacings = 4;
-constexpr std::uint64_t kMaxParticles = 1 << 27;  // as neighbours are numbered
-// A particle that falls through the whole box goes so many spacings in a substep at most.
+constexpr std::uint64_t kMaxParticles = 1 << 27;  // limit of the neighbours' slot numbers
+// Maximum displacement in a substep of a particle that falls through the whole box.
 constexpr double kMaxWay_spacings = 0.5;
 
 void requireFields(const MatterScene& scene) {
@@ -64,7 +64,7 @@ void requireTool(const MatterScene& scene) {
     throw Error("tool.mass_kg: is {}; it is at least {:.3g}, half of what the ball displaces", mass, displaced / 2);
 }
 
-// Nodes of the field about a model are half a spacing apart, and reach some spacings beyond it.
+// Number of nodes of the field around a model: half a spacing apart, some spacings beyond the model.
 double nodesOfModel(const MatterScene& scene) {
   if (scene.model.empty()) return 0;
   const auto [low, high] = modelBox_mm(scene);
@@ -90,16 +90,15 @@ void requireModel(const MatterScene& scene) {
                   "xyz"[k], scene.box_mm[k]);
 }
 
-// Shortest substep at which the grains at the bottom of the fill overlap by a fiftieth of their diameter, at a contact
-// above and one below.
+// Longest substep at which the grains at the bottom of the fill overlap by no more than a fiftieth of their diameter,
+// with one contact above and one below.
 double grainSubstep(const MatterScene& scene, double spacing_m) {
   const double drop = std::abs(glm::dot(scene.gravity_m_s2, (scene.fill_at_mm + scene.fill_mm) * 1e-3));
   return drop > 0 ? std::sqrt(0.02 * kGrainShare / drop) * spacing_m : kMatterStep_s;
 }
 
-// Speed of sound that keeps the compression below what is promised: a two-hundredth at rest, and that of matter which
-// has fallen by its own height; the same within a drop of three spacings' radius, as if its cohesion were a surface
-// tension.
+// Speed of sound that limits the compression: to a two-hundredth at rest, and to that of matter that has fallen by its
+// own height; likewise inside a drop with a radius of three spacings, with the cohesion as surface tension.
 double neededSpeedOfSound(const MatterScene& scene, double spacing_m) {
   constexpr double kSmallestDrop_spacings = 3;
   const double fall = std::abs(glm::dot(scene.gravity_m_s2, (scene.fill_at_mm + scene.fill_mm) * 1e-3));
@@ -107,7 +106,7 @@ double neededSpeedOfSound(const MatterScene& scene, double spacing_m) {
   return std::sqrt(200 * (fall + inDrop));
 }
 
-// Substeps in a step, as a real number.
+// Substeps per step, as a real number.
 double neededSubsteps(const MatterScene& scene, double spacing_m) {
   const double bySound = scene.matter == Matter::sand
                              ? kMatterStep_s / grainSubstep(scene, spacing_m)
@@ -148,7 +147,7 @@ MatterTool usualTool(const MatterScene& scene) {
 
 namespace {
 
-// Of the fill along an axis: as many as are no farther apart than the scene says.
+// Layers of the fill along an axis: the fewest that are no farther apart than the scene's spacing.
 double layersAlong(const MatterScene& scene, int axis) {
   return std::ceil(scene.fill_mm[axis] / scene.spacing_mm - 1e-6);
 }
@@ -197,8 +196,8 @@ MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
 
 namespace {
 
-// Grains that stand exactly upon each other would not know where to fall to: each is moved by so much at most, along
-// each axis, by numbers that follow from its own.
+// Grains exactly above each other would have no direction to fall: each is displaced by at most this much along each
+// axis, pseudo-randomly from its number.
 constexpr float kUneven_spacings = 0.15f;
 
 Vec3 unevenness(std::uint32_t number) {

@@ -11,9 +11,9 @@ namespace palpate {
 
 namespace {
 
-constexpr double kBytesOfSoftNode = 400;  // with its cell
-constexpr double kBytesOfSoftCell = 60;   // of the box about the body, while it is filled
-constexpr double kMaxNodes = 1 << 27;     // as corners of cells are numbered
+constexpr double kBytesOfSoftNode = 400;  // including its cell
+constexpr double kBytesOfSoftCell = 60;   // cell of the box around the body, while it is filled
+constexpr double kMaxNodes = 1 << 27;     // limit of the corners' node numbers
 
 void requireMaterial(const MatterScene& scene) {
   requireBetween("young_Pa", scene.young_Pa, 1, 1e9);
@@ -36,16 +36,17 @@ void requireShape(const MatterScene& scene) {
       throw Error("pinned_mm: begins at {} along {}, and ends at {}", low[k], "xyz"[k], high[k]);
 }
 
-// The most mass of nodes that the ball may touch, over its own: half of it, to the middle of the first cells.
+// Maximum mass of the nodes that the ball may touch, relative to its own: half of the ball's surface, to the middle of
+// the first cells.
 double touchedShare(const MatterScene& scene) {
   if (scene.tool.radius_mm == 0) return 0;
   const double radius = scene.tool.radius_mm * 1e-3;
   return 3.14159265358979 * radius * radius * scene.spacing_mm * 1e-3 * scene.density_kg_m3 / scene.tool.mass_kg;
 }
 
-// Of shape matching: what a substep leaves of its stability to the skin, in squared frequencies times the substep.
+// Share of the stability limit of shape matching left to the skin, in squared frequencies times the squared substep.
 constexpr double kMatchedTouch = 0.3;
-// Spacings in a substep: nothing of a body that matches shapes moves faster.
+// In spacings per substep: maximum speed in a body that matches shapes.
 constexpr double kMatchedSpeed = 2;
 
 }  // namespace
