@@ -8,7 +8,7 @@ namespace cu {
 
 void checkCuda(cudaError_t status, const char* what) {
   if (status == cudaSuccess) return;
-  cudaGetLastError();  // an error that does not stick is not found a second time by the next check
+  cudaGetLastError();  // clears a non-sticky error, so that the next check does not report it again
   throw CudaError("CUDA: {}: {} ({})", what, cudaGetErrorString(status), cudaGetErrorName(status));
 }
 
