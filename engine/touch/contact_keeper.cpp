@@ -14,7 +14,7 @@ constexpr double kLongestGuess_s = 0.02;  // maximum time that a position is ext
 constexpr double kMillisecond_s = 1e-3;
 // In support radii:
 constexpr double kSamePlace = 0.5;    // a proxy that slid farther is borne by other nodes
-constexpr double kFirstDepth = 0.25;  // a contact that begins deeper than displacement and this begins at the hand
+constexpr double kFirstDepth = 0.25;  // deeper than the hand's displacement plus this, a contact begins at the hand
 constexpr double kNear = 0.1;         // a surface of points this near to the kept position is the same surface
 constexpr double kSlideOfWay = 2;     // maximum slide of a proxy relative to the hand's displacement
 

@@ -23,9 +23,9 @@ struct SoftTouchOptions {
 
 /// Wraps the back end that feels the points of a SoftSource: it sends the source the hands' contacts and positions, so
 /// that the body is pressed by the spring and damper that each hand feels. If an answer's points are older than the
-/// tick, as against the clock, they are where they would have moved had the hand continued straight; the surface gives
-/// way, with its compliance, to the depth beyond that. A brush changes the rest shape of the body (soft_brush.hpp),
-/// which no journal of points records: strokes are undone as changes of the shape.
+/// tick, as against the clock, they are where they would have moved had the hand continued straight; the surface
+/// yields, according to its compliance, to the hand's depth beyond that. A brush changes the rest shape of the body
+/// (soft_brush.hpp), which no journal of points records: strokes are undone as changes of the shape.
 class SoftTouch final : public TouchBackend, private ShapeStrokes {
  public:
   /// `surface` feels the points of `source`, as its own source.
