@@ -36,7 +36,7 @@ std::vector<double> timeCubSort(std::span<const std::uint32_t> keys, unsigned bi
   const auto restore = [&](const auto& from, const auto& to) {
     cu::checkCuda(
         cudaMemcpyAsync(to.data(), from.data(), sizeof(std::uint32_t) * count, cudaMemcpyDeviceToDevice, stream.get()),
-        "bringing back the unsorted keys");
+        "restoring the unsorted keys");
   };
   const cu::PairBuffers pairs{{keysIn.data(), keysAlt.data()}, {valuesIn.data(), valuesAlt.data()}};
   const cu::Graph sort(stream, [&] { cu::cubSort(pairs, count, bits, scratch.data(), scratchBytes, stream.get()); });

@@ -19,7 +19,7 @@ namespace palpate::cu {
 /// never ends must not block those).
 class Stream {
  public:
-  Stream() { checkCuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "making a stream"); }
+  Stream() { checkCuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "creating a stream"); }
   ~Stream() { cudaStreamDestroy(stream_); }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
@@ -41,7 +41,7 @@ class Stream {
 /// A point in time on the GPU.
 class Event {
  public:
-  Event() { checkCuda(cudaEventCreate(&event_), "making an event"); }
+  Event() { checkCuda(cudaEventCreate(&event_), "creating an event"); }
   ~Event() { cudaEventDestroy(event_); }
   Event(const Event&) = delete;
   Event& operator=(const Event&) = delete;
@@ -73,7 +73,7 @@ class DeviceArray {
  public:
   explicit DeviceArray(std::size_t count) : count_(count) {
     void* memory = nullptr;
-    checkCuda(cudaMalloc(&memory, sizeof(T) * (count ? count : 1)), "taking GPU memory");
+    checkCuda(cudaMalloc(&memory, sizeof(T) * (count ? count : 1)), "allocating GPU memory");
     data_ = static_cast<T*>(memory);
   }
   ~DeviceArray() { cudaFree(data_); }
@@ -111,7 +111,7 @@ class MappedValue {
 
  public:
   MappedValue() {
-    checkCuda(cudaHostAlloc(&memory_, sizeof(T), cudaHostAllocMapped), "taking pinned memory");
+    checkCuda(cudaHostAlloc(&memory_, sizeof(T), cudaHostAllocMapped), "allocating pinned memory");
     host_ = new (memory_) T{};
     void* device = nullptr;
     const cudaError_t status = cudaHostGetDevicePointer(&device, memory_, 0);
@@ -160,10 +160,10 @@ class Graph {
     checkCuda(cudaStreamEndCapture(stream.get(), &graph), "recording a graph");
     const cudaError_t status = cudaGraphInstantiate(&executable_, graph, 0);
     cudaGraphDestroy(graph);
-    checkCuda(status, "making a graph ready");
+    checkCuda(status, "preparing a graph");
     const cudaError_t uploaded = cudaGraphUpload(executable_, stream.get());
     if (uploaded != cudaSuccess) cudaGraphExecDestroy(executable_);
-    checkCuda(uploaded, "making a graph ready");
+    checkCuda(uploaded, "preparing a graph");
   }
   ~Graph() { cudaGraphExecDestroy(executable_); }
   Graph(const Graph&) = delete;

@@ -46,7 +46,7 @@ CudaTouch::State::State(const PointCloud& cloud, const CudaTouchOptions& options
   const shared::CloudView views[2] = {build_.view(live_.half(0), live_.count()),
                                       build_.view(live_.half(1), live_.count())};
   method_ = cu::makeQueryMethod(options.method, stream_, buffers_, views);
-  stream_.synchronize("making the touch side ready");
+  stream_.synchronize("preparing the touch side");
 }
 
 CudaTouch::State::~State() {

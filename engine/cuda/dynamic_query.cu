@@ -70,7 +70,7 @@ __global__ void __launch_bounds__(kStepThreads) arrayParent(const __grid_constan
 void reserveDeviceLaunches() {
   constexpr std::size_t kSpare = 64;
   checkCuda(cudaDeviceSetLimit(cudaLimitDevRuntimePendingLaunchCount, kPatchMaxCells + kSpare),
-            "making room for launches from the device");
+            "reserving launches from the device");
 }
 
 void launchNaive(const StepArgs& args, const ContactPose& pose, cudaStream_t stream) {

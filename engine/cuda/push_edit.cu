@@ -106,8 +106,9 @@ float4* points(const DeviceArray<Vec4>& array) { return reinterpret_cast<float4*
 // Enough blocks to fill the GPU for any number of moved points.
 unsigned fillingBlocks() {
   int processors = 0, blocks = 0;
-  checkCuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, 0), "asking for the GPU's size");
-  checkCuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, refitNormals, kBlock, 0), "asking for occupancy");
+  checkCuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, 0),
+            "reading the number of multiprocessors");
+  checkCuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, refitNormals, kBlock, 0), "reading the occupancy");
   return static_cast<unsigned>(processors * blocks);
 }
 
@@ -130,7 +131,7 @@ void PushEdit::recordPush(const Stream& stream, const CloudHalf& half, std::uint
   if (count == 0) return;
   // Copied to the device: every thread reads it, which over the bus would take longer than the push.
   checkCuda(cudaMemcpyAsync(toolHere_.data(), &tool_.host(), sizeof(BrushTool), cudaMemcpyHostToDevice, stream.get()),
-            "writing where the tool is");
+            "writing the tool");
   pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(
       points(half.positions), points(half.normals), toolHere_.data(), founds_.data(), sums_.data(), count, brush_);
   tellSums<<<1, 1, 0, stream.get()>>>(sums_.data(), told_.device());

@@ -19,7 +19,8 @@ namespace {
 constexpr const char *kSoftStep = "step", *kFrame = "frame";
 
 SoftLayout layoutOf(const MatterScene& scene, const SoftSolid& solid) {
-  if (scene.preset != SoftPreset::elastic) throw Error("preset: shapes are matched on the CPU alone; take cpu");
+  if (scene.preset != SoftPreset::elastic)
+    throw Error("preset: shape-matching runs only on the CPU; use the back end cpu");
   const SoftMaterial material = materialOf(scene);
   const std::vector<float> masses = nodeMasses(solid.lattice, material.density_kg_m3 * solid.lattice.volume_m3());
   return {solid.lattice,

@@ -56,12 +56,13 @@ void requireTool(const MatterScene& scene) {
   requireBetween("tool.mass_kg", mass, 0, 1e6);
   if (radius == 0) return;
   if (radius < scene.spacing_mm)
-    throw Error("tool.radius_mm: is {}; it is at least the spacing, {}", radius, scene.spacing_mm);
+    throw Error("tool.radius_mm: is {}; it must be at least the spacing, {}", radius, scene.spacing_mm);
   const double smallest = std::min({scene.box_mm.x, scene.box_mm.y, scene.box_mm.z});
-  if (2 * radius >= smallest) throw Error("tool.radius_mm: is {}; twice that is below the box, {}", radius, smallest);
+  if (2 * radius >= smallest)
+    throw Error("tool.radius_mm: is {}; twice that must be less than the box, {}", radius, smallest);
   const double displaced = displaced_kg(scene, radius);
   if (mass < displaced / 2)
-    throw Error("tool.mass_kg: is {}; it is at least {:.3g}, half of what the ball displaces", mass, displaced / 2);
+    throw Error("tool.mass_kg: is {}; it must be at least {:.3g}, half of the displaced mass", mass, displaced / 2);
 }
 
 // Number of nodes of the field around a model: half a spacing apart, some spacings beyond the model.
@@ -74,7 +75,8 @@ double nodesOfModel(const MatterScene& scene) {
 
 void requireModel(const MatterScene& scene) {
   if (scene.model.empty()) {
-    if (scene.model_mm != DVec3(0) || scene.model_at_mm) throw Error("model: is not there, but where it is to stand");
+    if (scene.model_mm != DVec3(0) || scene.model_at_mm)
+      throw Error("model: is missing, but model_mm or model_at_mm is given");
     return;
   }
   requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
@@ -82,8 +84,9 @@ void requireModel(const MatterScene& scene) {
   const auto [low, high] = modelBox_mm(scene);
   const DVec3 sides = high - low;
   if (const double longest = std::max({sides.x, sides.y, sides.z}); longest < kMinModel_spacings * scene.spacing_mm)
-    throw Error("model_mm: is {:g} on its longest side, which is {:g} spacings at least; take a smaller spacing_mm",
-                longest, kMinModel_spacings);
+    throw Error(
+        "model_mm: is {:g} on its longest side, which must be at least {:g} spacings; take a smaller spacing_mm",
+        longest, kMinModel_spacings);
   for (int k = 0; k < 3; ++k)
     if (!(low[k] >= 0 && high[k] <= scene.box_mm[k] * (1 + 1e-9)))
       throw Error("model_at_mm: puts the model from {:g} to {:g} along {}, where the box is {:g}", low[k], high[k],
@@ -178,7 +181,7 @@ MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
     particles *= plan.lattice[k];
     cells *= std::max(1.0, std::floor(scene.box_mm[k] / spacing_mm / (kReach_spacings / 2)));
     if (scene.periodic[k] && scene.box_mm[k] < 3 * kReach_spacings * scene.spacing_mm)
-      throw Error("box_mm: is {} along {}, where it is periodic; it is at least {} spacings there", scene.box_mm[k],
+      throw Error("box_mm: is {} along {}, where it is periodic and must be at least {} spacings", scene.box_mm[k],
                   "xyz"[k], 3 * kReach_spacings);
   }
   plan.particles = static_cast<std::uint64_t>(std::min(particles, 1e18));

@@ -115,7 +115,7 @@ double shareOfClosed(std::span<const OrientedArea> areas, const WindingNumber& w
 void requireInside(const Filling& filling) {
   const float most = std::ranges::max(filling.windings);
   if (static_cast<double>(most) > kInside) return;
-  if (filling.share < -kMinShare) throw Error("model: its normals point inwards; turn them round");
+  if (filling.share < -kMinShare) throw Error("model: its normals point inwards; flip them");
   if (filling.share < kMinShare) refuseOpen(filling);
   throw Error("model: encloses nothing that is {:g} mm wide; a body needs a closed surface",
               filling.box.spacing_m * 1e3);

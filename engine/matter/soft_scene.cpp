@@ -24,16 +24,16 @@ void requireMaterial(const MatterScene& scene) {
 void requireShape(const MatterScene& scene) {
   requireBetween("fill_mm", scene.fill_mm, scene.spacing_mm, scene.box_mm);
   requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
-  if (!scene.model.empty() && scene.shape != SoftShape::box) throw Error("shape: belongs to no scene with a model");
+  if (!scene.model.empty() && scene.shape != SoftShape::box) throw Error("shape: cannot be combined with a model");
   if (scene.shape == SoftShape::ball &&
       !(std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}) >= 2 * scene.spacing_mm))
-    throw Error("fill_mm: is {:g} on its shortest side; a ball is at least two spacings wide",
+    throw Error("fill_mm: is {:g} on its shortest side; a ball must be at least two spacings wide",
                 std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}));
   if (!scene.pinned_mm) return;
   const auto& [low, high] = *scene.pinned_mm;
   for (int k = 0; k < 3; ++k)
     if (!(low[k] <= high[k]))
-      throw Error("pinned_mm: begins at {} along {}, and ends at {}", low[k], "xyz"[k], high[k]);
+      throw Error("pinned_mm: begins at {} along {}, but ends at {}", low[k], "xyz"[k], high[k]);
 }
 
 // Maximum mass of the nodes that the ball may touch, relative to its own: half of the ball's surface, to the middle of

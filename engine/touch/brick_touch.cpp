@@ -131,7 +131,7 @@ void BrickTouch::finish() {
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   sculptor_.finish();
   if (inVain_)
-    throw Error("the points around a hand have not come within {:.0f} s: what serves them is not there, or far away",
+    throw Error("the points around a hand were not received within {:.0f} s: the server is not running, or too slow",
                 options_.patience_s);
 }
 
@@ -144,9 +144,10 @@ void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {
   if (brush && !options_.fixed.empty()) throw UsageError("{}", options_.fixed);
   if (brush && brush->kind == BrushKind::paint && !source_.isColored())
     throw UsageError(
-        "paint: the points have no colours of their own, and around the hands alone none are added; join all of them");
+        "paint: the points have no colours, and none can be added with only the points around the hands; join all of "
+        "them");
   if (brush && !hands_.front().points.empty())
-    throw UsageError("a tool of many points sculpts where all points are here, and not around the hands alone");
+    throw UsageError("a tool of many points cannot sculpt with only the points around the hands; join all of them");
   sculptor_.setBrush(brush);
 }
 

@@ -200,8 +200,7 @@ void EditPipeline::collectOffer(const Stopwatch* sinceAsked) {
   offer_.isUnderWay = false;
   index_.readReport();
   const bool failed = pass_.report().failed != 0;
-  if (failed && offer_.rebuilds)
-    throw Error("{}: changes that others have made could not be carried out", device_.name());
+  if (failed && offer_.rebuilds) throw Error("{}: changes by other participants could not be applied", device_.name());
   if (!failed && !offer_.rebuilds) index_.followed();
   offer_.hasFailed = failed;
   offer_.isDone = !failed;
@@ -274,7 +273,7 @@ void EditPipeline::change(std::span<const PointChange> changes) {
   // A compaction that continued would miss marks that a change clears on points it does not change.
   index_.mayBuild(false);
   if (log_.room() < changes.size())
-    throw Error("{} changes do not fit beside what the readers of the edit log have not taken yet", changes.size());
+    throw Error("{} changes do not fit into the edit log: its readers are too far behind", changes.size());
   while (!changes.empty()) {
     const std::size_t batch = std::min<std::size_t>(changes.size(), pass_.mostChanges());
     changeBatch(changes.first(batch));
@@ -304,9 +303,10 @@ void EditPipeline::changeBatch(std::span<const PointChange> changes) {
     if (pass_.report().failed == 0) compact();  // a bucket may have overflowed in that build
   }
   if (pass_.report().failed & shared::kUpdateUnknown)
-    throw Error("{}: a change names a point that is not where it says; nothing of it is done", device_.name());
+    throw Error("{}: a change refers to a point that is not at the stated position; it was not applied",
+                device_.name());
   if (pass_.report().failed & shared::kUpdateNoSlots)
-    throw Error("{}: there is no room for so many new points", device_.name());
+    throw Error("{}: there is not enough room for the new points", device_.name());
 }
 
 std::size_t EditPipeline::readBack(PointCloud& cloud) const {

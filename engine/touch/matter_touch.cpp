@@ -120,7 +120,7 @@ void MatterTouch::finish() {
   if (thread_) thread_->finish();
   steps_.throwFault();
   if (const std::string failure = steps_.failure(); !failure.empty())
-    throw Error("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
+    throw Error("the simulation {}; restart it with more substeps or a slower hand", failure);
 }
 
 std::size_t MatterTouch::readBack(PointCloud& cloud) const {

@@ -24,7 +24,7 @@ ProbeGroup::ProbeGroup(const ToolShape& shape) {
   if (points_.size() > kMaxToolPoints)
     throw UsageError("a tool of {} points: it has 1 to {}", points_.size(), kMaxToolPoints);
   if (!(std::abs(shares - 1) < kRounding))
-    throw UsageError("a tool whose points have {} of its stiffness; together they must have all of it, 1", shares);
+    throw UsageError("a tool whose points' shares of its stiffness sum to {}; they must sum to 1", shares);
   last_ = points_;
   times_s_.resize(points_.size());
 }
@@ -99,8 +99,7 @@ void ProbeGroup::forget() {
 }
 
 std::vector<ProbeGroup> makeProbeGroups(std::span<const ToolShape> tools) {
-  if (tools.empty() || tools.size() > kMaxHands)
-    throw UsageError("{} hands: there are 1 to {}", tools.size(), kMaxHands);
+  if (tools.empty() || tools.size() > kMaxHands) throw UsageError("{} hands: must be 1 to {}", tools.size(), kMaxHands);
   std::vector<ProbeGroup> groups;
   for (const ToolShape& tool : tools) groups.emplace_back(tool);
   return groups;

@@ -220,12 +220,12 @@ void SoftTouch::finish() {
   surface_->finish();
   source_->endStroke();
   if (const std::string failure = source_->failure(); !failure.empty())
-    throw Error("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
+    throw Error("the simulation {}; restart it with more substeps or a slower hand", failure);
 }
 
 void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
   if (brush && !changesShape(brush->kind))
-    throw UsageError("{} changes no shape of a soft body", nameOf(kBrushKinds, brush->kind));
+    throw UsageError("{} cannot change the shape of a soft body", nameOf(kBrushKinds, brush->kind));
   question_.brush.brush = brush;
 }
 

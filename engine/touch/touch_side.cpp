@@ -23,9 +23,8 @@ std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const TouchOptions&
 
 void requireFused(const TouchOptions& options, QueryMethod method) {
   if (method == QueryMethod::fused) return;
-  if (options.tools.size() > 1) throw UsageError("several hands are answered by the query method fused alone");
-  if (!options.tools.front().points.empty())
-    throw UsageError("a tool of many points is answered by the query method fused alone");
+  if (options.tools.size() > 1) throw UsageError("several hands require the query method fused");
+  if (!options.tools.front().points.empty()) throw UsageError("a tool of many points requires the query method fused");
 }
 
 // The cloud, after the check that it fits: before any upload.
