@@ -40,8 +40,8 @@ SoftBall ballOf(const MatterScene& scene);
 /// Boxes in which nodes are pinned; slightly enlarged, to include nodes on the faces.
 std::vector<PlaceBox> pinsOf(const MatterScene& scene);
 
-/// Maximum kinetic energy of a valid state of a body of that mass: the whole body at its speed of sound, plus the fall
-/// through the box, J.
+/// Kinetic energy above which a body of that mass has diverged: twice that of the whole body at its speed of sound plus
+/// that of a fall through the box, J.
 double mostSoftKinetic_J(const MatterScene& scene, const MatterPlan& plan, double mass_kg);
 
 /// Adds a body's nodes to an observation: rest positions (m), displacements (m), and masses.
