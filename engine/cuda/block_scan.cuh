@@ -1,4 +1,4 @@
-// Sums and prefix sums over one block of kContactWorkgroup threads. Every thread of the block must call them together.
+// Sums and prefix sums over one block of kContactWorkgroup threads. All threads of the block must call them together.
 #pragma once
 
 #include "shaders/shared/contact.h"
@@ -10,7 +10,7 @@ inline constexpr unsigned kWarp = 32;
 inline constexpr unsigned kStepWarps = kStepThreads / kWarp;
 inline constexpr unsigned kAllLanes = 0xFFFFFFFFu;
 
-/// Sum over the warp, the same bits in every lane: at each level both partners add the same two numbers.
+/// Sum over the warp, bitwise identical in every lane: at each level both partners add the same two numbers.
 template <class T>
 __device__ T warpSum(T value) {
   for (unsigned apart = kWarp / 2; apart > 0; apart /= 2) value += __shfl_xor_sync(kAllLanes, value, apart);
@@ -39,11 +39,11 @@ inline __device__ unsigned blockExclusiveScan(unsigned value, unsigned& total) {
     before += w < warp ? sum : 0;
     total += sum;
   }
-  __syncthreads();  // the next call writes the totals again
+  __syncthreads();  // the next call overwrites the totals
   return before + inclusive - value;
 }
 
-/// The largest of every thread's value.
+/// Maximum of all threads' values.
 inline __device__ unsigned blockMax(unsigned value) {
   __shared__ unsigned warpLargest[kStepWarps];
   const unsigned largest = __reduce_max_sync(kAllLanes, value);

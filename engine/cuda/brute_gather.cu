@@ -1,5 +1,5 @@
-// The gather that knows no index (thesis 4.3.1): every point is tested. Counts per chunk come first, so that each chunk
-// knows its place in the patch and the patch keeps the order of the points.
+// The gather without an index (thesis 4.3.1): every point is tested. Counts per chunk come first, so that each chunk
+// knows its position in the patch and the patch keeps the order of the points.
 #include "engine/cuda/gather_plan.cuh"
 #include "engine/cuda/step_kernels.hpp"
 
@@ -7,7 +7,7 @@ namespace palpate::cu {
 
 namespace {
 
-// How far point `i` is from the patch's centre, where it exists and is in reach.
+// Offset of point `i` from the patch's centre, if it exists and is in reach.
 struct Tested {
   bool near;
   vec3 relative;

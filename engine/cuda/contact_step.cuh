@@ -1,5 +1,5 @@
-// One pose answered by one block: the state machine of shaders/contact/contact_step.comp. Every thread follows the same
-// path with the same numbers; places are relative to the HIP. There is no work budget here: the numbers of sub-steps
+// One pose answered by one block: the state machine of shaders/contact/contact_step.comp. All threads follow the same
+// path with the same numbers; positions are relative to the HIP. There is no work budget here: the numbers of sub-steps
 // and tracking steps bound a tick, and no driver stops a long loop.
 #pragma once
 
@@ -12,12 +12,12 @@ class ContactStep {
   __device__ ContactStep(const StepArgs& args, const CloudView& cloud, SharedPatch& memory, const ContactPose& pose)
       : args_(args), pose_(pose), patch_(args, cloud, memory, pose.hip) {}
 
-  /// For gathers that other kernels have done.
+  /// For gathers done by other kernels.
   __device__ void takeOver(const Gather& gather) { patch_.takeOver(gather, args_.slots); }
 
   __device__ void run() {
     const Before before = stateBefore(*args_.state, pose_.hip);
-    // Where other kernels gather, too, so that every method finds the same bits.
+    // At the same position as other kernels' gathers, so that all methods get the same bits.
     if (!patch_.gathered()) patch_.gatherAround(firstPlace(before, args_.radius), patchReach(args_.radius));
     touching_ = before.touching;
     sticking_ = before.sticking;
@@ -32,7 +32,7 @@ class ContactStep {
     surface_ = feel(proxy_);
   }
 
-  /// Thread 0 leaves the state for the next tick and the answer for the host.
+  /// Thread 0 writes the state for the next tick and the answer for the host.
   __device__ void write() const {
     if (threadIdx.x != 0) return;
     const uint touching = !touching_ ? kFree : sticking_ ? kSticking : kSliding;
@@ -51,8 +51,8 @@ class ContactStep {
   }
 
  private:
-  // The surface at a place, of the points that belong to the face that was felt last; past the edge of such a sheet
-  // every point counts. Its outside is the face that is felt. Gathers a new patch when the place has left the old one.
+  // The surface at a position, from the points of the face that was felt last; past the edge of such a sheet all points
+  // count. Its outside is the felt face. Gathers a new patch if the position has left the old one.
   __device__ Surface feel(const vec3& x) {
     const float slack = kPatchSlack * args_.radius;
     if (glm::distance(x, patch_.centre()) > slack) patch_.gatherAround(x, patchReach(args_.radius));
@@ -67,7 +67,7 @@ class ContactStep {
     return surface;
   }
 
-  // Walks the segment of the HIP's motion and touches where it crosses the surface.
+  // Steps along the segment of the HIP's motion and touches where it crosses the surface.
   __device__ void walkFreely(const Before& before) {
     const float way = wayOf(before, args_.radius);
     const uint steps = substepsOn(way);
@@ -88,8 +88,8 @@ class ContactStep {
     }
   }
 
-  // Projects the proxy onto the surface and follows the HIP in the tangent plane until it rests. `touched`: in the last
-  // tick, too, which felt the surface where the proxy stands.
+  // Projects the proxy onto the surface and follows the HIP in the tangent plane until it rests. `touched`: also
+  // touching in the last tick, which evaluated the surface at the proxy.
   __device__ void track(bool touched) {
     const float longest = kLongestStep * args_.radius;
     const float arrived = kConvergence * args_.radius;
@@ -109,7 +109,7 @@ class ContactStep {
     sticking_ = !tracking.slid;
     if (!surface_.defined) {
       touching_ = false;
-      face_ = kFaceInside;  // lost within: not caught again on the way out
+      face_ = kFaceInside;  // lost inside: not caught again when leaving
     } else if (dot(proxy_, surface_.normal) < 0.0f) {
       touching_ = false;
     }

@@ -12,7 +12,7 @@ constexpr unsigned kBlock = 256;
 
 unsigned blocksFor(std::uint64_t threads) { return static_cast<unsigned>((threads + kBlock - 1) / kBlock); }
 
-// shaders/spatial/hash_keys.comp, and the ranges cleared by the same launch: one less for the GPU to begin.
+// As shaders/spatial/hash_keys.comp, but clears the ranges in the same launch, which saves one.
 __global__ void __launch_bounds__(kBlock)
     writeKeys(const float4* __restrict__ positions, HashGrid grid, uint count, uint* __restrict__ keys,
               uint* __restrict__ order, uint2* __restrict__ ranges) {
@@ -24,7 +24,7 @@ __global__ void __launch_bounds__(kBlock)
   order[i] = i;
 }
 
-// shaders/spatial/hash_reorder.comp.
+// As shaders/spatial/hash_reorder.comp.
 __global__ void __launch_bounds__(kBlock)
     reorder(const uint* __restrict__ keys, const uint* __restrict__ order, uint count,
             const float4* __restrict__ positionsIn, const float4* __restrict__ normalsIn,

@@ -1,4 +1,4 @@
-// The sort of NVIDIA's own library: least significant digit first, one sweep a digit (Adinets and Merrill 2022).
+// The sort of NVIDIA's library: least significant digit first, one sweep per digit (Adinets and Merrill 2022).
 #include "engine/cuda/cub_sort.hpp"
 
 #include <cub/device/device_radix_sort.cuh>
@@ -7,7 +7,7 @@ namespace palpate::cu {
 
 namespace {
 
-// With no scratch CUB only says how much it needs.
+// Without scratch CUB only returns the required size.
 unsigned sortOrMeasure(const PairBuffers& pairs, std::uint32_t count, unsigned keyBits, void* scratch,
                        std::size_t& scratchBytes, cudaStream_t stream) {
   cub::DoubleBuffer<std::uint32_t> keys(pairs.keys[0], pairs.keys[1]);

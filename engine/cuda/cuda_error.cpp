@@ -8,7 +8,7 @@ namespace cu {
 
 void checkCuda(cudaError_t status, const char* what) {
   if (status == cudaSuccess) return;
-  cudaGetLastError();  // an error that does not stick is not found a second time by the next check
+  cudaGetLastError();  // clears a non-sticky error, so that the next check does not report it again
   throw CudaError("CUDA: {}: {} ({})", what, cudaGetErrorString(status), cudaGetErrorName(status));
 }
 
@@ -26,10 +26,10 @@ std::string cudaDeviceName() {
   const cudaError_t status = cudaGetDeviceCount(&count);
   cudaGetLastError();
   if (status != cudaSuccess || count == 0)
-    throw CudaError("CUDA: there is no GPU that it can use ({}); install NVIDIA's driver, or take the back end vulkan",
+    throw CudaError("CUDA: no usable GPU ({}); install NVIDIA's driver, or use the back end vulkan",
                     status == cudaSuccess ? "none found" : cudaGetErrorString(status));
   cudaDeviceProp properties;
-  cu::checkCuda(cudaGetDeviceProperties(&properties, 0), "asking for the GPU's name");
+  cu::checkCuda(cudaGetDeviceProperties(&properties, 0), "reading the GPU's name");
   return fmt::format("{}, CUDA", properties.name);
 }
 

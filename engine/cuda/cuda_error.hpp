@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// The CUDA runtime or the GPU behind it could not do what was asked.
+/// The CUDA runtime or its GPU could not do what was requested.
 class CudaError : public Error {
  public:
   using Error::Error;
@@ -15,7 +15,7 @@ class CudaError : public Error {
 /// Whether this machine has a GPU that CUDA can use.
 bool cudaDevicePresent();
 
-/// The name of the GPU that CUDA uses, with ", CUDA". Throws CudaError when there is none.
+/// The name of the GPU that CUDA uses, with ", CUDA" appended. Throws CudaError if there is none.
 std::string cudaDeviceName();
 
 }  // namespace palpate

@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-// Runs `graph` once and says how long it took on the GPU.
+// Runs `graph` once and returns its GPU time.
 double timed_us(const cu::Graph& graph, const cu::Stream& stream) {
   cu::Event start, end;
   start.record(stream);
@@ -22,7 +22,7 @@ double timed_us(const cu::Graph& graph, const cu::Stream& stream) {
 }  // namespace
 
 std::vector<double> timeCubSort(std::span<const std::uint32_t> keys, unsigned bits, int repeat) {
-  cudaDeviceName();  // the plain error where there is no GPU
+  cudaDeviceName();  // throws a clear error if there is no GPU
   const auto count = static_cast<std::uint32_t>(keys.size());
   const cu::Stream stream;
   cu::DeviceArray<std::uint32_t> unsorted(count), numbers(count);
@@ -36,7 +36,7 @@ std::vector<double> timeCubSort(std::span<const std::uint32_t> keys, unsigned bi
   const auto restore = [&](const auto& from, const auto& to) {
     cu::checkCuda(
         cudaMemcpyAsync(to.data(), from.data(), sizeof(std::uint32_t) * count, cudaMemcpyDeviceToDevice, stream.get()),
-        "bringing back the unsorted keys");
+        "restoring the unsorted keys");
   };
   const cu::PairBuffers pairs{{keysIn.data(), keysAlt.data()}, {valuesIn.data(), valuesAlt.data()}};
   const cu::Graph sort(stream, [&] { cu::cubSort(pairs, count, bits, scratch.data(), scratchBytes, stream.get()); });

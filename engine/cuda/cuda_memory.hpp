@@ -1,5 +1,5 @@
-// Owners of what the CUDA runtime hands out. Managed memory is never used: pages that move between host and device
-// would put their faults into the tick.
+// RAII owners of CUDA runtime resources. Managed memory is never used: pages that migrate between host and device would
+// cause page faults in the tick.
 #pragma once
 
 #include <atomic>
@@ -15,18 +15,18 @@
 
 namespace palpate::cu {
 
-/// Commands in order, independent of every other stream (the legacy default stream too: a kernel that never ends must
-/// not stop those).
+/// A stream: commands in order, independent of every other stream (including the legacy default stream: a kernel that
+/// never ends must not block those).
 class Stream {
  public:
-  Stream() { checkCuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "making a stream"); }
+  Stream() { checkCuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "creating a stream"); }
   ~Stream() { cudaStreamDestroy(stream_); }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
   cudaStream_t get() const { return stream_; }
   void synchronize(const char* what) const { checkCuda(cudaStreamSynchronize(stream_), what); }
-  /// Whether all of its commands are done. Throws the error of one that failed.
+  /// Whether all of its commands have completed. Throws the error of a failed one.
   bool idle(const char* what) const {
     const cudaError_t status = cudaStreamQuery(stream_);
     if (status == cudaErrorNotReady) return false;
@@ -38,10 +38,10 @@ class Stream {
   cudaStream_t stream_ = nullptr;
 };
 
-/// A moment on the GPU.
+/// A point in time on the GPU.
 class Event {
  public:
-  Event() { checkCuda(cudaEventCreate(&event_), "making an event"); }
+  Event() { checkCuda(cudaEventCreate(&event_), "creating an event"); }
   ~Event() { cudaEventDestroy(event_); }
   Event(const Event&) = delete;
   Event& operator=(const Event&) = delete;
@@ -54,7 +54,7 @@ class Event {
     return true;
   }
   void synchronize(const char* what) const { checkCuda(cudaEventSynchronize(event_), what); }
-  /// Both events must have been reached.
+  /// Requires that both events have been reached.
   double since_us(const Event& start) const {
     float time_ms = 0;
     checkCuda(cudaEventElapsedTime(&time_ms, start.event_, event_), "reading a time");
@@ -65,7 +65,7 @@ class Event {
   cudaEvent_t event_ = nullptr;
 };
 
-/// `count` values in device memory, at least one so that an empty cloud has addresses too.
+/// `count` values in device memory; allocates at least one, so that an empty cloud has addresses, too.
 template <class T>
 class DeviceArray {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -73,7 +73,7 @@ class DeviceArray {
  public:
   explicit DeviceArray(std::size_t count) : count_(count) {
     void* memory = nullptr;
-    checkCuda(cudaMalloc(&memory, sizeof(T) * (count ? count : 1)), "taking GPU memory");
+    checkCuda(cudaMalloc(&memory, sizeof(T) * (count ? count : 1)), "allocating GPU memory");
     data_ = static_cast<T*>(memory);
   }
   ~DeviceArray() { cudaFree(data_); }
@@ -111,7 +111,7 @@ class MappedValue {
 
  public:
   MappedValue() {
-    checkCuda(cudaHostAlloc(&memory_, sizeof(T), cudaHostAllocMapped), "taking pinned memory");
+    checkCuda(cudaHostAlloc(&memory_, sizeof(T), cudaHostAllocMapped), "allocating pinned memory");
     host_ = new (memory_) T{};
     void* device = nullptr;
     const cudaError_t status = cudaHostGetDevicePointer(&device, memory_, 0);
@@ -132,7 +132,7 @@ class MappedValue {
   T* device_ = nullptr;
 };
 
-/// The word that tells, on either side, that what was written before it is complete.
+/// Load and store of the word that marks, on either side, that everything written before it is complete.
 inline std::uint32_t loadAcquire(const std::uint32_t& word) {
   return std::atomic_ref(const_cast<std::uint32_t&>(word)).load(std::memory_order_acquire);
 }
@@ -143,8 +143,8 @@ inline void storeRelease(std::uint32_t& word, std::uint32_t value) {
 /// Commands recorded once and launched as one.
 class Graph {
  public:
-  /// `commands()` submits to `stream` what the graph shall hold, and may not wait. Relaxed, because a kernel that is
-  /// used for the first time is loaded then.
+  /// `commands()` submits the graph's commands to `stream`, and must not wait. The capture mode is relaxed, because a
+  /// kernel that is used for the first time is loaded then.
   template <class Commands>
   Graph(const Stream& stream, Commands&& commands) {
     checkCuda(cudaStreamBeginCapture(stream.get(), cudaStreamCaptureModeRelaxed), "recording a graph");
@@ -160,10 +160,10 @@ class Graph {
     checkCuda(cudaStreamEndCapture(stream.get(), &graph), "recording a graph");
     const cudaError_t status = cudaGraphInstantiate(&executable_, graph, 0);
     cudaGraphDestroy(graph);
-    checkCuda(status, "making a graph ready");
+    checkCuda(status, "preparing a graph");
     const cudaError_t uploaded = cudaGraphUpload(executable_, stream.get());
     if (uploaded != cudaSuccess) cudaGraphExecDestroy(executable_);
-    checkCuda(uploaded, "making a graph ready");
+    checkCuda(uploaded, "preparing a graph");
   }
   ~Graph() { cudaGraphExecDestroy(executable_); }
   Graph(const Graph&) = delete;

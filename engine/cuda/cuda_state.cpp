@@ -15,8 +15,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kEditTimesReserved = 1 << 16;  // a minute at 1 kHz without an allocation on the servo thread
-constexpr double kLongestWait_us = 20e6;             // for any answer; a GPU that takes longer will not give it
-constexpr unsigned kSpinsPerCheck = 256;             // at the word in host memory, for one check of the stream
+constexpr double kLongestWait_us = 20e6;             // timeout of any answer
+constexpr unsigned kSpinsPerCheck = 256;             // polls of the word in host memory per check of the stream
 
 }  // namespace
 
@@ -46,12 +46,12 @@ CudaTouch::State::State(const PointCloud& cloud, const CudaTouchOptions& options
   const shared::CloudView views[2] = {build_.view(live_.half(0), live_.count()),
                                       build_.view(live_.half(1), live_.count())};
   method_ = cu::makeQueryMethod(options.method, stream_, buffers_, views);
-  stream_.synchronize("making the touch side ready");
+  stream_.synchronize("preparing the touch side");
 }
 
 CudaTouch::State::~State() {
   try {
-    method_->rest();  // before memory is given back, which waits for the whole GPU
+    method_->rest();  // before memory is freed, which waits for the whole GPU
     stream_.synchronize("ending");
   } catch (const Error&) {  // the GPU has failed: nothing runs on it any more
   }
@@ -72,12 +72,12 @@ Contact CudaTouch::State::query(const Pose& pose, double budget_us) noexcept {
   try {
     const Stopwatch watch;
     const auto left_us = [&] { return budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0; };
-    // An answer that came too late for its own tick is taken in now; nothing new is asked while one is out.
+    // Takes an answer that was too late for its own tick; no new question is asked while one is in flight.
     if (asked_ && !answerWithin(left_us())) return held(pose);
     if (!method_->inStreamOrder() && !editDoneWithin(left_us())) return held(pose);
     ask(pose, options_.timeGpu && budget_us <= 0);
     if (!answerWithin(left_us())) return held(pose);
-    // Only a fresh answer edits: after an edit the next one waits until the hand has felt the last.
+    // Only a fresh answer triggers an edit: after an edit the next one waits until the hand has felt the last one.
     if (last_.valid) editIfYielding();
     return last_;
   } catch (...) {

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// What stands behind CudaTouch: the cloud, its index, and the query and the edit that are out.
+/// Implementation of CudaTouch: the cloud, its index, and the query and the edit in flight.
 class CudaTouch::State {
  public:
   State(const PointCloud& cloud, const CudaTouchOptions& options);
@@ -33,13 +33,13 @@ class CudaTouch::State {
     bool timed;
   };
   void ask(const Pose& pose, bool timed);
-  // Takes the answer into last_ when it comes within the budget (0: whenever it comes).
+  // Takes the answer into last_ if it arrives within the budget (0: no limit).
   bool answerWithin(double budget_us);
   void takeAnswer();
-  // What the last answer says to a pose that got none of its own: the tangent plane at the last proxy.
+  // The contact of a pose without an answer of its own: the tangent plane at the last proxy.
   Contact held(const Pose& pose) const;
   void editIfYielding();
-  // Whether the last edit is done; notes its time.
+  // Whether the last edit has completed; records its time.
   bool editDone();
   bool editDoneWithin(double budget_us);
   void recordEdit(unsigned parity);
@@ -49,12 +49,12 @@ class CudaTouch::State {
   cu::Stream stream_;
   cu::LiveCopy live_;
   BrushStroke stroke_;
-  SurfaceMeasure measured_;  // by all edits so far
+  SurfaceMeasure measured_;  // sum over all edits so far
   cu::CubBuild build_;
   cu::StepBuffers buffers_;
   std::unique_ptr<cu::QueryMethod> method_;
   std::optional<cu::PushEdit> push_;
-  std::unique_ptr<cu::Graph> edits_[2];  // by the half that counts before the edit
+  std::unique_ptr<cu::Graph> edits_[2];  // indexed by the front half before the edit
   cu::Event editStart_, editEnd_;
   bool editOut_ = false;
   std::uint32_t tick_ = 0;

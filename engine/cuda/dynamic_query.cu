@@ -1,5 +1,5 @@
 // The queries that launch from the device (thesis 4.3.3). On compute capability 9.0 a kernel cannot wait for its
-// children: they are fired and forgotten, and what follows them is launched into the tail of their parent.
+// children: they are launched fire-and-forget, and the work after them is a tail launch of their parent.
 #include <cuda_device_runtime_api.h>
 
 #include "engine/cuda/plan_runs.cuh"
@@ -23,14 +23,14 @@ __global__ void __launch_bounds__(kChildThreads) fillRunPerBlock(const __grid_co
   for (uint j = threadIdx.x; j < run.taken; j += kChildThreads) fillSlot(args, *args.gather, run, j);
 }
 
-// The end of the query, once all children are done; tells the host when a launch was refused.
+// The end of the query, after all children have completed; reports a refused launch to the host.
 __device__ void solveAfterChildren(const StepArgs& args, const ContactPose& pose) {
   args.answer->launchError = cudaGetLastError();
   solveStep<<<1, kStepThreads, 0, cudaStreamTailLaunch>>>(args, pose);
 }
 
-// A single thread, as in the thesis. It walks every round of cells twice, since the number of a round's candidates says
-// which of them are visited.
+// A single thread, as in the thesis. It iterates over each round of cells twice, since the number of a round's
+// candidates determines which of them are visited.
 __global__ void naiveParent(const __grid_constant__ StepArgs args, ContactPose pose) {
   Gather gather = gatherFor(args, pose);
   gather.box = boxAround(args.cloud, gather.hip, gather.centre, gather.reach);
@@ -58,7 +58,7 @@ __global__ void naiveParent(const __grid_constant__ StepArgs args, ContactPose p
 
 __global__ void __launch_bounds__(kStepThreads) arrayParent(const __grid_constant__ StepArgs args, ContactPose pose) {
   const Gather gather = planRuns(args, pose);
-  __threadfence();  // the children read what every thread of this block has listed
+  __threadfence();  // the children read the lists of all threads of this block
   __syncthreads();
   if (threadIdx.x != 0) return;
   if (gather.runs > 0) fillRunPerBlock<<<gather.runs, kChildThreads, 0, cudaStreamFireAndForget>>>(args);
@@ -70,7 +70,7 @@ __global__ void __launch_bounds__(kStepThreads) arrayParent(const __grid_constan
 void reserveDeviceLaunches() {
   constexpr std::size_t kSpare = 64;
   checkCuda(cudaDeviceSetLimit(cudaLimitDevRuntimePendingLaunchCount, kPatchMaxCells + kSpare),
-            "making room for launches from the device");
+            "reserving launches from the device");
 }
 
 void launchNaive(const StepArgs& args, const ContactPose& pose, cudaStream_t stream) {

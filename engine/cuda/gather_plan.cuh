@@ -1,5 +1,5 @@
-// Which points a gather visits, and where each of them goes: the arithmetic that all query methods share, so that
-// they agree bit by bit on the patch.
+// Selection and slots of the points that a gather visits: the arithmetic shared by all query methods, so that their
+// patches are bitwise identical.
 #pragma once
 
 #include "engine/cuda/block_scan.cuh"
@@ -10,7 +10,7 @@ namespace palpate::cu {
 
 using namespace shared;
 
-/// Points stand at addresses of 16 bytes and are read in one piece, which glm::vec4 alone would not promise.
+/// Points are aligned to 16 bytes and read in one access, which glm::vec4 alone would not guarantee.
 inline __device__ float4 loadPoint(std::uint64_t points, uint i) {
   const float4* const at = reinterpret_cast<const float4*>(points) + i;
   __builtin_assume(__isGlobal(at));
@@ -41,7 +41,7 @@ inline __device__ Before stateBefore(const ContactState& state, const vec3& hip)
   return before;
 }
 
-/// The way of the HIP since the last tick, as substepsOn() takes it.
+/// The displacement of the HIP since the last tick, in the unit of substepsOn().
 inline __device__ float wayOf(const Before& before, float radius) {
   return glm::length(before.lastHip) / (kLongestStep * radius);
 }
@@ -49,7 +49,7 @@ inline __device__ vec3 freePlace(const Before& before, uint step, uint steps) {
   return before.lastHip * (float(steps - step) / float(steps));
 }
 
-/// The first place whose surface a tick asks for, relative to the HIP: where the first gather goes.
+/// The first position at which a tick evaluates the surface, relative to the HIP: the centre of the first gather.
 inline __device__ vec3 firstPlace(const Before& before, float radius) {
   return before.touching ? before.proxy : freePlace(before, 1, substepsOn(wayOf(before, radius)));
 }
@@ -69,15 +69,15 @@ inline __device__ ivec3 cellAt(const CellBox& box, uint c) {
   return box.low + ivec3(c % box.size.x, c / box.size.x % box.size.y, c / box.size.x / box.size.y);
 }
 
-/// First and one-past-last point of the bucket of cell `c`; nothing past the last cell.
+/// First and one-past-last point of the bucket of cell `c`; empty past the last cell.
 inline __device__ uint2 rangeOfCell(const CloudView& cloud, const CellBox& box, uint c) {
   if (c >= box.cells) return make_uint2(0, 0);
   return reinterpret_cast<const uint2*>(cloud.ranges)[bucketOf(cloud.grid, cellAt(box, c))];
 }
-/// Kept low enough for the sum over a round of cells to stay within 32 bits.
+/// Limited so that the sum over a round of cells stays within 32 bits.
 inline __device__ uint candidatesIn(const uint2& range) { return min(range.y - range.x, 1u << 22); }
 
-/// Of a round's candidates every so-manyth is visited.
+/// Subsampling stride for a round's candidates.
 inline __device__ uint strideFor(uint candidates) {
   return max(1u, (candidates + kPatchRoundCandidates - 1) / kPatchRoundCandidates);
 }
@@ -89,14 +89,14 @@ inline __device__ CellRun runOf(uint cell, uint firstPoint, uint start, uint cou
   return {cell, firstPoint + (firstTaken * stride - start), stride, pastTaken - firstTaken, roundSlots + firstTaken};
 }
 
-/// Whether a point belongs to a gather, on behalf of `cell`: another cell of the gather may share the bucket, and its
-/// points are taken once, when it is that cell's turn.
+/// Whether a point belongs to a gather via `cell`: another cell of the gather may share the bucket, and a point is
+/// taken only for its own cell.
 inline __device__ bool inReach(const CloudView& cloud, const vec3& absolute, const ivec3& cell, const vec3& relative,
                                float reach) {
   return cellOf(cloud.grid, absolute) == cell && glm::dot(relative, relative) < reach * reach;
 }
 
-/// Looks at candidate `j` of a run and leaves what it finds in the run's slot.
+/// Tests candidate `j` of a run and writes the result to the run's slot.
 inline __device__ void fillSlot(const StepArgs& args, const Gather& gather, const CellRun& run, uint j) {
   const uint i = run.first + j * run.stride;
   const vec3 absolute = xyz(loadPoint(args.cloud.positions, i));
@@ -107,7 +107,7 @@ inline __device__ void fillSlot(const StepArgs& args, const Gather& gather, cons
   if (keep) slot[1] = loadPoint(args.cloud.normals, i);
 }
 
-/// The gather for a pose without its cells.
+/// The gather for a pose, without its cells.
 inline __device__ Gather gatherFor(const StepArgs& args, const ContactPose& pose) {
   Gather gather{};
   gather.hip = pose.hip;

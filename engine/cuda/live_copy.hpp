@@ -5,7 +5,7 @@
 
 namespace palpate::cu {
 
-/// The cloud on the GPU in its two orders, of which one counts at a time.
+/// The cloud on the GPU in two orders, one of which is the front.
 class LiveCopy {
  public:
   /// `cloud` must have normals; uploads it.
@@ -16,8 +16,8 @@ class LiveCopy {
   void flip() { current_ = 1 - current_; }
   CloudHalf& half(unsigned parity) { return halves_[parity]; }
 
-  /// Writes the present positions and normals into `cloud`, which must be the one this was made from; says how many
-  /// points moved. Waits for `stream`.
+  /// Writes the present positions and normals into `cloud`, which must be the one passed to the constructor; returns
+  /// the number of moved points. Waits for `stream`.
   std::size_t readBack(PointCloud& cloud, const Stream& stream) const;
 
  private:

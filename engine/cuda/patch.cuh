@@ -1,5 +1,5 @@
-// The patch of points around the probe: gathered through the spatial hash by one block, as shaders/lib/patch.glsl does,
-// or taken over from the slots that other kernels have filled. Its order follows the hash alone.
+// The patch of points around the probe: gathered through the spatial hash by one block, as in shaders/lib/patch.glsl,
+// or taken over from slots filled by other kernels. Its order depends only on the hash.
 #pragma once
 
 #include "engine/cuda/gather_plan.cuh"
@@ -10,8 +10,8 @@ namespace palpate::cu {
 struct SharedPatch {
   float3 positions[kMaxSharedPatch];  // relative to the patch's centre
   float3 normals[kMaxSharedPatch];
-  uint cellStart[kStepThreads];  // candidates before this cell's, in this round
-  uint cellFirst[kStepThreads];  // its first point
+  uint cellStart[kStepThreads];  // number of candidates before this cell, in this round
+  uint cellFirst[kStepThreads];  // first point of the cell
 };
 
 class Patch {
@@ -34,7 +34,7 @@ class Patch {
     return {n.x, n.y, n.z};
   }
 
-  /// Fills the patch around `centre`, relative to the HIP. All threads call it together with the same arguments.
+  /// Fills the patch around `centre`, relative to the HIP. All threads must call it together with the same arguments.
   __device__ void gatherAround(const vec3& centre, float reach) {
     const CellBox box = boxAround(cloud_, hip_, centre, reach);
     begin(centre);
@@ -60,12 +60,12 @@ class Patch {
         }
         append(keep, relative, keep ? xyz(loadPoint(cloud_.normals, i)) : vec3(0.0f));
       }
-      __syncthreads();  // the next round writes the cells again
+      __syncthreads();  // the next round overwrites the cells
     }
     end();
   }
 
-  /// Takes over what the gather's kernels left in the slots.
+  /// Takes over the points in the slots, written by the gather's kernels.
   __device__ void takeOver(const Gather& gather, const vec4* slots) {
     begin(gather.centre);
     thinned_ = gather.thinned != 0;

@@ -4,8 +4,8 @@
 
 namespace palpate::cu {
 
-/// Lists the cells that hold candidates, in order, with their slots; one block. The list and the gather stand in the
-/// buffers afterwards, and every thread returns the same gather.
+/// Lists the cells with candidates, in order, with their slots; one block. Writes the list and the gather to the
+/// buffers; all threads return the same gather.
 inline __device__ Gather planRuns(const StepArgs& args, const ContactPose& pose) {
   Gather gather = gatherFor(args, pose);
   gather.box = boxAround(args.cloud, gather.hip, gather.centre, gather.reach);

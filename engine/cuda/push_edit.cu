@@ -43,7 +43,8 @@ __global__ void __launch_bounds__(kBlock) pushPoints(float4* positions, float4* 
 
 __global__ void tellSums(const Sums* sums, Sums* told) { *told = *sums; }
 
-// The places of the marked points, in any order: what follows costs by their number and not by the cloud's.
+// Collects the slots of the marked points, in any order: the cost of the refit depends on their number and not on the
+// cloud's.
 __global__ void __launch_bounds__(kBlock)
     collectMoved(const float4* normals, uint* movedPlaces, uint* movedCount, uint count) {
   const uint i = blockIdx.x * kBlock + threadIdx.x;
@@ -57,7 +58,7 @@ __global__ void __launch_bounds__(kBlock)
   if (moved) movedPlaces[first + __popc(marked & ((1u << lane) - 1))] = i;
 }
 
-// Of the points around `center`, summed over the warp.
+// Moments of the points around `center`, summed over the warp.
 __device__ Moments momentsAbout(const CloudView& cloud, const vec3& center, float radius) {
   const ivec3 low = cellOf(cloud.grid, center - radius);
   const ivec3 high = cellOf(cloud.grid, center + radius);
@@ -87,7 +88,7 @@ __device__ vec3 fittedNormal(const CloudView& cloud, const vec3& center, const v
   return glm::dot(normal, old) < 0.0f ? -normal : normal;
 }
 
-// A warp for each moved point, in turns.
+// One warp per moved point, in a grid-stride loop.
 __global__ void __launch_bounds__(kBlock)
     refitNormals(const __grid_constant__ CloudView cloud, const uint* moved, const uint* movedCount, float radius) {
   const uint warps = gridDim.x * (kBlock / kWarp);
@@ -102,11 +103,12 @@ __global__ void __launch_bounds__(kBlock)
 
 float4* points(const DeviceArray<Vec4>& array) { return reinterpret_cast<float4*>(const_cast<Vec4*>(array.data())); }
 
-// Enough blocks to fill the GPU, whatever the number of moved points turns out to be.
+// Enough blocks to fill the GPU for any number of moved points.
 unsigned fillingBlocks() {
   int processors = 0, blocks = 0;
-  checkCuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, 0), "asking for the GPU's size");
-  checkCuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, refitNormals, kBlock, 0), "asking for occupancy");
+  checkCuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, 0),
+            "reading the number of multiprocessors");
+  checkCuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, refitNormals, kBlock, 0), "reading the occupancy");
   return static_cast<unsigned>(processors * blocks);
 }
 
@@ -127,9 +129,9 @@ PushEdit::PushEdit(const Brush& brush, double radius, const Stream& stream, std:
 
 void PushEdit::recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count) const {
   if (count == 0) return;
-  // Every thread reads it, which over the bus would take longer than the push.
+  // Copied to the device: every thread reads it, which over the bus would take longer than the push.
   checkCuda(cudaMemcpyAsync(toolHere_.data(), &tool_.host(), sizeof(BrushTool), cudaMemcpyHostToDevice, stream.get()),
-            "writing where the tool is");
+            "writing the tool");
   pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(
       points(half.positions), points(half.normals), toolHere_.data(), founds_.data(), sums_.data(), count, brush_);
   tellSums<<<1, 1, 0, stream.get()>>>(sums_.data(), told_.device());

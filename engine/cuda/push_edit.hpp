@@ -5,12 +5,12 @@
 
 namespace palpate::cu {
 
-/// The push and the normals of the points that it moved, as shaders/edit/collect.comp and refit_normals.comp, but with
-/// a pass over every point. The number of moved points never leaves the device.
+/// The push, and the refit of the normals of moved points, as shaders/edit/collect.comp and refit_normals.comp, but
+/// with a pass over every point. The number of moved points never leaves the device.
 class PushEdit {
  public:
-  /// How edits have found the surface under the tool: sums over all of them, as MeasuredPoint of
-  /// shaders/shared/brush.h, which may run over.
+  /// Measurements of the surface under the tool: sums over all edits of MeasuredPoint (shaders/shared/brush.h); may
+  /// wrap around, as only differences are used.
   struct Sums {
     shared::uint weights = 0, normals[3]{}, heights = 0;
   };
@@ -18,13 +18,13 @@ class PushEdit {
   /// `radius`: support radius, model units.
   PushEdit(const shared::Brush& brush, double radius, const Stream& stream, std::uint32_t points);
 
-  /// Where the tool is in the edit that is launched next. While none is under way.
+  /// Sets the tool for the next edit. Only while no edit is in flight.
   void setTool(const shared::BrushTool& tool) { tool_.host() = tool; }
-  /// While no edit is under way.
+  /// Only while no edit is in flight.
   const Sums& sums() const { return told_.host(); }
-  /// Submits only. Pushes the points on `half`, and marks those that move.
+  /// Submits only. Pushes the points of `half`, and marks those that move.
   void recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count) const;
-  /// Submits only. After the rebuild: refits the normals of the marked points and takes the marks away.
+  /// Submits only. After the rebuild: refits the normals of the marked points and clears the marks.
   void recordRefit(const Stream& stream, const shared::CloudView& cloud) const;
 
  private:

@@ -50,7 +50,7 @@ void QueryMethod::revive() { throw CudaError("CUDA: a query ended without an ans
 
 namespace {
 
-// Queries that are launched into the stream that edits go to as well.
+// Queries that are launched into the stream of the edits.
 class StreamMethod : public QueryMethod {
  public:
   StreamMethod(const Stream& stream, const StepBuffers& buffers, const shared::CloudView (&views)[2])
@@ -68,7 +68,7 @@ class StreamMethod : public QueryMethod {
   }
 
  protected:
-  // Submits the query, or its first part, and calls submitted() after the last.
+  // Submits the query, or its first part; calls submitted() after the last part.
   virtual void launch(const shared::ContactPose& pose, unsigned parity) = 0;
   void submitted() {
     if (timed_) end_.record(stream_);
@@ -76,7 +76,7 @@ class StreamMethod : public QueryMethod {
 
   const Stream& stream_;
   const StepBuffers& buffers_;
-  StepArgs args_[2];  // by parity
+  StepArgs args_[2];  // indexed by parity
 
  private:
   bool timed_ = false;

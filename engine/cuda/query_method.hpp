@@ -9,7 +9,7 @@
 
 namespace palpate::cu {
 
-/// What the queries read and write besides the cloud. Everything a tick needs is taken here.
+/// Buffers of the queries besides the cloud. Everything that a tick needs is allocated here.
 class StepBuffers {
  public:
   StepBuffers(const Stream& stream, double radius, double friction, std::uint32_t points);
@@ -17,7 +17,7 @@ class StepBuffers {
   StepArgs argsFor(const shared::CloudView& cloud) const;
   Message& message() const { return message_.host(); }
   const Answer& answer() const { return answer_.host(); }
-  /// The answer to the pose of that tick, once it is there, whole.
+  /// The complete answer to the pose of that tick; nullopt until it has arrived.
   std::optional<shared::ContactSample> sample(std::uint32_t tick) const;
   const PlanReport& report() const { return report_.host(); }
   const shared::ContactState* state() const { return state_.data(); }
@@ -34,7 +34,7 @@ class StepBuffers {
   DeviceArray<std::uint32_t> chunkCounts_;
 };
 
-/// How a pose becomes launches. One query is out at a time.
+/// Launches the query for a pose. One query at a time is in flight.
 class QueryMethod {
  public:
   virtual ~QueryMethod() = default;
@@ -42,24 +42,24 @@ class QueryMethod {
   QueryMethod(const QueryMethod&) = delete;
   QueryMethod& operator=(const QueryMethod&) = delete;
 
-  /// Submits a query of the half `parity` of the cloud; its answer will carry pose.tick. `timed`: time_us()
-  /// will be asked for.
+  /// Submits a query of the half `parity` of the cloud; its answer will contain pose.tick. `timed`: time_us() will be
+  /// called.
   virtual void ask(const shared::ContactPose& pose, unsigned parity, bool timed) = 0;
-  /// Does what the host has to do in the middle of a query; called again and again until the answer is there.
+  /// Does the host's part during a query; called repeatedly until the answer arrives.
   virtual void advance() {}
-  /// Whether all that was submitted has ended. Throws the error of what failed.
+  /// Whether all submissions have ended. Throws the error of a failed one.
   virtual bool ended() = 0;
-  /// After a query ended without an answer: submits it anew, or throws.
+  /// After a query ended without an answer: submits it again, or throws.
   virtual void revive();
   /// GPU time of the last timed query, us; waits for its end.
   virtual double time_us() = 0;
-  /// Leaves the GPU alone until the next query.
+  /// Releases the GPU until the next query.
   virtual void rest() {}
-  /// Whether queries see by themselves what was submitted to the stream before them.
+  /// Whether queries are ordered after earlier submissions to the stream.
   virtual bool inStreamOrder() const { return true; }
 };
 
-/// `views`: what queries read, by the half of the cloud that counts.
+/// `views`: the cloud as read by queries, indexed by the front half.
 std::unique_ptr<QueryMethod> makeQueryMethod(CudaMethod method, const Stream& stream, const StepBuffers& buffers,
                                              const shared::CloudView (&views)[2]);
 

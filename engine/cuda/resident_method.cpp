@@ -11,7 +11,7 @@
 namespace palpate::cu {
 
 namespace {
-constexpr int kMaxRevivals = 3;      // more for one query is no coincidence
+constexpr int kMaxRevivals = 3;      // for one query; more indicates an error
 constexpr double kLongestEnd_s = 2;  // a step takes some us, and an idle kernel ends after 50 ms
 }  // namespace
 
@@ -21,7 +21,7 @@ ResidentMethod::ResidentMethod(const StepBuffers& buffers, const shared::CloudVi
 ResidentMethod::~ResidentMethod() {
   try {
     rest();
-  } catch (const CudaError&) {  // the GPU has failed, and the kernel with it
+  } catch (const CudaError&) {  // the GPU has failed, and with it the kernel
   }
 }
 
@@ -56,8 +56,8 @@ void ResidentMethod::revive() {
 }
 
 double ResidentMethod::time_us() {
-  // The clock of the step is the processor's, whose rate changes; its mean rate so far comes from the wall's clock,
-  // once that has ticked often enough.
+  // The step is measured by the processor's clock, whose rate changes; its mean rate so far is derived from the global
+  // timer, once that has ticked often enough.
   constexpr std::uint64_t kMin_ns = 100'000;
   const Answer& answer = buffers_.answer();
   if (answer.alive_ns < kMin_ns || answer.alive_clocks == 0) return 0;

@@ -4,8 +4,8 @@
 
 namespace palpate::cu {
 
-/// A kernel that stays on the GPU, on a stream of its own, and reads poses from host memory. It begins with the first
-/// query and ends by itself when none comes for a while, or at rest(); the next query begins it again.
+/// A kernel that stays on the GPU, on a stream of its own, and reads poses from host memory. It starts with the first
+/// query and ends if no query arrives for a while, or at rest(); the next query starts it again.
 class ResidentMethod final : public QueryMethod {
  public:
   ResidentMethod(const StepBuffers& buffers, const shared::CloudView (&views)[2]);
@@ -13,7 +13,7 @@ class ResidentMethod final : public QueryMethod {
 
   void ask(const shared::ContactPose& pose, unsigned parity, bool timed) override;
   bool ended() override { return stream_.idle("answering from the resident kernel"); }
-  /// It had ended before it saw the message.
+  /// For a kernel that ended before it saw the message.
   void revive() override;
   double time_us() override;
   void rest() override;
@@ -29,7 +29,7 @@ class ResidentMethod final : public QueryMethod {
   bool begun_ = false;
   int revivals_ = 0;            // for the present query
   std::uint32_t posted_ = 0;    // sequence of the last message
-  std::uint32_t answered_ = 0;  // and of the one before it, which needs no answer any more
+  std::uint32_t answered_ = 0;  // of the message before it, which needs no answer any more
 };
 
 }  // namespace palpate::cu

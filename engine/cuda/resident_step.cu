@@ -1,4 +1,4 @@
-// A kernel that stays on the GPU and answers poses as they come in through mapped host memory: no launch in a tick.
+// A kernel that stays on the GPU and answers poses that it reads from mapped host memory: no launch in a tick.
 #include "engine/cuda/contact_step.cuh"
 #include "engine/cuda/step_kernels.hpp"
 
@@ -6,8 +6,8 @@ namespace palpate::cu {
 
 namespace {
 
-// Without a message for so long the kernel ends, and the host launches it again when it has one: a call that waits for
-// the whole GPU (freeing memory, loading a kernel) is held up by that much and not for ever.
+// The kernel ends after this time without a message, and the host relaunches it for the next one: a call that waits for
+// the whole GPU (freeing memory, loading a kernel) is delayed by at most this time.
 constexpr std::uint64_t kLongestIdle_ns = 50'000'000;
 
 struct Halves {
@@ -20,7 +20,7 @@ __device__ std::uint64_t now_ns() {
   return time_ns;
 }
 
-// The message as it is on its way, in one trip over the bus.
+// The message as it arrives, possibly incomplete, in one trip over the bus.
 __device__ Message readMailbox(const Message* box) {
   uint words[kMessageWords];
   const auto* from = reinterpret_cast<const uint*>(box);
@@ -40,11 +40,11 @@ __device__ Message readMailbox(const Message* box) {
   message.parity = words[4];
   message.stop = words[5];
   message.sequence = words[6];
-  message.seal = seal ^ words[7];  // 0: it is whole
+  message.seal = seal ^ words[7];  // 0: complete
   return message;
 }
 
-// Waits for a message newer than `answered`; one that says stop when none comes.
+// Waits for a message newer than `answered`; returns a stop message if none arrives.
 __device__ Message nextMessage(const Message* box, uint answered) {
   const std::uint64_t began_ns = now_ns();
   Message message = readMailbox(box);
@@ -55,7 +55,7 @@ __device__ Message nextMessage(const Message* box, uint answered) {
     }
     message = readMailbox(box);
   }
-  __threadfence_system();  // what other kernels wrote before the host did is seen as well
+  __threadfence_system();  // also makes earlier writes of other kernels visible
   return message;
 }
 
@@ -83,7 +83,7 @@ __global__ void __launch_bounds__(kStepThreads)
       args.answer->alive_ns = now_ns() - born_ns;
     }
     answered = message.sequence;
-    __syncthreads();  // thread 0 writes the next message over this one
+    __syncthreads();  // thread 0 overwrites the message next
   }
 }
 

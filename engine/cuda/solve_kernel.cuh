@@ -1,4 +1,4 @@
-// The end of every query whose gather ran in kernels of its own; launched from the host and from the device.
+// The end of every query with separate gather kernels; launched from the host and from the device.
 #pragma once
 
 #include "engine/cuda/step_args.hpp"

@@ -1,4 +1,4 @@
-// The launches that the query methods are made of. All of them submit only.
+// The launches used by the query methods. All of them submit only.
 #pragma once
 
 #include "engine/cuda/cuda_check.hpp"
@@ -6,27 +6,27 @@
 
 namespace palpate::cu {
 
-/// Everything in one block; the pose stands in args.message.
+/// The whole query in one block; the pose is in args.message.
 void launchFused(const StepArgs& args, cudaStream_t stream);
-/// Gathers into slots come before; this takes them over, moves the proxy and answers.
+/// After a gather into slots: takes its points over, moves the proxy and answers.
 void launchSolve(const StepArgs& args, const shared::ContactPose& pose, cudaStream_t stream);
 
 /// Tests every point (thesis 4.3.1).
 void launchBruteGather(const StepArgs& args, const shared::ContactPose& pose, cudaStream_t stream);
 
-/// Two steps (thesis 4.3.2): the plan of a gather with a report for the host, and the gather by as many rows of threads
-/// as there are runs, each as long as the longest.
+/// Two steps (thesis 4.3.2): the plan of a gather with a report for the host, then the gather with one row of threads
+/// per run, each as long as the longest.
 void launchPlan(const StepArgs& args, const shared::ContactPose& pose, cudaStream_t stream);
 void launchFill(const StepArgs& args, const PlanReport& report, cudaStream_t stream);
 
-/// The whole query by launches from the device: a grid for every bucket (thesis 4.3.3), or one grid for all of them.
+/// The whole query by launches from the device: one grid per bucket (thesis 4.3.3), or one grid for all of them.
 void launchNaive(const StepArgs& args, const shared::ContactPose& pose, cudaStream_t stream);
 void launchArray(const StepArgs& args, const shared::ContactPose& pose, cudaStream_t stream);
-/// Room for one launch per cell of a gather. Once, before the two above.
+/// Reserves one launch per cell of a gather. Call once before the two above.
 void reserveDeviceLaunches();
 
-/// A kernel that stays and answers messages until one says stop, or none has come for a while. `halves`: the cloud by
-/// the message's parity; `answered`: sequence of the last message that has its answer.
+/// A resident kernel that answers messages until a stop message, or until none has arrived for a while. `halves`: the
+/// cloud, indexed by the message's parity; `answered`: sequence of the last answered message.
 void launchResident(const StepArgs& args, const shared::CloudView (&halves)[2], std::uint32_t answered,
                     cudaStream_t stream);
 

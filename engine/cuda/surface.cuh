@@ -1,4 +1,4 @@
-// The averaged surface of the points of a patch around a place (shaders/shared/surface.h), summed up by one block.
+// The averaged surface of the points of a patch around a position (shaders/shared/surface.h), summed by one block.
 #pragma once
 
 #include "engine/cuda/patch.cuh"
@@ -9,9 +9,9 @@ namespace palpate::cu {
 using Surface = shared::SurfaceOf<float>;
 using SurfaceSums = shared::SurfaceSumsOf<float>;
 
-/// The surface at `x`, relative to the patch's centre, of the points of the face with the normal `facing`, or of all
-/// where that is zero. All threads of the block call it together and get the same bits. Every translation unit has its
-/// own: the device linker takes clones of one that they share for the same code.
+/// The surface at `x`, relative to the patch's centre, from the points of the face with the normal `facing`, or from
+/// all if that is zero. All threads of the block must call it together and get the same bits. Each translation unit has
+/// its own copy: the device linker confuses the clones of a shared one.
 static inline __device__ Surface surfaceAt(const Patch& patch, const vec3& x, float radius, const vec3& facing) {
   __shared__ float partial[kStepWarps][8];
   const bool sided = facing != vec3(0.0f);
@@ -41,7 +41,7 @@ static inline __device__ Surface surfaceAt(const Patch& patch, const vec3& x, fl
       sums.normals[k] += partial[w][4 + k];
     }
   }
-  __syncthreads();  // the next evaluation writes the partial sums again
+  __syncthreads();  // the next evaluation overwrites the partial sums
   return surfaceFrom(sums, radius, kSurfaceAverage);
 }
 

@@ -1,5 +1,5 @@
-// The gather in two steps (thesis 4.3.2): the first finds out how many points each bucket in the range of influence
-// holds, the host reads the largest number, the second has a row of that many threads for each bucket.
+// The gather in two steps (thesis 4.3.2): the first counts the points of each bucket in the range of influence, the
+// host reads the maximum, the second has a row of that many threads per bucket.
 #include "engine/cuda/plan_runs.cuh"
 #include "engine/cuda/step_kernels.hpp"
 

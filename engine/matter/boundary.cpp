@@ -11,13 +11,13 @@ namespace palpate {
 
 namespace {
 
-// Points have no compression of their own, so that matter under pressure comes nearer to them than to its own kind, by
-// so much whatever the pressure is: measured on balls of 3, 4 and 5 spacings, whose buoyancy was that of smaller ones.
+// Points have no compression of their own, so matter under pressure comes nearer to them than to other matter, by this
+// distance at any pressure: measured on balls of 3, 4 and 5 spacings, whose buoyancy was that of smaller ones.
 constexpr double kNearer_spacings = 0.075;
 
-// So far water comes into a ball by itself, where a hand throws it, before it is pushed out.
+// Depth to which water enters a ball that is moved abruptly before it is pushed out.
 constexpr double kWithin_spacings = 0.5;
-// Of the support radius, in a substep.
+// In support radii per substep.
 constexpr float kPush_supports = 0.05f;
 
 double ballVolume(double radius) { return radius > 0 ? 4 * std::numbers::pi / 3 * radius * radius * radius : 0; }

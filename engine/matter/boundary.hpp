@@ -1,5 +1,5 @@
-// Bodies of points that matter does not pass (Akinci et al. 2012): a ball that a hand holds; any cloud of points with
-// volumes can be one.
+// Bodies of boundary points that matter does not pass (Akinci et al. 2012): the ball held by a hand; any cloud of
+// points with volumes can be one.
 #pragma once
 
 #include <cstdint>
@@ -13,54 +13,54 @@
 
 namespace palpate {
 
-/// A point of a boundary, which stands for some volume.
+/// A point of a boundary, which represents a volume.
 struct BoundaryPoint {
-  Vec3 place{0};     ///< from the middle of the body, m
-  float volume = 0;  ///< in cubes of the spacing
+  Vec3 place{0};     ///< relative to the centre of the body, m
+  float volume = 0;  ///< in units of the cubed spacing
 };
 
-/// Points that fill a ball as deep as weights reach into it, layer by layer, as matter at rest would.
+/// Points that fill a ball to the depth that weights reach, layer by layer, like matter at rest.
 std::vector<BoundaryPoint> ballPoints(double radius_m, double spacing_m, double support_m);
 
-/// Where a body is, and how it moves. m, m/s, rad/s.
+/// Pose and velocities of a body. m, m/s, rad/s.
 struct BodyMotion {
   DVec3 place{0}, velocity{0}, spin{0};
   DQuat orientation{1, 0, 0, 0};
 };
 
-/// A point of a body, near a place, and its number, for life.
+/// A point of a body near a position, with its permanent number.
 struct BoundaryMeeting : shared::BodyMeeting {
   std::uint32_t number;
 };
 
-/// A body as matter meets it: rigid, its points in cells of their own, which never change.
+/// A rigid body in contact with matter; its points are in cells of their own, which never change.
 class BoundaryBody {
  public:
-  /// `support`: radius of the weights, m. `kept`: what is nearer to the middle is pushed out, m; 0: nothing is. Throws
-  /// nothing; without points it is nowhere.
+  /// `support`: radius of the weights, m. `kept`: matter nearer to the centre is pushed out, m; 0: disabled. Throws
+  /// nothing; without points it has no effect.
   BoundaryBody(std::span<const BoundaryPoint> points, float support, float kept);
 
-  /// `grown_m`: so far from its middle the body is there.
+  /// `grown_m`: radius up to which the body is present.
   void moveTo(const BodyMotion& motion, double grown_m);
-  /// How the velocity of what is within changes, so that it goes out, m/s.
+  /// Change of the velocity of matter inside that pushes it out, m/s.
   Vec3 pushedOut(const Vec3& place, float step_s) const {
     return shared::pushedOut<float>(pose_, place, kept_, push(), step_s);
   }
-  /// So far it goes in a substep at the most, m.
+  /// Maximum displacement of that push in a substep, m.
   float push() const;
   float kept() const { return kept_; }
-  const Vec3& place() const { return pose_.place; }  ///< of the middle, m
+  const Vec3& place() const { return pose_.place; }  ///< of the centre, m
   std::uint32_t size() const { return static_cast<std::uint32_t>(points_.size()); }
 
   /// Calls meet(BoundaryMeeting) for each point within the support radius of `place`, always in the same order.
   template <class Meet>
   void forEachNear(const Vec3& place, Meet&& meet) const;
 
-  /// Each point in the order of the cells: place in their box, volume.
+  /// All points in the order of the cells: position in their box, volume.
   std::span<const Vec4> points() const { return points_; }
   const CellGrid& grid() const { return grid_; }
-  const Vec3& middle() const { return middle_; }  ///< of the body in that box, m
-  float extent() const { return extent_; }        ///< of the points from the middle, m
+  const Vec3& middle() const { return middle_; }  ///< centre of the body in that box, m
+  float extent() const { return extent_; }        ///< maximum distance of the points from the centre, m
 
  private:
   float support_, kept_;
@@ -71,7 +71,7 @@ class BoundaryBody {
   shared::BodyPose pose_;
 };
 
-/// The ball of a scene's tool; without points where it has none.
+/// The ball of a scene's tool; without points if the scene has no tool.
 BoundaryBody ballBody(const MatterScene& scene, const MatterPlan& plan);
 
 template <class Meet>

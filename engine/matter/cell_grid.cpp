@@ -28,7 +28,7 @@ void CellGrid::sort(std::span<const Vec4> places, std::vector<std::uint32_t>& or
   }
   for (std::size_t cell = 1; cell < first_.size(); ++cell) first_[cell] += first_[cell - 1];
   order.resize(places.size());
-  // Each cell's begin walks to its end, which is where the next one begins.
+  // Each cell's begin advances to its end, which is the next cell's begin.
   for (std::size_t i = 0; i < places.size(); ++i) order[first_[cellAt_[i]]++] = static_cast<std::uint32_t>(i);
   std::copy_backward(first_.begin(), first_.end() - 1, first_.end());
   first_.front() = 0;

@@ -1,4 +1,4 @@
-// Cells of a box, and particles in their order: a counting build, so that what is near in space is near in memory.
+// Cells of a box, and particles sorted by cell: a counting sort, so that neighbours in space are near in memory.
 #pragma once
 
 #include <array>
@@ -11,14 +11,14 @@
 
 namespace palpate {
 
-/// From 0 to `size`, m. Along a periodic axis what leaves through one face comes in by the other.
+/// From 0 to `size`, m. Along a periodic axis a particle that leaves through one face re-enters through the other.
 struct MatterBox {
   Vec3 size{0};
   std::array<bool, 3> periodic{};
 };
 
-/// Cells half as wide as `reach`, or a little more, so that they fill the box.
-/// `reach`: m; along periodic axes the box is 2.5 of it at least.
+/// Cells at least half as wide as `reach`, such that they fill the box. `reach`: m; along periodic axes the box is at
+/// least 2.5 times as wide.
 shared::MatterCells cellsOf(const MatterBox& box, float reach);
 inline std::size_t countOf(const shared::MatterCells& cells) { return numberOf(cells, cells.cells - 1) + 1; }
 
@@ -26,26 +26,26 @@ class CellGrid {
  public:
   explicit CellGrid(const shared::MatterCells& cells);
 
-  /// Fills `order` with the numbers of `places`, cell by cell, and in their own order within a cell: x changes first,
-  /// then y. What stands outside of the box, or nowhere, counts to a cell at its border.
+  /// Fills `order` with the indices of `places`, sorted by cell (x fastest, then y), stable within a cell. Positions
+  /// outside the box, or not finite, belong to a cell at its border.
   void sort(std::span<const Vec4> places, std::vector<std::uint32_t>& order);
 
-  /// Calls run(begin, end, image) for ranges in the order that sort() made, which hold all that is within the reach of
-  /// `place`, and more. What stands in a range is met at its place plus shiftOf(image).
+  /// Calls run(begin, end, image) for ranges in the order of sort() that contain everything within the reach of
+  /// `place`, and more. Positions of a range are shifted by shiftOf(image).
   template <class Run>
   void forEachRun(const Vec3& place, Run&& run) const;
 
   const shared::MatterCells& cells() const { return cells_; }
-  /// Of the neighbour beyond the border of a periodic axis, m.
+  /// Shift of the periodic image of a neighbour, m.
   Vec3 shiftOf(std::uint32_t image) const { return shifts_[image]; }
-  /// Where each cell's places begin in the order, and their number at the end.
+  /// Index of each cell's first position in the order, and the total count at the end.
   std::span<const std::uint32_t> firsts() const { return first_; }
 
  private:
   shared::MatterCells cells_;
   std::array<Vec3, shared::kImages> shifts_{};
   std::vector<std::uint32_t> first_;
-  std::vector<std::uint32_t> cellAt_;  // of each place
+  std::vector<std::uint32_t> cellAt_;  // cell of each position
 };
 
 template <class Run>

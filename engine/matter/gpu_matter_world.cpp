@@ -17,13 +17,13 @@ namespace {
 
 constexpr std::uint32_t kMaxListedInWater = 128, kMaxListedInSand = 64;
 constexpr const char* kMatterStep = "step";
-constexpr std::uint32_t kSwiftSteps = 16;  // that follow the beginning, and a step which needed lists at least twice
+constexpr std::uint32_t kSwiftSteps = 16;  // after the start, and after a step that needed lists at least twice
 
 float listed_m(const MatterScene& scene, const MatterPlan& plan) {
   return (reachOf(scene.matter).neighbour_spacings + kListedFarther_spacings) * static_cast<float>(plan.spacing_m);
 }
 
-// So far a particle may go until it is listed again.
+// Maximum displacement of a particle until its lists must be rebuilt.
 float allowed_m(const MatterPlan& plan) { return kListedFarther_spacings * static_cast<float>(plan.spacing_m) / 2; }
 
 shared::MatterCells particleCells(const MatterScene& scene, const MatterPlan& plan) {
@@ -180,14 +180,14 @@ MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from,
   return report;
 }
 
-// Whether a hand takes matter with it in a step as far as lists allow.
+// Whether a hand moves matter in a step farther than the lists allow.
 bool GpuMatterWorld::areSwift(std::span<const HandPose> from, std::span<const HandPose> to) const {
   for (std::size_t tool = 0; tool < tools(); ++tool)
     if (growsBall(tool) || glm::length(to[tool].place_m - from[tool].place_m) > allowed_m(plan())) return true;
   return false;
 }
 
-// How the next step goes, from what this one came to: the same for the same scene and hands.
+// Chooses the kind of the next step from the results of this one: deterministic for the same scene and hands.
 void GpuMatterWorld::choose(const shared::MatterControl& before) {
   if (control().late != before.late || control().lists - before.lists > 1) {
     swiftSteps_ = kSwiftSteps;

@@ -10,14 +10,14 @@
 
 namespace palpate {
 
-/// The same as MatterWorld, by the same formulas, in single precision, tools and sums too; on the same GPU the same
-/// bytes every time. A step is one submission, after which the host reads its report. A particle has room for fewer
-/// neighbours than on the CPU: 128 in water, 64 in sand, more than twice what either comes to.
+/// Like MatterWorld, with the same formulas, in single precision, including tools and sums; on the same GPU the results
+/// are always bitwise identical. A step is one submission, after which the host reads its report. A particle has room
+/// for fewer neighbours than on the CPU: 128 in water, 64 in sand, more than twice what occurs in either.
 class GpuMatterWorld final : public MatterSimulation {
  public:
-  /// `queue`: of the device, and used by this thread alone. Throws Error as planOf() does, and OutOfGpuMemory.
+  /// `queue`: of the device, and used only by this thread. Throws Error as planOf() does, and OutOfGpuMemory.
   GpuMatterWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options = {});
-  /// The same with particles elsewhere than at rest in the fill, m; those outside of the box stand at its walls.
+  /// The same with other initial positions than at rest in the fill, m; those outside the box are clamped to its walls.
   GpuMatterWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                  std::vector<Vec3> places);
 
@@ -27,13 +27,13 @@ class GpuMatterWorld final : public MatterSimulation {
   std::vector<Vec3> velocitiesById() const override;
   void setVelocities(std::span<const Vec3> byId) override;
 
-  /// Substeps since the beginning in which a particle had gone farther than lists allow, and which could make none: two
-  /// that have come near in them meet when the next step begins, by weights that begin at 0. The steps that follow one
-  /// such can make lists in each substep.
+  /// Number of substeps since the start in which a particle had moved farther than the lists allow, but the substep
+  /// could not rebuild them: two particles that approached each other in it interact from the next step on, with
+  /// weights that begin at 0. The steps after such a substep can rebuild the lists in each substep.
   std::uint32_t lateSubsteps() const { return control().late; }
-  /// How often lists were made since the beginning.
+  /// Number of list builds since the start.
   std::uint32_t listsMade() const { return control().lists; }
-  /// On the GPU.
+  /// Bytes on the GPU.
   std::uint64_t bytes() const { return memory_.bytes(); }
 
  private:
@@ -55,9 +55,9 @@ class GpuMatterWorld final : public MatterSimulation {
   MatterSizes sizes_;
   MatterMemory memory_;
   MatterPasses passes_;
-  CommandList calm_, swift_;  // a step in which lists are made in the beginning alone; in every substep, if need be
+  CommandList calm_, swift_;  // a step that rebuilds lists only at its start; one that can do so in each substep
   const CommandList* ran_ = &calm_;
-  std::uint32_t swiftSteps_ = 0;  // so many more to come
+  std::uint32_t swiftSteps_ = 0;  // number of further swift steps
 };
 
 }  // namespace palpate

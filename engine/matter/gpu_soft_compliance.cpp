@@ -10,9 +10,9 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kRoundsAtOnce = 20;  // even, so that a list can follow itself
+constexpr std::uint32_t kRoundsAtOnce = 20;  // even, so that the list can be repeated
 constexpr std::uint32_t kMaxRounds = 300;
-constexpr double kLeft = 1e-3;  // of the residual; the compliance is as exact as the square of that
+constexpr double kLeft = 1e-3;  // tolerance of the residual; the relative error of the compliance is its square
 
 double sumOf(const Buffer& read, std::uint32_t row, std::uint32_t blocks) {
   double sum = 0;

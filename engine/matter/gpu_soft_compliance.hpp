@@ -1,4 +1,4 @@
-// How far a soft body on a GPU gives way.
+// Compliance of a soft body on a GPU.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@ namespace palpate {
 
 class Queue;
 
-/// Conjugate gradients as SoftWorld has them, in single precision. A round is eight passes over the body.
+/// Conjugate gradients as in SoftWorld, in single precision. An iteration is eight passes over the body.
 class GpuSoftCompliance {
  public:
-  /// All of them outlive it. `hold_1_s2`: what holds a body that nothing else does, for its mass. Throws
+  /// All arguments must outlive it. `hold_1_s2`: stiffness per mass that holds an otherwise free body. Throws
   /// OutOfGpuMemory.
   GpuSoftCompliance(Device& device, Queue& queue, const SoftMemory& memory, const SoftSizes& sizes, double hold_1_s2);
 
-  /// The load times how far the nodes go under it, N m. `load`: of each node, N; those that are pinned have none.
+  /// The load times the displacement of the nodes under it, N m. `load`: per node, N; pinned nodes must have none.
   /// Waits.
   double give(const std::vector<Vec4>& load);
   std::uint64_t bytes() const;

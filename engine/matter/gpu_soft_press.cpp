@@ -16,7 +16,7 @@ namespace {
 
 std::uint64_t workgroups(std::uint32_t count) { return std::uint64_t{count} * shared::kMatterBlock; }
 
-// One that is no number presses on nothing.
+// A press with a value that is not finite has no effect.
 shared::SoftPressed askedOf(const SurfacePress& press, const DVec3& before, const GpuSoftPress::Row& row,
                             double duration_s) {
   const DVec3 move = press.handTo_m - press.handFrom_m;
@@ -36,7 +36,7 @@ shared::SoftPressed askedOf(const SurfacePress& press, const DVec3& before, cons
                                   .same = row.isSame ? 1u : 0u};
   const auto words = std::bit_cast<std::array<float, sizeof(asked) / sizeof(float)>>(asked);
   const bool isFinite =
-      std::all_of(words.begin(), words.end() - 3, [](float word) { return std::isfinite(word); });  // numbers are last
+      std::all_of(words.begin(), words.end() - 3, [](float word) { return std::isfinite(word); });  // ints are last
   return isFinite ? asked : shared::SoftPressed{.hand = press.hand, .row = row.row};
 }
 
@@ -87,8 +87,8 @@ bool GpuSoftPress::begin(std::span<const SurfacePress> presses, double duration_
   return grows;
 }
 
-// What stays at its place keeps its row, and the others take those that are free, the lowest ones first: no row is
-// higher than there were ever presses.
+// A press that stays at its position keeps its row, and the others take the lowest free ones: no row number exceeds the
+// maximum number of presses so far.
 void GpuSoftPress::findRows(std::span<const SurfacePress> presses) {
   const std::vector<Row> before = std::exchange(rows_, std::vector<Row>(presses.size()));
   std::array<bool, shared::kMaxPresses> isTaken{};

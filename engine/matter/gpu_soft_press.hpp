@@ -13,41 +13,41 @@
 
 namespace palpate {
 
-/// The same as SoftPress, in single precision. What each press holds is found on the GPU when a step begins: boxes
-/// about the places of the skin, cell by cell and block by block, say which nodes to look at. In a substep one
-/// workgroup has all presses: places of presses go with each other by the nodes that they share, which a matrix says,
-/// so that Gauss and Seidel's sweep is over numbers. Its time grows with the presses.
+/// Like SoftPress, in single precision. The GPU determines the nodes of each press at the beginning of a step: boxes
+/// around the skin positions, by cell and by block, select the candidate nodes. In a substep one workgroup solves all
+/// presses: a matrix holds the coupling of their positions through shared nodes, so that the Gauss-Seidel sweep needs
+/// only numbers. Its time grows with the number of presses.
 class GpuSoftPress {
  public:
   /// `memory` must outlive it. Throws OutOfGpuMemory.
   GpuSoftPress(Device& device, const SoftMemory& memory, const SoftSizes& sizes);
 
-  /// From now on these press, at most shared::kMaxPresses, for a step of that length. True where lists that were
-  /// recorded before are to be recorded again: there are more presses than ever.
+  /// Sets the presses, at most shared::kMaxPresses, for a step of that length. True if previously recorded lists must
+  /// be recorded again: there are more presses than ever before.
   bool begin(std::span<const SurfacePress> presses, double duration_s);
-  /// Before the first substep; then in each one between cells and nodes; and at the end.
+  /// Record before the first substep; in each substep between cells and nodes; and at the end.
   void recordBegin(CommandList& list) const;
   void recordSubstep(CommandList& list, std::uint32_t substep, std::uint32_t substeps) const;
   void recordEnd(CommandList& list) const;
-  /// The step is over, and so is what was submitted; each press has its report.
+  /// Ends the step, after its submission has completed; each press has its report.
   void end();
-  /// The scene begins anew: nobody has pressed.
+  /// For a restart of the scene: clears all presses.
   void forget();
 
   std::span<const PressReport> reports() const { return reports_; }
-  /// On what holds the nodes that are pinned, over the step, kg m/s.
+  /// Impulse on the supports of pinned nodes, over the step, kg m/s.
   const DVec3& onPins() const { return onPins_; }
   std::uint64_t bytes() const;
 
-  /// Where the nodes of a press stand.
+  /// Row with the nodes of a press.
   struct Row {
     std::uint32_t row = 0;
-    bool isSame = false;   ///< from the step before
+    bool isSame = false;   ///< kept from the previous step
     bool isAlone = false;  ///< PressReport::isAlone
   };
 
  private:
-  // By press, for so many of them.
+  // Buffers per press, for at most `most` presses.
   struct Memory {
     Memory(Device& device, const SoftSizes& sizes, std::uint32_t most);
 
@@ -62,9 +62,9 @@ class GpuSoftPress {
   SoftSizes sizes_;
   ComputePipeline box_, reach_, hold_, share_, couple_, press_;
   Buffer boxes_, blockBoxes_, coupling_;
-  std::optional<Memory> memory_;  // where anybody has pressed
+  std::optional<Memory> memory_;  // allocated at the first press
   std::vector<SurfacePress> presses_;
-  std::vector<Row> rows_;  // of each
+  std::vector<Row> rows_;  // per press
   std::vector<PressReport> reports_;
   DVec3 onPins_{0};
 };

@@ -19,7 +19,8 @@ namespace {
 constexpr const char *kSoftStep = "step", *kFrame = "frame";
 
 SoftLayout layoutOf(const MatterScene& scene, const SoftSolid& solid) {
-  if (scene.preset != SoftPreset::elastic) throw Error("preset: shapes are matched on the CPU alone; take cpu");
+  if (scene.preset != SoftPreset::elastic)
+    throw Error("preset: shape-matching runs only on the CPU; use the back end cpu");
   const SoftMaterial material = materialOf(scene);
   const std::vector<float> masses = nodeMasses(solid.lattice, material.density_kg_m3 * solid.lattice.volume_m3());
   return {solid.lattice,
@@ -139,7 +140,7 @@ void GpuSoftWorld::takeParameters() {
   recordSteps();
 }
 
-// With as many substeps as the body needs as it is.
+// Records the step with the number of substeps that the body needs in its present shape.
 void GpuSoftWorld::recordSteps() {
   sizes_.substeps = substepsOf(scene(), plan(), body_.rest().stiffest());
   shared::SoftSetting& setting = memory_.setting.mapped<shared::SoftSetting>()[0];
@@ -193,7 +194,7 @@ void GpuSoftWorld::record(CommandList& list, const GpuSoftPress* press) {
   list.end();
 }
 
-// With the presses of the step that begins.
+// List of the step that begins, with its presses.
 const CommandList& GpuSoftWorld::listOfStep() {
   const bool isStale = press_.begin(presses_, kMatterStep_s);
   presses_.clear();
@@ -236,7 +237,7 @@ void GpuSoftWorld::endSculpting() {
   if (!wasSculpted || substepsOf(scene(), plan(), body_.rest().stiffest()) != sizes_.substeps) recordSteps();
 }
 
-// Of the cells about those nodes; the GPU's own memory, where the host can reach that.
+// Uploads the rest shapes of the cells around these nodes; directly into GPU memory, if the host can access it.
 void GpuSoftWorld::uploadShapes(std::span<const std::uint32_t> nodes) {
   const std::span<shared::CellRest> rests = memory_.rests->mapped<shared::CellRest>();
   for (const std::uint32_t node : nodes) {
@@ -254,7 +255,7 @@ void GpuSoftWorld::begin() {
   sculpture_.endStroke();
   body_.reset();
   uploadNodes(body_.displacements(), body_.velocities());
-  // The planes of what is no cell stay so.
+  // The planes of slots without a cell stay 0.
   CommandList clear(device_, queue_, "soft begin");
   clear.begin();
   for (const Buffer* buffer : {&memory_.state, &memory_.forces, &memory_.gradients})

@@ -15,31 +15,32 @@
 
 namespace palpate {
 
-/// The same as SoftWorld, by the same formulas, in single precision, tools and sums too; on the same GPU the same bytes
-/// every time. A step is one submission, after which the host reads its report; whether it has diverged is seen then.
+/// Like SoftWorld, with the same formulas, in single precision, including tools and sums; on the same GPU the results
+/// are always bitwise identical. A step is one submission, after which the host reads its report and detects
+/// divergence.
 class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
  public:
-  /// The body of a scene without a model, or of MatterOptions::soft. `queue`: of the device, and used by this thread
-  /// alone. Throws Error as planOf() does, and OutOfGpuMemory.
+  /// The body of a scene without a model, or of MatterOptions::soft. `queue`: of the device, and used only by this
+  /// thread. Throws Error as planOf() does, and OutOfGpuMemory.
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options = {});
-  /// A body that was filled (soft_scan.hpp), and `points` that it carries: those of its surface in any number and
-  /// order, or, where there are none, its skin.
+  /// A filled body (soft_scan.hpp), and the `points` that it carries: surface points in any number and order; if empty,
+  /// the points of its skin.
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                const SoftSolid& solid, std::span<const SurfacePlace> points);
 
   /// With a queue of its own, for a thread of its own.
   GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene, const MatterOptions& options);
-  /// A body that is there already, and may be shared.
+  /// An existing body, which may be shared.
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                const std::shared_ptr<const SoftModel>& model);
 
   std::size_t nodes() const { return sizes_.nodes; }
   std::size_t points() const { return sizes_.points; }
-  /// Compression is that of the cell which has least of its volume.
+  /// The compression is that of the most compressed cell.
   MatterObservation observe() const override;
-  /// Of the points that it carries, by way of the host.
+  /// The frame of the points that it carries, via the host.
   void makeFrame(CloudFrame& frame) override;
-  /// The same into memory of the GPU, for who stays there; m, m/s. Waits; stands until the next call.
+  /// The same into GPU memory, for use on the GPU; m, m/s. Waits; valid until the next call.
   CarriedPoints carry();
   bool makeFrameThere() override {
     carry();
@@ -55,30 +56,30 @@ class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
   void press(std::span<const SurfacePress> presses) override { presses_.assign(presses.begin(), presses.end()); }
   std::span<const PressReport> pressed() const override { return press_.reports(); }
   bool hasSurface() const override { return true; }
-  /// As SoftWorld has it: conjugate gradients on the GPU. Where the force goes is found on the host.
+  /// As in SoftWorld: conjugate gradients on the GPU. The host computes the distribution of the force.
   double localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) override;
 
-  /// The shape is changed on the host: beginSculpting() brings all nodes there, and endSculpting() what has changed
-  /// back, 32 bytes a node each way.
+  /// The shape is changed on the host: beginSculpting() downloads all nodes, and endSculpting() uploads the changes, 32
+  /// bytes per node each way.
   SoftSculpture* sculpture() override { return tools() == 0 ? &sculpture_ : nullptr; }
   void beginSculpting() override;
   void endSculpting() override;
 
   std::optional<double> gpuTime_us() const override;
-  std::vector<PassRecord> passes() const override;  ///< and of the last frame
+  std::vector<PassRecord> passes() const override;  ///< including those of the last frame
   std::vector<Vec3> positionsById() const override;
   std::vector<Vec3> velocitiesById() const override;
   void setVelocities(std::span<const Vec3> byId) override;
-  /// How far each node is from rest, m; those that are pinned stay there.
+  /// Displacement of each node from its lattice position, m; pinned nodes stay there.
   std::vector<Vec3> displacements() const { return ofNodes(0); }
   void setDisplacements(std::span<const Vec3> byId);
 
   double mass_kg() const { return body_.mass_kg(); }
-  /// On the GPU.
+  /// Bytes on the GPU.
   std::uint64_t bytes() const;
 
  private:
-  // Of the points in m, and what brings them there.
+  // Buffers of the points, m, and the list that writes them.
   struct Frames {
     Frames(GpuSoftWorld& world);
     CarriedPoints points() const;
@@ -94,7 +95,7 @@ class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
   void takeParameters() override;
   void placeToolAt(std::size_t tool, const HandPose& hand) override;
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
-  std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
+  std::vector<Vec4> pressedPlaces() const override { return {}; }  // no pressure
 
   CommandList::Timing timing() const {
     return timesPasses_ ? CommandList::Timing::passes : CommandList::Timing::sections;
@@ -112,28 +113,28 @@ class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
   Frames& frames();
 
   Device& device_;
-  std::unique_ptr<Queue> own_;  // where it has one
+  std::unique_ptr<Queue> own_;  // if it has its own
   Queue& queue_;
   std::shared_ptr<const SoftModel> model_;
-  SoftBody body_;  // as it rests; where its nodes are while it is sculpted
+  SoftBody body_;  // at rest; with present node positions during sculpting
   SoftSurface surface_;
   SoftSculpture sculpture_;
-  std::vector<Vec3> shape_;            // the rest displacements that the GPU knows, m
-  std::vector<std::uint32_t> slotOf_;  // SoftLayout's
+  std::vector<Vec3> shape_;            // rest displacements on the GPU, m
+  std::vector<std::uint32_t> slotOf_;  // SoftLayout::slotOf
   DVec3 gravityOfSubstep_{0};          // on the free nodes, kg m/s
   double touchFrequency_rad_s_;
   SoftSizes sizes_;
   SoftMemory memory_;
   SoftPasses passes_;
   GpuSoftPress press_;
-  std::vector<SurfacePress> presses_;  // of the next step
+  std::vector<SurfacePress> presses_;  // presses of the next step
   std::optional<GpuSoftCompliance> compliance_;
   bool timesPasses_;
   bool carriesVelocities_ = true;
   CommandList step_;
-  std::unique_ptr<CommandList> pressedStep_;  // where somebody has pressed
-  const CommandList* ran_ = &step_;           // last
-  std::unique_ptr<Frames> frames_;            // where frames are asked for
+  std::unique_ptr<CommandList> pressedStep_;  // created at the first press
+  const CommandList* ran_ = &step_;           // the last step's list
+  std::unique_ptr<Frames> frames_;            // created at the first frame
 };
 
 }  // namespace palpate

@@ -40,7 +40,7 @@ shared::ToolSpring springOnGpu(const MatterScene& scene, const MatterPlan& plan)
           .step = static_cast<float>(spring.step)};
 }
 
-// A place is kept as its distance from the hand's, so that nothing but zeros stands where the hand is.
+// A position is stored relative to the hand's, so all zeros is a ball at the hand.
 void putToHand(Device& device, Queue& queue, const Buffer& state, std::uint64_t first, std::size_t tool) {
   CommandList list(device, queue, "place a tool");
   list.begin();

@@ -1,4 +1,4 @@
-// Tools of a simulation on a GPU: what it is told of hands, and what it says of the balls.
+// Tools of a simulation on a GPU: input of the hands' poses, and reports of the balls.
 #pragma once
 
 #include <span>
@@ -12,18 +12,18 @@ class Buffer;
 class Device;
 class Queue;
 
-/// Where hands are at the end of each substep, while they go from one place to another: `steps` has one for each tool,
-/// substep by substep.
+/// Writes the hands' poses at the end of each substep, interpolated from `from` to `to`: `steps` has one entry per tool
+/// for each substep.
 void writeHandSteps(std::span<const HandPose> from, std::span<const HandPose> to, double substep_s,
                     std::span<shared::HandStep> steps);
 
-/// What holds the balls of a scene's tool.
+/// Spring and damper of the balls of a scene's tool.
 shared::ToolSpring springOnGpu(const MatterScene& scene, const MatterPlan& plan);
 
-/// Puts the ball of a tool to where its hand is, at rest: `first`: where the tools' states begin in `state`, bytes.
+/// Places the ball of a tool at its hand, at rest. `first`: byte offset of the tools' states in `state`.
 void putToHand(Device& device, Queue& queue, const Buffer& state, std::uint64_t first, std::size_t tool);
 
-/// Of a step that ended with the hand there.
+/// Report of a step that ended with the hand at `hand`.
 ToolReport reportOf(const shared::ToolState& tool, const HandPose& hand);
 
 }  // namespace palpate

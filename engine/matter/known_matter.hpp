@@ -1,4 +1,4 @@
-// What is known of matter that somebody else simulates: the particles around the hands, as they were some time ago.
+// Known state of matter simulated on another machine: the particles around the hands at an earlier time.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 namespace palpate {
 
 struct KnownMatter {
-  std::vector<std::uint32_t> ids;           ///< for life, ascending
-  std::vector<Vec3> positions, velocities;  ///< one for each, m and m/s
-  double time_s = 0;                        ///< that they are true for
+  std::vector<std::uint32_t> ids;           ///< permanent, ascending
+  std::vector<Vec3> positions, velocities;  ///< one per id, m and m/s
+  double time_s = 0;                        ///< time of the state
   std::size_t size() const { return ids.size(); }
 };
 
-/// Puts what is known now into what it is given, and says true; false where nothing is new since the last call. For one
+/// Writes the known state into `known` and returns true; false if there is nothing new since the last call. For one
 /// thread.
 using MatterNews = std::function<bool(KnownMatter& known)>;
 

@@ -1,4 +1,4 @@
-// Several numbers side by side as one, so that a formula of shaders/shared computes as many cells at once.
+// SIMD numbers, with which a formula of shaders/shared computes several cells at once.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// Four floats, each computed as a float is: the same bits.
+/// Four floats, each with bitwise the same results as a float.
 class Lanes {
  public:
   static constexpr std::size_t kCount = 4;
@@ -37,7 +37,7 @@ class Lanes {
   Lanes& operator-=(Lanes b) { return *this = *this - b; }
   Lanes& operator*=(Lanes b) { return *this = *this * b; }
   Lanes& operator/=(Lanes b) { return *this = *this / b; }
-  /// Of the eight of two, four.
+  /// Selects four of the eight values of `a` and `b`.
   template <int i, int j, int k, int l>
   static Lanes shuffled(Lanes a, Lanes b) {
     return Lanes(__builtin_shufflevector(a.values_, b.values_, i, j, k, l));
@@ -61,7 +61,7 @@ class Lanes {
   Vector values_;
 };
 
-/// Four of each component, of four vectors: what stands as rows, as columns.
+/// Four vectors transposed: one Lanes per component.
 struct FourVectors {
   Lanes x, y, z, w;
 
@@ -75,6 +75,6 @@ struct FourVectors {
 
 }  // namespace palpate
 
-/// What vectors ask before they take it for a number.
+/// Required by glm to accept Lanes as a number.
 template <>
 class std::numeric_limits<palpate::Lanes> : public std::numeric_limits<float> {};

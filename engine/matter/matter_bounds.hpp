@@ -1,4 +1,4 @@
-// What the fields of scenes are held against: each throws Error that begins with the field and says its bounds.
+// Checks of the fields of scenes: each throws an Error that begins with the field and states its bounds.
 #pragma once
 
 #include <string_view>
@@ -9,10 +9,10 @@ namespace palpate {
 
 void requireBetween(std::string_view field, double value, double least, double most);
 void requireBetween(std::string_view field, const DVec3& value, double least, double most);
-/// Along each axis.
+/// The same for each axis.
 void requireBetween(std::string_view field, const DVec3& value, double least, const DVec3& most);
 
-/// Whether the scene's substeps are as many as it needs, and not too many. `remedy`: what else needs fewer, besides a
+/// Checks that the scene's substeps suffice and do not exceed the maximum. `remedy`: what else reduces them, besides a
 /// larger spacing.
 void requireSubsteps(const MatterScene& scene, double needed, std::string_view remedy);
 

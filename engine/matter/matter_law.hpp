@@ -1,4 +1,4 @@
-// What the particles of a kind of matter do to each other, to walls and to bodies: the seam between kinds.
+// Interaction of the particles of a kind of matter with each other, walls and bodies: the interface of the kinds.
 #pragma once
 
 #include <memory>
@@ -16,17 +16,17 @@ class MatterLaw {
  public:
   virtual ~MatterLaw() = default;
 
-  /// With other parameters from now on; whatever it remembers stays.
+  /// Sets the parameters; stored state is kept.
   virtual void change(const MatterScene& scene, const MatterPlan& plan) = 0;
-  /// Particles have other ids from now on: `was` says for each which one it had, or kNoParticle where it is new.
+  /// Changes the ids of the particles: `was` gives each new id's old one, or kNoParticle for a new particle.
   virtual void renumber(std::span<const std::uint32_t> was) = 0;
-  /// From places that were predicted to those that the substep ends with: settles each slot once. `sums`: one for each
-  /// block, empty, with an exchange for each body.
+  /// Moves particles from the predicted positions to the final ones of the substep: settles each slot once. `sums`: one
+  /// per block, zeroed, with an exchange for each body.
   virtual void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
                      WorkerTeam& team) = 0;
 };
 
-/// A new kind of matter is a file and a line here.
+/// A new kind of matter requires a file and a line here.
 std::unique_ptr<MatterLaw> waterLaw(const MatterScene& scene, const MatterPlan& plan);
 std::unique_ptr<MatterLaw> sandLaw(const MatterScene& scene, const MatterPlan& plan);
 std::unique_ptr<MatterLaw> lawOf(const MatterScene& scene, const MatterPlan& plan);

@@ -16,7 +16,7 @@ std::uint64_t stateBytes(const MatterSizes& sizes) {
   return MatterMemory::kTools + sizes.tools * sizeof(shared::ToolState);
 }
 
-// Of all, of each tool, and of the model.
+// Rows of the totals, of each tool, and of the model.
 std::uint64_t rowsOfSums(const MatterSizes& sizes) {
   return std::uint64_t{2} + 2 * sizes.tools + (sizes.modelNodes > 0 ? 2 : 0);
 }

@@ -5,28 +5,28 @@
 
 namespace palpate {
 
-/// How much of everything a simulation on a GPU has.
+/// Sizes of a simulation on a GPU.
 struct MatterSizes {
   std::uint32_t particles = 0;
   std::uint32_t blocks = 0;  ///< of shared::kMatterBlock slots
-  std::uint32_t cells = 0;   ///< of the box
+  std::uint32_t cells = 0;   ///< cells of the box
   std::uint32_t tools = 0;
-  std::uint32_t bodyPoints = 0;  ///< of a tool's ball
+  std::uint32_t bodyPoints = 0;  ///< points of a tool's ball
   std::uint32_t bodyCells = 0;
-  std::uint32_t modelNodes = 0;  ///< of the field about a model; 0: there is none
-  std::uint32_t substeps = 1;    ///< in a step
-  std::uint32_t mostListed = 0;  ///< neighbours in a list
-  bool remembers = false;        ///< whether particles have contacts that remember
+  std::uint32_t modelNodes = 0;  ///< nodes of the field around a model; 0: no model
+  std::uint32_t substeps = 1;    ///< per step
+  std::uint32_t mostListed = 0;  ///< maximum number of neighbours in a list
+  bool remembers = false;        ///< whether contacts of particles store state
 
-  std::uint32_t stride() const;  ///< of lists, slots
-  std::uint32_t tiles() const;   ///< of the scan over all cells
+  std::uint32_t stride() const;  ///< stride of the lists, in slots
+  std::uint32_t tiles() const;   ///< number of tiles of the scan over all cells
 };
 
-/// What the passes of matter work on: shaders/shared/matter_passes.h says what stands in each. Throws OutOfGpuMemory.
+/// Buffers of the matter passes; shaders/shared/matter_passes.h defines their layouts. Throws OutOfGpuMemory.
 struct MatterMemory {
   MatterMemory(Device& device, const MatterSizes& sizes);
 
-  /// Parts of `state`, which is copied to the host as a whole.
+  /// Offsets of the parts of `state`, which is copied to the host as a whole.
   static constexpr std::uint64_t kControl = 0, kSums = 32, kTools = 92;
   std::uint64_t bytes() const;
 

@@ -13,20 +13,20 @@ namespace palpate {
 
 namespace {
 
-// Cells in which the model is filled, and nodes of the field: half a spacing apart.
+// Number of cells (in which the model is filled) and field nodes per spacing.
 constexpr double kNodesInSpacing = 2;
 constexpr int kNodesInSupport = static_cast<int>(kNodesInSpacing * kSupport_spacings);
 constexpr std::size_t kOfBlock = 256;
-// Points of a built-in model in a square of a spacing, on each of the six sides of its box.
+// Number of points of a built-in model per squared spacing, on each of the six sides of its box.
 constexpr double kPointsInSquare = 30, kMaxPoints = 4e5;
 
-// Nodes beyond the outermost cell: as far as weights reach into it, and the middle of a ball that touches it.
+// Number of nodes beyond the outermost cell: the reach of the weights, or the radius of a ball that touches it.
 int nodesBeyond(const MatterScene& scene) {
   const double ball = std::ceil(kNodesInSpacing * scene.tool.radius_mm / particleSpacing_mm(scene));
   return std::max(kNodesInSupport, static_cast<int>(ball)) + 2;
 }
 
-// Points where the scene has the model, m.
+// The points at the model's position in the scene, m.
 std::vector<SurfacePlace> placed(PointCloud cloud, const MatterScene& scene, unsigned threads) {
   const auto [low, high] = modelBox_mm(scene);
   MatterScene stand = scene;
@@ -38,11 +38,11 @@ std::vector<SurfacePlace> placed(PointCloud cloud, const MatterScene& scene, uns
   return points;
 }
 
-// The model in cells, with room about it for all weights that reach it.
+// The model filled into cells, with a margin for all weights that reach it.
 struct Filled {
   shared::ModelField field{};
   double spacing_m = 0;
-  std::vector<float> share;  // of each node's cell that is full
+  std::vector<float> share;  // filled share of each node's cell
 
   std::size_t nodeOf(const IVec3& node) const { return shared::modelNode(field, node); }
   IVec3 placeOf(std::size_t number) const {
@@ -64,7 +64,7 @@ Filled filledOf(const LatticeBox& box, int beyond) {
   return filled;
 }
 
-// A cell beside another one, and its weight among all.
+// A neighbour cell and its normalised weight.
 struct Beside {
   IVec3 offset;
   double weight;
@@ -85,7 +85,7 @@ std::vector<Beside> weightsOfCells() {
   return cells;
 }
 
-// Of all weight about a node the share inside.
+// Share of the weight around a node that is inside.
 double shareAt(const Filled& filled, const IVec3& node, std::span<const Beside> cells) {
   double share = 0;
   for (const Beside& cell : cells) {
@@ -111,7 +111,8 @@ MatterModel::MatterModel(PointCloud cloud, const MatterScene& scene, unsigned th
   team.forEach((nodes.size() + kOfBlock - 1) / kOfBlock, [&](std::size_t block) {
     for (std::size_t n = block * kOfBlock; n < std::min((block + 1) * kOfBlock, nodes.size()); ++n) {
       const IVec3 node = filled.placeOf(n);
-      // As far as a plane is that hides as much; what is thin hides less than what is thick, and there points tell.
+      // Distance of the plane that hides the same share; thin parts hide less than thick ones, so there the points
+      // determine the distance.
       const double share = shareAt(filled, node, cells), plane = distanceOfShare(share);
       std::uint32_t nearest = 0;
       double distance2 = 0;

@@ -20,7 +20,7 @@ struct Parameter {
   void (*write)(MatterScene& scene, double value);
   double low, high;
   bool ofWater = true, ofSand = true, ofSoft = true;
-  std::optional<SoftPreset> preset = std::nullopt;  // of soft bodies, the only one that has it
+  std::optional<SoftPreset> preset = std::nullopt;  // for soft bodies: the only preset with this parameter
 
   bool isOf(const MatterScene& scene) const {
     if (scene.matter == Matter::soft) return ofSoft && (!preset || scene.preset == *preset);
@@ -94,10 +94,10 @@ void setParameter(MatterScene& scene, std::string_view name, double value) {
     names.emplace_back(each.name);
     if (each.name != name) continue;
     if (!(value >= each.low && value <= each.high))
-      throw Error("{}: is {:g}; it is from {:g} to {:g}", name, value, each.low, each.high);
+      throw Error("{}: is {:g}; it must be from {:g} to {:g}", name, value, each.low, each.high);
     return each.write(scene, value);
   }
-  throw Error("{}: is no parameter of {} that can be changed while it runs; there are {}", name,
+  throw Error("{}: is not a parameter of {} that can be changed while it runs; there are {}", name,
               nameOf(kMatters, scene.matter), fmt::join(names, ", "));
 }
 

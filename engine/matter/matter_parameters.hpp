@@ -1,4 +1,4 @@
-// What of a scene can be changed while it runs: numbers that change no particle's place.
+// Parameters of a scene that can be changed while it runs: numbers that change no particle's position.
 #pragma once
 
 #include <string_view>
@@ -9,10 +9,10 @@
 
 namespace palpate {
 
-/// Those that the matter of a scene has, by the names of its fields; gravity along each axis of its own.
+/// The parameters of the scene's matter, named by the scene's fields; one gravity parameter per axis.
 std::vector<SimulationParameter> parametersOf(const MatterScene& scene);
 
-/// Throws Error with the names that there are, or the bounds; what planOf() refuses is not looked at.
+/// Throws Error with the valid names, or the bounds; does not check the limits of planOf().
 void setParameter(MatterScene& scene, std::string_view name, double value);
 
 }  // namespace palpate

@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-// Entries of `values` in another order; `scratch` keeps its memory.
+// Permutes `values`; `scratch` keeps its memory.
 template <class T>
 void permute(std::vector<T>& values, const std::vector<std::uint32_t>& order, std::vector<T>& scratch) {
   scratch.resize(values.size());

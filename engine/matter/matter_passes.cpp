@@ -14,7 +14,7 @@ namespace {
 DeviceAddress control(const MatterMemory& memory) { return memory.state.address() + MatterMemory::kControl; }
 DeviceAddress tools(const MatterMemory& memory) { return memory.state.address() + MatterMemory::kTools; }
 
-// Invocations that predict, and empty all cells among them.
+// Number of invocations of the prediction, which together also clear all cells.
 std::uint32_t threadsOf(const MatterSizes& sizes) {
   const std::uint32_t most = std::max({sizes.particles, sizes.cells / shared::kEmptiedAtOnce + 1, sizes.tools});
   return (most + shared::kMatterBlock - 1) / shared::kMatterBlock * shared::kMatterBlock;

@@ -5,14 +5,15 @@
 
 namespace palpate {
 
-/// The passes of one substep of matter on a GPU. The host is not asked in between: whether lists are still good is seen
-/// there, and the passes that make them end at once where they are. But even these take their time on a GPU, and so
-/// there are substeps without them. No sum and no order depends on who came first.
+/// The passes of one substep of matter on a GPU. The host does not intervene: the GPU decides whether the lists are
+/// still valid, and if so the passes that build them end at once. Even these cost time on a GPU, so there are substeps
+/// without them. No sum and no order depends on the order of execution.
 class MatterPasses {
  public:
   MatterPasses(Device& device, Matter matter);
 
-  /// Substep `substep` of a step, the first of `listsFor` until lists can be made again; 0: none are made in it.
+  /// Records substep `substep` of a step, the first of `listsFor` substeps until lists can be rebuilt; 0: this substep
+  /// builds none.
   void record(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes, std::uint32_t substep,
               std::uint32_t listsFor) const;
 

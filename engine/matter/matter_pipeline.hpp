@@ -14,7 +14,7 @@ ComputePipeline matterPipeline(Device& device, const ShaderCode& code) {
   return {device, code, {.workgroupSize = shared::kMatterBlock, .pushBytes = sizeof(Args)}};
 }
 
-/// Of a soft body; only the GPU touches it.
+/// Buffer of a soft body; only the GPU accesses it.
 template <class T>
 Buffer softBuffer(Device& device, std::uint64_t count, const char* name) {
   return Buffer::of<T>(device, count, Memory::device, std::string("soft ") + name);

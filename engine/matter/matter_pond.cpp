@@ -8,28 +8,28 @@ namespace palpate {
 
 namespace {
 
-// In so long water that is held comes to where it is known to be, and takes the velocity that it needs for that.
-// Velocities that are known are not taken: each particle trembles with some of its own, by more than water can be
-// compressed.
+// Time constants: held water reaches its known position in kComes_s, and takes the velocity for that in kFollows_s.
+// Known velocities are not used: each particle jitters by more than water can be compressed.
 constexpr float kComes_s = 0.02f, kFollows_s = 0.0005f;
 constexpr std::uint32_t kMaxBetweenNews = 50;  // steps
-// News that was held up on its way comes with the next one. What has moved meanwhile does not leap there in one step,
-// which would press grains into one another.
+// A delayed update arrives together with the next one. Particles that moved meanwhile must not jump in one step, which
+// would press grains into one another.
 constexpr std::uint32_t kFewestBetweenNews = 8;
-// A ball that goes no faster is where it is known to be, as soon as that is known: spacings a second.
+// Below this speed (spacings per second) a ball is considered to be where it is known to be.
 constexpr double kRests_spacings_s = 2;
-// Of two sets of particles, one after the other: more of them are elsewhere than any can have gone.
+// Two successive known states differ by a jump if more than the share kElsewhere of the particles moved farther than
+// kElsewhere_spacings, which is more than particles can move.
 constexpr double kElsewhere_spacings = 3, kElsewhere = 0.5;
 
 Vec4 heldWater(const Vec3& velocity, const Vec3& way, float held, float step_s) {
-  // Implicit, so that no substep is too long for it.
+  // Implicit, so that it is stable at any substep.
   const float goes = held * step_s / kFollows_s;
   return Vec4(velocity + goes / (1 + goes) * (way / kComes_s - velocity), 0);
 }
 
-// Grains carry a load by overlaps of a hundredth of their size, so that what is held by less than all of them bear
-// would give way, and no load would build up before it. They go all the way in a substep, and are not pushed off it:
-// friction counts what they move, and not what is taken back.
+// Grains carry a load by overlaps of a hundredth of their size, so a hold weaker than the load of all grains would give
+// way, and no load would build up before it. So held grains move the whole displacement in a substep and interactions
+// do not push them off it: friction takes this motion into account, but would not see a later correction.
 Vec4 heldSand(const Vec3& velocity, const Vec3& way, float held, float step_s) {
   return Vec4(glm::mix(velocity, way / step_s, held), held);
 }
@@ -49,7 +49,7 @@ MatterPond::MatterPond(const MatterScene& scene, const MatterOptions& options, M
       rules_(spaceOf(this->scene(), plan())),
       reach_(pondReach(this->scene(), plan())) {}
 
-// Where its hands are is known with the next step.
+// The positions of the hands are known with the next step.
 void MatterPond::begin() {
   MatterWorld::begin();
   members_.clear();
@@ -66,7 +66,7 @@ std::vector<DVec3> MatterPond::balls() const {
   return places;
 }
 
-// Whether what is known leaps, as where somebody has put all of it back to where it began.
+// Whether the known state jumps, as after a restart of the remote simulation.
 bool MatterPond::isElsewhere() const {
   std::size_t compared = 0, gone = 0;
   auto there = known_.ids.begin();
@@ -81,8 +81,7 @@ bool MatterPond::isElsewhere() const {
   return static_cast<double>(gone) > kElsewhere * static_cast<double>(compared);
 }
 
-// Of the way from where particles were held to where they are known to be now: so that they go evenly from news to
-// news.
+// Share of the path from the held positions to the known ones, so that particles move evenly between updates.
 float MatterPond::gone() const {
   return std::min(1.0f, static_cast<float>(sinceNews_) / static_cast<float>(betweenNews_));
 }
@@ -118,7 +117,7 @@ void MatterPond::renew() {
     empty();
 }
 
-// Where the members are by now.
+// Updates the members' positions and velocities from the simulation.
 void MatterPond::take() {
   for (std::size_t slot = 0; slot < matter().size(); ++slot) {
     PondMember& member = members_[matter().ids()[slot]];
@@ -140,7 +139,7 @@ void MatterPond::set(std::vector<PondMember> members) {
   setParticles(std::move(places), velocities, was);
 }
 
-// Nothing is here until something is known again, and balls stand where the hands are.
+// Removes all members until the next update, and places the balls at the hands.
 void MatterPond::empty() {
   ++counts_.restarts;
   set({});
@@ -168,7 +167,7 @@ MatterSimulation::StepReport MatterPond::run(std::span<const HandPose> from, std
   hear();
   StepReport report = MatterWorld::run(from, to);
   if (report.state != MatterState::running) {
-    // It is none of what is simulated elsewhere, and comes from there anew.
+    // A local failure does not affect the remote simulation; members are taken from there again.
     empty();
     report = {};
     for (std::size_t k = 0; k < tools(); ++k) report.tools.push_back({.place_m = to[k].place_m});
@@ -200,7 +199,7 @@ std::vector<std::uint32_t> MatterPond::othersKnown() const {
   for (std::uint32_t i = 0; i < known_.size(); ++i) {
     while (member != members_.end() && member->id < known_.ids[i]) ++member;
     const bool isHere = member != members_.end() && member->id == known_.ids[i];
-    // What is not taken in has no room here: it stands within a ball, or where another one is.
+    // A known particle near a ball that is not a member has no room here: it is inside a ball, or overlaps a member.
     if (!isHere && static_cast<double>(PondMembers::distance(known_.positions[i], balls_)) >= reach_.end)
       others.push_back(i);
   }

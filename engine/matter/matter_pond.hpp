@@ -1,4 +1,4 @@
-// Matter that somebody else simulates, around hands that are here: it answers at once, and follows what is known of it.
+// Local simulation of remote matter around the local hands: it answers without latency, and follows the known state.
 #pragma once
 
 #include <vector>
@@ -9,28 +9,28 @@
 
 namespace palpate {
 
-/// What a pond has come to.
+/// Counters of a pond.
 struct PondCounts {
-  std::uint64_t news = 0;      ///< times that other particles were known than before
-  std::uint64_t restarts = 0;  ///< times that all of it was somewhere else, or what was here was no matter any more
+  std::uint64_t news = 0;      ///< number of updates of the known particles
+  std::uint64_t restarts = 0;  ///< number of restarts: a jump of the known state, or a failed local simulation
 };
 
-/// The particles around the ball of each hand by the same laws as all of them are moved elsewhere. Those next to a ball
-/// are their own: they give way to it at once. Those farther out are held where they are known to be, so that what
-/// becomes of the whole comes in from there: a level that rises, a flow, what other hands do. A ball is there as a
-/// whole at once, since what is within is left out. Hands get no more energy out of it than they have put in, but for
-/// kLent_J: a force that would give more loses what of it goes along the way of the hand. On the CPU; for one thread.
+/// Simulates the particles around the ball of each hand with the laws of the remote simulation. Particles next to a
+/// ball move freely: they yield to it at once. Those farther out are held at their known positions, so that changes of
+/// the whole arrive from there: a rising level, a flow, the action of other hands. A ball has its full size at once, as
+/// matter inside it is left out. Hands get no more energy out than they have put in, except kLent_J: a force that would
+/// give more loses its excess along the hand's displacement. On the CPU; for one thread.
 class MatterPond final : public MatterWorld {
  public:
   static constexpr double kLent_J = 5e-4;
 
-  /// `news` is asked before each step. Throws Error as planOf() does.
+  /// `news` is called before each step. Throws Error as planOf() does.
   MatterPond(const MatterScene& scene, const MatterOptions& options, MatterNews news);
 
   const PondCounts& counts() const { return counts_; }
   std::size_t members() const { return members_.size(); }
   std::optional<double> knownAt_s() const override { return knownAt_s_; }
-  /// Of the members, and of what else is known.
+  /// Of the members and of the other known particles.
   std::vector<Vec3> positionsById() const override;
   std::vector<Vec3> velocitiesById() const override;
 
@@ -56,11 +56,11 @@ class MatterPond final : public MatterWorld {
   PondMembers rules_;
   PondReach reach_;
   KnownMatter known_;
-  std::vector<PondMember> members_;  // by their numbers
+  std::vector<PondMember> members_;  // indexed by the local particle id
   std::vector<DVec3> balls_;
   std::optional<double> knownAt_s_;
-  std::uint32_t sinceNews_ = 0, betweenNews_ = 1;  // steps
-  bool isPlaced_ = false;                          // a ball has come elsewhere since the members were looked at
+  std::uint32_t sinceNews_ = 0, betweenNews_ = 1;  // number of steps
+  bool isPlaced_ = false;                          // a ball was placed since the members were last updated
   PondCounts counts_;
 };
 

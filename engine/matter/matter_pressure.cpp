@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kRadius_spacings = 3;
 
-// Those of all particles that count, by themselves or as neighbours of one that does, where they are about the place:
-// beyond a periodic border the image that is nearest.
+// All particles around a position that contribute, directly or as neighbours of one that does: across a periodic border
+// their nearest image.
 std::vector<Vec4> particlesAbout(const MatterScene& scene, const std::vector<Vec4>& particles, const DVec3& place,
                                  double far) {
   std::vector<Vec4> about;
@@ -28,8 +28,8 @@ std::vector<Vec4> particlesAbout(const MatterScene& scene, const std::vector<Vec
   return about;
 }
 
-// The virial at a particle: what the pushes between neighbours carry through a plane across `down`, or the mean of all
-// planes where that is 0. Particles at rest stand in layers, which carry sideways now more, now less than upwards.
+// The virial at a particle: the momentum flux of the neighbours' pushes through a plane perpendicular to `down`, or the
+// mean over all planes if that is 0. Particles at rest are in layers, which carry more or less sideways than upwards.
 double pressureOf(const shared::WaterRules& rules, double density_kg_m3, const std::vector<Vec4>& about,
                   const Vec4& particle, const Vec3& down) {
   double sum = 0;
@@ -62,7 +62,7 @@ double waterPressure(const MatterScene& scene, const MatterPlan& plan, const std
   const double radius = kRadius_spacings * plan.spacing_m, gravity = glm::length(scene.gravity_m_s2);
   const Vec3 down = gravity > 0 ? scene.gravity_m_s2 / gravity : DVec3(0);
   const auto about = particlesAbout(scene, particles, place, (kRadius_spacings + kSupport_spacings) * plan.spacing_m);
-  // Least squares of a constant and a slope, which is taken to be none along an axis where the particles do not tell.
+  // Least-squares fit of a constant and a slope; the slope is 0 along an axis that the particles do not determine.
   glm::dmat4 normal(0);
   DVec4 right(0);
   for (const Vec4& particle : about) {

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// Pressure of water about `place`, as MatterSimulation::pressureAt() says. `particles`: m, in any order; the
-/// compression in w.
+/// Pressure of water at `place`, as in MatterSimulation::pressureAt(). `particles`: m, in any order; w: the
+/// compression.
 double waterPressure(const MatterScene& scene, const MatterPlan& plan, const std::vector<Vec4>& particles,
                      const DVec3& place);
 

@@ -8,12 +8,12 @@ namespace palpate {
 
 namespace {
 
-// Sum of the weights in a neighbourhood that is filled evenly, without grain, with one particle in a cube of spacing 1.
+// Sum of the weights in a uniformly filled neighbourhood (continuum), at one particle per cube of spacing 1.
 double evenSum(double support_spacings) {
   return 2 * std::numbers::pi / 21 * support_spacings * support_spacings * support_spacings;
 }
 
-// Square of the speed that the pushes of one iteration come to, before the moment of the weights scales it.
+// Square of the speed from the pushes of one iteration, before scaling by the moment of the weights.
 double pushSpeed2(const Fluid& fluid) {
   const double speed = kStiffness * fluid.spacing_m / fluid.substep_s;
   return speed * speed;
@@ -54,7 +54,7 @@ shared::WaterRules waterRules(const Fluid& fluid) {
   const double even = evenSum(kSupport_spacings);
   const double push = fluid.substep_s * pushSpeed2(fluid) / sums.weight;
   const double drag = fluid.substep_s * 2 * fluid.viscosity_Pa_s / fluid.density_kg_m3 / sums.moment;
-  const double atRest = distanceOfShare(sums.beyond / even);  // from the wall as it is taken, in support radii
+  const double atRest = distanceOfShare(sums.beyond / even);  // distance from the effective wall, in support radii
   const double layers = sums.shear * fluid.spacing_m / shared::shareInLayer(atRest);
   shared::WaterRules rules{};
   rules.support = static_cast<float>(support);

@@ -16,13 +16,13 @@ namespace {
 
 constexpr double kMinSpacing_mm = 0.01, kMaxSpacing_mm = 1e4;
 constexpr double kMaxBox_mm = 1e6;
-constexpr double kMaxCells = 64e6;         // of the grid, whose memory grows with the box
-constexpr double kBytesOfParticle = 1600;  // with its neighbours
+constexpr double kMaxCells = 64e6;         // cells of the grid, whose memory grows with the box
+constexpr double kBytesOfParticle = 1600;  // including its neighbours
 constexpr double kBytesOfCell = 4;
-constexpr double kBytesOfNode = 200;  // of the field about a model, while it is filled
+constexpr double kBytesOfNode = 200;  // node of the field around a model, during its construction
 constexpr double kMinModel_spacings = 4;
-constexpr std::uint64_t kMaxParticles = 1 << 27;  // as neighbours are numbered
-// A particle that falls through the whole box goes so many spacings in a substep at most.
+constexpr std::uint64_t kMaxParticles = 1 << 27;  // limit of the neighbours' slot numbers
+// Maximum displacement in a substep of a particle that falls through the whole box.
 constexpr double kMaxWay_spacings = 0.5;
 
 void requireFields(const MatterScene& scene) {
@@ -56,15 +56,16 @@ void requireTool(const MatterScene& scene) {
   requireBetween("tool.mass_kg", mass, 0, 1e6);
   if (radius == 0) return;
   if (radius < scene.spacing_mm)
-    throw Error("tool.radius_mm: is {}; it is at least the spacing, {}", radius, scene.spacing_mm);
+    throw Error("tool.radius_mm: is {}; it must be at least the spacing, {}", radius, scene.spacing_mm);
   const double smallest = std::min({scene.box_mm.x, scene.box_mm.y, scene.box_mm.z});
-  if (2 * radius >= smallest) throw Error("tool.radius_mm: is {}; twice that is below the box, {}", radius, smallest);
+  if (2 * radius >= smallest)
+    throw Error("tool.radius_mm: is {}; twice that must be less than the box, {}", radius, smallest);
   const double displaced = displaced_kg(scene, radius);
   if (mass < displaced / 2)
-    throw Error("tool.mass_kg: is {}; it is at least {:.3g}, half of what the ball displaces", mass, displaced / 2);
+    throw Error("tool.mass_kg: is {}; it must be at least {:.3g}, half of the displaced mass", mass, displaced / 2);
 }
 
-// Nodes of the field about a model are half a spacing apart, and reach some spacings beyond it.
+// Number of nodes of the field around a model: half a spacing apart, some spacings beyond the model.
 double nodesOfModel(const MatterScene& scene) {
   if (scene.model.empty()) return 0;
   const auto [low, high] = modelBox_mm(scene);
@@ -74,7 +75,8 @@ double nodesOfModel(const MatterScene& scene) {
 
 void requireModel(const MatterScene& scene) {
   if (scene.model.empty()) {
-    if (scene.model_mm != DVec3(0) || scene.model_at_mm) throw Error("model: is not there, but where it is to stand");
+    if (scene.model_mm != DVec3(0) || scene.model_at_mm)
+      throw Error("model: is missing, but model_mm or model_at_mm is given");
     return;
   }
   requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
@@ -82,24 +84,24 @@ void requireModel(const MatterScene& scene) {
   const auto [low, high] = modelBox_mm(scene);
   const DVec3 sides = high - low;
   if (const double longest = std::max({sides.x, sides.y, sides.z}); longest < kMinModel_spacings * scene.spacing_mm)
-    throw Error("model_mm: is {:g} on its longest side, which is {:g} spacings at least; take a smaller spacing_mm",
-                longest, kMinModel_spacings);
+    throw Error(
+        "model_mm: is {:g} on its longest side, which must be at least {:g} spacings; take a smaller spacing_mm",
+        longest, kMinModel_spacings);
   for (int k = 0; k < 3; ++k)
     if (!(low[k] >= 0 && high[k] <= scene.box_mm[k] * (1 + 1e-9)))
       throw Error("model_at_mm: puts the model from {:g} to {:g} along {}, where the box is {:g}", low[k], high[k],
                   "xyz"[k], scene.box_mm[k]);
 }
 
-// Shortest substep at which the grains at the bottom of the fill overlap by a fiftieth of their diameter, at a contact
-// above and one below.
+// Longest substep at which the grains at the bottom of the fill overlap by no more than a fiftieth of their diameter,
+// with one contact above and one below.
 double grainSubstep(const MatterScene& scene, double spacing_m) {
   const double drop = std::abs(glm::dot(scene.gravity_m_s2, (scene.fill_at_mm + scene.fill_mm) * 1e-3));
   return drop > 0 ? std::sqrt(0.02 * kGrainShare / drop) * spacing_m : kMatterStep_s;
 }
 
-// Speed of sound that keeps the compression below what is promised: a two-hundredth at rest, and that of matter which
-// has fallen by its own height; the same within a drop of three spacings' radius, as if its cohesion were a surface
-// tension.
+// Speed of sound that limits the compression: to a two-hundredth at rest, and to that of matter that has fallen by its
+// own height; likewise inside a drop with a radius of three spacings, with the cohesion as surface tension.
 double neededSpeedOfSound(const MatterScene& scene, double spacing_m) {
   constexpr double kSmallestDrop_spacings = 3;
   const double fall = std::abs(glm::dot(scene.gravity_m_s2, (scene.fill_at_mm + scene.fill_mm) * 1e-3));
@@ -107,7 +109,7 @@ double neededSpeedOfSound(const MatterScene& scene, double spacing_m) {
   return std::sqrt(200 * (fall + inDrop));
 }
 
-// Substeps in a step, as a real number.
+// Substeps per step, as a real number.
 double neededSubsteps(const MatterScene& scene, double spacing_m) {
   const double bySound = scene.matter == Matter::sand
                              ? kMatterStep_s / grainSubstep(scene, spacing_m)
@@ -148,7 +150,7 @@ MatterTool usualTool(const MatterScene& scene) {
 
 namespace {
 
-// Of the fill along an axis: as many as are no farther apart than the scene says.
+// Layers of the fill along an axis: the fewest that are no farther apart than the scene's spacing.
 double layersAlong(const MatterScene& scene, int axis) {
   return std::ceil(scene.fill_mm[axis] / scene.spacing_mm - 1e-6);
 }
@@ -179,7 +181,7 @@ MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
     particles *= plan.lattice[k];
     cells *= std::max(1.0, std::floor(scene.box_mm[k] / spacing_mm / (kReach_spacings / 2)));
     if (scene.periodic[k] && scene.box_mm[k] < 3 * kReach_spacings * scene.spacing_mm)
-      throw Error("box_mm: is {} along {}, where it is periodic; it is at least {} spacings there", scene.box_mm[k],
+      throw Error("box_mm: is {} along {}, where it is periodic and must be at least {} spacings", scene.box_mm[k],
                   "xyz"[k], 3 * kReach_spacings);
   }
   plan.particles = static_cast<std::uint64_t>(std::min(particles, 1e18));
@@ -197,8 +199,8 @@ MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
 
 namespace {
 
-// Grains that stand exactly upon each other would not know where to fall to: each is moved by so much at most, along
-// each axis, by numbers that follow from its own.
+// Grains exactly above each other would have no direction to fall: each is displaced by at most this much along each
+// axis, pseudo-randomly from its number.
 constexpr float kUneven_spacings = 0.15f;
 
 Vec3 unevenness(std::uint32_t number) {

@@ -1,4 +1,4 @@
-// What a scene of matter is made of, and what a simulation of it will need: looked at before anything runs.
+// Description of a scene of matter, and what its simulation needs: checked before anything runs.
 #pragma once
 
 #include <array>
@@ -17,16 +17,16 @@ enum class Matter { water, sand, soft };
 inline constexpr std::array<std::pair<std::string_view, Matter>, 3> kMatters{
     {{"water", Matter::water}, {"sand", Matter::sand}, {"soft", Matter::soft}}};
 
-/// What a soft body is that has no model.
+/// Shape of a soft body without a model.
 enum class SoftShape {
   box,
   ball,
-  sculpture  ///< that of makeShape(), filled as a scan is
+  sculpture  ///< shape of makeShape(), filled like a scan
 };
 inline constexpr std::array<std::pair<std::string_view, SoftShape>, 3> kSoftShapes{
     {{"box", SoftShape::box}, {"ball", SoftShape::ball}, {"sculpture", SoftShape::sculpture}}};
 
-/// What brings a soft body back to its shape.
+/// Model that restores the shape of a soft body.
 enum class SoftPreset {
   elastic,        ///< a material in SI units (shaders/shared/soft.h)
   shapeMatching,  ///< geometry alone: cheap, stable at any substep, and not calibrated (shape_matching.hpp)
@@ -36,63 +36,63 @@ inline constexpr std::array<std::pair<std::string_view, SoftPreset>, 2> kSoftPre
 
 /// A ball that a hand holds by a spring and a damper.
 struct MatterTool {
-  double radius_mm = 0;  ///< 0: there is none
-  double mass_kg = 0;    ///< of the simulated body; at least half of that of the matter it displaces
+  double radius_mm = 0;  ///< 0: no tool
+  double mass_kg = 0;    ///< mass of the simulated body; at least half of the mass of the displaced matter
 
   bool operator==(const MatterTool&) const = default;
 };
 
-/// Fields are in the units of the file (engine/io/matter_scene_file.hpp), which has the same names. Axes are
-/// right-handed; the box stands from 0 to `box_mm`, and y is up as long as gravity says nothing else.
+/// Fields are in the units of the file (engine/io/matter_scene_file.hpp), which uses the same names. Axes are
+/// right-handed; the box extends from 0 to `box_mm`, and y is up unless gravity says otherwise.
 struct MatterScene {
   Matter matter = Matter::water;
-  DVec3 box_mm{100};  ///< inner sides, mm
-  /// A corner is filled so far at the beginning, at rest. A soft body stands in the middle of the floor, as
-  /// large as fits into this. mm
+  DVec3 box_mm{100};  ///< inner size, mm
+  /// Size of the initial fill of a corner, at rest. A soft body is placed in the middle of the floor, as large as fits
+  /// into this size. mm
   DVec3 fill_mm{100, 50, 100};
-  DVec3 fill_at_mm{0};  ///< corner of the fill, in place of that at 0; not of a soft body, mm
-  /// Of the particles or nodes at rest: one stands for its cube. Layers of particles fill what is asked for, so that
-  /// these may be a little nearer to each other (particleSpacing_mm()). mm
+  DVec3 fill_at_mm{0};  ///< corner of the fill instead of 0; not for a soft body, mm
+  /// Spacing of particles or nodes at rest: each represents a cube of that size. An integral number of particle layers
+  /// fills the requested size, so the actual spacing may be a little smaller (particleSpacing_mm()). mm
   double spacing_mm = 5;
-  double density_kg_m3 = 1000;   ///< at rest, of the matter in bulk, kg/m^3
-  double viscosity_Pa_s = 1e-3;  ///< dynamic; not of sand, Pa s
-  double cohesion_N_m = 0;       ///< what holds drops together and makes them round; of water alone, N/m
-  double friction = 0.5;         ///< Coulomb's coefficient of grains or a soft body, and walls; not of water, 1
-  double young_Pa = 2e4;         ///< Young's modulus; of soft bodies alone, Pa
-  double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1
-  SoftPreset preset = SoftPreset::elastic;  ///< of soft bodies alone
-  /// Of shape matching alone: share of the way back to its shape that matter goes in a substep, from 1e-4 to 0.95, 1.
-  /// It stands for no modulus: a body is the stiffer for it the larger its spacing and the shorter its substep.
+  double density_kg_m3 = 1000;   ///< bulk density at rest, kg/m^3
+  double viscosity_Pa_s = 1e-3;  ///< dynamic viscosity; not for sand, Pa s
+  double cohesion_N_m = 0;       ///< cohesion that holds drops together and makes them round; only for water, N/m
+  double friction = 0.5;         ///< Coulomb's coefficient of grains or a soft body, and walls; not for water, 1
+  double young_Pa = 2e4;         ///< Young's modulus; only for soft bodies, Pa
+  double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; only for soft bodies, 1
+  SoftPreset preset = SoftPreset::elastic;  ///< only for soft bodies
+  /// Only for shape matching: share of the displacement to the matched shape that is corrected in a substep, 1e-4 to
+  /// 0.95, 1. It is not a modulus: the same value makes a body stiffer with a larger spacing or a shorter substep.
   double stiffness = 0.5;
   SoftShape shape = SoftShape::box;
-  /// File of a closed cloud: the surface of a soft body, in place of the shape; or what stands still in water or sand,
-  /// where `builtin:NAME` is an analytic shape, too. Empty: there is none.
+  /// File of a closed cloud: the surface of a soft body, instead of `shape`; or a static model in water or sand, where
+  /// `builtin:NAME` names an analytic shape. Empty: none.
   std::string model;
-  DVec3 model_mm{0};                 ///< box that such a model fits into, as large as it can; 0: half of the box, mm
-  std::optional<DVec3> model_at_mm;  ///< middle of the underside of that box; not there: of the floor, mm
-  double hole_mm = 0;  ///< widest hole of the model that is closed as by a soap film, mm; 0: of three spacings
-  std::optional<std::array<DVec3, 2>> pinned_mm;  ///< corners of a box in which nodes of a soft body never move, mm
+  DVec3 model_mm{0};                 ///< box into which the static model is scaled to fit; 0: half of the box, mm
+  std::optional<DVec3> model_at_mm;  ///< centre of the underside of that box; default: centre of the floor, mm
+  double hole_mm = 0;  ///< widest hole of the model that is closed, as by a soap film, mm; 0: three spacings
+  std::optional<std::array<DVec3, 2>> pinned_mm;  ///< corners of a box in which nodes of a soft body are fixed, mm
   DVec3 gravity_m_s2{0, -9.81, 0};                ///< m/s^2
-  std::uint32_t substeps = 0;                     ///< in a step of kMatterStep_s; 0: as many as it needs
+  std::uint32_t substeps = 0;                     ///< number in a step of kMatterStep_s; 0: as many as needed
   MatterTool tool;
-  double gain = 1;                 ///< of the force that the hand feels over the real one, 1
-  std::array<bool, 3> periodic{};  ///< axes without walls, on which what leaves comes in again; not in files
+  double gain = 1;                 ///< ratio of the force that the hand feels to the simulated force, 1
+  std::array<bool, 3> periodic{};  ///< axes with periodic boundaries instead of walls; not in files
 
   bool operator==(const MatterScene&) const = default;
 };
 
-/// The box that the model of a scene of water or sand fits into: its lowest and highest corner, mm.
+/// The box that the static model fits into: its lowest and highest corner, mm.
 std::array<DVec3, 2> modelBox_mm(const MatterScene& scene);
 
-/// For a hand where the scene says no tool: a ball of three spacings' radius, or less in a narrow box, as heavy as
-/// what it displaces.
+/// Default tool of a scene without one: a ball with a radius of three spacings, or less in a narrow box, as heavy as
+/// the matter it displaces.
 MatterTool usualTool(const MatterScene& scene);
 
-/// Viscosity that soft bodies have where a file says nothing: one as low as water's would let them ring for minutes.
+/// Default viscosity of soft bodies: with one as low as water's they would oscillate for minutes.
 inline constexpr double kSoftViscosity_Pa_s = 3;
 
-/// Side of the cube that a particle stands for, so that all together are the volume of the fill: at most spacing_mm,
-/// and that where sides of the fill are whole multiples of it, or of soft bodies.
+/// Edge of the cube that a particle represents, such that all cubes together have the volume of the fill: at most
+/// spacing_mm; equal to it for soft bodies, and if the sides of the fill are multiples of it.
 double particleSpacing_mm(const MatterScene& scene);
 
 /// Length of a step.
@@ -100,37 +100,38 @@ inline constexpr double kMatterStep_s = 1e-3;
 
 inline constexpr std::uint32_t kMaxSubsteps = 1000;
 
-/// Memory of a machine that is not known yet: a scene is planned as if there were any.
+/// Memory limit of a machine that is not known yet: a scene is planned without a limit.
 inline constexpr std::uint64_t kAnyMemory = ~std::uint64_t{0};
 
-/// What a scene comes to.
+/// Derived quantities of a scene.
 struct MatterPlan {
-  UVec3 lattice{0};  ///< particles along each side of the fill: its layers
-  DVec3 apart_m{0};  ///< and how far apart those begin
+  UVec3 lattice{0};  ///< number of particle layers along each side of the fill
+  DVec3 apart_m{0};  ///< initial distance between layers
   std::uint64_t particles = 0;
-  std::uint64_t bytes = 0;     ///< about
-  std::uint32_t substeps = 1;  ///< in a step
+  std::uint64_t bytes = 0;     ///< approximate
+  std::uint32_t substeps = 1;  ///< per step
   double substep_s = kMatterStep_s;
-  double spacing_m = 0;         ///< of particles at rest: side of the cube that one stands for
-  double mass_kg = 0;           ///< of a particle
-  double speedOfSound_m_s = 0;  ///< of the simulated matter, far below that of the real one
+  double spacing_m = 0;         ///< spacing of particles at rest: edge of the cube that one represents
+  double mass_kg = 0;           ///< mass of a particle
+  double speedOfSound_m_s = 0;  ///< speed of sound of the simulated matter, far below the real one
 
-  /// Of so many particles at the speed of sound: what moves with more is no matter any more.
+  /// Kinetic energy of `count` particles at the speed of sound: above it the simulation has diverged.
   double mostKinetic_J(std::size_t count) const {
     return static_cast<double>(count) * mass_kg * speedOfSound_m_s * speedOfSound_m_s / 2;
   }
 };
 
-/// Throws Error that begins with the field and says its bounds, for what cannot be simulated within `memory_bytes`.
+/// Throws an Error that begins with the field and states its bounds if the scene cannot be simulated within
+/// `memory_bytes`.
 MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes = kAnyMemory);
 
-/// Where the particles of a scene begin, m: a cubic lattice from the corner at 0, half a spacing from the walls; grains
-/// a little beside that. Throws as planOf().
+/// Initial positions of the particles of a scene, m: a cubic lattice from the corner at 0, half a spacing from the
+/// walls; grains are slightly displaced from it. Throws as planOf().
 std::vector<Vec3> placesAtRest(const MatterScene& scene, std::uint64_t memory_bytes = kAnyMemory);
 
-/// Names of the scenes that need no file.
+/// Names of the built-in scenes.
 std::vector<std::string_view> matterSceneNames();
-/// Throws Error with the names that there are.
+/// Throws Error with the valid names.
 MatterScene matterSceneNamed(std::string_view name);
 
 }  // namespace palpate

@@ -14,9 +14,9 @@ namespace palpate {
 
 namespace {
 
-// What begins nearer to a ball is pushed out like what is within.
+// Particles that start within this distance of a ball are pushed out like those inside it.
 constexpr double kBesideBall_spacings = 0.25;
-// Speed at which the surface of a ball grows, in speeds of sound of the matter.
+// Growth speed of a ball's radius, as a share of the speed of sound of the matter.
 constexpr double kGrowth_ofSound = 0.01;
 
 std::vector<Vec3> insideOf(std::vector<Vec3> places, const MatterScene& scene, double spacing_m) {
@@ -119,7 +119,7 @@ void MatterSimulation::placeWaiting(std::span<const HandPose> hands) {
     if (balls_[k].waits) place(k, hands[k], places);
 }
 
-// `places`: of all particles.
+// `places`: positions of all particles.
 void MatterSimulation::place(std::size_t tool, const HandPose& hand, std::span<const Vec3> places) {
   const double within_m = scene_.tool.radius_mm * 1e-3 + kBesideBall_spacings * plan_.spacing_m;
   const auto isWithin = [&](const Vec3& place) { return glm::length(DVec3(place) - hand.place_m) < within_m; };

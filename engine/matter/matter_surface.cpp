@@ -9,11 +9,11 @@ namespace palpate {
 
 namespace {
 
-// Two layers of particles and more, so that the lattice on which they rest does not show.
+// More than two layers of particles, so that the lattice of their rest state does not show.
 constexpr double kReach_spacings = 3;
-// Of the gradient at a flat surface, about a hundred times as much: below it there is no surface near.
+// Minimum gradient near a surface, about a hundredth of that at a flat surface.
 constexpr float kFlat = 0.5f;
-// Of the reach; a particle at the edge of a body has so many that near, itself included.
+// In units of the reach; a particle at the edge of a body has at least kFewest particles that near, including itself.
 constexpr float kClose = 0.5f;
 constexpr std::uint32_t kFewest = 5;
 
@@ -39,7 +39,7 @@ void MatterSurface::normalsOf(std::span<const Vec3> places, const Vec3& up, std:
 
 Vec3 MatterSurface::normalAt(std::size_t slot, const Vec3& up) const {
   const Vec3 place(sorted_[slot]);
-  Vec3 sum(0);  // in unit of the reach
+  Vec3 sum(0);  // in units of the reach
   std::uint32_t close = 0;
   grid_.forEachRun(place, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t image) {
     const Vec3 seenFrom = place - grid_.shiftOf(image);

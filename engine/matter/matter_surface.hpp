@@ -1,4 +1,4 @@
-// Which way the surface of matter looks at each of its particles, for pictures of it.
+// Surface normals of matter at each of its particles, for pictures.
 #pragma once
 
 #include <span>
@@ -9,15 +9,15 @@
 
 namespace palpate {
 
-/// From where more matter is to where less is, about each particle (the gradient of a colour field; Mueller, Charypar,
-/// Gross 2003). Keeps its memory.
+/// Directions from more to less matter around each particle (gradient of a colour field; Mueller, Charypar, Gross
+/// 2003). Keeps its memory between calls.
 class MatterSurface {
  public:
-  /// `spacing_m`: of the particles at rest. `threads`: 0: one per core.
+  /// `spacing_m`: spacing of the particles at rest. `threads`: 0: one per core.
   MatterSurface(const MatterBox& box, double spacing_m, unsigned threads);
 
-  /// Unit normals of all `places`, m, in the same order; `up` where there is as much on all sides, and 0 where a
-  /// particle is by itself, and thus round. The same bytes for any number of threads.
+  /// Unit normals of all `places`, m, in the same order; `up` if there is equally much matter on all sides, and 0 for
+  /// an isolated particle, which is drawn round. Bitwise identical for any number of threads.
   void normalsOf(std::span<const Vec3> places, const Vec3& up, std::vector<Vec3>& normals);
 
  private:

@@ -45,11 +45,11 @@ void MatterWorld::setParticles(std::vector<Vec3> places, std::span<const Vec3> v
   law_->renumber(was);
   sums_.resize(blocksOf(places.size()));
   particles_ = std::make_unique<MatterParticles>(particlesOf(scene(), plan(), model()), std::move(places));
-  for (std::size_t i = 0; i < velocities.size(); ++i) particles_->setVelocity(i, velocities[i]);  // slots are ids yet
+  for (std::size_t i = 0; i < velocities.size(); ++i) particles_->setVelocity(i, velocities[i]);  // slots equal ids
 }
 
 void MatterWorld::begin() {
-  law_ = lawOf(scene(), plan());  // which remembers contacts
+  law_ = lawOf(scene(), plan());  // new, as a law stores contacts
   particles_ = std::make_unique<MatterParticles>(particlesOf(scene(), plan(), model()), beginning());
 }
 

@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// The same bytes for any number of threads.
+/// The results are bitwise identical for any number of threads.
 class MatterWorld : public MatterSimulation {
  public:
   /// Throws Error as planOf() does.
   explicit MatterWorld(const MatterScene& scene, const MatterOptions& options = {});
-  /// The same with particles elsewhere than at rest in the fill, m; those outside of the box stand at its walls.
+  /// The same with other initial positions than at rest in the fill, m; those outside the box are clamped to its walls.
   MatterWorld(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places);
   ~MatterWorld() override;
 
@@ -31,14 +31,13 @@ class MatterWorld : public MatterSimulation {
 
   MatterParticles& matter() { return *particles_; }
   const MatterParticles& matter() const { return *particles_; }
-  /// Where the ball of a tool is.
+  /// Motion of the ball of a tool.
   const BodyMotion& ball(std::size_t tool) const { return tools_[tool].motion(); }
-  /// Other particles from now on, m and m/s. `was`: which of those of before each of them is, by its id; kNoParticle:
-  /// none.
+  /// Replaces the particles, m and m/s. `was`: for each new particle the id of the same one before; kNoParticle: none.
   void setParticles(std::vector<Vec3> places, std::span<const Vec3> velocities, std::span<const std::uint32_t> was);
 
  private:
-  /// Each time before particles move by themselves.
+  /// Called before the particles' free motion in each substep.
   virtual void beforeSubstep() {}
   void takeParameters() override;
   std::vector<Vec4> pressedPlaces() const override;

@@ -24,7 +24,7 @@ void NeighbourLists::buildBlock(const CellGrid& grid, std::span<const Vec4> plac
     grid.forEachRun(place, [&](std::uint32_t from, std::uint32_t to, std::uint32_t image) {
       const Vec3 seenFrom = place - grid.shiftOf(image);
       const auto self = static_cast<std::uint32_t>(i);
-      // Room for the whole run: each one is written, and stays where it is near.
+      // Room for the whole run: each candidate is written, and kept only if near.
       if (made.neighbours.size() < count + (to - from)) made.neighbours.resize(2 * (count + (to - from)));
       Neighbour* const out = made.neighbours.data();
       for (std::uint32_t j = from; j < to; ++j) {

@@ -1,4 +1,4 @@
-// Who is near whom, for some substeps.
+// Neighbour lists, valid for some substeps.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,21 @@
 
 namespace palpate {
 
-/// Slots that one thread works on at a time, always the same ones: sums over them do not depend on the threads.
+/// Number of slots of a block, which one thread processes at a time. Blocks are fixed, so that sums over them do not
+/// depend on the number of threads.
 inline constexpr std::size_t kSlotsOfBlock = 256;
 inline std::size_t blocksOf(std::size_t slots) { return (slots + kSlotsOfBlock - 1) / kSlotsOfBlock; }
 
-/// A neighbour: its slot, and the image of it that is near.
+/// A neighbour: its slot, and its nearest periodic image.
 struct Neighbour {
   std::uint32_t slot : 27;
   std::uint32_t image : 5;
 };
 
-/// More within the reach of one particle are a state that no simulation comes to which is still one.
+/// Maximum number of neighbours within the reach of a particle; more occur only in a failed simulation.
 inline constexpr std::size_t kMaxNeighbours = 1000;
 
-/// Lists are filled up to a multiple of it, so that so many can be taken at once.
+/// Lists are padded to a multiple of this, so that as many neighbours can be processed at once.
 inline constexpr std::size_t kListedTogether = 4;
 
 class NeighbourLists {
@@ -31,32 +32,32 @@ class NeighbourLists {
   /// `reach`: m.
   explicit NeighbourLists(float reach) : reach_(reach) {}
 
-  /// For places in the order of `grid`, which was sorted by them. False where a particle has more than kMaxNeighbours,
-  /// of which the list holds no more.
+  /// Builds the lists for positions in the order of `grid`, sorted by it. False if a particle has more than
+  /// kMaxNeighbours; its list is truncated.
   bool build(const CellGrid& grid, std::span<const Vec4> places, WorkerTeam& team);
 
-  /// Of a slot, without itself, in the order of their slots.
+  /// Neighbours of a slot, excluding itself, in the order of their slots.
   std::span<const Neighbour> of(std::size_t slot) const {
     const Block& block = blocks_[slot / kSlotsOfBlock];
     const std::size_t k = slot % kSlotsOfBlock;
     return std::span(block.neighbours).subspan(block.first[k], block.counts[k]);
   }
-  /// The same with copies of the last one behind them, to a whole number of kListedTogether.
+  /// The same, padded with copies of the last one to a multiple of kListedTogether.
   std::span<const Neighbour> filledUp(std::size_t slot) const {
     const Block& block = blocks_[slot / kSlotsOfBlock];
     const std::size_t k = slot % kSlotsOfBlock;
     return std::span(block.neighbours).subspan(block.first[k], block.first[k + 1] - block.first[k]);
   }
-  /// Where those of a slot begin among all of its block.
+  /// Index of a slot's first neighbour in its block.
   std::size_t firstOf(std::size_t slot) const { return blocks_[slot / kSlotsOfBlock].first[slot % kSlotsOfBlock]; }
-  /// Neighbours in a block, with copies.
+  /// Number of neighbours in a block, including copies.
   std::size_t inBlock(std::size_t block) const { return blocks_[block].first.back(); }
 
  private:
   struct Block {
-    std::vector<Neighbour> neighbours;  // and room for more
-    std::vector<std::uint32_t> first;   // of each slot, and their number
-    std::vector<std::uint32_t> counts;  // of each slot, without copies
+    std::vector<Neighbour> neighbours;  // may be longer than used
+    std::vector<std::uint32_t> first;   // first index of each slot, and the total count
+    std::vector<std::uint32_t> counts;  // count of each slot, without copies
     bool crowded = false;
   };
   void buildBlock(const CellGrid& grid, std::span<const Vec4> places, std::size_t block);

@@ -14,22 +14,23 @@ namespace palpate {
 
 namespace {
 
-// Beyond a ball, in spacings. What is held has weights on all sides up to a support before the end.
+// Distances beyond a ball, in spacings. Held particles up to a support radius before the end have neighbours on all
+// sides.
 constexpr double kHeld_spacings = 3.5, kEnd_spacings = kHeld_spacings + kSupport_spacings;
-// Grains that are held do not yield at all: they want a little more room before that, or a ball that is ahead of what
-// is known finds them too hard.
+// Held grains do not yield at all, so they need a wider free zone; otherwise a ball that is ahead of the known state
+// finds them too hard.
 constexpr double kWaterFree_spacings = 1.5, kSandFree_spacings = 1.75;
-// Where matter stands beside a ball: grains touch its points, water is pressed a little nearer.
+// Distance of matter from a ball: grains touch its points, water is pressed a little nearer.
 constexpr double kWaterBeside_spacings = 0.25, kSandBeside_spacings = 0.5;
-// One that is farther from where it is known to be is not held there.
+// A particle farther from its known position is not held there.
 constexpr float kDisplaced_spacings = 1.5f;
-// Nearer to another one there is no room for one more.
+// Minimum distance between a new member and another one.
 constexpr float kApart_spacings = 0.85f;
-// So many about a ball that are not those that are known to be, as a share of them.
+// Maximum share of the particles around a ball that may differ from the known ones.
 constexpr double kMisfit = 0.02;
-// So far they stay who have been here, in distances of the end.
+// Members stay up to this distance, in units of the end distance.
 constexpr float kLeaves = 1.03f;
-// Of what is at rest: more in a place is no matter.
+// Maximum density relative to that at rest; more is invalid.
 constexpr double kMaxDense = 1.5;
 
 std::size_t nearestOf(const Vec3& place, std::span<const DVec3> balls) {
@@ -39,7 +40,7 @@ std::size_t nearestOf(const Vec3& place, std::span<const DVec3> balls) {
   return nearest;
 }
 
-// Whether places are free: what has come first has them.
+// Tests whether positions are free; earlier members keep theirs.
 class TakenPlaces {
  public:
   TakenPlaces(const PondSpace& space, const std::vector<PondMember>& members)
@@ -85,7 +86,7 @@ struct PondMembers::Known {
   std::uint32_t id = 0;
   Vec3 place{0}, velocity{0};
   float distance = 0;
-  std::size_t ball = 0;  // the nearest one
+  std::size_t ball = 0;  // index of the nearest ball
 };
 
 float PondMembers::held(float distance) const {
@@ -116,7 +117,7 @@ std::vector<PondMembers::Known> PondMembers::near(const KnownMatter& known, std:
   return near;
 }
 
-// Whether a ball is where it is known to be, and what is about it here is not what is known to be there.
+// Whether a ball is where it is known to be, and the local particles around it differ from the known ones.
 bool PondMembers::differs(const std::vector<Known>& near, const std::vector<PondMember>& members,
                           std::span<const DVec3> balls, std::size_t ball) const {
   std::size_t known = 0, other = 0;
@@ -171,7 +172,7 @@ bool PondMembers::renew(const KnownMatter& known, std::span<const DVec3> balls, 
       come(*there, member.was);
     } else if (far < kLeaves * space_.reach.end &&
                !(far < space_.reach.held && exchanged[nearestOf(member.place, balls)])) {
-      // One that is somewhere else stays where it is: all are alike, and there was room for it.
+      // A displaced particle stays where it is: all are alike, and it had room there.
       if (!member.isKnown) member.heldAt = member.place;
       member.isKnown = isKnown && !isDisplaced(member, there->place);
       if (member.isKnown) member.knownPlace = there->place;

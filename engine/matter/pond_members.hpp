@@ -1,4 +1,4 @@
-// Which of the particles that somebody else simulates are simulated here, too: those around the balls of the hands.
+// Selection of remote particles that are simulated locally: those around the balls of the hands.
 #pragma once
 
 #include <cstdint>
@@ -10,30 +10,30 @@
 
 namespace palpate {
 
-/// How far from the middle of a ball what happens to a particle, m.
+/// Zones around a ball, as distances from its centre, m.
 struct PondReach {
-  double ball = 0;    ///< its radius
-  double within = 0;  ///< what is nearer has no room beside the ball
-  double free = 0;    ///< up to here particles are their own
-  double held = 0;    ///< from here on they are where they are known to be; in between the more so the farther out
-  double end = 0;     ///< beyond that none is here
+  double ball = 0;    ///< radius of the ball
+  double within = 0;  ///< nearer particles would overlap the ball
+  double free = 0;    ///< up to here particles move freely
+  double held = 0;  ///< from here on particles are held at their known positions; in between increasingly with distance
+  double end = 0;   ///< no members beyond
 };
 PondReach pondReach(const MatterScene& scene, const MatterPlan& plan);
 
-/// A particle that is simulated here.
+/// A particle that is simulated locally.
 struct PondMember {
   std::uint32_t id = 0;
-  std::uint32_t was = ~std::uint32_t{0};  ///< its number among those before; kNoParticle: it is new here
+  std::uint32_t was = ~std::uint32_t{0};  ///< its previous number; kNoParticle: new member
   Vec3 place{0}, velocity{0};             ///< m, m/s
-  bool isKnown = false;                   ///< it is known where it should be:
-  Vec3 knownPlace{0}, heldAt{0};          ///< as it is known now; where it was held when that came
+  bool isKnown = false;                   ///< its position is known:
+  Vec3 knownPlace{0}, heldAt{0};          ///< its present known position; its held position when that arrived
 };
 
-/// What PondMembers has to know of the scene.
+/// Properties of the scene for PondMembers.
 struct PondSpace {
   PondReach reach;
   float spacing_m = 0;
-  float fastest_m_s = 0;  ///< that anything moves
+  float fastest_m_s = 0;  ///< maximum speed
   Vec3 box_m{0};
 };
 
@@ -41,17 +41,17 @@ class PondMembers {
  public:
   explicit PondMembers(const PondSpace& space) : space_(space) {}
 
-  /// The members after news: `members`, by ascending id, as they are here by now; `balls`: the middles of the hands'
-  /// balls, m; `rests`: whether each of these is at rest. Who is here stays where it is, and keeps its number (`was`);
-  /// who comes has its known place where that is free. Where a ball rests as it is known to be - nothing is known to be
-  /// within it - and others are about it here than are known to be, these come in their place. False where more are
-  /// known than can be in the room that there is; nothing is changed then.
+  /// Updates `members` (ascending ids, at their present positions) after an update of the known state. `balls`: centres
+  /// of the hands' balls, m; `rests`: whether each of them is at rest. Members keep their positions and numbers
+  /// (`was`); new ones start at their known position if that is free. If a ball rests where it is known to be - no
+  /// known particle is inside it - and the local particles around it differ from the known ones, the known ones replace
+  /// them. False, with nothing changed, if more particles are known than the space can hold.
   bool renew(const KnownMatter& known, std::span<const DVec3> balls, std::span<const std::uint8_t> rests,
              std::vector<PondMember>& members) const;
 
-  /// Share by which a particle is held, from 0 to 1, at that distance from the nearest ball.
+  /// Share (0 to 1) by which a particle is held at a distance from the nearest ball.
   float held(float distance) const;
-  /// From a place to the middle of the nearest ball.
+  /// Distance from a position to the centre of the nearest ball.
   static float distance(const Vec3& place, std::span<const DVec3> balls);
 
  private:

@@ -7,17 +7,17 @@ namespace palpate {
 
 namespace {
 
-// Of the volume that a corner of a cell spans in the lattice: less at rest, and points in it would lie upon each other.
+// Minimum volume spanned by a corner of a cell, relative to the lattice: below it points would coincide at rest.
 constexpr double kMinCorner = 0.1;
-// Of a cube's stiffness for its mass: more would ask for many more substeps.
+// Maximum stiffness per mass, relative to a cube: more would need many more substeps.
 constexpr double kMaxStiffness = 4;
 constexpr double kMaxVolume = 8;
 
 const shared::CellRest kCube{
     .inverse = glm::mat3(1), .bent = {Vec3(0), Vec3(0), Vec3(0), Vec3(0)}, .volume = 1, .bend = 1};
 
-// The largest sums over rows and over columns bound what a matrix makes longer (Golub, Van Loan), exactly where it is
-// diagonal.
+// The product of the maximum row and column sums bounds the squared norm of a matrix (Golub, Van Loan); exact for
+// diagonal matrices.
 double mostSquared(const glm::mat3& matrix) {
   double rows = 0, columns = 0;
   for (int a = 0; a < 3; ++a) {
@@ -76,7 +76,7 @@ RestShape::CellNow RestShape::cellNow(std::size_t cell) const {
   if (now.isCube) return now;
   shared::takeModes(modes);
   now.rest = shared::cellRestOf(rules_, modes);
-  double bent = 0;  // a mode of the amplitude of a spacing is 8 spacings
+  double bent = 0;  // a mode with an amplitude of one spacing has the value 8 spacings
   for (const Vec3& mode : now.rest.bent)
     bent += glm::dot(DVec3(mode), DVec3(mode)) / std::pow(8 * lattice_.spacing_m(), 2);
   now.stiffness = static_cast<float>(static_cast<double>(now.rest.volume) * mostSquared(now.rest.inverse) * (1 + bent));
@@ -111,7 +111,7 @@ std::size_t RestShape::yield(std::span<const RestPlace> places) {
   }
   std::ranges::sort(cells);
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  // What stays takes others along: until all cells hold, or are as they were.
+  // A node that stays affects other cells: repeats until all cells are valid or unchanged.
   std::vector<char> stays(places.size(), 0);
   for (bool again = true; again;) {
     again = false;
@@ -136,7 +136,7 @@ void RestShape::put(std::span<const RestPlace> places) {
   follow(places);
 }
 
-// The cells about those nodes are as the nodes are.
+// Updates the cells around these nodes.
 void RestShape::follow(std::span<const RestPlace> places) {
   if (places.empty()) return;
   if (!isSculpted()) {

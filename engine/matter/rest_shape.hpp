@@ -1,4 +1,4 @@
-// The shape in which a soft body rests: that of its lattice, and what sculpting has made of it.
+// The rest shape of a soft body: its lattice as changed by sculpting.
 #pragma once
 
 #include <array>
@@ -13,15 +13,15 @@
 
 namespace palpate {
 
-/// Where a node is to rest, m from its place in the lattice.
+/// Rest displacement of a node from its lattice position, m.
 struct RestPlace {
   std::uint32_t node = 0;
   Vec3 moved{0};
 };
 
-/// Nodes rest where they were moved to; a cell whose nodes all rest in their places is a cube, and costs nothing
-/// more. The lattice, the mass of each node and what a cell was filled with stay as they are, so that all that goes
-/// by a node's share of a place - points, contact, presses - goes on as before.
+/// Rest displacements of the nodes; a cell whose nodes are all undisplaced is a cube, without further cost. The
+/// lattice, the nodes' masses and the cells' fills stay, so that everything based on a node's shares - points, contact,
+/// presses - is unaffected.
 class RestShape {
  public:
   using CellRestOfLanes = shared::CellRestOf<Lanes>;
@@ -29,21 +29,21 @@ class RestShape {
   /// The lattice must outlive it.
   RestShape(const SoftLattice& lattice, const shared::SoftRules& rules);
 
-  std::span<const Vec3> displacements() const { return moved_; }  ///< of each node from its place in the lattice, m
+  std::span<const Vec3> displacements() const { return moved_; }  ///< of each node from its lattice position, m
   bool isSculpted() const { return !ofCells_.empty(); }
-  /// Null where it is a cube.
+  /// Null if it is a cube.
   const shared::CellRest* ofCell(std::size_t cell) const;
-  /// Of so many cells as Lanes have; null where all of them are cubes.
+  /// For a group of Lanes::kCount cells; null if all are cubes.
   const CellRestOfLanes* ofGroup(std::size_t group) const;
   /// The deformation gradient of a cell over its rest shape, from the modes of its nodes' displacements.
   glm::mat3 elastic(std::size_t cell, const shared::Corners& modes) const;
-  /// How many times the stiffest cell is as stiff for its mass as a cube.
+  /// Stiffness per mass of the stiffest cell, relative to a cube.
   double stiffest() const { return stiffest_; }
 
-  /// Moves nodes. Those of `places` whose cells would be crushed, stretched or turned inside out beyond what the body
-  /// can be simulated with stay where they are, to the bit; how many have moved.
+  /// Moves rest positions. Nodes of `places` whose cells would be crushed, stretched or inverted beyond what can be
+  /// simulated stay exactly where they are. Returns the number of moved nodes.
   std::size_t yield(std::span<const RestPlace> places);
-  /// Moves nodes whatever comes of it: to where they were before.
+  /// Moves rest positions without these limits: to earlier ones.
   void put(std::span<const RestPlace> places);
 
  private:
@@ -60,9 +60,9 @@ class RestShape {
   shared::SoftRules rules_;
   std::vector<SoftLattice::Corners> incident_;
   std::vector<Vec3> moved_;
-  std::vector<shared::CellRest> ofCells_;  // of each cell; empty while all are cubes
-  std::vector<float> stiffnesses_;         // of each cell; 0 where it is a cube
-  std::vector<CellRestOfLanes> ofGroups_;  // of each group of cells
+  std::vector<shared::CellRest> ofCells_;  // per cell; empty while all are cubes
+  std::vector<float> stiffnesses_;         // per cell; 0 for a cube
+  std::vector<CellRestOfLanes> ofGroups_;  // per group of cells
   std::vector<char> groupIsSculpted_;
   double stiffest_ = 1;
 };

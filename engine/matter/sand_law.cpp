@@ -1,6 +1,6 @@
-// Grains with friction by positions (Macklin et al. 2014), whose contacts remember how far they were displaced
-// (Cundall, Strack 1979): one pass of gathers, in which each of the two keeps its own copy of a contact, alike but for
-// the sign.
+// Position-based grains with friction (Macklin et al. 2014), whose contacts store their tangential displacement
+// (Cundall, Strack 1979): one pass of gathers, in which each of the two grains keeps its own copy of a contact, equal
+// but for the sign.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,19 +15,19 @@ namespace {
 
 using shared::kMaxContacts;
 
-// Of a grain: with whom, by ids, and how far it was displaced.
+// Contacts of a grain: the other's id, and the displacement.
 struct Contacts {
   std::array<std::uint32_t, kMaxContacts> with;
   std::array<Vec3, kMaxContacts> slip;
   std::uint32_t count = 0;
 
-  // Nothing where they did not touch.
+  // Null if they did not touch.
   const Vec3* slipWith(std::uint32_t other) const {
     for (std::uint32_t k = 0; k < count; ++k)
       if (with[k] == other) return &slip[k];
     return nullptr;
   }
-  // `is`: which id each grain has now.
+  // `is`: new id of each grain.
   Contacts renumbered(std::span<const std::uint32_t> is) const {
     Contacts now;
     for (std::uint32_t k = 0; k < count; ++k) {
@@ -73,7 +73,7 @@ class SandLaw final : public MatterLaw {
   }
 
  private:
-  // A grain on its way through a substep.
+  // State of a grain during a substep.
   struct Grain {
     Vec3 place, velocity;
     const Contacts& before;
@@ -82,20 +82,20 @@ class SandLaw final : public MatterLaw {
     float mostOverlap = 0;
   };
 
-  // What a grain touches.
+  // An object that a grain touches.
   struct Other {
     std::uint32_t id;
     Vec3 offset;    // from it to the grain, m
     float overlap;  // m
-    Vec3 velocity;  // m/s, as the grain's: with what gravity has added, where that moves it
-    Vec3 fall;      // what gravity has added to that, m/s
+    Vec3 velocity;  // m/s, as the grain's: includes the change by gravity, if gravity moves it
+    Vec3 fall;      // that change by gravity, m/s
   };
 
-  // The change of the grain's velocity by it.
+  // Velocity change of the grain by the contact.
   Vec3 meet(Grain& grain, const Other& other, const Vec3& fall) const {
     const Vec3 moved = rules_.step * (grain.velocity - other.velocity);
     Vec3 slip(0);
-    // What it left, and what the two moved since: the velocities before gravity are those of the last substep.
+    // The stored slip plus the displacement since: the velocities before gravity are those of the last substep.
     if (const Vec3* const left = grain.before.slipWith(other.id))
       slip = shared::grainSlip<float>(rules_, *left, moved, fall - other.fall);
     const shared::GrainContact contact =
@@ -121,7 +121,7 @@ class SandLaw final : public MatterLaw {
     }
   }
 
-  // The impulse of all walls on the grain, for each kg.
+  // Impulse of all walls on the grain per kg.
   DVec3 meetWalls(const MatterBox& box, const Vec3& fall, Grain& grain) const {
     const Vec3 before = grain.change;
     for (int axis = 0; axis < 3; ++axis) {
@@ -144,7 +144,7 @@ class SandLaw final : public MatterLaw {
     return DVec3(grain.change - before);
   }
 
-  // The change of the grain's velocity by the model.
+  // Velocity change of the grain by the model.
   Vec3 meetModel(const MatterModel* model, const Vec3& fall, Grain& grain) const {
     if (model == nullptr) return Vec3(0);
     const shared::ModelAt at = model->at(grain.place);

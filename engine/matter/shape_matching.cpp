@@ -8,7 +8,7 @@ namespace palpate {
 
 namespace {
 
-constexpr int kAlong = 4, kApart = 2;  // nodes of a region along an axis, and from one region to the next
+constexpr int kAlong = 4, kApart = 2;  // number of nodes of a region along an axis, and from one region to the next
 constexpr std::size_t kRegionsOfBlock = 16, kNodesOfBlock = 256;
 
 template <class Each>
@@ -18,11 +18,11 @@ void forEachOf(std::size_t count, std::size_t ofBlock, WorkerTeam& team, Each&& 
   });
 }
 
-// Regions along an axis with nodes from 0 to `last`: the last one has more than one layer where there is more than one.
+// Number of regions along an axis with nodes from 0 to `last`: the last region has at least two layers if the axis has.
 int regionsAlong(int last) { return std::max(1, (last - 1 + kApart - 1) / kApart); }
 
-// The rotation R for which the trace of R^T `now` is largest, whatever `now` is: the eigenvector of Horn's matrix
-// (1987) with the largest eigenvalue, by Jacobi's rotations.
+// The rotation R that maximises the trace of R^T `now`, for any `now`: the eigenvector of Horn's matrix (1987) with the
+// largest eigenvalue, by Jacobi rotations.
 DQuat bestTurnOf(const glm::dmat3& now) {
   constexpr int kSweeps = 12;
   const auto n = [&](int row, int column) { return now[column][row]; };
@@ -58,8 +58,8 @@ DQuat bestTurnOf(const glm::dmat3& now) {
   return glm::normalize(DQuat(vectors[0][best], vectors[1][best], vectors[2][best], vectors[3][best]));
 }
 
-// The same, by Newton's method from a turn that is near: where what it solves is positive definite there is no other
-// such rotation. Otherwise, as where a region is inside out, all of them are looked through.
+// The same, by Newton's method from a nearby rotation: if the system is positive definite, this optimum is unique.
+// Otherwise, as for an inverted region, falls back to bestTurnOf().
 DQuat bestTurn(const glm::dmat3& now, DQuat turn) {
   constexpr int kMaxSteps = 6;
   constexpr double kMinTurn = 1e-10, kMaxTurn = 0.5, kMinShare = 1e-3;
@@ -163,7 +163,7 @@ DVec3 ShapeMatching::placeOf(const Member& member, std::span<const Vec3> displac
   return DVec3(lattice_[member.node]) + DVec3(displacements[member.node]);
 }
 
-// Where the region lies, and how it is turned.
+// Updates the region's centroid and rotation.
 void ShapeMatching::place(Region& region, std::span<const Vec3> displacements) const {
   double mass = 0;
   region.middle = DVec3(0);
@@ -179,10 +179,10 @@ void ShapeMatching::place(Region& region, std::span<const Vec3> displacements) c
   region.rotation = glm::mat3_cast(region.turn);
 }
 
-// How it moves as a rigid body: with its own momentum and angular momentum.
+// Updates its rigid motion, from its momentum and angular momentum.
 void ShapeMatching::follow(Region& region, std::span<const Vec3> displacements,
                            std::span<const Vec3> velocities) const {
-  constexpr double kMinInertia = 1e-9;  // of the largest: about an axis on which all lies nothing turns
+  constexpr double kMinInertia = 1e-9;  // of the trace: regularises a rotation around an axis that contains all nodes
   double mass = 0;
   DVec3 momentum(0), angular(0);
   glm::dmat3 inertia(0);

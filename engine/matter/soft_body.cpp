@@ -7,7 +7,7 @@ namespace palpate {
 
 namespace {
 
-// What one thread works on at a time, always the same: sums do not depend on the threads.
+// Work items of one thread; fixed, so that sums do not depend on the number of threads.
 constexpr std::size_t kGroupsOfBlock = 16, kNodesOfBlock = 256;
 
 std::size_t blocksIn(std::size_t all, std::size_t block) { return (all + block - 1) / block; }
@@ -82,7 +82,7 @@ void SoftBody::reset() {
 }
 
 std::size_t SoftBody::yield(std::span<const RestPlace> ways) {
-  constexpr float kMaxCrushed = 0.1f, kMaxDrawn = 4;  // beyond that what is strained says nothing of what rests
+  constexpr float kMaxCrushed = 0.1f, kMaxDrawn = 4;  // beyond these strains the rest displacement cannot be derived
   std::vector<RestPlace> places;
   std::vector<Vec3> before;
   for (const RestPlace& way : ways) {
@@ -118,7 +118,7 @@ void SoftBody::putRest(std::span<const RestPlace> places) {
   if (matching_) matching_->setRest(rest_.displacements());
 }
 
-// Deformation gradient over the rest shape, of the cells about a node by what they hold.
+// Deformation gradient over the rest shape: mean of the cells around a node, weighted by their fill.
 glm::mat3 SoftBody::elasticAt(std::size_t node) const {
   glm::mat3 sum(0);
   float weight = 0;
@@ -140,7 +140,7 @@ shared::Corners SoftBody::atCorners(std::size_t cell, std::span<const Vec3> valu
   return corners;
 }
 
-// Beyond the last cell it counts again, in lanes that are not full of anything.
+// Lanes beyond the last cell repeat it, with a fill of 0.
 SoftBody::LanesOfCorners SoftBody::atCornersOfGroup(std::size_t group, std::span<const Vec3> values) const {
   std::array<const SoftLattice::Corners*, Lanes::kCount> nodes;
   for (std::size_t lane = 0; lane < Lanes::kCount; ++lane)
@@ -227,7 +227,7 @@ SoftSums SoftBody::move(const DVec3& gravity_m_s2, double step_s, WorkerTeam& te
     all.gravityImpulse += sums.gravityImpulse;
     all.pinImpulse += sums.pinImpulse;
   }
-  // Who matches shapes looks at no volumes.
+  // Shape matching does not compute volumes.
   for (const float least : leastVolumes_) all.leastVolume = std::min(all.leastVolume, matching_ ? 1.0f : least);
   return all;
 }

@@ -1,4 +1,4 @@
-// The motion of a soft body: what cells do to their nodes, and where the nodes go.
+// The motion of a soft body: the forces of the cells on their nodes, and the motion of the nodes.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// A box of places, m.
+/// An axis-aligned box, m.
 struct PlaceBox {
   DVec3 low{0}, high{0};
 
@@ -23,30 +23,30 @@ struct PlaceBox {
   }
 };
 
-/// Mass of each node of a body that weighs so much, kg.
+/// Mass of each node of a body with the given total mass, kg.
 std::vector<float> nodeMasses(const SoftLattice& lattice, double mass_kg);
-/// Of each node whether it is at rest within one of the boxes.
+/// For each node whether its rest position is within one of the boxes.
 std::vector<char> nodesWithin(const SoftLattice& lattice, std::span<const PlaceBox> boxes);
 
-/// What a body has come to in a substep.
+/// Sums over a body in a substep.
 struct SoftSums {
   DVec3 momentum{0};  ///< kg m/s
   double kinetic_J = 0;
-  DVec3 gravityImpulse{0};  ///< on the nodes that are free, kg m/s
-  DVec3 pinImpulse{0};      ///< of the body on what holds its pinned nodes, kg m/s
-  float leastVolume = 1;    ///< of all cells: the least share of its volume that one has
+  DVec3 gravityImpulse{0};  ///< on the free nodes, kg m/s
+  DVec3 pinImpulse{0};      ///< of the body on the supports of its pinned nodes, kg m/s
+  float leastVolume = 1;    ///< minimum over all cells of the volume relative to that at rest
 };
 
-/// Each array has one entry a node. All passes are gathers: the same bytes for any number of threads.
+/// Each array has one entry per node. All passes are gathers: bitwise identical for any number of threads.
 class SoftBody {
  public:
-  /// The lattice must outlive the body. Nodes at rest within a box of `pinned` never move. `matching`: shapes are
-  /// matched in place of elasticity, of which the material has the density alone then.
+  /// The lattice must outlive the body. Nodes that rest within a box of `pinned` never move. `matching`: shape matching
+  /// replaces elasticity; only the material's density is used then.
   SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned,
            const std::optional<MatchingRules>& matching = std::nullopt);
 
-  /// From now on another one; the masses stay, and so does what brings it back to its shape: `matching` is given where
-  /// it is that.
+  /// Sets another material; the masses and the kind of restoring force (elasticity or shape matching) stay. `matching`:
+  /// required with shape matching.
   void setMaterial(const SoftMaterial& material, const std::optional<MatchingRules>& matching) {
     rules_ = softRules(material, lattice_.spacing_m());
     if (matching) matching_->setRules(*matching);
@@ -54,52 +54,52 @@ class SoftBody {
 
   const SoftLattice& lattice() const { return lattice_; }
   std::size_t size() const { return moved_.size(); }
-  /// Puts every node where it rests.
+  /// Moves every node to its rest position.
   void reset();
 
-  /// The shape in which it rests, which a brush changes.
+  /// The rest shape, which a brush changes.
   const RestShape& rest() const { return rest_; }
-  /// Moves where nodes rest, as RestShape::yield() does, and the nodes themselves by as much as those have moved in
-  /// the strained body: what was strained stays as strained as it was, and what was not is at rest. `ways`: of nodes
-  /// that are not pinned, as they now are, m. How many have moved.
+  /// Moves the rest positions of nodes, as RestShape::yield() does, and the nodes themselves by the corresponding
+  /// displacements in the strained body: strains are kept, and unstrained parts stay at rest. `ways`: displacements of
+  /// nodes that are not pinned, at their present positions, m. Returns the number of moved nodes.
   std::size_t yield(std::span<const RestPlace> ways);
-  /// The same to where nodes rested before, whatever comes of it.
+  /// The same, back to earlier rest positions, without the limits of yield().
   void putRest(std::span<const RestPlace> places);
 
   std::span<const Vec3> displacements() const { return moved_; }  ///< from the lattice, m
   std::span<const Vec3> velocities() const { return velocities_; }
-  /// For what begins or goes on with another motion; those of pinned nodes must stay 0.
+  /// For initial or changed motion; those of pinned nodes must stay 0.
   std::span<Vec3> displacements() { return moved_; }
   std::span<Vec3> velocities() { return velocities_; }
-  /// SoftLattice's.
+  /// As SoftLattice::incident().
   std::span<const SoftLattice::Corners> incident() const { return incident_; }
   /// Mass of each node, kg.
   std::span<const float> masses() const { return masses_; }
   bool isPinned(std::size_t node) const { return pinned_[node] != 0; }
   double mass_kg() const { return mass_kg_; }
 
-  /// What else acts on each node in the next substep, which forgets it, N.
+  /// External forces on each node in the next substep, which clears them, N.
   std::span<Vec3> loads() { return loads_; }
   /// Symplectic Euler: strain() and move().
   SoftSums substep(const DVec3& gravity_m_s2, double step_s, WorkerTeam& team);
-  /// Finds what the cells do to the nodes as they are. Loads may depend on it.
+  /// Computes the forces of the cells on the nodes at their positions. Loads may depend on them.
   void strain(WorkerTeam& team);
-  /// Moves the nodes on by what strain() has found and the loads.
+  /// Moves the nodes by the forces of strain() and the loads.
   SoftSums move(const DVec3& gravity_m_s2, double step_s, WorkerTeam& team);
-  /// What strain() has found and the loads do to a node, N.
+  /// Sum of the forces of strain() and the loads on a node, N.
   Vec3 forceOn(std::size_t node) const { return ofCells(node) + loads_[node]; }
 
-  /// What the cells do to each node as it is, N.
+  /// Forces of the cells on each node at its present position, N.
   std::vector<DVec3> forces(WorkerTeam& team);
-  /// What changes of the displacements (one a node, m) take away from those forces, as the body is now strained, N:
-  /// those times its stiffness. Those of pinned nodes are taken for 0, and get none.
+  /// Decrease of those forces by small changes of the displacements (one per node, m), N: the stiffness of the body in
+  /// its present strain times the changes. Changes of pinned nodes are taken as 0, and so are the results.
   void stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>& forces, WorkerTeam& team);
-  /// Of the strains, more than at rest, J.
+  /// Strain energy relative to rest, J.
   double strainEnergy_J() const;
-  /// Deformation gradients over the lattice less 1: of the cells about a node, by what they hold. A rotation and a
-  /// stretch are exact. `gradients`: one a node.
+  /// Deformation gradients over the lattice minus 1: means of the cells around a node, weighted by their fill. Exact
+  /// for a rotation and a stretch. `gradients`: one per node.
   void gradients(std::vector<glm::mat3>& gradients, WorkerTeam& team) const;
-  /// The same of one cell.
+  /// The same for one cell.
   glm::mat3 gradientOf(std::size_t cell) const;
 
  private:
@@ -120,12 +120,12 @@ class SoftBody {
   std::vector<char> pinned_;
   std::vector<SoftLattice::Corners> incident_;
   RestShape rest_;
-  std::optional<ShapeMatching> matching_;  // in place of elasticity
+  std::optional<ShapeMatching> matching_;  // replaces elasticity
   std::vector<Vec3> moved_, velocities_, loads_;
-  std::vector<Lanes> filled_;                 // of each group of Lanes::kCount cells
-  std::vector<LanesOfCorners> cornerForces_;  // of each group, and of one more cell, which is none
-  std::vector<float> leastVolumes_;           // of each block of cells
-  std::vector<SoftSums> sums_;                // of each block of nodes
+  std::vector<Lanes> filled_;                 // per group of Lanes::kCount cells
+  std::vector<LanesOfCorners> cornerForces_;  // per group, and for one more, empty cell
+  std::vector<float> leastVolumes_;           // per block of cells
+  std::vector<SoftSums> sums_;                // per block of nodes
 };
 
 }  // namespace palpate

@@ -6,7 +6,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kPlacesOfBlock = 256;  // that one thread works on at a time
+constexpr std::size_t kPlacesOfBlock = 256;  // positions per work item of a thread
 
 template <class Visit>
 void forEachCorner(const SoftLattice& lattice, const SkinPlace& place, Visit&& visit) {
@@ -26,7 +26,7 @@ std::vector<SkinPlace> skinOf(const SoftLattice& lattice, std::span<const float>
         places.emplace_back(SkinPlace{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest, .normal = at.normal});
     forEachCorner(lattice, place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
   }
-  // By Cauchy's and Schwarz's inequality: each place's share of a node against all places' shares of it.
+  // By the Cauchy-Schwarz inequality: each position's share of a node times the sum of all positions' shares of it.
   const double square = frequency_rad_s * frequency_rad_s;
   for (SkinPlace& place : places) {
     double perMass = 0;

@@ -1,4 +1,4 @@
-// Where a soft body's surface meets the walls of its box and the balls that hands hold.
+// Contact of a soft body's surface with the walls of its box and the balls held by hands.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// A place of the surface, and how stiff it is to what presses on it.
+/// A position of the surface, and its contact stiffness.
 struct SkinPlace {
   EmbeddedPlace at;
   Vec3 rest{0};
@@ -18,36 +18,36 @@ struct SkinPlace {
   float stiffness = 0;  ///< N/m
 };
 
-/// As stiff as may be while all springs together have no higher frequency than that (rad/s), whatever the nodes of
-/// those masses (kg) do.
+/// The stiffest springs whose combined frequency does not exceed `frequency_rad_s`, for any motion of nodes with these
+/// masses (kg).
 std::vector<SkinPlace> skinOf(const SoftLattice& lattice, std::span<const float> masses,
                               std::span<const SurfacePlace> surface, double frequency_rad_s);
 
-/// Each place of the surface is a spring and a damper to what presses on it (shaders/shared/soft.h); its force goes to
-/// the nodes of its cell by its share of them, so that nothing is lost between them, and the energy of the spring is
-/// one of the nodes' places. No place pulls, and what is beyond the surface altogether is not felt: a ball of less than
-/// a spacing's radius would slip between places.
+/// Each position of the surface is a spring and a damper to what presses on it (shaders/shared/soft.h); its force is
+/// distributed to the nodes of its cell by their shares, so that momentum is conserved, and the spring's energy depends
+/// only on the nodes' positions. Forces never pull, and objects entirely inside the surface are not felt: a ball with a
+/// radius below a spacing could slip between positions.
 class SoftContact {
  public:
   struct Config {
-    DVec3 box_m{0};              ///< walls from 0 to there
+    DVec3 box_m{0};              ///< walls from 0 to this corner
     double ball_m = 0;           ///< radius of the balls
     double frequency_rad_s = 0;  ///< touchFrequency()
     double friction = 0;         ///< Coulomb's coefficient, of walls and balls
   };
   SoftContact(const SoftBody& body, std::span<const SurfacePlace> surface, const Config& config);
 
-  /// Of another material from now on; the box and the balls are the same.
+  /// Sets the properties of another material; the box and the balls stay.
   void change(const Config& config);
 
-  /// Looks which places may meet walls or balls within `duration_s`.
+  /// Lists the positions that may touch walls or balls within `duration_s`.
   void list(const SoftBody& body, std::span<const BodyMotion> balls, double duration_s, WorkerTeam& team);
-  /// Loads the body for a substep with what walls and balls do to the listed places. Adds to `wallImpulse`, and to
-  /// `exchanges`, one a ball, what the body does to them, kg m/s.
+  /// Adds the forces of walls and balls on the listed positions to the body's loads for a substep. Adds the body's
+  /// impulses on them to `wallImpulse`, and to `exchanges`, one per ball, kg m/s.
   void press(SoftBody& body, std::span<const BodyMotion> balls, double step_s, DVec3& wallImpulse,
              std::span<Exchange> exchanges);
 
-  /// What listed places that stand on walls take away from `forces` where the nodes go on by `changes` (m), N.
+  /// Adds to `forces` (N) the decrease of the walls' forces on the listed positions if the nodes move by `changes` (m).
   void addWallStiffness(const SoftBody& body, std::span<const DVec3> changes, std::span<DVec3> forces) const;
 
  private:
@@ -59,10 +59,10 @@ class SoftContact {
   shared::SoftTouch touchOf(const SkinPlace& place) const;
 
   Config config_;
-  float reach_m_;  // so far beside what may be met within no time at all places are listed
+  float reach_m_;  // margin of the list around walls and balls, besides motion
   std::vector<SkinPlace> places_;
-  std::vector<char> isNear_;         // of each place
-  std::vector<std::uint32_t> near_;  // the places that are, ascending
+  std::vector<char> isNear_;         // per position
+  std::vector<std::uint32_t> near_;  // the near positions, ascending
 };
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// Points that a soft body carries along: a scan that bends.
+// Points carried by a soft body: a deformable scan.
 #pragma once
 
 #include <span>
@@ -9,9 +9,9 @@
 
 namespace palpate {
 
-/// A point goes where the nodes of its cell go, by its share of each at rest; at rest it is where it was, to the bit.
-/// Normals are turned and stretched by F^-T, with deformation gradients that are blended from node to node, so that
-/// they have no edges at the cells' faces.
+/// A point moves with the nodes of its cell, by its share of each at rest; at rest it is exactly at its original
+/// position. Normals are transformed by F^-T, with deformation gradients interpolated between nodes, so that they are
+/// continuous across the cells' faces.
 class SoftEmbedding {
  public:
   SoftEmbedding(const SoftLattice& lattice, std::span<const SurfacePlace> points);
@@ -23,7 +23,7 @@ class SoftEmbedding {
  private:
   std::vector<SurfacePlace> rest_;
   std::vector<EmbeddedPlace> places_;
-  std::vector<glm::mat3> gradients_;  // of the nodes
+  std::vector<glm::mat3> gradients_;  // per node
 };
 
 }  // namespace palpate

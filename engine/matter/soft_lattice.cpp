@@ -13,10 +13,10 @@ namespace palpate {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kMaxBoxCells = 64e6;  // of the box
+constexpr double kMaxBoxCells = 64e6;  // maximum number of cells of the box
 constexpr float kMinFilled = 0.2f;
-constexpr int kFarthestCell = 8;  // from a place that is embedded
-// Along each axis, where a cell is looked at that the surface of a ball may go through.
+constexpr int kFarthestCell = 8;  // maximum distance from an embedded position, in cells
+// Samples along each axis in a cell that the surface of a ball may cross.
 constexpr int kBallSamples = 6;
 
 IVec3 cornerOf(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
@@ -92,7 +92,7 @@ std::vector<double> SoftLattice::nodeShares() const {
 }
 
 EmbeddedPlace SoftLattice::embed(const DVec3& place_m) const {
-  // Half-open cells would leave the upper faces of a body to cells that are empty: the nearest cell is as good.
+  // Half-open cells would assign the upper faces of a body to empty cells: the nearest cell is used instead.
   const DVec3 along = (place_m - box_.corner) / box_.spacing_m;
   const IVec3 home(glm::floor(along));
   EmbeddedPlace found;

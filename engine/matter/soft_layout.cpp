@@ -11,14 +11,14 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kStrideUnit = 32;  // planes begin at whole lines of a cache
+constexpr std::uint32_t kStrideUnit = 32;  // planes are aligned to cache lines
 
 std::uint32_t roundedUp(std::size_t count, std::uint32_t unit) {
   return static_cast<std::uint32_t>((count + unit - 1) / unit * unit);
 }
 
-// A place of a cell is between the corners but for what it is beyond along the axes, at most by as much on each: so
-// much of what the corners span it can be beyond these, as its shares of them are below 0 and above 1.
+// Bound of how far a skin position can be outside the box of its cell's corners, relative to the extent of that box:
+// shares outside 0 to 1 extrapolate along each axis, by at most `most`.
 float beyondOf(std::span<const SkinPlace> places) {
   float most = 0;
   for (const SkinPlace& place : places)

@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr int kPointsOfSpacing = 3;  // along a spacing of the cells
+constexpr int kPointsOfSpacing = 3;  // points along a cell spacing
 constexpr std::size_t kPointsOfSculpture = 20'000;
 constexpr float kMmPerMetre = 1e3f;
 

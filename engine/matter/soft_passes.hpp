@@ -11,32 +11,31 @@ namespace palpate {
 
 class GpuSoftPress;
 
-/// How much of everything a soft body on a GPU has.
+/// Sizes of a soft body on a GPU.
 struct SoftSizes {
   std::uint32_t nodes = 0;
-  std::uint32_t skinCount = 0, firstInner = 0, slots = 0, stride = 0;  ///< SoftLayout's
-  std::uint32_t skinNodes = 0;                                         ///< SoftLayout's
-  std::uint32_t skin = 0;                                              ///< places
-  std::uint32_t points = 0;                                            ///< that it carries
+  std::uint32_t skinCount = 0, firstInner = 0, slots = 0, stride = 0;  ///< as in SoftLayout
+  std::uint32_t skinNodes = 0;                                         ///< as in SoftLayout
+  std::uint32_t skin = 0;                                              ///< number of skin positions
+  std::uint32_t points = 0;                                            ///< number of points that it carries
   std::uint32_t tools = 0;
-  std::uint32_t substeps = 1;  ///< in a step
+  std::uint32_t substeps = 1;  ///< per step
   bool hasPins = false;
-  bool isSculpted = false;  ///< cells may have another rest shape than a cube
+  bool isSculpted = false;  ///< cells may have rest shapes other than a cube
 
-  std::uint32_t cellBlocks() const;  ///< of slots
+  std::uint32_t cellBlocks() const;  ///< blocks of slots
   std::uint32_t nodeBlocks() const;
 };
 
-/// What the passes of a soft body work on: shaders/shared/soft_passes.h says what stands in each. Throws
-/// OutOfGpuMemory.
+/// Buffers of the passes of a soft body; shaders/shared/soft_passes.h defines their layouts. Throws OutOfGpuMemory.
 struct SoftMemory {
   SoftMemory(Device& device, const SoftSizes& sizes);
 
-  /// Parts of `state`, which is copied to the host as a whole.
+  /// Offsets of the parts of `state`, which is copied to the host as a whole.
   static constexpr std::uint64_t kSums = 0, kTools = 60;
   std::uint64_t bytes() const;
 
-  /// Makes room for the rest shapes of cells, all of them cubes, where there is none.
+  /// Allocates the rest shapes of the cells, all cubes, if not yet allocated.
   void holdShapes(Device& device, const SoftSizes& sizes);
 
   Buffer setting, hands;
@@ -48,26 +47,25 @@ struct SoftMemory {
     Buffer rests, shares, normalRests;
   } points;
   Buffer gradients, nodeGradients;
-  std::optional<Buffer> rests;  // shared::CellRest of each slot, written by the host; where the body was sculpted
+  std::optional<Buffer> rests;  // shared::CellRest per slot, written by the host; if the body was sculpted
 };
 
-/// The passes of a soft body on a GPU. A substep is two: cells, with what presses on their skin, then nodes, with the
-/// tools. All are gathers, and sums have one order.
+/// The passes of a soft body on a GPU. A substep has two: cells, with the contacts of their skin, then nodes, with the
+/// tools. All are gathers, and sums have a fixed order.
 class SoftPasses {
  public:
   explicit SoftPasses(Device& device);
 
-  /// A step of all substeps, with the presses that `press` has; null: nobody presses. Its report stands in
-  /// SoftMemory::state.
+  /// Records a step of all substeps, with the presses of `press`, or none if null. Its report is in SoftMemory::state.
   void recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const GpuSoftPress* press) const;
-  /// Once before the first step of a body that was sculpted.
+  /// Call once before the first step of a sculpted body.
   void holdShapes(Device& device);
   /// A pass for recordTrial().
   static ComputePipeline trialPass(Device& device, const SoftSizes& sizes);
-  /// What the cells and the walls do to nodes that have gone on a little, into SoftMemory::forces.
+  /// Records the forces of the cells and the walls for slightly displaced nodes, into SoftMemory::forces.
   static void recordTrial(CommandList& list, const ComputePipeline& pass, const SoftMemory& memory,
                           const SoftSizes& sizes, DeviceAddress nodes);
-  /// The points as the nodes are. Reads what a step writes, and writes none of it.
+  /// Records the points at the nodes' present positions. Only reads data that a step writes.
   void recordFrame(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const CarriedPoints& to) const;
 
  private:
@@ -75,7 +73,7 @@ class SoftPasses {
     const ComputePipeline& pass;
     DeviceAddress nodes, tools;
     std::uint32_t toolCount;
-    bool begins, ends;  // whether the substep is the first one of its step, and the last one
+    bool begins, ends;  // whether the substep is the first or the last one of its step
   };
   static void recordCells(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const Cells& cells);
   void recordNodes(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, std::uint32_t substep) const;

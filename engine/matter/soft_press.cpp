@@ -52,7 +52,7 @@ void SoftPress::hold(const SoftBody& body, Hold& hold) {
     if (!(weight > 0)) return;
     surface_.forEachNode(body, i, [&](std::uint32_t node, float share) {
       if (shares_[node] == 0) held_.push_back({.node = node, .share = 0, .began = body.displacements()[node]});
-      // Above 0 even where a place is at the face of its cell: a node is taken once.
+      // Positive even if a position is on the face of its cell, so that a node is added only once.
       shares_[node] += std::max(weight * share, std::numeric_limits<float>::min());
     });
   };
@@ -68,7 +68,7 @@ void SoftPress::hold(const SoftBody& body, Hold& hold) {
   hold.isAlone = held_.size() == hold.first;
   if (hold.isAlone) take(nearest, 1);
   hold.last = held_.size();
-  float all = 0;  // of the nodes' shares, as places that no cell holds would take more
+  float all = 0;  // sum of the nodes' shares; it can differ from the weights for positions outside all cells
   for (std::size_t k = hold.first; k < hold.last; ++k) all += shares_[held_[k].node];
   for (std::size_t k = hold.first; k < hold.last; ++k) {
     Held& held = held_[k];
@@ -99,7 +99,7 @@ DVec3 SoftPress::velocityAfter(const SoftBody& body, const Hold& hold, const Sub
   return velocity;
 }
 
-// Implicit Euler for the place, from the force that is among the loads to that which it has at the end of the substep.
+// Implicit Euler for the position, from the force already in the loads to the one at the end of the substep.
 DVec3 SoftPress::forceOnHand(const SoftBody& body, const Hold& hold, const Substep& substep) const {
   const SurfacePress& press = hold.press;
   const DVec3 hand = glm::mix(press.handFrom_m, press.handTo_m, substep.share);
@@ -122,7 +122,7 @@ void SoftPress::loadMore(SoftBody& body, const Hold& hold, const DVec3& onHand) 
   for (std::size_t k = hold.first; k < hold.last; ++k) body.loads()[held_[k].node] -= held_[k].share * Vec3(onHand);
 }
 
-// What the presses of one hand ask for together is no more than that hand bears.
+// Limits the total force of a hand's presses to its maximum.
 void SoftPress::limit(SoftBody& body) {
   for (std::size_t i = 0; i < holds_.size();) {
     std::size_t end = i;

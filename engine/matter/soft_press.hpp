@@ -9,23 +9,23 @@
 
 namespace palpate {
 
-/// Where a press has its place, the surface is the mean of what lies about it, with the weights that touch has for it
-/// (Wendland's, and less for what faces away from the press, so that of a sheet only the side is pressed that is
-/// touched), and the force goes to the nodes by the same shares: what the hand does to the place is what it does to
-/// the body, to the last bit of work. Spring and damper are solved implicitly for what the cells and the other
-/// presses do to the place in the same substep, one press after another from what they were before (Gauss and
-/// Seidel), so that they are stable however light the nodes are and however stiff a hand is. Nothing pulls.
+/// The surface position of a press is the mean of the positions around it, with the weights of touch (Wendland's,
+/// reduced for those that face away from the press, so that only the touched side of a sheet is pressed). The force is
+/// distributed to the nodes by the same shares, so the work of the hand on that position is exactly the work on the
+/// body. Spring and damper are solved implicitly together with the actions of the cells and the other presses in the
+/// same substep, one press after another from their previous values (Gauss-Seidel), so they are stable for arbitrarily
+/// light nodes and stiff hands. Forces never pull.
 class SoftPress {
  public:
-  /// `surface`: where a body may be pressed; outlives this.
+  /// `surface`: surface that may be pressed; must outlive this.
   SoftPress(const SoftBody& body, const SoftSurface& surface);
 
-  /// From now on these press, for a step of that length.
+  /// Sets the presses for a step of length `duration_s`.
   void begin(const SoftBody& body, std::span<const SurfacePress> presses, double duration_s, WorkerTeam& team);
-  /// Loads the body for a substep, at whose end `share` of the step is over; behind all other loads, and what the
-  /// cells do.
+  /// Adds the presses' forces to the body's loads for a substep, at whose end `share` of the step is over; call after
+  /// all other loads and strain().
   void load(SoftBody& body, double share, double substep_s, const DVec3& gravity_m_s2);
-  /// The step is over; each press has its report.
+  /// Ends the step; each press has its report.
   void end(const SoftBody& body);
 
   std::span<const PressReport> reports() const { return reports_; }
@@ -36,32 +36,32 @@ class SoftPress {
     float share;
     Vec3 began;  // displacement of the node when the step began, m
   };
-  // A press with its nodes, which stand in held_ one behind another.
+  // A press with its nodes, which are contiguous in held_.
   struct Hold {
     SurfacePress press;
     std::size_t first = 0, last = 0;
-    double perMass = 0;    // acceleration of the place for a force on it, 1/kg
-    DVec3 hand{0};         // where it was at the end of the last substep, m
-    DVec3 force{0};        // of this substep, on the hand, N
+    double perMass = 0;    // acceleration of the position per force on it, 1/kg
+    DVec3 hand{0};         // hand position at the end of the last substep, m
+    DVec3 force{0};        // force on the hand in this substep, N
     bool isAlone = false;  // PressReport::isAlone
   };
   void hold(const SoftBody& body, Hold& hold);
-  // The same nodes as in the step before.
+  // Keeps the nodes of the previous step.
   void holdOn(const SoftBody& body, Hold& hold, const Hold& before, std::span<const Held> heldBefore);
   DVec3 movedBy(const SoftBody& body, const Hold& hold) const;
   struct Substep {
     double share, length_s;
     DVec3 gravity;
   };
-  // Of the place at the end of the substep, with all loads there are.
+  // Velocity of the position at the end of the substep, with all present loads.
   DVec3 velocityAfter(const SoftBody& body, const Hold& hold, const Substep& substep) const;
   DVec3 forceOnHand(const SoftBody& body, const Hold& hold, const Substep& substep) const;
   void loadMore(SoftBody& body, const Hold& hold, const DVec3& onHand) const;
   void limit(SoftBody& body);
 
   const SoftSurface& surface_;
-  std::vector<Vec3> now_;      // where the places of the surface are, m
-  std::vector<float> shares_;  // of each node, all 0 between two holds
+  std::vector<Vec3> now_;      // surface positions, m
+  std::vector<float> shares_;  // per node; all 0 between two calls of hold()
   std::vector<Hold> holds_;
   std::vector<Held> held_;
   std::vector<PressReport> reports_;

@@ -6,10 +6,10 @@ namespace palpate {
 
 namespace {
 
-// Symplectic Euler is stable where w^2 dt^2 + 2 d dt is below 4, for a frequency w and a damping rate d; what is left
-// is for cells that are stiffer than at rest, as crushed and stretched ones are.
+// Symplectic Euler is stable for w^2 dt^2 + 2 d dt < 4, with frequency w and damping rate d; the margin is for cells
+// stiffer than at rest, such as crushed and stretched ones.
 constexpr double kBudget = 3;
-// Stiffness of the skin over that of what lies below it, in squared frequencies.
+// Ratio of the skin's stiffness to that below it, in squared frequencies.
 constexpr double kTouchStiffness = 2;
 
 }  // namespace
@@ -25,11 +25,11 @@ shared::SoftRules softRules(const SoftMaterial& material, double spacing_m) {
   rules.bulk = static_cast<float>(energyBulk);
   rules.restVolume = static_cast<float>(1 + 0.75 * energyShear / energyBulk);
   rules.viscosity = static_cast<float>(material.viscosity_Pa_s);
-  // The mean square of the distance from the middle of a cell, an edge's twelfth, by which bending strains, and its
+  // Mean square distance from the centre of a cell, a twelfth of the squared edge, by which bending strains; and its
   // square.
   rules.bend = static_cast<float>(material.young_Pa / (48 * square));
   rules.twist = static_cast<float>(material.young_Pa / (144 * square));
-  rules.bendDrag = static_cast<float>(3 * material.viscosity_Pa_s / (48 * square));  // 3: as stretching has (Trouton)
+  rules.bendDrag = static_cast<float>(3 * material.viscosity_Pa_s / (48 * square));  // 3: Trouton, as for stretching
   rules.perEdges = static_cast<float>(1 / (4 * spacing_m));
   return rules;
 }

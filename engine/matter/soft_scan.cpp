@@ -16,15 +16,15 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMinPoints = 100;
-constexpr std::size_t kNeighbours = 8;  // by whose distance a point has its area
-constexpr double kInside = 0.5;         // winding number from which on a place is inside
-constexpr int kCellSamples = 4;         // along each axis of a cell that the surface may go through
+constexpr std::size_t kNeighbours = 8;  // number of neighbours whose distance determines a point's area
+constexpr double kInside = 0.5;         // winding number above which a position is inside
+constexpr int kCellSamples = 4;         // samples along each axis in a cell that the surface may cross
 constexpr double kWidestHole_spacings = 3;
 constexpr double kWidestHole_points = 3;  // in spacings of the points
-// Share of a closed surface that is there, of points of the surface at most that are asked, one after another.
+// Minimum share of a closed surface that the points cover, and the maximum number of points sampled for it.
 constexpr double kMinShare = 0.44;
 constexpr std::size_t kAskedPoints = 4096;
-constexpr std::size_t kScanBlock = 256;  // points or cells that one thread works on at a time
+constexpr std::size_t kScanBlock = 256;  // points or cells per work item of a thread
 
 template <class Each>
 void forEachOf(std::size_t count, WorkerTeam& team, Each&& each) {
@@ -39,14 +39,14 @@ std::vector<OrientedArea> areasOf(std::span<const SurfacePlace> points, const Po
     std::array<std::uint32_t, kNeighbours + 1> near;
     std::array<double, kNeighbours + 1> distances2;
     const std::size_t found = tree.nearest(points[i].rest, near, distances2);
-    // Half of the farthest neighbour is within the circle through it.
+    // The farthest neighbour, on the circle through it, counts as half inside.
     const double area = std::numbers::pi * distances2[found - 1] / (static_cast<double>(found) - 0.5);
     areas[i] = {.place = points[i].rest, .normal = points[i].normal, .area = static_cast<float>(area)};
   });
   return areas;
 }
 
-// What is looked at while a scan is filled.
+// Working data while a scan is filled.
 struct Filling {
   std::span<const SurfacePlace> points;
   const PointTree& tree;
@@ -55,7 +55,7 @@ struct Filling {
   double share;  // shareOfClosed()
   WorkerTeam& team;
   LatticeBox box;
-  std::vector<float> windings;    // in the middle of each cell
+  std::vector<float> windings;    // at the centre of each cell
   std::vector<std::size_t> kept;  // cells with points, ascending
 
   DVec3 middleOf(const IVec3& cell) const { return box.corner + box.spacing_m * (DVec3(cell) + 0.5); }
@@ -64,7 +64,7 @@ struct Filling {
   }
 };
 
-// The box with a layer of cells around all points.
+// The box of all points plus a layer of cells around them.
 LatticeBox boxAbout(std::span<const SurfacePlace> points, double spacing_m) {
   DVec3 low(points[0].rest), high = low;
   for (const SurfacePlace& point : points) {
@@ -85,9 +85,9 @@ void wind(Filling& filling) {
   filling.kept.erase(std::unique(filling.kept.begin(), filling.kept.end()), filling.kept.end());
 }
 
-// How much of a closed surface the points are. Just before and behind each of them the winding number is 0 and 1 on a
-// closed surface, and a half less and more than 0 on a flat sheet: the mean of both is half of the share that is there,
-// and that of an open hemisphere is a quarter. Below 0 where normals point inwards.
+// Share of a closed surface that the points cover. Just before and behind each point the winding numbers are 0 and 1 on
+// a closed surface, and -1/2 and +1/2 on a flat sheet: their mean is half of the covered share, and a quarter for an
+// open hemisphere. Negative if normals point inwards.
 double shareOfClosed(std::span<const OrientedArea> areas, const WindingNumber& winding, WorkerTeam& team) {
   const std::size_t stride = std::max<std::size_t>(1, areas.size() / kAskedPoints);
   std::vector<double> sums((areas.size() + stride - 1) / stride);
@@ -115,14 +115,14 @@ double shareOfClosed(std::span<const OrientedArea> areas, const WindingNumber& w
 void requireInside(const Filling& filling) {
   const float most = std::ranges::max(filling.windings);
   if (static_cast<double>(most) > kInside) return;
-  if (filling.share < -kMinShare) throw Error("model: its normals point inwards; turn them round");
+  if (filling.share < -kMinShare) throw Error("model: its normals point inwards; flip them");
   if (filling.share < kMinShare) refuseOpen(filling);
   throw Error("model: encloses nothing that is {:g} mm wide; a body needs a closed surface",
               filling.box.spacing_m * 1e3);
 }
 
-// Between cells inside and outside there is the surface, or the film over a hole: then points are far, and the farthest
-// place is the middle of the hole.
+// Between inside and outside cells is either the surface or the film over a hole: there points are far, and the
+// farthest position is the middle of the hole.
 void requireClosed(const Filling& filling) {
   const LatticeBox& box = filling.box;
   std::vector<double> widths(box.filled.size(), 0.0);
@@ -150,7 +150,7 @@ void requireClosed(const Filling& filling) {
       widths[widest] * 1e3, place.x, place.y, place.z, filling.widestHole_m * 1e3);
 }
 
-// Cells that the surface may go through: those with points and all around them.
+// Cells that the surface may cross: those with points, and their neighbours.
 std::vector<char> cutCells(const Filling& filling) {
   std::vector<char> cut(filling.box.filled.size(), 0);
   for (const std::size_t c : filling.kept)
@@ -181,7 +181,7 @@ void fill(Filling& filling) {
   });
 }
 
-// One place in each cube of half a spacing: the mean of its points.
+// One position per cube of half a spacing: the mean of its points.
 std::vector<SurfacePlace> thinned(std::span<const SurfacePlace> points, const LatticeBox& box) {
   const LatticeBox cubes{.corner = box.corner, .spacing_m = box.spacing_m / 2, .cells = 2 * box.cells};
   std::vector<std::pair<std::size_t, std::size_t>> order;
@@ -246,7 +246,7 @@ FilledScan fillScan(std::span<const SurfacePlace> points, double spacing_m, doub
   wind(filling);
   requireInside(filling);
   requireClosed(filling);
-  // A sheet of few, uneven points is inside of itself here and there, and no hole is far from all of them.
+  // A sheet of few, uneven points encloses some positions, and none of its holes is far from all points.
   if (filling.share < kMinShare) refuseOpen(filling);
   fill(filling);
   return {.box = std::move(filling.box), .kept = std::move(filling.kept)};

@@ -1,4 +1,4 @@
-// Fills scans: a cloud is hollow, a soft body is not.
+// Fills scans: turns the hollow cloud of a surface into a solid body.
 #pragma once
 
 #include <span>
@@ -11,21 +11,21 @@
 
 namespace palpate {
 
-/// The points of a cloud where the body of the scene stands (standOf()), in their order: as large as fits, and upright
-/// as the file has it. Estimates normals where there are none. Throws Error for fewer than a few points, or no extent.
+/// The points of a cloud, in their order, at the position of the scene's body (standOf()): scaled to fit, upright as in
+/// the file. Estimates normals if there are none. Throws Error for too few points, or no extent.
 std::vector<SurfacePlace> placeScan(PointCloud cloud, const MatterScene& scene, unsigned threads = 0);
 
-/// A scan as cells: those with points of it, ascending, may be empty, too.
+/// A scan as cells. `kept`: cells that contain points, ascending; they may be empty.
 struct FilledScan {
   LatticeBox box;
   std::vector<std::size_t> kept;
 };
 
-/// Fills what a closed surface encloses with cells, by the winding numbers of its points, each of which stands for an
-/// area by its neighbours' distance; the same for any number of threads. Holes of up to `widestHole_m` (0: three
-/// spacings of the lattice and three of the points) are closed as by a soap film. Throws Error that begins with
-/// "model:" for a wider one, with its place and width, for points that are less than some 0.44 of a surface all around,
-/// as a sheet of terrain is, for a surface that is turned inside out, and for one that encloses nothing.
+/// Fills the interior of a closed surface with cells, by the winding numbers of its points, each of which represents an
+/// area derived from its neighbours' distance; identical for any number of threads. Holes up to `widestHole_m` (0:
+/// three spacings of the lattice plus three of the points) are closed as by a soap film. Throws an Error that begins
+/// with "model:" for a wider hole, with its position and width, for points that cover less than about 0.44 of a closed
+/// surface, such as a sheet of terrain, for a surface that is turned inside out, and for one that encloses nothing.
 FilledScan fillScan(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team);
 /// The same as a body at rest.
 SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team);

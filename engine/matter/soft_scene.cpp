@@ -11,9 +11,9 @@ namespace palpate {
 
 namespace {
 
-constexpr double kBytesOfSoftNode = 400;  // with its cell
-constexpr double kBytesOfSoftCell = 60;   // of the box about the body, while it is filled
-constexpr double kMaxNodes = 1 << 27;     // as corners of cells are numbered
+constexpr double kBytesOfSoftNode = 400;  // including its cell
+constexpr double kBytesOfSoftCell = 60;   // cell of the box around the body, while it is filled
+constexpr double kMaxNodes = 1 << 27;     // limit of the corners' node numbers
 
 void requireMaterial(const MatterScene& scene) {
   requireBetween("young_Pa", scene.young_Pa, 1, 1e9);
@@ -24,28 +24,29 @@ void requireMaterial(const MatterScene& scene) {
 void requireShape(const MatterScene& scene) {
   requireBetween("fill_mm", scene.fill_mm, scene.spacing_mm, scene.box_mm);
   requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
-  if (!scene.model.empty() && scene.shape != SoftShape::box) throw Error("shape: belongs to no scene with a model");
+  if (!scene.model.empty() && scene.shape != SoftShape::box) throw Error("shape: cannot be combined with a model");
   if (scene.shape == SoftShape::ball &&
       !(std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}) >= 2 * scene.spacing_mm))
-    throw Error("fill_mm: is {:g} on its shortest side; a ball is at least two spacings wide",
+    throw Error("fill_mm: is {:g} on its shortest side; a ball must be at least two spacings wide",
                 std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}));
   if (!scene.pinned_mm) return;
   const auto& [low, high] = *scene.pinned_mm;
   for (int k = 0; k < 3; ++k)
     if (!(low[k] <= high[k]))
-      throw Error("pinned_mm: begins at {} along {}, and ends at {}", low[k], "xyz"[k], high[k]);
+      throw Error("pinned_mm: begins at {} along {}, but ends at {}", low[k], "xyz"[k], high[k]);
 }
 
-// The most mass of nodes that the ball may touch, over its own: half of it, to the middle of the first cells.
+// Maximum mass of the nodes that the ball may touch, relative to its own: half of the ball's surface, to the middle of
+// the first cells.
 double touchedShare(const MatterScene& scene) {
   if (scene.tool.radius_mm == 0) return 0;
   const double radius = scene.tool.radius_mm * 1e-3;
   return 3.14159265358979 * radius * radius * scene.spacing_mm * 1e-3 * scene.density_kg_m3 / scene.tool.mass_kg;
 }
 
-// Of shape matching: what a substep leaves of its stability to the skin, in squared frequencies times the substep.
+// Share of the stability limit of shape matching left to the skin, in squared frequencies times the squared substep.
 constexpr double kMatchedTouch = 0.3;
-// Spacings in a substep: nothing of a body that matches shapes moves faster.
+// In spacings per substep: maximum speed in a body that matches shapes.
 constexpr double kMatchedSpeed = 2;
 
 }  // namespace

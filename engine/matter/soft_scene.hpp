@@ -1,4 +1,4 @@
-// What a scene of a soft body comes to.
+// Derived quantities of a scene of a soft body.
 #pragma once
 
 #include <optional>
@@ -9,41 +9,42 @@
 namespace palpate {
 
 SoftMaterial materialOf(const MatterScene& scene);
-/// Of a scene whose preset matches shapes; nothing of others, which are elastic.
+/// Rules of shape matching; nullopt for elastic presets.
 std::optional<MatchingRules> matchingOf(const MatterScene& scene, const MatterPlan& plan);
-/// How stiff its skin is to what presses on it: SoftContact::Config::frequency_rad_s.
+/// Contact frequency of the skin: SoftContact::Config::frequency_rad_s.
 double touchFrequencyOf(const MatterScene& scene, const MatterPlan& plan);
-/// How far the surface of a half-space of the scene's material gives way to a force that is spread evenly over a disc
-/// of that radius (Love 1929), the mean over the disc, m/N. Of elastic bodies.
+/// Compliance of a half-space of the scene's material under a force distributed evenly over a disc of that radius (Love
+/// 1929), mean over the disc, m/N. For elastic bodies.
 double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m);
-/// Substeps in a step that a body needs whose stiffest cell is so many times as stiff for its mass as at rest
-/// (RestShape).
+/// Number of substeps per step that a body needs if its stiffest cell has `stiffer` times the stiffness per mass at
+/// rest (RestShape).
 std::uint32_t substepsOf(const MatterScene& scene, const MatterPlan& plan, double stiffer);
 
-/// What a body that nothing holds is held by where it is asked how it gives way, for its mass: one round in 1.6 s.
+/// Stiffness per mass that holds a free body while its compliance is computed: a period of 1.6 s.
 inline constexpr double kHold_1_s2 = 16;
 
-/// planOf() for soft bodies: `lattice` is that of cells about the fill, `particles` the nodes at its corners, of which
-/// a scan or a ball needs fewer.
+/// planOf() for soft bodies: `lattice` is the number of cells of the fill, `particles` the nodes at their corners; a
+/// scan or a ball needs fewer.
 MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes);
 
-/// Where the body stands: a box of the size of the fill, in the middle of the floor, m.
+/// Box of the body: the size of the fill, in the middle of the floor, m.
 PlaceBox standOf(const MatterScene& scene);
 
-/// A ball that fits there: its middle and radius, m.
+/// A ball that fits into that box: its centre and radius, m.
 struct SoftBall {
   DVec3 middle{0};
   double radius = 0;
 };
 SoftBall ballOf(const MatterScene& scene);
 
-/// Where nodes are pinned; a hair wider than the scene says, for those on its faces.
+/// Boxes in which nodes are pinned; slightly enlarged, to include nodes on the faces.
 std::vector<PlaceBox> pinsOf(const MatterScene& scene);
 
-/// A body of that mass may move with its sound as a whole, and with what it has from falling through the box, J.
+/// Kinetic energy above which a body of that mass has diverged: twice that of the whole body at its speed of sound plus
+/// that of a fall through the box, J.
 double mostSoftKinetic_J(const MatterScene& scene, const MatterPlan& plan, double mass_kg);
 
-/// Adds to what is seen of a scene's body where its nodes are: at rest (m), how far from there (m), and their masses.
+/// Adds a body's nodes to an observation: rest positions (m), displacements (m), and masses.
 void seeNodes(MatterObservation& seen, const MatterScene& scene, std::span<const Vec3> rest,
               std::span<const Vec3> displacements, std::span<const float> masses);
 

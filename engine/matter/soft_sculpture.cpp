@@ -11,10 +11,10 @@ namespace palpate {
 
 namespace {
 
-// Of all strokes that can be taken back: a node of one takes 32 bytes.
+// Maximum number of nodes in all strokes that can be undone: each takes 32 bytes.
 constexpr std::size_t kMaxKept = std::size_t{1} << 23;
 
-// Places on a plane as far apart as a surface's have so much weight together.
+// Sum of the weights of positions on a plane, at the distances of a surface's.
 double weightOfPlane(double reach_spacings) {
   const double apart = 1.0 / kPlacesOfSpacing;
   return static_cast<double>(0.448798950512827605) * std::pow(reach_spacings / apart, 2);

@@ -1,4 +1,4 @@
-// A soft body that is sculpted: its rest shape yields to a brush, stroke by stroke.
+// Sculpting of a soft body: its rest shape yields to a brush, stroke by stroke.
 #pragma once
 
 #include <cstdint>
@@ -10,41 +10,41 @@
 
 namespace palpate {
 
-/// How far a place of the surface is to go, m.
+/// Requested displacement of a surface position, m.
 struct PlaceWay {
   std::uint32_t place = 0;
   DVec3 way{0};
 };
 
-/// What a brush asks of places of the surface becomes a smooth motion of the nodes about them, within kReach_spacings
-/// of the cells, as a mean with Wendland's weights that fades into the depth; and that a plastic one: where nodes
-/// rest goes along, through the inverse of what the body is strained by (SoftBody::yield()). Mass stays, nothing else
-/// does within that reach, and everything without. What a cell cannot follow it does not. For one thread.
+/// Turns a brush's displacements of surface positions into a smooth motion of the nodes within kReach_spacings, as a
+/// mean with Wendland's weights that fades with depth. The motion is plastic: the rest positions move along, through
+/// the inverse of the body's strain (SoftBody::yield()). Masses stay; nothing outside that reach changes. Displacements
+/// that a cell cannot follow are omitted. For one thread.
 class SoftSculpture {
  public:
   static constexpr double kReach_spacings = 2;
 
-  /// Both outlive it.
+  /// Both must outlive it.
   SoftSculpture(SoftBody& body, const SoftSurface& surface) : body_(body), surface_(surface) {}
 
   const SoftBody& body() const { return body_; }
   const SoftSurface& surface() const { return surface_; }
-  /// Of the stroke that goes on, or of a new one. How many nodes have moved. `ways`: each place once.
+  /// Continues the stroke, or begins one. Returns the number of moved nodes. `ways`: each position at most once.
   std::size_t yield(std::span<const PlaceWay> ways);
-  /// The stroke is over, if one goes on.
+  /// Ends the stroke, if one is in progress.
   void endStroke();
 
-  /// While no stroke goes on: takes the last one back, or does it again, to the bit. False where there is none.
+  /// Only between strokes: undoes or redoes the last one, bitwise exactly. False if there is none.
   bool undo();
   bool redo();
   std::size_t undoable() const { return strokes_.size() - undone_; }
   std::size_t redoable() const { return undone_; }
-  std::uint64_t strokes() const { return made_; }     ///< in all
-  std::uint64_t dropped() const { return dropped_; }  ///< of them, the oldest, which are kept no more
+  std::uint64_t strokes() const { return made_; }     ///< total number
+  std::uint64_t dropped() const { return dropped_; }  ///< number of oldest strokes no longer kept
 
  private:
   struct Stroke {
-    std::vector<RestPlace> before, after;  // of the nodes that it has moved
+    std::vector<RestPlace> before, after;  // rest displacements of the moved nodes
   };
   struct Near {
     Vec3 place;
@@ -55,10 +55,10 @@ class SoftSculpture {
 
   SoftBody& body_;
   const SoftSurface& surface_;
-  std::vector<Vec3> began_;  // where nodes rested before the stroke that goes on; empty where none does
+  std::vector<Vec3> began_;  // rest displacements before the current stroke; empty between strokes
   std::deque<Stroke> strokes_;
-  std::size_t undone_ = 0;  // of the last ones
-  std::size_t kept_ = 0;    // nodes of all of them
+  std::size_t undone_ = 0;  // number of last strokes undone
+  std::size_t kept_ = 0;    // total number of nodes of all strokes
   std::uint64_t made_ = 0, dropped_ = 0;
 };
 

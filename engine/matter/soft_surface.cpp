@@ -7,7 +7,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kPlacesOfBlock = 512;  // that one thread works on at a time
+constexpr std::size_t kPlacesOfBlock = 512;  // positions per work item of a thread
 
 }  // namespace
 

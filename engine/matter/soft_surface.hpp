@@ -1,4 +1,4 @@
-// The surface of a soft body where it now is.
+// The present surface of a soft body.
 #pragma once
 
 #include <span>
@@ -9,23 +9,23 @@
 
 namespace palpate {
 
-/// Places that are evenly spread, about half a spacing of the cells apart. For any thread while the body stands.
+/// Evenly distributed surface positions, about half a cell spacing apart. For any thread while the body does not move.
 class SoftSurface {
  public:
   SoftSurface(const SoftLattice& lattice, std::span<const SurfacePlace> surface);
 
   std::size_t size() const { return rest_.size(); }
-  /// Where a place is, m; its normal there, unit, outward.
+  /// Present position, m; its normal, unit, outward.
   Vec3 placeOf(const SoftBody& body, std::size_t i) const;
   Vec3 normalOf(const SoftBody& body, std::size_t i) const;
-  /// The place that is nearest to another one, m.
+  /// The surface position nearest to a position, m.
   std::uint32_t nearest(const SoftBody& body, const DVec3& place_m) const;
-  /// Where all of them are, m.
+  /// Present positions of all of them, m.
   void places(const SoftBody& body, std::vector<Vec3>& now, WorkerTeam& team) const;
-  /// Force of 1 N along `direction` that is spread evenly over the places within `radius_m` of one now, or at the
-  /// nearest one, as the nodes have it, N.
+  /// Nodal forces, N, of a force of 1 N along `direction` distributed evenly over the surface positions within
+  /// `radius_m` of a present position, or applied to the nearest one.
   std::vector<DVec3> spread(const SoftBody& body, const DVec3& place_m, double radius_m, const DVec3& direction) const;
-  /// visit(node, share): the corners of the cell that a place is in, and their shares of it.
+  /// Calls visit(node, share) for the corners of a position's cell, with their shares of it.
   template <class Visit>
   void forEachNode(const SoftBody& body, std::size_t i, Visit&& visit) const {
     const SoftLattice::Corners& nodes = body.lattice().corners()[embedded_[i].cell];
@@ -33,7 +33,7 @@ class SoftSurface {
   }
 
  private:
-  std::vector<SurfacePlace> rest_;  // as in the lattice
+  std::vector<SurfacePlace> rest_;  // in the lattice
   std::vector<EmbeddedPlace> embedded_;
 };
 

@@ -127,7 +127,7 @@ MatterObservation SoftWorld::observe() const {
 
 double SoftWorld::localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) {
   constexpr int kMaxRounds = 300;
-  constexpr double kLeft = 1e-3;  // of the residual; the compliance is as exact as the square of that
+  constexpr double kLeft = 1e-3;  // tolerance of the residual; the relative error of the compliance is its square
   std::vector<DVec3> residual = surface_.spread(body_, place_m, radius_m, direction);
   for (std::size_t i = 0; i < residual.size(); ++i)
     if (body_.isPinned(i)) residual[i] = DVec3(0);

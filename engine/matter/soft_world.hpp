@@ -1,4 +1,4 @@
-// Soft bodies, on the CPU.
+// Soft bodies on the CPU.
 #pragma once
 
 #include <memory>
@@ -17,22 +17,21 @@
 
 namespace palpate {
 
-/// Its particles are the nodes of a lattice. The same bytes for any number of threads.
+/// Its particles are the nodes of a lattice. Bitwise identical for any number of threads.
 class SoftWorld final : public MatterSimulation {
  public:
   /// The body of a scene without a model, or of MatterOptions::soft. Throws Error as planOf() does.
   explicit SoftWorld(const MatterScene& scene, const MatterOptions& options = {});
-  /// A body that was filled (soft_scan.hpp), and `points` that it carries: those of its surface in any number and
-  /// order.
+  /// A filled body (soft_scan.hpp), and the `points` that it carries: surface points in any number and order.
   SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
             std::span<const SurfacePlace> points);
-  /// A body that is there already, and may be shared.
+  /// An existing body, which may be shared.
   SoftWorld(const MatterScene& scene, const MatterOptions& options, std::shared_ptr<const SoftModel> model);
 
   std::size_t nodes() const { return body_.size(); }
-  /// Compression is that of the cell which has least of its volume.
+  /// The compression is that of the most compressed cell.
   MatterObservation observe() const override;
-  /// Of the points that it carries.
+  /// The frame of the points that it carries.
   void makeFrame(CloudFrame& frame) override;
 
   std::optional<double> gpuTime_us() const override { return std::nullopt; }
@@ -44,9 +43,8 @@ class SoftWorld final : public MatterSimulation {
   std::span<const PressReport> pressed() const override { return press_.reports(); }
   bool hasSurface() const override { return true; }
   SoftSculpture* sculpture() override { return tools_.empty() ? &sculpture_ : nullptr; }
-  /// As the body now is, strained and on the walls that it stands on. A body that nothing holds gives way as its mass
-  /// does within a third of a second. Takes as long as a hundred substeps. (Conjugate gradients; Hestenes, Stiefel
-  /// 1952.)
+  /// For the body in its present strain and wall contact. A free body yields as its mass does within a third of a
+  /// second. Takes as long as a hundred substeps. (Conjugate gradients; Hestenes, Stiefel 1952.)
   double localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) override;
 
   SoftBody& body() { return body_; }
@@ -57,19 +55,19 @@ class SoftWorld final : public MatterSimulation {
   void takeParameters() override;
   void placeToolAt(std::size_t tool, const HandPose& hand) override;
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
-  std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
+  std::vector<Vec4> pressedPlaces() const override { return {}; }  // no pressure
 
-  /// At whose end `share` of the step is over.
+  /// Runs a substep at whose end `share` of the step is over.
   void substep(std::span<const HandPose> hands, double share, double length_s, StepReport& report);
 
   WorkerTeam team_;
-  std::shared_ptr<const SoftModel> model_;  // whose lattice the body looks at
+  std::shared_ptr<const SoftModel> model_;  // owns the lattice that the body refers to
   SoftBody body_;
   SoftContact contact_;
   SoftSurface surface_;
   SoftPress press_;
   SoftSculpture sculpture_;
-  std::vector<SurfacePress> presses_;  // of the next step
+  std::vector<SurfacePress> presses_;  // presses of the next step
   SoftEmbedding embedding_;
   std::vector<ToolBody> tools_;
 };

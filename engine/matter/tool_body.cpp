@@ -7,7 +7,7 @@ namespace palpate {
 
 namespace {
 
-// Of the ball on its spring, critically damped.
+// Natural frequency of the ball on its spring, critically damped.
 constexpr double kCouplingFrequency_Hz = 30;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A ball between a hand and matter: a simulated body, tied to the hand by a spring and a damper (virtual coupling;
-// Colgate, Stanley, Brown 1995), so that what the hand feels is bounded by what the spring holds.
+// A ball between a hand and matter: a simulated body, coupled to the hand by a spring and a damper (virtual coupling;
+// Colgate, Stanley, Brown 1995), so that the hand's force is limited by the spring.
 #pragma once
 
 #include "engine/matter/boundary.hpp"
@@ -10,30 +10,30 @@
 
 namespace palpate {
 
-/// What holds the ball of a tool: soft enough for a loop at 1 kHz, stiff enough to follow a hand.
+/// Spring and damper of a tool's ball: soft enough for a loop at 1 kHz, stiff enough to follow a hand.
 shared::ToolSpringOf<double> toolSpring(const MatterTool& tool, double step_s);
 
-/// Stiffness of that spring as the hand feels it, with the gain of the scene, N/m.
+/// Stiffness of that spring as felt by the hand, times the scene's gain, N/m.
 double couplingStiffness_N_m(const MatterScene& scene);
 
-/// Has no weight of its own: what a hand feels of a ball in water is its buoyancy. It turns as the hand does.
+/// Has no weight: the hand feels the buoyancy of a ball in water. Its orientation is the hand's.
 class ToolBody {
  public:
   explicit ToolBody(const shared::ToolSpringOf<double>& spring) : spring_(spring) {}
 
-  /// With another substep from now on.
+  /// Sets the spring for another substep.
   void setSpring(const shared::ToolSpringOf<double>& spring) { spring_ = spring; }
-  /// Where the hand is, and the ball, at rest.
+  /// Places the ball at the hand, at rest.
   void placeAt(const HandPose& hand);
-  /// A substep by itself, towards a hand that moves to `hand` meanwhile.
+  /// A substep without matter, coupled to a hand that moves to `hand` meanwhile.
   void predict(const HandPose& hand);
-  /// Out of a model that stands still, as a ball of that radius.
+  /// Moves the ball, with this radius, out of a static model.
   void stopAt(const MatterModel& model, double radius_m);
-  /// What the matter has done to it meanwhile.
+  /// Applies the action of the matter in this substep.
   void react(const Exchange& exchange);
 
   const BodyMotion& motion() const { return motion_; }
-  /// What was gathered since the last call.
+  /// The report since the last call.
   ToolReport takeReport();
 
  private:

@@ -1,5 +1,5 @@
 // Position-based fluids (Macklin, Mueller 2013), one Jacobi iteration in each small substep: a pass that sums weights
-// up to compressions, and one that sums pushes up to changes of velocity. Both take four neighbours at once.
+// to compressions, and a pass that sums pushes to velocity changes. Both process four neighbours at once.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,7 +28,7 @@ class WaterLaw final : public MatterLaw {
     sideBySide_.cohesion = Lanes(rules_.cohesion);
   }
 
-  void renumber(std::span<const std::uint32_t>) override {}  // it remembers nothing of them
+  void renumber(std::span<const std::uint32_t>) override {}  // no per-particle state
 
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
              WorkerTeam& team) override {
@@ -39,12 +39,12 @@ class WaterLaw final : public MatterLaw {
   }
 
  private:
-  // What never moves about a place.
+  // Static surroundings of a position.
   struct Fixed {
     shared::WallEffect walls, model{};
   };
 
-  // Of a block: of each neighbour in its lists, 0 for copies; of each slot.
+  // Data of a block: `pulls` per neighbour in its lists, 0 for copies; `fixed` per slot.
   struct Pairs {
     std::vector<float> pulls;
     std::vector<Fixed> fixed;
@@ -69,21 +69,21 @@ class WaterLaw final : public MatterLaw {
   static FourVectors fourOf(const Neighbour* four, Value&& value) {
     return FourVectors::of(value(four[0]), value(four[1]), value(four[2]), value(four[3]));
   }
-  // Of four neighbours, where they are near: what is beyond a periodic border is moved.
+  // Positions of four neighbours: those beyond a periodic border are shifted to their near image.
   static FourVectors placesOf(const MatterParticles& particles, const Vec4* places, const Neighbour* four) {
     if (!particles.isPeriodic()) return fourOf(four, [&](Neighbour other) { return lanesOf(places[other.slot]); });
     return fourOf(four,
                   [&](Neighbour other) { return lanesOf(places[other.slot] + Vec4(particles.shiftOf(other), 0)); });
   }
 
-  // 1 for each of four from `first` on that is one of `count`, otherwise 0.
+  // 1 for each of the four indices from `first` on that is below `count`, otherwise 0.
   static Lanes areThere(std::size_t first, std::size_t count) {
     static constexpr std::array<float, 7> kOnes{1, 1, 1, 1, 0, 0, 0};
     const std::size_t left = count - first;
     return Lanes::at(kOnes.data() + (left < Lanes::kCount ? Lanes::kCount - left : 0));
   }
 
-  // Keeps what pushes neighbours have; the sum of their weights.
+  // Stores the neighbours' pulls; returns the sum of their weights.
   float weigh(const MatterParticles& particles, std::size_t slot, Pairs& pairs) const {
     const std::span<const Neighbour> neighbours = particles.lists().filledUp(slot);
     const std::size_t count = particles.lists().of(slot).size(), first = particles.lists().firstOf(slot);
@@ -140,7 +140,7 @@ class WaterLaw final : public MatterLaw {
       change += shared::changeByNeighbour<Lanes>(rules, offset, Lanes::at(pulls + k),
                                                  pressed + shared::pressing<Lanes>(others.w), relative);
       if (rules_.cohesion == 0) continue;
-      // Copies that fill up a list attract no more than they push.
+      // Copies that pad a list must not attract, just as they do not push.
       const Lanes there = areThere(k, particles.lists().of(slot).size());
       const Lanes r = min(sqrt(glm::dot(offset, offset)) * perSupport, one);
       change +=

@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint32_t kPointsOfLeaf = 8;
-// In radii of a node: from there on its points look like one.
+// In radii of a node: distance from which its points are approximated by one dipole.
 constexpr double kFar = 3;
 
 }  // namespace
@@ -62,10 +62,10 @@ double WindingNumber::at(const DVec3& place) const {
         const OrientedArea& point = points_[k];
         const DVec3 away = DVec3(point.place) - place;
         const auto area = static_cast<double>(point.area);
-        const double nearest2 = std::max(glm::dot(away, away), area / std::numbers::pi);  // the disc's own radius
+        const double nearest2 = std::max(glm::dot(away, away), area / std::numbers::pi);  // at least the disc's radius
         if (nearest2 > 0) sum += area * glm::dot(DVec3(point.normal), away) / (nearest2 * std::sqrt(nearest2));
       }
-    ++n;  // behind a leaf, as nothing is in it
+    ++n;  // for a leaf this is `behind`, as it has no descendants
   }
   return sum / (4 * std::numbers::pi);
 }

@@ -1,5 +1,6 @@
-// How often a surface of oriented points winds about a place: 1 inside of a closed one, 0 outside, and in between where
-// it has holes (Barill, Dickson, Schmidt, Levin, Jacobson 2018, "Fast winding numbers for soups and clouds").
+// Winding number of a surface of oriented points around a position: 1 inside a closed surface, 0 outside, and in
+// between if it has holes (Barill, Dickson, Schmidt, Levin, Jacobson 2018, "Fast winding numbers for soups and
+// clouds").
 #pragma once
 
 #include <cstdint>
@@ -10,26 +11,26 @@
 
 namespace palpate {
 
-/// A point of a surface, which stands for an area with its outward normal.
+/// A point of a surface that represents an area with its outward normal.
 struct OrientedArea {
   Vec3 place{0};
   Vec3 normal{0};  ///< unit
   float area = 0;
 };
 
-/// A tree of boxes, of which one that is far enough away counts as a single dipole. Queries are safe from any thread.
+/// A tree of boxes; a box that is far enough away is approximated by a single dipole. Queries are safe from any thread.
 class WindingNumber {
  public:
   explicit WindingNumber(std::vector<OrientedArea> points);
 
-  /// Within some hundredths, and less next to a point, about which an area is taken to be a disc.
+  /// Accurate to some hundredths, less so next to a point, around which its area is taken as a disc.
   double at(const DVec3& place) const;
 
  private:
-  // Nodes stand before what is in them; `behind` is the next one that is not.
+  // Nodes precede their descendants; `behind` is the next node that is not a descendant.
   struct Node {
-    DVec3 middle{0}, dipole{0};  // by area; the sum of areas times normals
-    double radius = 0;           // of the points about the middle
+    DVec3 middle{0}, dipole{0};  // middle: centroid by area; dipole: sum of areas times normals
+    double radius = 0;           // maximum distance of the points from the middle
     std::uint32_t first = 0, count = 0, behind = 0;
     bool isLeaf = false;
   };

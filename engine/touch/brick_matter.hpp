@@ -1,4 +1,4 @@
-// What has come of matter that somebody else simulates, brick by brick, as its particles.
+// Adapter from bricks of matter simulated on another machine to known particles.
 #pragma once
 
 #include "engine/matter/known_matter.hpp"
@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// The points of `source`, which outlives it, are particles; a unit is a millimetre.
+/// The points of `source`, which must outlive the result, are the particles; a unit is a millimetre.
 MatterNews newsOf(BrickSource& source);
 
 }  // namespace palpate

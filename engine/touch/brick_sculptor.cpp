@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPoll_us = 1;  // a budget that lets no thread sleep
+constexpr double kPoll_us = 1;  // budget too short for a thread to sleep
 
 // The points as a cloud of their own, in their order.
 PointCloud cloudOf(std::span<const PointState> points) {
@@ -32,7 +32,7 @@ BrickSculptor::BrickSculptor(BrickSource& source, double radius, const DVec3& or
     : source_(source), radius_(radius), origin_(origin), stroke_(radius), pace_(kStalest_s) {
   statistics_.editTimes_us.reserve(kEditTimesKept);
   task_ = std::make_unique<BackgroundTask>([this] {
-    giveWay();  // to the thread that answers
+    giveWay();  // lowers the priority below the answering thread
     edit();
   });
 }
@@ -89,7 +89,7 @@ void BrickSculptor::edit() {
   work_.changes.clear();
   work_.measure = {};
   if (std::exchange(work_.stroke, brush.stroke()) != brush.stroke()) work_.founds.clear();
-  // A point stays within twice the brush, and its normal is made of what lies within a support radius of it.
+  // A point stays within twice the brush radius, and its normal depends on the points within a support radius.
   const DVec3 reach(2 * brush.radius() + 1.01 * radius_);
   source_.pointsIn(brush.center() - reach, brush.center() + reach, work_.points);
   if (!work_.points.empty()) {

@@ -23,13 +23,14 @@ BrickTouch::BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surfac
 
 namespace {
 
-// Support radii: what an answer is made of, about the way of the hand and that of the proxy, and what is asked for
-// before it is known where the proxy goes; and what a script that is about to begin has around it.
+// In support radii: the margin around the paths of the hand and its proxy that an answer depends on; the margin
+// requested before the proxy's path is known; and the margin around a script's start.
 constexpr double kMadeOf = 1.25, kMayGo = 3, kAtFirst = 12;
 
 }  // namespace
 
-// The surface is looked for along the way from where the hand was to where it is, and about its proxy.
+// The surface query covers the path from the hand's last position to the present one, and the surroundings of its
+// proxy.
 HandReach BrickTouch::reachOf(std::size_t hand, const DVec3& hip, double around) const {
   const Hand& last = hands_[hand];
   HandReach reach{
@@ -65,7 +66,7 @@ bool BrickTouch::awaitAt(double time_s, std::span<const DVec3> hips, double pati
     reach.high += (kAtFirst - kMayGo) * options_.radius;
   }
   if (!source_.await(asked_, first, patience_s)) return false;
-  surface_->ask(poses, 0);  // it has their frame then
+  surface_->ask(poses, 0);  // brings the frame with these points
   for (std::size_t i = 0; i < hips.size(); ++i) resetHand(i);
   return true;
 }
@@ -78,14 +79,14 @@ std::span<const Contact> BrickTouch::ask(std::span<const Pose> poses, double bud
   const std::span<const Contact> felt = surface_->ask(poses, budget_us);
   const std::uint64_t before = without_.load(std::memory_order_relaxed);
   for (std::size_t i = 0; i < hands_.size(); ++i) answer(i, poses[i], felt[i], waits && inVain_);
-  // A tick at which two hands lack points is one tick.
+  // A tick at which two hands lack points counts once.
   without_.store(std::min(without_.load(std::memory_order_relaxed), before + 1), std::memory_order_relaxed);
   ticks_.store(ticks_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   sculpt(poses.front(), budget_us > 0);
   return answers_;
 }
 
-// A tool of many points has no brush here: what its hand is answered is not what its HIP alone feels.
+// A tool of many points has no brush here: the answer to its hand is not the contact of its HIP alone.
 void BrickTouch::sculpt(const Pose& pose, bool realtime) noexcept {
   const auto points = surface_->pointsTime();
   if (failure_ || !points || !hands_.front().points.empty()) return;
@@ -130,7 +131,7 @@ void BrickTouch::finish() {
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   sculptor_.finish();
   if (inVain_)
-    throw Error("the points around a hand have not come within {:.0f} s: what serves them is not there, or far away",
+    throw Error("the points around a hand were not received within {:.0f} s: the server is not running, or too slow",
                 options_.patience_s);
 }
 
@@ -143,9 +144,10 @@ void BrickTouch::setBrush(const std::optional<BrushOptions>& brush) {
   if (brush && !options_.fixed.empty()) throw UsageError("{}", options_.fixed);
   if (brush && brush->kind == BrushKind::paint && !source_.isColored())
     throw UsageError(
-        "paint: the points have no colours of their own, and around the hands alone none are added; join all of them");
+        "paint: the points have no colours, and none can be added with only the points around the hands; join all of "
+        "them");
   if (brush && !hands_.front().points.empty())
-    throw UsageError("a tool of many points sculpts where all points are here, and not around the hands alone");
+    throw UsageError("a tool of many points cannot sculpt with only the points around the hands; join all of them");
   sculptor_.setBrush(brush);
 }
 

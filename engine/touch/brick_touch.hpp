@@ -1,5 +1,4 @@
-// Hands on a cloud of which only the bricks around them are here: they feel and sculpt what is known, and nothing where
-// it is not.
+// Hands on a cloud of which only the bricks around them are loaded: they feel and sculpt only where points are known.
 #pragma once
 
 #include <atomic>
@@ -15,27 +14,28 @@
 namespace palpate {
 
 struct BrickTouchOptions {
-  double radius = 0;                       ///< of the surface's support, model units
-  double widening = 1;                     ///< of that, where points are noisy; edits are narrow
-  double tool = 0;                         ///< from a hand to the farthest point of its tool
+  double radius = 0;                       ///< support radius of the surface, model units
+  double widening = 1;                     ///< factor on the radius for noisy points; edits use the unwidened radius
+  double tool = 0;                         ///< distance from a hand to the farthest point of its tool
   DVec3 origin{0};                         ///< of the cloud
-  double patience_s = 10;                  ///< of virtual time, which waits for what is not known
+  double patience_s = 10;                  ///< timeout of virtual time, which waits for unknown points
   std::optional<BrushOptions> brush = {};  ///< of the first hand
-  std::string fixed = {};                  ///< why the points cannot be sculpted, in words; empty: they can
+  std::string fixed = {};                  ///< error text if the points cannot be sculpted; empty: they can
 };
 
-/// Stands before the back end that feels the points of a BrickSource, and sculpts them: it tells the source where the
-/// hands are, and lets an answer pass only where all that it can be made of is known. Elsewhere the hand feels nothing,
-/// its tick counts as one without data, and it begins anew where points are known again. Against the clock nobody
-/// waits; in virtual time each tick waits for its points, so that it is answered as if all of the cloud were here.
+/// Wraps the back end that feels the points of a BrickSource, and sculpts them: it sends the source the positions of
+/// the hands, and passes an answer on only if all points that it may depend on are known. Elsewhere the hand feels
+/// nothing, its tick counts as one without data, and the hand is reset when points are known again. Against the clock
+/// no tick waits; in virtual time each tick waits for its points, so that it is answered as if the whole cloud were
+/// loaded.
 class BrickTouch final : public TouchBackend {
  public:
-  /// `surface` feels the points of `source`, which outlives it.
+  /// `surface` feels the points of `source`, which must outlive it.
   BrickTouch(BrickSource& source, std::unique_ptr<TouchBackend> surface, const BrickTouchOptions& options);
 
   /// For any thread.
   UnknownTicks counts() const noexcept { return {.ticks = ticks_.load(), .without = without_.load()}; }
-  /// Before the first tick: waits for what lies around such hands, so long at most. Whether it is known then.
+  /// Before the first tick: waits up to `patience_s` for the points around these hands. Returns whether they are known.
   bool awaitAt(double time_s, std::span<const DVec3> hips, double patience_s);
 
   std::size_t hands() const noexcept override { return surface_->hands(); }
@@ -44,9 +44,9 @@ class BrickTouch final : public TouchBackend {
   void setRealtime(bool realtime) override { surface_->setRealtime(realtime); }
   std::span<const PointContact> points(std::size_t hand) const noexcept override { return hands_[hand].points; }
   void resetHand(std::size_t hand) noexcept override;
-  /// Throws Error where virtual time has waited in vain.
+  /// Throws Error if virtual time ran into its timeout.
   void finish() override;
-  /// The points that are here alone; what it says is how many of all a hand here has changed.
+  /// Reads back only the loaded points; returns the number of all points that a hand here has changed.
   std::size_t readBack(PointCloud& cloud) const override;
   bool takeFrame(CloudFrame& frame) override { return surface_->takeFrame(frame); }
   FramePipeline* framesOn(const Device& sight) override { return surface_->framesOn(sight); }
@@ -56,7 +56,7 @@ class BrickTouch final : public TouchBackend {
   void keepEdits() override {}
   void takeEdits(EditBatch&) override {}
   EditScope editScope() const override { return surface_->editScope(); }
-  /// Throws UsageError where nothing can be sculpted.
+  /// Throws UsageError if the points cannot be sculpted.
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override {
     surface_->setContact(surface, friction, method);
@@ -76,8 +76,8 @@ class BrickTouch final : public TouchBackend {
 
  private:
   struct Hand {
-    std::optional<DVec3> hip, proxy;   // at the last tick, where its points were known
-    std::vector<PointContact> points;  // as it gets them
+    std::optional<DVec3> hip, proxy;   // at the last tick with known points
+    std::vector<PointContact> points;  // as returned by points()
   };
   HandReach reachOf(std::size_t hand, const DVec3& hip, double around) const;
   void tell(double time_s, std::span<const Pose> poses);
@@ -91,7 +91,7 @@ class BrickTouch final : public TouchBackend {
   std::vector<Contact> answers_;
   HandReaches asked_;
   BrickSculptor sculptor_;
-  mutable TouchShortfalls shortfalls_;  // as asked for last
+  mutable TouchShortfalls shortfalls_;  // result of the last shortfalls()
   bool inVain_ = false;
   std::exception_ptr failure_;
   std::atomic<std::uint64_t> ticks_ = 0, without_ = 0;

@@ -6,10 +6,11 @@
 
 namespace palpate {
 
-/// Frames of a source whose points are moved on the GPU (CloudSource::carrier()): they never see the host.
+/// Frames of a source that moves its points on the GPU (CloudSource::carrier()): they never reach the host.
 class CarriedFrames final : public FrameWriter {
  public:
-  /// `source` must outlive it; it has a carrier, on the device whose lists record() gets. `origin`: of the live cloud.
+  /// `source` must outlive it; its carrier must be on the device whose lists record() gets. `origin`: of the live
+  /// cloud.
   CarriedFrames(CloudSource& source, const DVec3& origin);
 
   std::size_t size() const override { return source_.size(); }
@@ -24,7 +25,7 @@ class CarriedFrames final : public FrameWriter {
   const FrameCarrier& carrier_;
   DVec3 origin_;
   double time_s_ = 0;
-  bool isMade_ = false;  // any
+  bool isMade_ = false;  // a frame has been made
 };
 
 }  // namespace palpate

@@ -9,14 +9,14 @@ namespace palpate {
 
 namespace {
 
-constexpr double kMinTurn = 0.9;  // cosine of a normal and the one of the tick before, where the surface goes on
-constexpr double kLongestGuess_s = 0.02;  // for which a place goes on with its velocity
+constexpr double kMinTurn = 0.9;          // minimum cosine between the normals of two ticks of a continuous surface
+constexpr double kLongestGuess_s = 0.02;  // maximum time that a position is extrapolated with its velocity
 constexpr double kMillisecond_s = 1e-3;
-// Of the support radius:
-constexpr double kSamePlace = 0.5;    // a proxy that slid farther is held by other nodes
-constexpr double kFirstDepth = 0.25;  // a contact that begins deeper, beside the way of the hand, does so at the hand
-constexpr double kNear = 0.1;         // a surface of points that is so near to the place that is kept is the same
-constexpr double kSlideOfWay = 2;     // a proxy slides so many times as far as the hand went
+// In support radii:
+constexpr double kSamePlace = 0.5;    // a proxy that slid farther is borne by other nodes
+constexpr double kFirstDepth = 0.25;  // deeper than the hand's displacement plus this, a contact begins at the hand
+constexpr double kNear = 0.1;         // a surface of points this near to the kept position is the same surface
+constexpr double kSlideOfWay = 2;     // maximum slide of a proxy relative to the hand's displacement
 
 DVec3 acrossOf(const DVec3& way, const DVec3& normal) { return way - glm::dot(way, normal) * normal; }
 
@@ -24,7 +24,7 @@ DVec3 acrossOf(const DVec3& way, const DVec3& normal) { return way - glm::dot(wa
 
 void ContactKeeper::forget() { touching_ = isKept_ = isElsewhere_ = gaveWay_ = false; }
 
-// A contact begins where the hand comes to the surface. One that begins far from it does so at the hand.
+// A contact begins where the hand reaches the surface. A contact that begins far from the surface begins at the hand.
 void ContactKeeper::begin(const Contact& felt, const Tick& tick, double allowed) {
   forget();
   if (!felt.touching) return;
@@ -38,7 +38,7 @@ void ContactKeeper::begin(const Contact& felt, const Tick& tick, double allowed)
   slid_ = 0;
 }
 
-// A proxy that slides may go up and down by as much as it goes along.
+// A sliding proxy may move along the normal by as much as it moves tangentially.
 bool ContactKeeper::goesOn(const Contact& felt, const DVec3& expected, double allowed) const {
   const DVec3 apart = felt.proxy - expected;
   const double along = std::min(glm::length(acrossOf(apart, last_.normal)), allowed + kSlideOfWay * way_);
@@ -63,7 +63,7 @@ Contact ContactKeeper::follow(const Contact& felt, const PressedPlace& pressed, 
   return contact;
 }
 
-// Where the place is now; until the body knows of the contact, where the surface has gone.
+// Position of the contact now; until the body has it, the extrapolated surface position.
 PressedPlace ContactKeeper::placeNow(PressedPlace place, const Tick& tick, double since_s) const {
   if (place.contact != contact_)
     return {.contact = contact_, .place = last_.proxy + since_s * last_.velocity, .velocity = last_.velocity};
@@ -72,7 +72,7 @@ PressedPlace ContactKeeper::placeNow(PressedPlace place, const Tick& tick, doubl
 }
 
 Contact ContactKeeper::goOn(const Contact& felt, const PressedPlace& pressed, const Tick& tick, const Step& step) {
-  if (!felt.fresh && !isKept_) {  // it is bridged, and says nothing of the surface
+  if (!felt.fresh && !isKept_) {  // bridged: no information about the surface
     touching_ = felt.touching;
     return last_ = felt;
   }
@@ -90,17 +90,17 @@ Contact ContactKeeper::goOn(const Contact& felt, const PressedPlace& pressed, co
   return kept(felt, pressed, tick, step);
 }
 
-// How deep the hand is below the place that the body carries, and below the one that it feels.
+// Depth of the hand below the position that the body carries, and below the one that the hand feels.
 ContactKeeper::Depths ContactKeeper::depthsBelow(const Contact& felt, const PressedPlace& pressed, const Tick& tick,
                                                  double allowed) {
   const DVec3 normal = last_.normal;
-  const double way = glm::dot(tick.hip - lastHip_, normal);  // of the hand, outward
+  const double way = glm::dot(tick.hip - lastHip_, normal);  // displacement of the hand, outward
   const double before = glm::dot(last_.proxy - lastHip_, normal);
   const double least = before - std::max(0.0, way) - allowed, most = before + std::max(0.0, -way) + allowed;
   double there = glm::dot(pressed.place - tick.hip, normal);
   gaveWay_ = pressed.isAlone || there < least;
   if (pressed.isAlone) return {.pressed = least, .felt = least};
-  // Back to the surface of points, where that is near.
+  // Returns to the surface of points if that is near.
   const double ofPoints = glm::dot(felt.proxy - tick.hip, normal);
   if (felt.touching && glm::dot(felt.normal, normal) > kMinTurn && std::abs(ofPoints - there) < kNear * tick.radius)
     there = std::clamp(ofPoints, there - allowed, there + allowed);

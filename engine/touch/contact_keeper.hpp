@@ -1,4 +1,4 @@
-// A contact with a soft body stays with the place of the body that it presses on.
+// A contact with a soft body follows the position on the body that it presses on.
 #pragma once
 
 #include <cstdint>
@@ -7,47 +7,48 @@
 
 namespace palpate {
 
-/// Where the place of the body is that a touch presses on, as the simulation has carried it. Model units.
+/// Position on the body that a touch presses on, as carried by the simulation. Model units.
 struct PressedPlace {
-  std::uint32_t contact = 0;  ///< ContactKeeper::contact() of the touch that presses there; 0: nothing presses
+  std::uint32_t contact = 0;  ///< ContactKeeper::contact() of the touch that presses there; 0: none
   DVec3 place{0}, velocity{0};
-  bool isAlone = false;  ///< no place of the surface is within a support radius
-  double time_s = 0;     ///< for which it is true
+  bool isAlone = false;  ///< no surface position is within a support radius
+  double time_s = 0;     ///< time at which it is valid
 };
 
-/// For one hand, or one point of its tool. The surface of points answers as long as it goes on from tick to tick. In a
-/// dent that is deeper than it is wide the points beside the hand mislead it: they stand on the walls of the dent, or
-/// are too few. There it jumps or is lost, and the contact is kept at the place of the body that is pressed, which the
-/// cells carry, with the last normal and the surface's friction. While it is kept the surface goes no faster under the
-/// hand than the slack allows, whatever the body does, and what has no surface near it any more gives way as fast.
+/// For one hand, or one point of its tool. The surface of points answers as long as it is continuous from tick to tick.
+/// In a dent that is deeper than it is wide the points beside the hand mislead it: they are on the walls of the dent,
+/// or too few. If the surface jumps or is lost, the contact is kept at the pressed position on the body, which the
+/// cells carry, with the last normal and the surface's friction. While it is kept, the surface moves under the hand no
+/// faster than the slack allows, whatever the body does; if no surface is near that position any more, it gives way at
+/// that speed.
 class ContactKeeper {
  public:
   struct Tick {
     DVec3 hip{0};
     double time_s = 0;
     double friction = 0;
-    double slack = 0;   ///< by which the surface may come or go under the hand in a millisecond, model units
+    double slack = 0;   ///< maximum surface displacement under the hand in a millisecond, model units
     double radius = 0;  ///< support radius, model units
   };
-  /// The contact of this tick. `felt`: what the surface of points says, which is valid.
+  /// Returns the contact of this tick. `felt`: the valid answer of the surface of points.
   Contact follow(const Contact& felt, const PressedPlace& pressed, const Tick& tick);
-  /// Nothing is touched.
+  /// Ends the contact.
   void forget();
 
-  /// Number of the contact, never that of the one before; 0 while nothing is touched.
+  /// Number of the contact, different from the previous one; 0 while nothing is touched.
   std::uint32_t contact() const { return touching_ ? contact_ : 0; }
-  /// Where the body is pressed: at the proxy, or, where that comes after the body more slowly than this moves, at the
-  /// place that the body carries.
+  /// Position where the body is pressed: the proxy, or, if the proxy lags behind the body (slack), the position that
+  /// the body carries.
   const DVec3& place() const { return place_; }
-  /// It is kept at the place that the body carries.
+  /// Whether the contact is kept at the position that the body carries.
   bool isKept() const { return isKept_; }
-  /// And the place is the same as before, so that the same nodes bear the hand.
+  /// Whether it is also the same position as before, so that the same nodes bear the hand.
   bool isSamePlace() const { return isKept_ && !isElsewhere_; }
-  /// In this tick the body went from under the hand faster than it felt, or there was no surface any more.
+  /// Whether in this tick the body receded from the hand faster than it felt, or no surface was left.
   bool gaveWay() const { return gaveWay_; }
 
  private:
-  // Since the tick before, and the slack for it.
+  // Time since the previous tick, and the slack for it.
   struct Step {
     double since_s, allowed;
   };
@@ -64,9 +65,9 @@ class ContactKeeper {
   bool touching_ = false, isKept_ = false, isElsewhere_ = false, gaveWay_ = false;
   bool sticks_ = false;
   std::uint32_t contact_ = 0;
-  double way_ = 0;   // of the hand, since the tick before
-  double slid_ = 0;  // since the nodes that bear the hand were found, model units
-  Contact last_;     // while touching
+  double way_ = 0;   // displacement of the hand since the previous tick
+  double slid_ = 0;  // path of the proxy since the nodes that bear the hand were found, model units
+  Contact last_;     // valid while touching
   DVec3 lastHip_{0}, place_{0};
   double lastTime_s_ = 0;
 };

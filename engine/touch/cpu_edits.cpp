@@ -10,7 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kMaxOffered = 1 << 16;  // changes: the index is built anew behind them, however few they are
+constexpr std::size_t kMaxOffered = 1 << 16;  // changes: the index is rebuilt after them, however few they are
 
 }  // namespace
 
@@ -27,7 +27,7 @@ CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& b
   stroke_.setBrush(*brush);
   statistics_.editTimes_us.reserve(kEditTimesKept);
   task_ = std::make_unique<BackgroundTask>([this] {
-    giveWay();  // to the thread that answers
+    giveWay();  // lowers the priority below the answering thread
     edit();
   });
 }
@@ -78,7 +78,7 @@ bool CpuEdits::takeUpOffer(double time_s, bool realtime) {
   return true;
 }
 
-// Points that the brush has changed since are the hand's.
+// Points that the brush has changed since the offer keep the brush's state.
 void CpuEdits::carryOut() {
   const Stopwatch watch;
   standing_.clear();
@@ -128,7 +128,7 @@ void CpuEdits::finish() {
   finishedWithin(0);
   while (stroke_.hasWay() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
   stroke_.end();
-  // A wide brush leaves points behind that have not got their turn.
+  // A wide brush leaves more unsettled points than one edit handles.
   while (sculpture_.someWait() && editIfYielding(time_s_ + 1e-3, false)) finishedWithin(0);
   markStroke();
 }

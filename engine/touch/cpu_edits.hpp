@@ -15,9 +15,9 @@
 
 namespace palpate {
 
-/// Edits points on a thread of its own, one edit at a time: the brush where an answer says that the surface yields,
-/// changes that somebody offers, and others as they are given. Nobody waits for it but the next answer. While an edit
-/// is under way the sculpture is that thread's alone.
+/// Edits points on a thread of its own, one edit at a time: brush edits where an answer says that the surface yields,
+/// offered changes, and given changes. Only the next answer waits for an edit. While an edit is in progress only that
+/// thread accesses the sculpture.
 class CpuEdits {
  public:
   /// Without a brush there is no thread. `radius`: support radius, model units. `origin`: of the cloud, in the poses'
@@ -25,25 +25,25 @@ class CpuEdits {
   CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, double radius, const DVec3& origin);
 
   bool hasThread() const { return task_ != nullptr; }
-  /// Another brush from now on, or none, while nothing is under way.
+  /// Sets the brush, or none, while nothing is in progress.
   void setBrush(const std::optional<BrushOptions>& brush);
-  /// The answer to a pose, one after another: the stroke goes on with it, begins or ends. While nothing is under way.
+  /// Takes each answer in order: the stroke continues, begins or ends. While nothing is in progress.
   void feel(const Contact& contact, const Pose& pose);
-  /// The hand is put down elsewhere.
+  /// The hand was repositioned.
   void lift() { stroke_.lift(); }
-  /// Starts an edit when the stroke has something to do, or when the last edit left something. True: it has started.
+  /// Starts an edit if the stroke acts or the last edit left work. True: it has started.
   bool editIfYielding(double time_s, bool realtime);
-  /// Starts to carry out what is offered (TouchBackend::offer()), if anything is, for a pose of this time.
+  /// Starts to apply the offered changes (TouchBackend::offer()), if any, for a pose of this time.
   bool takeUpOffer(double time_s, bool realtime);
-  /// Whether an offer was carried out last, and no brush has edited since. While nothing is under way.
+  /// Whether the last edit was an offer, not a brush edit. While nothing is in progress.
   bool lastWasOffer() const { return work_.isOffer; }
-  /// Whether none is under way, within the budget (0: as long as it takes). Takes note of the one that has ended.
+  /// Whether no edit is in progress, within the budget (0: no limit). Collects the completed edit.
   bool finishedWithin(double budget_us);
-  /// Waits for the one that is under way, and takes no note.
+  /// Waits for the edit in progress without collecting it.
   void wait() const;
-  /// The hand has stopped: the stroke goes what is left of its way, and is over.
+  /// The hand has stopped: completes the remaining path of the stroke and ends it.
   void finish();
-  /// As TouchBackend::change(), at `time_s`, while nothing is under way.
+  /// As TouchBackend::change(), at `time_s`, while nothing is in progress.
   void change(std::span<const PointChange> changes, double time_s);
 
   EditQueue& queue() { return queue_; }
@@ -54,12 +54,12 @@ class CpuEdits {
   const TouchStatistics& statistics() const { return statistics_; }
 
  private:
-  // What the thread works with, which is its alone while it does.
+  // The thread's working data; only the thread accesses it while an edit runs.
   struct Work {
     std::optional<PlacedBrush> brush;
-    bool isOffer = false, inStroke = false;  // carries out what is offered in place of the brush
-    double time_us = 0;                      // of the edit that ran last
-    std::uint64_t states = 0;                // in the queue so far
+    bool isOffer = false, inStroke = false;  // isOffer: applies the offered changes instead of the brush
+    double time_us = 0;                      // of the last edit
+    std::uint64_t states = 0;                // appended to the queue so far
   };
   void edit();
   void carryOut();
@@ -73,16 +73,16 @@ class CpuEdits {
   BrushStroke stroke_;
   Work work_;
   bool isUnderWay_ = false, inStroke_ = false;
-  std::uint32_t strokeMarked_ = 0;  // the one that edits belong to
-  double time_s_ = 0;               // of the pose whose answer led to the last edit
+  std::uint32_t strokeMarked_ = 0;  // number of the stroke that edits belong to
+  double time_s_ = 0;               // of the pose whose answer triggered the last edit
   std::uint64_t answered_ = 0;
-  std::uint64_t changes_ = 0;  // calls of change() that were reported
+  std::uint64_t changes_ = 0;  // calls of change() reported so far
   EditPace pace_;
   TouchStatistics statistics_;
   EditQueue queue_;
   OfferedChanges offered_;
-  std::vector<PointChange> standing_;     // what of an offer is carried out; the thread's
-  std::unique_ptr<BackgroundTask> task_;  // goes first
+  std::vector<PointChange> standing_;     // applicable changes of an offer; used by the thread
+  std::unique_ptr<BackgroundTask> task_;  // destroyed first
 };
 
 }  // namespace palpate

@@ -7,7 +7,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLook_us = 1;  // a budget that lets no thread sleep
+constexpr double kLook_us = 1;  // budget too short for a thread to sleep
 
 }  // namespace
 

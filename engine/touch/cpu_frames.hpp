@@ -11,25 +11,25 @@
 namespace palpate {
 
 /// The frames of a source with their index, for touch on the CPU: one half is felt while the next frame is made in the
-/// other one.
+/// other half.
 class CpuFrames {
  public:
-  /// Begins with the frame of time 0. `source` must outlive it.
+  /// Starts with the frame of time 0. `source` must outlive it.
   CpuFrames(CloudSource& source, const HashGrid& grid, unsigned threads);
 
   /// Virtual time: the frame of that time is felt from now on.
   void bring(double time_s);
-  /// Against the clock, between ticks: the frame that is ready is felt from now on, and the next one is begun, for that
-  /// time. Allocates nothing, and throws what the making of a frame has thrown.
+  /// Against the clock, between ticks: flips to a completed frame and starts the next one, for that time. Allocates
+  /// nothing; throws the error that making a frame has thrown.
   void goOn(double time_s);
-  /// The frame that is being made is felt from now on.
+  /// Completes the frame in progress, which is felt from now on.
   void finish();
   /// As TouchBackend::takeFrame().
   bool take(CloudFrame& frame);
 
   const SortedGrid& grid() const { return halves_[front_].grid; }
   const CloudFrame& frame() const { return halves_[front_].frame; }
-  /// So many were felt so far.
+  /// Number of frames felt so far.
   std::uint64_t count() const { return count_; }
 
  private:
@@ -39,7 +39,7 @@ class CpuFrames {
   };
   std::uint32_t back() const { return 1 - front_; }
   void make();
-  // What was made is felt from now on, if it is new.
+  // Flips to the frame made last, if it is new.
   void flip();
 
   CloudSource& source_;
@@ -47,10 +47,10 @@ class CpuFrames {
   std::uint32_t front_ = 0;
   FrameExchange exchange_;
   std::uint64_t count_ = 0;
-  double wanted_s_ = 0;  // the time of the frame that is being made
+  double wanted_s_ = 0;  // time of the frame in progress
   bool isMaking_ = false;
-  bool isNew_ = false;   // what was made last
-  BackgroundTask task_;  // goes first
+  bool isNew_ = false;   // the frame made last is new
+  BackgroundTask task_;  // destroyed first
 };
 
 }  // namespace palpate

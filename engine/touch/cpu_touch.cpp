@@ -40,8 +40,8 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
   answers_.resize(hands_.size());
 }
 
-// Calls visit(offset, normal, number) for the points about a place, where they are at the time of the question in the
-// frame of the surface that is felt.
+// Calls visit(offset, normal, number) for the points around a position, as they are at the time of the question in the
+// frame of reference of the felt surface.
 template <class Visit>
 void CpuTouch::forEachNear(const DVec3& x, double radius, Visit&& visit) const {
   if (!frames_) {
@@ -141,12 +141,12 @@ void CpuTouch::answer(std::span<const Pose> poses, bool realtime) {
     edits_.feel(own, pose);
   else
     edits_.lift();
-  // In real time one answer starts one edit: the brush's and an offer in turn, so that neither waits for ever where
-  // edits are slow and others go on.
+  // In real time one answer starts one edit: brush and offers alternate, so that neither starves if edits are slow and
+  // the others continue.
   const bool brushFirst = realtime && own.valid && edits_.lastWasOffer();
   if (brushFirst && edits_.editIfYielding(pose.time_s, realtime)) return;
   if (edits_.takeUpOffer(pose.time_s, realtime)) {
-    if (realtime) return;  // the brush goes on with the next tick
+    if (realtime) return;  // the brush continues with the next tick
     edits_.finishedWithin(0);
   }
   if (own.valid && !brushFirst) edits_.editIfYielding(pose.time_s, realtime);

@@ -5,14 +5,14 @@
 
 namespace palpate {
 
-/// Times of edits that a back end keeps: a minute at 1 kHz without an allocation on the servo thread.
+/// Number of edit times that a back end keeps: a minute at 1 kHz without an allocation on the servo thread.
 constexpr std::size_t kEditTimesKept = 1 << 16;
 
-/// How often a session in real time may edit. While an edit runs, the force lives on the last answer; an edit that
-/// takes longer than that answer is good for leaves the hand without force. After such an edit comes a rest, as long as
-/// it took, twice the last rest where that is longer, and ten times as long as the edit at most; the first edit in time
-/// ends it. So a hitch, as of a CPU that something else has had for a moment, costs as long again, and a GPU that is
-/// too slow edits for a tenth of the time.
+/// Limits how often a session in real time may edit. While an edit runs, the force relies on the last answer; an edit
+/// longer than that answer is valid leaves the hand without force. A rest follows such an edit: as long as the edit
+/// took, or twice the last rest if longer, at most ten times the edit. The first edit in time ends it. So a short
+/// hitch, as when the CPU was preempted, costs its own length again, and a GPU that is too slow edits for a tenth of
+/// the time.
 class EditPace {
  public:
   explicit EditPace(double longest_s) : longest_s_(longest_s) {}

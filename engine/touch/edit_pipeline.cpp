@@ -14,9 +14,9 @@ namespace palpate {
 
 namespace {
 
-// Of the points: an edit that touches more is followed by a full build, which then takes less time.
+// Share of the points: a larger edit is followed by a full build, which is then faster.
 constexpr double kLargeEdit = 1.0 / 16;
-constexpr std::size_t kMaxOffered = 1 << 14;  // changes: they come between two ticks
+constexpr std::size_t kMaxOffered = 1 << 14;  // changes: applied between two ticks
 
 std::size_t mostOffered(const EditPass& pass) {
   return pass.brush().keepsDensity ? 0 : std::min<std::size_t>(kMaxOffered, pass.mostChanges());
@@ -105,7 +105,7 @@ bool EditPipeline::editIfYielding(double time_s, bool realtime) {
     return false;
   }
   const CommandList& list = chosen();
-  // Everything written so far has just been published, so this edit's own points are all that must fit.
+  // All earlier entries have just been published, so only this edit's own points must fit.
   if (!updates(list) && !index_.mayBuild(realtime)) {
     ++statistics_.shortfalls.editsHeldUp;
     return false;
@@ -119,7 +119,7 @@ bool EditPipeline::editIfYielding(double time_s, bool realtime) {
   if (acts && std::exchange(strokeMarked_, stroke_.number()) != stroke_.number()) markStroke();
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
   submit(chosen(), time_s);
-  // In virtual time an edit that the index could not follow is done again at once, in real time with the next tick.
+  // In virtual time an edit that the index could not follow is repeated at once, in real time with the next tick.
   if (!realtime) settle();
   return true;
 }
@@ -137,7 +137,7 @@ void EditPipeline::submit(const CommandList& list, double time_s) {
 void EditPipeline::settle() {
   collect(nullptr);
   while (pass_.report().failed != 0) {
-    compact();  // so that the order of points in a bucket follows from the edits alone
+    compact();  // so that the order of points in a bucket depends only on the edits
     submit(chosen(), last_.time_s);
     collect(nullptr);
   }
@@ -149,7 +149,7 @@ bool EditPipeline::takeUpOffer(double time_s, bool realtime) {
     ++statistics_.shortfalls.offersTooSlow;
     return false;
   }
-  // Somebody's change has come between: what was offered may not be where it says any more, or be there twice.
+  // A change() intervened: the offered points may have moved since, or already be present.
   if (offered_.changesFollowed() != changes_) {
     offer_.isDone = true;
     offer_.hasFailed = false;
@@ -158,7 +158,7 @@ bool EditPipeline::takeUpOffer(double time_s, bool realtime) {
   }
   offer_.rebuilds = options_.index == IndexFollow::rebuild || offer_.hasFailed;
   if (log_.room() < offered_.changes().size() || (offer_.rebuilds && !index_.mayBuild(realtime))) return false;
-  if (offer_.hasFailed) compact();  // points that come back need slots, which stand together then
+  if (offer_.hasFailed) compact();  // points that reappear need slots, which are contiguous then
   submitOffer(time_s);
   if (realtime) return true;
   collectOffer(nullptr);
@@ -200,8 +200,7 @@ void EditPipeline::collectOffer(const Stopwatch* sinceAsked) {
   offer_.isUnderWay = false;
   index_.readReport();
   const bool failed = pass_.report().failed != 0;
-  if (failed && offer_.rebuilds)
-    throw Error("{}: changes that others have made could not be carried out", device_.name());
+  if (failed && offer_.rebuilds) throw Error("{}: changes by other participants could not be applied", device_.name());
   if (!failed && !offer_.rebuilds) index_.followed();
   offer_.hasFailed = failed;
   offer_.isDone = !failed;
@@ -216,7 +215,7 @@ void EditPipeline::publish(std::uint32_t head) {
 std::uint32_t EditPipeline::logHead() const { return download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]; }
 
 void EditPipeline::collect(const Stopwatch* sinceAsked) {
-  // Called when a later submission to the same queue has answered, so the edit's fence is about to follow.
+  // Called after a later submission to the same queue has answered, so the edit's fence is about to be signalled.
   if (offer_.isUnderWay) collectOffer(sinceAsked);
   if (!last_.isUnderWay) return index_.collectCompaction(sinceAsked);
   device_.latencyQueue().wait(last_.ticket, device_.defaultWait());
@@ -232,20 +231,20 @@ void EditPipeline::collect(const Stopwatch* sinceAsked) {
   index_.collectCompaction(sinceAsked);
 }
 
-// Takes note of what the last edit came to, for the next one.
+// Reads the report of the last edit, for the next one.
 void EditPipeline::takeReport() {
   const shared::HashUpdate& report = pass_.report();
   const SurfaceMeasure measured = pass_.measure();
   stroke_.note(measured - std::exchange(measured_, measured));
   index_.readReport();
-  // For slots that a compaction is about to win back an edit waits: it is tried again, and the next one after it.
+  // If a running compaction is about to free slots, the edit waits: it is retried, and so is the next one.
   const bool waits = report.failed == shared::kUpdateNoSlots && index_.isCompacting();
   statistics_.shortfalls.editsHeldUp += waits;
   statistics_.shortfalls.editsRebuilt += report.failed != 0 && !waits;
   if (updates(*last_.list) && report.failed == 0) index_.followed();
-  // An edit as large as the last one goes the same way, unless that is clearly the wrong one.
+  // The next edit uses the same method as the last one, unless its size clearly calls for the other.
   const double share = (report.changed + report.gone) / std::max(1.0, static_cast<double>(index_.cloud().count()));
-  // What fails with a build, too, has found more points than there is room for.
+  // kUpdateTooLarge: the edit found more points than there is room for.
   if (report.failed & shared::kUpdateTooLarge) next_.all = true;
   next_.large = (report.failed != 0 && !waits) || share > (next_.large ? kLargeEdit / 2 : kLargeEdit);
 }
@@ -255,7 +254,7 @@ void EditPipeline::finish() {
   publish(logHead());
   while (stroke_.hasWay() && editIfYielding(last_.time_s + 1e-3, false)) publish(logHead());
   stroke_.end();
-  // What a ball has swallowed in its last edit goes with one more.
+  // Points inside the ball after its last edit are removed by one more edit.
   if (pass_.brush().kind == BrushKind::carve && editIfYielding(last_.time_s + 1e-3, false)) publish(logHead());
   markStroke();
 }
@@ -271,10 +270,10 @@ void EditPipeline::compact() {
 }
 
 void EditPipeline::change(std::span<const PointChange> changes) {
-  // A compaction that runs on would miss marks that a change takes off points which it does not change.
+  // A compaction that continued would miss marks that a change clears on points it does not change.
   index_.mayBuild(false);
   if (log_.room() < changes.size())
-    throw Error("{} changes do not fit beside what the readers of the edit log have not taken yet", changes.size());
+    throw Error("{} changes do not fit into the edit log: its readers are too far behind", changes.size());
   while (!changes.empty()) {
     const std::size_t batch = std::min<std::size_t>(changes.size(), pass_.mostChanges());
     changeBatch(changes.first(batch));
@@ -294,19 +293,20 @@ void EditPipeline::changeBatch(std::span<const PointChange> changes) {
     device_.latencyQueue().run(list);
   }
   if (options_.index == IndexFollow::rebuild || pass_.report().failed != 0) {
-    compact();  // the order of points in a bucket follows from the edits alone
+    compact();  // so that the order of points in a bucket depends only on the edits
     CommandList list(device_, device_.latencyQueue(), "change");
     list.begin();
     pass_.recordGivenRebuild(list, cloud.front(), cloud.back(), index_.hash().sort(), EditPass::Given::exactly);
     list.end();
     device_.latencyQueue().run(list);
     index_.built();
-    if (pass_.report().failed == 0) compact();  // a bucket may have been crowded in that build
+    if (pass_.report().failed == 0) compact();  // a bucket may have overflowed in that build
   }
   if (pass_.report().failed & shared::kUpdateUnknown)
-    throw Error("{}: a change names a point that is not where it says; nothing of it is done", device_.name());
+    throw Error("{}: a change refers to a point that is not at the stated position; it was not applied",
+                device_.name());
   if (pass_.report().failed & shared::kUpdateNoSlots)
-    throw Error("{}: there is no room for so many new points", device_.name());
+    throw Error("{}: there is not enough room for the new points", device_.name());
 }
 
 std::size_t EditPipeline::readBack(PointCloud& cloud) const {

@@ -29,43 +29,42 @@ struct EditOptions {
   CompactionOptions compaction;
 };
 
-/// Edits the live cloud: the brush where an answer says that the surface yields, the index that follows or is built
-/// anew, changes that somebody offers, and others as they are given. An edit is a command list recorded ahead, one for
-/// each half of the cloud, and for each sort that a build may need. One at a time is under way, and nobody waits for it
-/// but the next question.
+/// Edits the live cloud: brush edits where an answer says that the surface yields, offered changes, and given changes;
+/// the index follows or is rebuilt. An edit is a command list recorded ahead, one for each half of the cloud and for
+/// each sort that a build may need. One edit at a time is in progress; only the next question waits for it.
 class EditPipeline {
  public:
-  /// `colors` as EditPass has them. `index`, `log` and `statistics` must outlive it.
+  /// `colors`: as for EditPass. `index`, `log` and `statistics` must outlive it.
   EditPipeline(Device& device, const EditOptions& options, LiveIndex& index, EditLog& log, TouchStatistics& statistics,
                std::span<const std::uint32_t> colors);
 
-  /// Records the edits for the half of the cloud that counts now.
+  /// Records the edits for the front half of the cloud.
   void record();
-  /// From now on the index follows. After record(), for both halves.
+  /// From now on the index follows edits. Call after record(), for both halves.
   void followIndex();
-  /// Another brush from now on, or none, while nothing is under way; the edits of both halves are recorded again.
+  /// Sets the brush, or none, while nothing is in progress; the edits of both halves are recorded again.
   void setBrush(const std::optional<BrushOptions>& brush);
 
-  /// The answer to a pose, one after another: the stroke goes on with it, begins or ends. `origin`: of the cloud, in
-  /// the pose's coordinates.
+  /// Takes each answer in order: the stroke continues, begins or ends. `origin`: of the cloud, in the pose's
+  /// coordinates.
   void feel(const Contact& contact, const Pose& pose, const DVec3& origin);
-  /// The hand is put down elsewhere.
+  /// The hand was repositioned.
   void lift() { stroke_.lift(); }
-  /// Submits an edit when the stroke has something to do, or when the last edit left something, and nothing stands in
-  /// its way. In virtual time it is done when it returns. True: points have moved, or will.
+  /// Submits an edit if the stroke acts or the last edit left work, and nothing prevents it. In virtual time the edit
+  /// is complete on return. True: points have moved, or will.
   bool editIfYielding(double time_s, bool realtime);
-  /// Submits what is offered (TouchBackend::offer()), if anything is, for a pose of this time; while no edit is under
-  /// way, and once all that came before is published. In virtual time it is done, and published, when it returns. True:
+  /// Submits the offered changes (TouchBackend::offer()), if any, for a pose of this time; only while no edit is in
+  /// progress and all earlier entries are published. In virtual time they are complete and published on return. True:
   /// points have moved, or will.
   bool takeUpOffer(double time_s, bool realtime);
-  /// Whether an offer was submitted last, and no brush's edit since.
+  /// Whether the last submission was an offer, not a brush edit.
   bool lastWasOffer() const { return lastWasOffer_; }
-  /// Publishes to the log what has been collected: all entries before `head` (EditLog).
+  /// Publishes the collected entries to the log: all entries before `head` (EditLog).
   void publish(std::uint32_t head);
-  /// Takes note of the edit under way, and of a compaction that comes to its end, once a later submission to the same
-  /// queue has answered. `sinceAsked`: of that question, where the driver is not asked for times; null where it is.
+  /// Collects the edit in progress, and a compaction that is ending, once a later submission to the same queue has
+  /// answered. `sinceAsked`: time since that question, if the driver is not asked for times; otherwise null.
   void collect(const Stopwatch* sinceAsked);
-  /// The hand has stopped: the stroke goes what is left of its way, and is over. Publishes all that was done.
+  /// The hand has stopped: completes the remaining path of the stroke and ends it. Publishes all edits.
   void finish();
   /// As TouchBackend::change(). Waits.
   void change(std::span<const PointChange> changes);
@@ -76,35 +75,35 @@ class EditPipeline {
   const OfferedChanges& offered() const { return offered_; }
   bool isUnderWay() const { return last_.isUnderWay || offer_.isUnderWay; }
   const EditPass& pass() const { return pass_; }
-  /// The passes of the last edit, or of the next one where there was none.
+  /// Passes of the last edit; before any edit, of the next one.
   std::vector<PassRecord> passes() const { return (last_.list ? *last_.list : chosen()).passes(); }
 
  private:
-  // Of one half of the cloud.
+  // For one half of the cloud.
   struct Lists {
     std::map<std::pair<SortMethod, EditPass::Reach>, std::unique_ptr<CommandList>> rebuilds;
     std::map<EditPass::Reach, std::unique_ptr<CommandList>> incremental;
   };
   struct LastEdit {
-    const CommandList* list = nullptr;  // none since the lists were recorded
+    const CommandList* list = nullptr;  // null: none since the lists were recorded
     Queue::Ticket ticket = 0;
     bool isUnderWay = false;
     Stopwatch since;
-    double time_s = 0;  // of the pose whose answer led to it
+    double time_s = 0;  // of the pose whose answer triggered it
   };
-  // An offer that is carried out.
+  // An offer being applied.
   struct TakenOffer {
     std::unique_ptr<CommandList> list;
     Queue::Ticket ticket = 0;
     bool isUnderWay = false, rebuilds = false;
-    bool isDone = false;     // and not published yet
-    bool hasFailed = false;  // the index could not follow: it goes again, with a full build
+    bool isDone = false;     // done but not published yet
+    bool hasFailed = false;  // the index could not follow: retried with a full build
     Stopwatch since;
     double time_s = 0;
   };
-  // What the last edit came to means for the next one.
+  // Consequences of the last edit for the next one.
   struct Next {
-    bool large = false;  // too large for an update
+    bool large = false;  // too large for an index update
     bool all = false;    // and for a box
   };
   EditPass::Reach reach() const { return next_.all ? EditPass::Reach::all : pass_.reach(); }
@@ -112,7 +111,7 @@ class EditPipeline {
   const CommandList& chosen() const;
   bool updates(const CommandList& list) const;
   void submit(const CommandList& list, double time_s);
-  // Waits for the edit under way; one that did not come out is done again with a full build.
+  // Waits for the edit in progress; repeats a failed one with a full build.
   void settle();
   void takeReport();
   void submitOffer(double time_s);
@@ -128,16 +127,16 @@ class EditPipeline {
   TouchStatistics& statistics_;
   EditPass pass_;
   BrushStroke stroke_;
-  SurfaceMeasure measured_;  // by all edits so far
+  SurfaceMeasure measured_;  // sum over all edits so far
   std::array<Lists, 2> lists_;
   LastEdit last_;
   Next next_;
   OfferedChanges offered_;
   TakenOffer offer_;
-  std::uint64_t changes_ = 0;  // calls of change() that were reported
+  std::uint64_t changes_ = 0;  // calls of change() reported so far
   EditPace pace_;
   bool brushOn_ = true, inStroke_ = false, lastWasOffer_ = false;
-  std::uint32_t strokeMarked_ = 0;  // the one that edits belong to
+  std::uint32_t strokeMarked_ = 0;  // number of the stroke that edits belong to
 };
 
 }  // namespace palpate

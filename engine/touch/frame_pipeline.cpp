@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLook_us = 1;  // a budget that lets no thread sleep
+constexpr double kLook_us = 1;  // budget too short for a thread to sleep
 constexpr std::chrono::microseconds kBetweenLooks{100};
 
 std::size_t velocitySlots(const FrameWriter& writer) { return (writer.turnsNormals() ? 2 : 1) * writer.size(); }
@@ -46,7 +46,7 @@ void FramePipeline::fillWithZeros(Queue& queue, const Buffer& velocities) const 
   queue.run(list);
 }
 
-// For the half that is felt now, unless they are there.
+// Records the lists of the front half, unless they exist.
 void FramePipeline::record(const Queue& queue, Lists& lists) {
   const SpatialHash& hash = index_.hash();
   const LiveCloud& cloud = index_.cloud();
@@ -64,16 +64,17 @@ void FramePipeline::record(const Queue& queue, Lists& lists) {
     }
 }
 
-// On its own thread, against the clock. The frame before is built first: its list reads what the next one is made in.
+// Runs on its own thread, against the clock. The previous frame must be built first: its list reads the buffers that
+// the next frame is made in.
 void FramePipeline::make() {
   if (before_ > 0) beside_->wait(before_);
   made_ = writer_.make(wanted_s_.load(), incoming_);
   if (made_ == MadeFrame::none) return;
   mayWrite_.wait(false);
   while (!isDropped_.load() && !exchange_.beginWriting(back()))
-    std::this_thread::sleep_for(kBetweenLooks);  // somebody reads that half
+    std::this_thread::sleep_for(kBetweenLooks);  // a reader holds that half
   if (isDropped_.load()) return;
-  // Only here, where questions are known to be urgent, they are recorded in pieces that give way.
+  // Recorded only here, when questions are known to be urgent, so that the lists are split into pieces that yield.
   record(*beside_, listsBeside_);
   submit(*beside_, listsBeside_);
 }
@@ -100,7 +101,7 @@ void FramePipeline::startMaking() {
   task_.start();
 }
 
-// What it was, too, once it is no more under way.
+// On true also sets isBuilding_ from the result.
 bool FramePipeline::isMade(double budget_us) {
   try {
     if (!task_.finishedWithin(budget_us)) return false;
@@ -123,7 +124,7 @@ void FramePipeline::runNow() {
   const SortMethod used = hash.sort();
   submit(device_.latencyQueue(), listsFirst_);
   on_->wait(ticket_);
-  // A bucket may have been crowded, and its points may stand in any order.
+  // A bucket may have overflowed, which leaves the order of its points undefined.
   if (used != hash.sort()) on_->run(*listsFirst_.builds[index_.parity()].at(hash.fallback()));
   hasArrived();
 }
@@ -166,8 +167,8 @@ void FramePipeline::stop() noexcept {
   allowWriting(true);
   try {
     if (std::exchange(isMaking_, false)) task_.finishedWithin(0);
-    if (on_) on_->finish();  // of a queue that waiting for the device may not wait for
-  } catch (...) {            // a frame that could not be made is nobody's any more
+    if (on_) on_->finish();  // this queue may not be covered by waiting for the device
+  } catch (...) {            // errors of a discarded frame are ignored
   }
   isBuilding_ = false;
 }

@@ -16,14 +16,14 @@
 
 namespace palpate {
 
-/// Brings frames into the live cloud: has their points written, builds their index in the back half, and flips. Where a
-/// frame has fewer points than there are slots, the others are empty. Nobody waits for a frame: against the clock a
-/// thread makes it and hands it to the GPU, where it is built beside the questions, on the queue of the background: in
-/// that of throughput it would wait until a picture is drawn. Once it is built, and before it is felt, the next one is
-/// made.
+/// Brings frames into the live cloud: has their points written, builds their index in the back half, and flips. If a
+/// frame has fewer points than slots, the other slots are empty. No thread waits for a frame: against the clock a
+/// thread makes it and submits it to the GPU, which builds it concurrently with the questions, on the background queue:
+/// on the throughput queue it would wait for the picture being drawn. The next frame is made between the build of a
+/// frame and its flip.
 class FramePipeline {
  public:
-  /// Begins with the frame of time 0. `writer` and `index`, which has as many slots, must outlive it.
+  /// Starts with the frame of time 0. `writer` and `index`, which has as many slots, must outlive it.
   FramePipeline(Device& device, FrameWriter& writer, LiveIndex& index);
   ~FramePipeline() { stop(); }
   FramePipeline(const FramePipeline&) = delete;
@@ -31,40 +31,40 @@ class FramePipeline {
 
   /// Virtual time: the frame of that time is felt from now on. Waits for it.
   void bring(double time_s);
-  /// Against the clock, between ticks: that time is the newest one, for which frames are made, and the one that is
-  /// found built is felt from now on. True where the points have moved. `isRead`: somebody may still read the points as
-  /// they are felt so far; after the answer to a question. Throws what the making of a frame has thrown.
+  /// Against the clock, between ticks: requests frames for that time, and flips to a frame whose build is complete.
+  /// True if the points have moved. `isRead`: the current points may still be read; call after the answer to a
+  /// question. Throws the error that making a frame has thrown.
   bool goOn(double time_s, bool isRead);
-  /// Waits for the frames that are under way.
+  /// Waits for the frames in progress.
   void finish();
-  /// Waits for what is under way, and drops it: for who goes.
+  /// Waits for work in progress and drops it, before destruction.
   void stop() noexcept;
 
-  /// The time of the frame in each half of the live cloud, and the velocities of its points, as shaders/shared/motion.h
-  /// has them.
+  /// Time of the frame in each half of the live cloud, and the velocities of its points, in the layout of
+  /// shaders/shared/motion.h.
   const PointsTime& pointsTime(std::uint32_t parity) const { return times_[parity]; }
   const Buffer& velocities(std::uint32_t parity) const { return velocities_[parity]; }
 
-  /// A frame as it stands in the live cloud. Where it is coloured, the normals' fourth words have the colours: RGB, red
-  /// in the lowest byte.
+  /// A frame in the live cloud. If it is coloured, the normals' fourth words hold the colours: RGB, red in the lowest
+  /// byte.
   struct Placed {
     const LiveCloud::Half& half;
     double time_s;
     bool colored;
   };
-  /// Calls `read` with the newest whole frame in the live cloud, which is not written meanwhile. False where none has
-  /// come since the last time. For one thread, which may be another one.
+  /// Calls `read` with the newest complete frame in the live cloud, which is not written meanwhile. False if there is
+  /// no new frame since the last call. For one thread, any.
   bool read(const std::function<void(const Placed&)>& read);
-  /// Of each half.
+  /// Slots of each half.
   std::uint32_t slots() const { return index_.cloud().slots(); }
-  /// The same on the host. Over the throughput queue.
+  /// Copies that frame to the host, over the throughput queue.
   bool take(CloudFrame& frame);
-  /// The points as they are felt now; not while a frame is under way.
+  /// The points currently felt; not while a frame is in progress.
   CloudFrame front() const;
 
  private:
   std::uint32_t back() const { return 1 - index_.parity(); }
-  // By the half that is felt before; and the build alone.
+  // Indexed by the front half at submission; `builds`: the index build alone.
   struct Lists {
     std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> frames, builds;
   };
@@ -77,30 +77,30 @@ class FramePipeline {
   bool isMade(double budget_us);
   void allowWriting(bool may);
   void submit(Queue& queue, const Lists& lists);
-  // It is felt from now on.
+  // The frame is felt from now on.
   void hasArrived();
   CloudFrame fetch(Queue& queue, const Placed& placed) const;
 
   Device& device_;
   FrameWriter& writer_;
   LiveIndex& index_;
-  std::array<Buffer, 2> velocities_;  // by the half
+  std::array<Buffer, 2> velocities_;  // indexed by the half
   std::array<PointsTime, 2> times_{};
   std::array<bool, 2> colored_{};
   LiveCloud::Half incoming_;        // in any order
-  Lists listsFirst_, listsBeside_;  // before all questions, and beside them
+  Lists listsFirst_, listsBeside_;  // on the latency queue, and on the background queue
   FrameExchange exchange_;
-  std::unique_ptr<Queue> beside_;  // of the background, which no picture has before it, and which gives way
-  Queue* on_ = nullptr;            // that builds, and the last frame there
+  std::unique_ptr<Queue> beside_;  // background queue: no picture precedes it, and it yields
+  Queue* on_ = nullptr;            // queue of the last build; ticket_ is its submission
   Queue::Ticket ticket_ = 0;
-  bool isBuilding_ = false;   // it is not felt yet
-  bool isMaking_ = false;     // the thread makes one: until it has, who builds and what was made are its own
-  Queue::Ticket before_ = 0;  // what it waits for first; 0: nothing
+  bool isBuilding_ = false;   // built or being built, not felt yet
+  bool isMaking_ = false;     // the thread is making a frame and owns on_, ticket_ and made_ until it is done
+  Queue::Ticket before_ = 0;  // submission that the thread waits for first; 0: none
   MadeFrame made_ = MadeFrame::none;
-  std::atomic<double> wanted_s_ = 0;     // the newest time
-  std::atomic<bool> mayWrite_ = true;    // the back half: the last answers from it have come
-  std::atomic<bool> isDropped_ = false;  // what is made is nobody's any more
-  BackgroundTask task_;                  // goes first
+  std::atomic<double> wanted_s_ = 0;     // the newest requested time
+  std::atomic<bool> mayWrite_ = true;    // the back half may be written: no answer from it is outstanding
+  std::atomic<bool> isDropped_ = false;  // the frame being made is discarded
+  BackgroundTask task_;                  // destroyed first
 };
 
 }  // namespace palpate

@@ -8,40 +8,40 @@
 
 namespace palpate {
 
-/// What a FrameWriter has made ready.
+/// Result of FrameWriter::make().
 enum class MadeFrame {
-  none,      ///< nothing: all that are due have been made
-  recorded,  ///< the next run of a recorded list brings it
-  incoming   ///< its points stand in the incoming ones already
+  none,      ///< no frame: all due frames have been made
+  recorded,  ///< the next run of a recorded list writes it
+  incoming   ///< its points are already in the incoming buffers
 };
 
-/// Where the frames of a live cloud come from: whoever writes the points that its next index is built from. make() runs
-/// on a thread of its own, and not while a list that was recorded here runs.
+/// Writes the frames of a live cloud: the points that its next index is built from. make() runs on a thread of its own,
+/// and never while a list that was recorded here runs.
 class FrameWriter {
  public:
   virtual ~FrameWriter() = default;
 
   /// Slots of the live cloud.
   virtual std::size_t size() const = 0;
-  /// Makes ready the next one of the frames that are due by `time_s`; `incoming`: the points that its index is built
-  /// from, in any order. Throws Error where it cannot.
+  /// Prepares the next of the frames due by `time_s`; `incoming`: the points that its index is built from, in any
+  /// order. Throws Error on failure.
   virtual MadeFrame make(double time_s, const LiveCloud::Half& incoming) = 0;
-  /// The points so far, and their velocities.
+  /// The current points and their velocities.
   struct Front {
     const LiveCloud::Half& points;
     const Buffer& velocities;
   };
-  /// Records how it becomes the points `incoming`, in any order, and their velocities (shaders/shared/motion.h).
+  /// Records the writing of the points `incoming`, in any order, and of their velocities (shaders/shared/motion.h).
   virtual void record(CommandList& list, const Front& front, const LiveCloud::Half& incoming,
                       const Buffer& velocities) const = 0;
-  /// Whether there are turns beside the velocities.
+  /// Whether the frame has angular velocities besides the velocities.
   virtual bool turnsNormals() const { return false; }
-  /// Of what was made last: CloudFrame's times, and whether the normals' fourth words have colours.
+  /// Of the last frame made: CloudFrame's times, and whether the normals' fourth words hold colours.
   virtual double time_s() const = 0;
   virtual double goOn_s() const { return kMaxPointsAge_s; }
   virtual double comes_s() const { return 0; }
   virtual bool isColored() const = 0;
-  /// Whether make() looks at the points so far: it runs then only once the frame before has become them.
+  /// Whether make() reads the current points: it then runs only after the previous frame has become them.
   virtual bool looksAtPoints() const { return false; }
 };
 

@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kHandOver_s = 0.003;  // from a frame to points that are felt
+constexpr double kHandOver_s = 0.003;  // latency from a frame to the points that are felt
 
 const FusedStream& checked(const FusedStream& frames, const LiveCloud& cloud) {
   PALPATE_CHECK(frames.stream && frames.stream->player && frames.begin);
@@ -50,7 +50,7 @@ bool FusedFrames::puts(const DepthCamera& camera, const DepthFrame& frame) {
       });
   if (!pose) return false;
   pass_.setPose(intake_.images(), *pose, begun().origin);
-  // What found no room is known of the frame before, whose list has run.
+  // The count of points without room is that of the previous frame, whose list has run.
   intake_.fused(*pose, pass_.counts().refused);
   frames_.stream->seenFrom = pose;
   colored_ |= !intake_.images().colors.empty();
@@ -66,7 +66,7 @@ MadeFrame FusedFrames::make(double time_s, const LiveCloud::Half& incoming) {
   }
   MadeFrame made = MadeFrame::none;
   while (const auto played = player.nextDue(time_s)) {
-    // Points that set out before they can be felt would leap by as far as they are late.
+    // Points whose motion began before they can be felt would jump by the latency.
     const double from_s = isExact_ ? played->time_s : std::max(played->time_s, time_s + kHandOver_s);
     pass_.setWay(std::clamp(from_s_ + comes_s_ - from_s, 0.0, comes_s_), played->lasts_s);
     if (puts(player.camera(), played->frame)) {

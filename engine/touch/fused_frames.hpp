@@ -9,18 +9,18 @@
 
 namespace palpate {
 
-/// The map that depth frames fuse into on the GPU, as points of the live cloud: what has been done to those since the
-/// last frame stays. A frame that does not say where it was seen from is looked for in the front half, on a queue of
-/// its own, which gives way to questions; nobody writes that half before the frame is made. What a frame does to a
-/// point it does until the next one is due, as in FusedSource. A stream that is taken from it leaves the map as it is.
+/// The map into which depth frames are fused on the GPU, as points of the live cloud; edits of those since the last
+/// frame are kept. A frame without a camera pose is registered against the front half on a queue of its own, which
+/// yields to questions; that half is not written before the frame is made. The effect of a frame on a point is spread
+/// over the time until the next frame is due, as in FusedSource. If the stream is taken away, the map stays as it is.
 class FusedFrames final : public FrameWriter {
  public:
-  /// `frames.begin` is the live cloud at first, whose points have the first ids. Throws as FusionPass.
+  /// `frames.begin` is the initial live cloud; its points have the first ids. Throws as FusionPass.
   FusedFrames(Device& device, const FusedStream& frames, const LiveCloud& cloud);
 
   std::size_t size() const override { return cloud_.slots(); }
-  /// The next frame that the stream's player hands out; one that cannot be placed or fused is said, counts as lost, and
-  /// is left out. Where the time has gone back, the map that it begins with comes first.
+  /// Takes the next frame from the stream's player; a frame that cannot be registered or fused is reported, counted as
+  /// lost, and skipped. If the time has gone back, restores the initial map first.
   MadeFrame make(double time_s, const LiveCloud::Half& incoming) override;
   void record(CommandList& list, const Front& front, const LiveCloud::Half& incoming,
               const Buffer& velocities) const override;
@@ -31,28 +31,28 @@ class FusedFrames final : public FrameWriter {
   bool isColored() const override { return colored_; }
   bool looksAtPoints() const override { return true; }
 
-  /// Frames that were fused, and that could not be placed, or read.
+  /// Number of frames fused, not registered, and lost.
   std::uint64_t fused() const { return intake_.fused(); }
   std::uint64_t unplaced() const { return intake_.unplaced(); }
   std::uint64_t lost() const { return intake_.lost(); }
-  /// Of the frame that was fused last, once its list has run.
+  /// Counts of the last fused frame, once its list has run.
   FusionCounts counts() const { return pass_.counts(); }
 
  private:
   const PointCloud& begun() const { return *frames_.begin; }
   void startOver(const LiveCloud::Half& incoming);
-  // False where the frame is left out, for whatever reason the intake has.
+  // False if the frame is skipped; the intake has the reason.
   bool puts(const DepthCamera& camera, const DepthFrame& frame);
 
   FusedStream frames_;
-  std::optional<CameraPose> begunFrom_;  // from where the last frame of the map that it begins with was seen
+  std::optional<CameraPose> begunFrom_;  // camera pose of the last frame in the initial map
   const LiveCloud& cloud_;
-  std::unique_ptr<Queue> queue_;  // of make()
+  std::unique_ptr<Queue> queue_;  // used by make()
   FusionPass pass_;
   PoseSearchPass search_;
   FrameIntake intake_;
   bool isExact_;
-  double from_s_ = 0, comes_s_ = 0;  // since when its points come to where they are, and for how long
+  double from_s_ = 0, comes_s_ = 0;  // start and duration of its points' motion to their positions
   bool colored_;
 };
 

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// Frames that a source makes on the host: copied to the GPU as a whole.
+/// Frames that a source makes on the host, copied to the GPU as a whole.
 class HostFrames final : public FrameWriter {
  public:
   /// `source` must outlive it.
@@ -29,8 +29,8 @@ class HostFrames final : public FrameWriter {
 
   CloudSource& source_;
   CloudFrame frame_;
-  std::optional<double> made_s_;             // asked for last
-  Buffer positions_, normals_, velocities_;  // as the GPU copies them
+  std::optional<double> made_s_;             // last requested time
+  Buffer positions_, normals_, velocities_;  // staging buffers
 };
 
 }  // namespace palpate

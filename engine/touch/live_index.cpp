@@ -73,7 +73,7 @@ void LiveIndex::buildNow(const std::function<void(CommandList&, SortMethod)>& re
     list.end();
     device_.latencyQueue().run(list);
     ++work_.built;
-    if (used == hash_.sort()) break;  // otherwise a bucket was crowded, and its points may stand in any order
+    if (used == hash_.sort()) break;  // otherwise a bucket overflowed, and the order of its points is undefined
   }
   live_.flip();
 }

@@ -12,23 +12,22 @@ namespace palpate {
 
 struct LiveIndexOptions {
   HashGrid grid;
-  std::uint32_t spareSlots = 0;  ///< where points may come and go
+  std::uint32_t spareSlots = 0;  ///< for points added by edits or frames
   SortMethod sort = kDefaultSort;
   BucketOrder bucketOrder = BucketOrder::stable;
   Slots slots = Slots::full;
-  bool colored = false;  ///< the points carry their colours (LiveCloud)
+  bool colored = false;  ///< points have colours (LiveCloud)
 };
 
-/// What came of bringing the index together again in the background.
+/// Results of index compactions in the background.
 struct CompactionRecord {
   std::uint64_t completed = 0;
-  /// The longest time that touch had to wait for the end of one, us: its time on the GPU; where a driver is not asked
-  /// for times, that of the question which stood behind it, from then until its answer was seen.
+  /// Longest time that touch waited for the end of a compaction, us: its GPU time; without GPU timing, the time from
+  /// the question queued behind it until that question's answer was seen.
   double longestEnd_us = 0;
 };
 
-/// The live cloud and its index, double-buffered: full builds, and the compaction that brings an index which follows
-/// edits together again.
+/// The live cloud and its index, double-buffered: full builds, and the compaction of an index that follows edits.
 class LiveIndex {
  public:
   /// Uploads the cloud and builds its index.
@@ -36,35 +35,37 @@ class LiveIndex {
 
   const LiveCloud& cloud() const { return live_; }
   const SpatialHash& hash() const { return hash_; }
-  /// Of the half that counts.
+  /// View of the front half.
   shared::CloudView view() const { return hash_.view(live_.front(), live_.slots()); }
   std::uint32_t parity() const { return live_.parity(); }
-  /// The other half counts from now on.
+  /// Makes the other half the front.
   void flip() { live_.flip(); }
 
-  /// From now on edits change it by `update`, which must outlive it, and compactions run in the background.
+  /// From now on edits change the index by `update`, which must outlive it, and compactions run in the background.
   void follow(const HashUpdate& update, const CompactionOptions& options);
-  /// Of the edit that has completed last: the index has followed it, or was built anew for it with the cloud flipped.
+  /// Outcome of the last completed edit: the index followed it (followed()), or was rebuilt for it and the cloud
+  /// flipped (built()).
   void followed() { ++work_.followed; }
   void built();
-  /// From the report of the edit that has completed last: whether a compaction is due.
+  /// Reads from the last completed edit's report whether a compaction is due.
   void readReport();
 
-  /// Compaction in the background: the next step of it, if it is due or under way; in virtual time all of it at once.
+  /// Runs the next step of the background compaction, if it is due or running; in virtual time the whole compaction.
   void compactFurther(bool realtime);
-  /// Makes an end to a compaction whose last list the GPU has run. `sinceAsked`: of the question that stood behind it,
-  /// where the driver is not asked for times; null where it is.
+  /// Finishes a compaction whose last list the GPU has run. `sinceAsked`: time since the question queued behind it, if
+  /// the driver is not asked for times; otherwise null.
   void collectCompaction(const Stopwatch* sinceAsked);
-  /// Whether a full build may write the other half of the cloud now: a compaction is given up for it, and in real time
-  /// it must come again while a slice is under way.
+  /// Whether a full build may write the other half of the cloud now. Abandons a compaction for it; in real time the
+  /// caller must retry while a slice of it is running.
   bool mayBuild(bool realtime);
-  /// Records, with the sort that a build needs, what reads one half of the cloud and writes the other; runs and flips.
+  /// Records, with the sort that a build needs, a list that reads one half of the cloud and writes the other; runs it
+  /// and flips.
   void buildNow(const std::function<void(CommandList&, SortMethod)>& record);
 
   bool isCompacting() const { return compaction_ && !compaction_->isIdle(); }
   const CompactionRecord& compactions() const { return compactions_; }
   const IndexWork& work() const { return work_; }
-  /// Of the first build, us.
+  /// Time of the first build, us.
   double buildTime_us() const { return buildTime_us_; }
 
  private:
@@ -73,8 +74,8 @@ class LiveIndex {
   Device& device_;
   LiveCloud live_;
   SpatialHash hash_;
-  const HashUpdate* update_ = nullptr;        // where the index follows edits
-  std::optional<HashCompaction> compaction_;  // there, too
+  const HashUpdate* update_ = nullptr;        // if the index follows edits
+  std::optional<HashCompaction> compaction_;  // with update_
   bool compactionDue_ = false;
   CompactionRecord compactions_;
   IndexWork work_;

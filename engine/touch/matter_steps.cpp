@@ -15,7 +15,7 @@ void MatterSteps::restart() {
   forget();
 }
 
-// The ball of a hand that was put down elsewhere has not gone there.
+// The ball of a repositioned hand is placed, not moved.
 void MatterSteps::place(const MatterQuestion& question) {
   for (std::size_t i = 0; i < tools_; ++i) {
     if (putDown_[i] == question.putDown[i]) continue;
@@ -32,7 +32,7 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   takeParameters(*world_);
   const bool held = isHeld();
   const std::uint32_t steps = stepsTo(now, 1);
-  // A hand that moves while everything stands still begins anew where it is then.
+  // A hand that moves while the simulation is paused resumes at its new pose.
   if (hands_.empty() || held) hands_.assign(hands.begin(), hands.end());
   place(question);
   for (std::uint32_t k = 0; k < steps && !held; ++k) {
@@ -72,7 +72,7 @@ void MatterSteps::throwFault() const {
 
 void MatterSteps::show(double time_s) {
   const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock) return;  // it is just being taken; the next step is shown
+  if (!lock) return;  // it is being taken; the next step is shown
   positions_ = world_->positionsById();
   velocities_ = world_->velocitiesById();
   shownAt_s_ = time_s;

@@ -1,4 +1,4 @@
-// A simulation that follows hands: step by step to the time of each pose.
+// A simulation that follows the hands, step by step to the time of each pose.
 #pragma once
 
 #include <array>
@@ -14,50 +14,51 @@
 
 namespace palpate {
 
-/// Where hands are at a time.
+/// Poses of the hands at a time.
 struct MatterQuestion {
   double time_s = 0;
   std::array<HandPose, kMaxHands> hands;
-  /// How often each was put down elsewhere: its ball stands where it is, then, however it came there.
+  /// Number of repositionings of each hand: after one its ball is placed at the hand instead of moving there.
   std::array<std::uint32_t, kMaxHands> putDown{};
 };
 
-/// What they get.
+/// The answers to the hands.
 struct MatterAnswer {
   MatterQuestion question;
-  bool moves = true;  ///< false: it is held, and nobody feels anything
+  bool moves = true;  ///< false: it is paused, and no hand feels anything
   MatterState state = MatterState::running;
   std::optional<double> known_s;  ///< MatterSimulation::knownAt_s()
   std::array<ToolAnswer, kMaxHands> hands;
 };
 
-/// The particles at some time, by id.
+/// The particles at a time, by id.
 struct MatterView {
-  double time_s = 0;                        ///< of the question
+  double time_s = 0;                        ///< time of the question
   std::vector<Vec3> positions, velocities;  ///< m, m/s
 };
 
-/// goTo() is for one thread, take() for another one, and the rest for any.
+/// goTo() is for one thread, take() for one other thread, the rest for any thread.
 class MatterSteps final : public SteppedControl {
  public:
-  /// `simulation` has `tools` of them. `mostAtOnce`: steps in one goTo(); those beyond it are left out. 0: any number.
+  /// `simulation` has `tools` tools. `mostAtOnce`: maximum number of steps in one goTo(), further steps are dropped; 0:
+  /// unlimited.
   MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size_t tools, std::uint32_t mostAtOnce);
 
-  /// As many steps as fit between the last question and this one, at the first one a single one; where time goes back
-  /// the scene begins anew.
+  /// Runs the steps that fit between the last question and this one, a single step for the first question; if time goes
+  /// back the scene restarts.
   MatterAnswer goTo(const MatterQuestion& question);
-  /// The same where nothing may be thrown: what was is kept, and this and all further answers are of a simulation that
+  /// The same without throwing: an exception is kept, and this and all further answers are those of a simulation that
   /// does not run.
   MatterAnswer answerTo(const MatterQuestion& question) noexcept;
-  /// Throws what answerTo() has kept, if anything.
+  /// Throws the exception that answerTo() has kept, if any.
   void throwFault() const;
-  /// It would throw.
+  /// Whether throwFault() would throw.
   bool isFaulty() const noexcept { return faulty_.load(); }
   const MatterSimulation& world() const { return *world_; }
 
-  /// The newest particles that are shown. False where none are since the last time.
+  /// Takes the newest shown particles. False if there are none since the last call.
   bool take(MatterView& view);
-  /// Shows the particles as the last question has left them, unless they were. For the thread of goTo().
+  /// Shows the particles in the state after the last question, unless already shown. For the thread of goTo().
   void showPresent();
 
  private:
@@ -70,12 +71,12 @@ class MatterSteps final : public SteppedControl {
   std::vector<HandPose> hands_;  // of the last question
   std::vector<HandPose> between_;
   std::array<std::uint32_t, kMaxHands> putDown_{};  // of the last question
-  std::optional<double> unshown_s_;                 // time of the last question, where it moved what is not shown yet
+  std::optional<double> unshown_s_;  // time of the last question, if it moved particles and these are not shown yet
   std::atomic<bool> faulty_ = false;
-  std::exception_ptr fault_;         // written before the flag
-  std::atomic<bool> wanted_ = true;  // somebody would take what is shown
+  std::exception_ptr fault_;         // written before faulty_
+  std::atomic<bool> wanted_ = true;  // the last shown particles were taken
   std::mutex mutex_;
-  std::optional<double> shownAt_s_;  // nothing: it was taken
+  std::optional<double> shownAt_s_;  // nullopt: taken
   std::vector<Vec3> positions_, velocities_;
 };
 

@@ -17,7 +17,7 @@ void MatterThread::serve() {
   std::optional<MatterQuestion> question;
   for (wake_.take(); !stop_.load(); wake_.take()) {
     const auto newest = asked_.load();
-    if (!newest || (question && newest->time_s == question->time_s)) continue;  // answered with an earlier wake
+    if (!newest || (question && newest->time_s == question->time_s)) continue;  // answered after an earlier wake-up
     question = newest;
     answered_.store(steps_.answerTo(*question));
     done_.post();
@@ -37,7 +37,7 @@ std::optional<MatterAnswer> MatterThread::ask(const MatterQuestion& question, do
       continue;
     }
     const double left_us = budget_us - watch.elapsed_us();
-    if (left_us <= 0 || (!spins_ && !done_.takeWithin(left_us))) return last_;  // who sleeps next takes what is posted
+    if (left_us <= 0 || (!spins_ && !done_.takeWithin(left_us))) return last_;  // the next sleep takes a late post
   }
 }
 

@@ -1,4 +1,4 @@
-// A simulation against the clock: on a thread of its own, for which no tick waits longer than it may.
+// A simulation against the clock, on a thread of its own; no tick waits for it longer than its budget.
 #pragma once
 
 #include <atomic>
@@ -13,14 +13,14 @@ namespace palpate {
 
 class MatterThread {
  public:
-  /// `steps` outlives it.
+  /// `steps` must outlive it.
   explicit MatterThread(MatterSteps& steps);
   ~MatterThread();
   MatterThread(const MatterThread&) = delete;
   MatterThread& operator=(const MatterThread&) = delete;
 
-  /// The newest answer, which is that to this question where it comes within `budget_us` (0: as long as it takes);
-  /// nothing before the first one. Allocates nothing and takes no lock. For one thread.
+  /// Returns the newest answer: the one to this question if it arrives within `budget_us` (0: no limit); nullopt before
+  /// the first answer. Allocates nothing and takes no lock. For one thread.
   std::optional<MatterAnswer> ask(const MatterQuestion& question, double budget_us) noexcept;
   /// Waits for the answer to the last question, if there was one.
   void finish();
@@ -33,10 +33,10 @@ class MatterThread {
   LatestValue<MatterAnswer> answered_;
   std::optional<MatterAnswer> last_;
   std::optional<double> askedAt_s_;  // of the last question
-  bool spins_;                       // within a budget: a thread that sleeps is now and then woken a whole tick late
+  bool spins_;                       // spins within a budget, as a sleeping thread occasionally wakes a whole tick late
   Semaphore wake_, done_;
   std::atomic<bool> stop_ = false;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
 }  // namespace palpate

@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::array<std::uint8_t, 4> kWaterColor{86, 140, 196, 255}, kSandColor{198, 168, 118, 255},
     kModelColor{206, 202, 194, 255};
-// Against the clock: what it has missed beyond that it does not make up for, as its answers would only come later.
+// Against the clock: steps missed beyond this number are dropped, as catching up would only delay the answers.
 constexpr std::uint32_t kMaxAtOnce = 2;
-// A hand feels no less than that; a ball beside the matter answers nothing.
+// Minimum force that counts as touching; a ball beside the matter gets no force.
 constexpr double kMinForce_N = 1e-6;
 
 Vec3 upOf(const MatterScene& scene) {
@@ -57,7 +57,7 @@ MatterTouch::MatterTouch(std::unique_ptr<MatterSimulation> simulation, const Mat
 }
 
 void MatterTouch::setRealtime(bool realtime) {
-  const std::lock_guard lock(paceGuard_);  // a picture's thread may just look at the particles
+  const std::lock_guard lock(paceGuard_);  // a picture's thread may be reading the particles
   if (realtime == thread_.has_value()) return steps_.setLeavesOut(realtime);
   thread_.reset();
   steps_.setLeavesOut(realtime);
@@ -96,11 +96,12 @@ Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, con
                   .fresh = age_s <= 0,
                   .valid = answer.state == MatterState::running,
                   .dataTime_s = answer.question.time_s};
-  const bool isPlaced = answer.question.putDown[hand] == putDown_[hand];  // or it was elsewhere then
+  const bool isPlaced = answer.question.putDown[hand] == putDown_[hand];  // else the answer is for its old position
   if (!contact.valid || !answer.moves || !isPlaced || left <= 0 ||
       !(glm::length(tool.reaction_N) + glm::length(tool.byModel_N) > kMinForce_N))
     return contact;
-  // The ball goes on as it did, and its spring is stretched by what the hand has moved meanwhile, less that.
+  // The ball is extrapolated with its velocity, and its spring is stretched by the hand's displacement since then, less
+  // the ball's.
   const DVec3 went_m = age_s * tool.velocity_m_s;
   const DVec3 moved_m = pose.hip * kMatterUnit_m - answer.question.hands[hand].place_m;
   const DVec3 force_N = left * (tool.force_N - tool.coupling_N_m * (moved_m - went_m));
@@ -119,7 +120,7 @@ void MatterTouch::finish() {
   if (thread_) thread_->finish();
   steps_.throwFault();
   if (const std::string failure = steps_.failure(); !failure.empty())
-    throw Error("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
+    throw Error("the simulation {}; restart it with more substeps or a slower hand", failure);
 }
 
 std::size_t MatterTouch::readBack(PointCloud& cloud) const {
@@ -136,7 +137,7 @@ std::size_t MatterTouch::readBack(PointCloud& cloud) const {
   return moved;
 }
 
-// Those that are known, whichever there were.
+// Replaces the cloud by the known particles, whatever it held before.
 std::size_t MatterTouch::bring(std::span<const Vec3> places, PointCloud& cloud) const {
   CloudFrame frame;
   frame.positions = inUnits(places);
@@ -156,7 +157,7 @@ bool MatterTouch::takeFrame(CloudFrame& frame) {
     const std::lock_guard lock(paceGuard_);
     if (!thread_) steps_.showPresent();
   }
-  // Where nothing is known any more what was known last is seen.
+  // If nothing is known any more, the last known particles remain visible.
   if (!steps_.take(view_) || view_.positions.empty()) return false;
   frame.time_s = view_.time_s;
   frame.positions = inUnits(view_.positions);

@@ -1,4 +1,4 @@
-// Hands in matter that moves by itself: each holds a ball, which the matter pushes.
+// Hands in simulated matter: each holds a ball, which the matter pushes.
 #pragma once
 
 #include <mutex>
@@ -16,35 +16,34 @@ namespace palpate {
 inline constexpr double kMatterUnit_m = 1e-3;
 
 struct MatterTouchOptions {
-  std::size_t hands = 1;  ///< as many as the simulation has tools
-  unsigned threads = 0;   ///< for pictures; 0: one per core
-  bool realtime =
-      false;            ///< at first (setRealtime()): on a thread of its own, and no tick waits for it past its budget
-  std::string machine;  ///< that simulates
-  /// Particles come and go, so that each frame says their colours.
+  std::size_t hands = 1;  ///< equals the number of tools of the simulation
+  unsigned threads = 0;   ///< threads for pictures; 0: one per core
+  bool realtime = false;  ///< initial value of setRealtime(): the simulation runs on a thread of its own, and no tick
+                          ///< waits for it past its budget
+  std::string machine;    ///< name of the machine that simulates
+  /// The set of particles varies, so each frame includes their colours.
   bool varies = false;
 };
 
 /// A simulation that is felt, and seen as a cloud: a point for each particle, in the order of their ids. In virtual
-/// time it goes as far as the poses do, so that the same poses give the same bytes. Against the clock it follows them:
-/// where it has no answer to a tick in time, the hand feels the last one with the stiffness of its ball's spring, and
-/// ever less of it as it grows old. Once it has failed no answer is valid, until it is reset. Nothing of it can be
-/// sculpted.
+/// time it advances to the time of the poses, so that the same poses give the same bytes. Against the clock it follows
+/// them: without an answer in time the hand feels the last one with the stiffness of its ball's spring, fading with the
+/// answer's age. After a failure no answer is valid until a reset. It cannot be sculpted.
 class MatterTouch final : public TouchBackend {
  public:
-  /// The scene has a tool.
+  /// The scene must have a tool.
   MatterTouch(std::unique_ptr<MatterSimulation> simulation, const MatterTouchOptions& options);
 
   std::size_t hands() const noexcept override { return answers_.size(); }
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
   void resetHand(std::size_t hand) noexcept override { ++putDown_[hand]; }
   void setRealtime(bool realtime) override;
-  /// Throws Error where the simulation has failed.
+  /// Throws Error if the simulation has failed.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
-  /// In virtual time for the thread that queries, which finds the particles as the last answer has left them.
+  /// In virtual time only for the thread that queries; it gets the particles in the state after the last answer.
   bool takeFrame(CloudFrame& frame) override;
-  /// Of matter that somebody else simulates.
+  /// Only for matter simulated on another machine.
   std::optional<PointsTime> pointsTime() const noexcept override;
   SimulationControl* simulation() override { return &steps_; }
 
@@ -80,17 +79,17 @@ class MatterTouch final : public TouchBackend {
   std::array<std::uint32_t, kMaxHands> putDown_{};
   std::vector<double> noTimes_;
   TouchShortfalls shortfalls_;
-  mutable MatterSurface surface_;  // of the one who shows it
+  mutable MatterSurface surface_;  // used by the thread that shows it
   MatterView view_;
   struct Still {
     std::vector<Vec3> positions, normals;
-  } still_;                             // points of a model that stands in the matter, units
-  std::mutex paceGuard_;                // of whether there is a thread, and of what is done in the place of one
-  std::optional<MatterThread> thread_;  // against the clock; goes first
+  } still_;                             // points of a static model in the matter, units
+  std::mutex paceGuard_;                // guards thread_'s presence, and the calls that replace the thread
+  std::optional<MatterThread> thread_;  // if against the clock; destroyed first
 };
 
-/// The points of a scene as it begins, mm: a cloud that is felt by MatterTouch. Those of `model`, which stands in the
-/// matter where it is not null, follow those of the particles. Throws Error as planOf() does.
+/// The initial points of a scene, mm: a cloud that is felt by MatterTouch. The points of `model`, a static model in the
+/// matter if not null, follow those of the particles. Throws Error as planOf() does.
 PointCloud cloudOf(const MatterScene& scene, const MatterModel* model, unsigned threads);
 
 }  // namespace palpate

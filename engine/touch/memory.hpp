@@ -6,7 +6,7 @@ namespace palpate {
 
 class Device;
 
-/// What a cloud needs on the GPU, bytes, known before anything is uploaded.
+/// GPU memory that a cloud needs, bytes, known before any upload.
 struct GpuMemory {
   std::uint64_t liveCloud = 0;   ///< two orders of positions and normals
   std::uint64_t index = 0;       ///< keys, order, sort scratch, bucket ranges
@@ -18,7 +18,7 @@ struct GpuMemory {
 };
 GpuMemory predictGpuMemory(std::uint64_t points, bool colors);
 
-/// Throws OutOfGpuMemory, with the numbers, when touching so many points cannot fit on `device`.
+/// Throws OutOfGpuMemory, with the numbers, if touching that many points cannot fit on `device`.
 void requireGpuMemory(const Device& device, std::uint64_t points, bool edits);
 
 }  // namespace palpate

@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kRenewal = 0.5;  // of the support radius: so far from its centre a patch is fetched anew
+constexpr double kRenewal = 0.5;  // in support radii: distance from its centre at which a patch is refetched
 constexpr std::size_t kAnswerTimesKept = 1 << 16;
 
 }  // namespace
@@ -38,7 +38,7 @@ void PatchBridge::renew(const Pose& pose, std::uint32_t parity, const PointsTime
   const ProxyTracker::State state = contact_.state();
   const DVec3 place = state.touching ? state.proxy : pose.hip - origin_;
   if (underWay_ || !wanted(place)) return;
-  // Points that move are fetched where they are by now, and go on from there.
+  // Moving points are fetched at their present positions, and move on from there.
   const double age_s = pointsMove_ ? pointsMotion(pose.time_s, points, pose.time_s).age_s : 0;
   pass_.aimAt(Vec3(place - age_s * state.velocity), age_s, Vec3(place));
   const PointsTime from{.true_s = points.true_s + age_s, .goOn_s = points.goOn_s - age_s};
@@ -53,7 +53,7 @@ void PatchBridge::takeIn() {
   if (!underWay_ || !device_.latencyQueue().isDone(underWay_->ticket)) return;
   taken_ = std::exchange(underWay_, std::nullopt);
   const CarriedPatch patch = pass_.patch();
-  // The first edit that it does not see came after it was asked for.
+  // The first edit that it does not include came after it was requested.
   contact_.take(patch, taken_->edits == edits_ ? std::nullopt : std::optional(taken_->time_s), taken_->points);
   thinnedPatches_ += patch.thinned;
 }
@@ -65,7 +65,7 @@ void PatchBridge::edited(double time_s) {
 
 void PatchBridge::answered(const Contact& contact, const Pose& pose, const ProxyTracker::State& state, double now_s) {
   contact_.heard(now_s);
-  // A late answer, where the CPU has gone on since it was asked for, comes from the past.
+  // If the CPU has continued since the question, a late answer is outdated.
   if (!contact_.isAhead()) contact_.goOnFrom(contact, pose, state);
 }
 

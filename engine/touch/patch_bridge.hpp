@@ -12,38 +12,37 @@ namespace palpate {
 
 class Device;
 
-/// Bridges late answers of the GPU: keeps a patch of the live cloud on the host, fetched anew where the probe goes and
-/// after every edit, and answers from it. A fetch runs on the latency queue behind the question that was just asked;
-/// the host copies it once its fence says that it is whole, and only then asks for another.
+/// Bridges late answers of the GPU: keeps a patch of the live cloud on the host, refetched where the probe moves and
+/// after every edit, and answers from it. A fetch runs on the latency queue behind the question just asked; the host
+/// copies the patch once its fence has signalled, and only then requests another.
 class PatchBridge {
  public:
-  /// `grid`: of the hash that is fetched through. `origin`: of the cloud, in the poses' coordinates.
+  /// `grid`: of the hash used by the fetch. `origin`: of the cloud, in the poses' coordinates.
   PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, const SurfaceOptions& surface, double friction,
               std::uint32_t points, const PatchFetch::Motion& motion);
 
   /// Records the fetch for one half of the live cloud; `velocities`: as for ContactStep.
   void record(std::uint32_t parity, const shared::CloudView& cloud, DeviceAddress velocities);
 
-  /// Asks for a patch at `pose`, unless the one that is there, or on its way, will do. After a question was submitted,
-  /// so that the host's part is done while the GPU works on that. `points`: the time of those of that half, where they
-  /// move.
+  /// Requests a patch at `pose`, unless the present or pending one suffices. Call after submitting a question, so that
+  /// the host's part overlaps with the GPU's work. `points`: time of the points of that half, if they move.
   void renew(const Pose& pose, std::uint32_t parity, const PointsTime& points);
-  /// Whether a patch is on its way.
+  /// Whether a fetch is pending.
   bool isFetching() {
     takeIn();
     return underWay_.has_value();
   }
   /// An edit was submitted at `time_s`.
   void edited(double time_s);
-  /// The GPU's answer to `pose`, taken in at `now_s`, and the state that it left.
+  /// Takes the GPU's answer to `pose`, received at `now_s`, and the proxy state after it.
   void answered(const Contact& contact, const Pose& pose, const ProxyTracker::State& state, double now_s);
 
-  /// The GPU was there at `now_s`, with an answer that counts no more.
+  /// The GPU answered at `now_s`, but the answer is no longer valid.
   void heard(double now_s) { contact_.heard(now_s); }
-  /// The stylus is put down elsewhere: nothing is touched, and no state so far goes on.
+  /// The stylus was repositioned: ends the contact and discards the state.
   void reset() { contact_.goOnFrom({.valid = true}, {}, {}); }
 
-  /// For a tick whose own answer is late. Throws DeviceLost.
+  /// Answer for a tick whose own answer is late. Throws DeviceLost.
   Contact answer(const Pose& pose);
 
   /// For another probe of such a tick, after answer(): PatchContact::follow and trust.
@@ -52,21 +51,21 @@ class PatchBridge {
   }
   double trust(double time_s) const { return contact_.trust(time_s); }
 
-  /// What the GPU has to go on from at its next question, when that is not its own last answer.
+  /// State from which the GPU must continue at its next question, if that is not its own last answer.
   std::optional<ProxyTracker::State> newerState() const;
-  /// The state was handed over, or there was none.
+  /// newerState() was passed to the GPU, or was empty.
   void handedOver() { contact_.handedOver(); }
 
-  /// Times of answer(), us; as many as are kept.
+  /// Times of answer(), us; a bounded number is kept.
   const std::vector<double>& answerTimes_us() const { return answerTimes_us_; }
   std::uint64_t thinnedPatches() const { return thinnedPatches_; }
 
  private:
   struct Fetch {
     Queue::Ticket ticket = 0;
-    double time_s = 0;        // of the pose that it was asked for
-    std::uint64_t edits = 0;  // that it sees
-    PointsTime points;        // where they move
+    double time_s = 0;        // time of the pose that it was requested for
+    std::uint64_t edits = 0;  // number of edits that it includes
+    PointsTime points;        // if they move
   };
   void takeIn();
   bool wanted(const DVec3& place) const;
@@ -79,7 +78,7 @@ class PatchBridge {
   std::array<std::unique_ptr<CommandList>, 2> lists_;
   PatchContact contact_;
   std::optional<Fetch> underWay_, taken_;
-  std::uint64_t edits_ = 0;  // submitted so far
+  std::uint64_t edits_ = 0;  // number submitted so far
   std::uint64_t thinnedPatches_ = 0;
   std::vector<double> answerTimes_us_;
 };

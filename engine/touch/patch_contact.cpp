@@ -55,7 +55,7 @@ std::optional<Contact> PatchContact::follow(ProxyTracker& tracker, const Pose& p
                  .isWithin = tracker.isLost(),
                  .neighbours = surface.neighbours,
                  .velocity = tracker.velocity(),
-                 .dataTime_s = missingSince_s_.value_or(pose.time_s)};  // points at rest are as good as new
+                 .dataTime_s = missingSince_s_.value_or(pose.time_s)};  // points at rest are up to date
 }
 
 Contact PatchContact::answer(const Pose& pose) noexcept {

@@ -24,7 +24,7 @@ ProbeGroup::ProbeGroup(const ToolShape& shape) {
   if (points_.size() > kMaxToolPoints)
     throw UsageError("a tool of {} points: it has 1 to {}", points_.size(), kMaxToolPoints);
   if (!(std::abs(shares - 1) < kRounding))
-    throw UsageError("a tool whose points have {} of its stiffness; together they must have all of it, 1", shares);
+    throw UsageError("a tool whose points' shares of its stiffness sum to {}; they must sum to 1", shares);
   last_ = points_;
   times_s_.resize(points_.size());
 }
@@ -77,7 +77,7 @@ Contact ProbeGroup::sum(Contact whole, const DVec3& hip) const {
       whole.velocity = contact.velocity;
     }
     whole.touching = true;
-    if (!contact.fresh) whole.dataTime_s = std::min(whole.dataTime_s, contact.dataTime_s);  // the oldest counts
+    if (!contact.fresh) whole.dataTime_s = std::min(whole.dataTime_s, contact.dataTime_s);  // the oldest one
     const DVec3 way = point.share * (contact.proxy - point.hip);
     spring += way;
     normals += glm::length(way) * contact.normal;
@@ -85,7 +85,7 @@ Contact ProbeGroup::sum(Contact whole, const DVec3& hip) const {
     ways += glm::length(way);
   }
   whole.proxy = hip + spring;
-  // Points that have only just come to the surface, or that are pressed from all sides, have no mean.
+  // Points that have just reached the surface, or are pressed from all sides, have no mean.
   if (ways > 0) whole.velocity = velocities / ways;
   const double length = glm::length(normals);
   if (whole.touching) whole.normal = length > 0 ? normals / length : first;
@@ -99,8 +99,7 @@ void ProbeGroup::forget() {
 }
 
 std::vector<ProbeGroup> makeProbeGroups(std::span<const ToolShape> tools) {
-  if (tools.empty() || tools.size() > kMaxHands)
-    throw UsageError("{} hands: there are 1 to {}", tools.size(), kMaxHands);
+  if (tools.empty() || tools.size() > kMaxHands) throw UsageError("{} hands: must be 1 to {}", tools.size(), kMaxHands);
   std::vector<ProbeGroup> groups;
   for (const ToolShape& tool : tools) groups.emplace_back(tool);
   return groups;

@@ -10,37 +10,35 @@
 
 namespace palpate {
 
-/// The probes of one hand, from pose to pose: the HIP itself, number 0, and the points of its tool, where it has a
-/// tool of many; what was answered to each, and the answer that the hand gets. Both back ends keep one for each hand;
-/// it allocates nothing after it was made.
+/// The probes of one hand, from pose to pose: the HIP, number 0, and the points of its tool, if it has any; the answer
+/// to each, and the hand's answer. Both back ends keep one group per hand; it allocates nothing after construction.
 class ProbeGroup {
  public:
-  /// Places in model units. Throws UsageError for too many points, and for shares that do not sum up to one.
+  /// Positions in model units. Throws UsageError for too many points, and for shares that do not sum to one.
   explicit ProbeGroup(const ToolShape& shape);
 
   std::uint32_t probes() const { return 1 + static_cast<std::uint32_t>(places_.size()); }
-  /// Where a probe is.
+  /// Position of a probe.
   DVec3 place(std::uint32_t probe, const Pose& pose) const {
     return probe == 0 ? pose.hip : pose.hip + pose.turn * places_[probe - 1];
   }
-  /// Whether all probes are at places that single precision knows, relative to the cloud's origin.
+  /// Whether all probe positions relative to the cloud's origin are finite in single precision.
   bool isFiniteAt(const Pose& pose, const DVec3& origin) const;
 
-  /// A question that is to be answered: answered() is about this pose.
+  /// Begins a question: answered() refers to this pose.
   void ask(const Pose& pose) { question_ = pose; }
   const Pose& question() const { return question_; }
-  /// First the HIP itself, then each of the others.
+  /// Takes the answers: the HIP first, then each of the others.
   void answered(std::uint32_t probe, const Contact& contact);
-  /// The hand gets what was answered last, as a whole (ContactQuery::points); while no point of a tool touches, that is
-  /// the answer to the HIP itself.
+  /// The hand gets the last answers, all at once (ContactQuery::points); while no point of a tool touches, the answer
+  /// to the HIP.
   void give();
-  /// For a pose that is a fault. `lost`: and all that come.
+  /// For an invalid pose. `lost`: this answer and all further ones are lost.
   void fail(const Pose& pose, bool lost) { answer_ = {.proxy = pose.hip, .lost = lost}; }
-  /// For a pose that got no answer: each probe's tangent plane, softened by its age (heldContact).
+  /// For a pose without an answer: each probe's tangent plane, softened by its age (heldContact).
   void hold(const Pose& pose);
-  /// The same, with the answer of somebody else to a point of the tool where there is one: follow(probe, pose) gives it
-  /// or nothing, and the planes that follow are its; trust(time_s) is how much of it counts now. `own`: for the HIP
-  /// itself.
+  /// The same, with substitute answers for the points of the tool: follow(probe, pose) returns one or nullopt; later
+  /// planes follow from it. `trust`: weight of the answers at this time. `own`: answer for the HIP.
   template <class Follow>
   void bridge(const Contact& own, const Pose& pose, double trust, Follow&& follow) {
     for (std::uint32_t i = 0; i < points_.size(); ++i) {
@@ -57,13 +55,13 @@ class ProbeGroup {
     }
     answer_ = sum(own, pose.hip);
   }
-  /// The stylus was lifted, or all that was answered counts no more.
+  /// The stylus was lifted, or all answers are invalid.
   void forget();
 
-  /// What was answered last to the HIP itself, and to which pose.
+  /// Last answer to the HIP, and its pose.
   const Contact& own() const { return own_; }
   const Pose& ownPose() const { return ownPose_; }
-  /// What the hand gets.
+  /// The hand's answer.
   const Contact& answer() const { return answer_; }
   std::span<const PointContact> points() const { return points_; }
 
@@ -71,16 +69,16 @@ class ProbeGroup {
   Contact heldPoint(std::uint32_t i, const Pose& at) const;
   Contact sum(Contact whole, const DVec3& hip) const;
 
-  std::vector<DVec3> places_;         // of the tool's points
-  std::vector<PointContact> points_;  // as the hand gets them
-  std::vector<PointContact> last_;    // as they were answered last
-  std::vector<double> times_s_;       // of those poses
-  Contact own_;                       // of the HIP itself
+  std::vector<DVec3> places_;         // positions of the tool's points
+  std::vector<PointContact> points_;  // as the hand receives them
+  std::vector<PointContact> last_;    // last answers
+  std::vector<double> times_s_;       // times of their poses
+  Contact own_;                       // last answer to the HIP
   Pose ownPose_, question_;
   Contact answer_;
 };
 
-/// One for each hand's tool. Throws UsageError for no hand, for more than kMaxHands, and as ProbeGroup does.
+/// One group per tool. Throws UsageError for no tool, for more than kMaxHands, and as ProbeGroup does.
 std::vector<ProbeGroup> makeProbeGroups(std::span<const ToolShape> tools);
 
 }  // namespace palpate

@@ -11,16 +11,17 @@ namespace palpate {
 
 namespace {
 
-constexpr double kSleep_us = 40;  // between polls, where spinning would starve the driver
+constexpr double kSleep_us = 40;  // between polls, if spinning would starve the driver
 
-// A question that was submitted ahead ends within so long after it was withdrawn, where the GPU hears the host at all.
+// Maximum time in which a withdrawn question ends, if the GPU sees the host's writes at all.
 constexpr double kLongestDeafness_us = 5000;
 
-// At about the 520th submission NVIDIA's driver makes room for more, once, and takes 1.8 ms: not in a tick.
+// At about the 520th submission NVIDIA's driver allocates room for more, once, which takes 1.8 ms: it must not be in a
+// tick.
 constexpr int kFirstSubmissions = 1100;
 
-// Drivers that are known to bring what the host writes before a shader that is running. Where sight has the same queue,
-// its frames would wait behind a question that waits.
+// Drivers known to make host writes visible to a running shader. If sight shares the queue, its frames would wait
+// behind a waiting question.
 bool mayHearTheHost(const Device& device) {
   return device.driverId() == VK_DRIVER_ID_NVIDIA_PROPRIETARY && !device.roles().shared();
 }
@@ -99,7 +100,7 @@ bool QuestionPipeline::hearsTheHost(std::uint32_t parity) {
 }
 
 bool QuestionPipeline::mayAskWithin(double budget_us) const {
-  if (wait_ == Wait::spin || state() != QuestionState::ending) return true;  // begin() spins those us
+  if (wait_ == Wait::spin || state() != QuestionState::ending) return true;  // begin() spins for the remaining us
   const Stopwatch watch;
   while (!device_.latencyQueue().isDone(run_.ticket)) {
     if (watch.elapsed_us() + kSleep_us > budget_us) return false;
@@ -136,7 +137,7 @@ void QuestionPipeline::submit(std::uint32_t parity) {
 }
 
 void QuestionPipeline::settle() {
-  // The answer may have been seen some us before the driver lets its list run again.
+  // The answer may be visible some us before the driver lets its list run again.
   if (state() != QuestionState::ending) return;
   progress_.happened(QuestionEvent::ended);
   device_.latencyQueue().wait(run_.ticket, wait_);
@@ -149,7 +150,7 @@ bool QuestionPipeline::isAnsweredWithin(double budget_us) {
     const double left_us = budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0;
     if (!runEndsWithin(left_us)) return false;
     const bool ahead = contact_.waits(run_.last);
-    if (ahead && !isWhole()) {  // it had ended before its pose came
+    if (ahead && !isWhole()) {  // it timed out before its pose was written
       submit(run_.parity);
       continue;
     }
@@ -165,7 +166,7 @@ bool QuestionPipeline::isAnsweredWithin(double budget_us) {
   }
   progress_.happened(QuestionEvent::answered);
   answered_ = run_;
-  // Seen in memory, an answer comes before its time does: then it tells that of the run before.
+  // An answer seen in memory precedes its time, so the time reported is that of the previous run.
   if (wait_ == Wait::spin) std::swap(question_.gpu_us, lastTime_us_);
   return true;
 }
@@ -173,12 +174,12 @@ bool QuestionPipeline::isAnsweredWithin(double budget_us) {
 bool QuestionPipeline::runEndsWithin(double budget_us) {
   Queue& queue = device_.latencyQueue();
   const bool answers = contact_.answers(run_.last);
-  // In real time a thread that may not spin naps: asleep in the driver it would wait for the driver's own threads,
-  // which have no priority over anybody.
+  // In real time a thread that may not spin sleeps between polls: blocked in the driver it would wait for the driver's
+  // threads, which have no raised priority.
   const bool naps = wait_ != Wait::spin && budget_us > 0;
   if (!naps && (wait_ != Wait::spin || !answers)) return queue.wait(run_.ticket, wait_, budget_us);
-  // The shader's own words in the host's memory are the fastest sign. Now and then the driver is asked, who knows when
-  // none will come, but may hold us up.
+  // The shader's words in host memory are the fastest sign. The driver is polled now and then: it knows when no answer
+  // will come, but may block this thread.
   constexpr int kPolls = 256;
   const bool asksDriver = !naps || !answers || budget_us <= kPoll_us;
   const Stopwatch watch;

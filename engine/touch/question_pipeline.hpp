@@ -19,79 +19,80 @@ namespace palpate {
 
 class Device;
 
-inline constexpr double kPoll_us = 1;  ///< a budget that lets no thread sleep
+inline constexpr double kPoll_us = 1;  ///< budget too short for a thread to sleep
 
-/// The probes of a hand, numbered through all hands.
+/// The probes of a hand; numbering continues across hands.
 struct ProbeRange {
   std::uint32_t first = 0, count = 0;
 };
 
-/// What is asked of the GPU at one pose of all hands.
+/// A question to the GPU: one pose of all hands.
 struct Question {
-  double time_s = 0;        ///< of the poses
-  bool realtime = false;    ///< its tick may end before the answer comes
-  bool behindEdit = false;  ///< an edit was still under way
-  bool timed = true;        ///< on the GPU; a driver that needs our cores may wait for all its work to tell a time
-  Stopwatch since;          ///< it was asked
-  double gpu_us = 0;        ///< of the lists that have run; once it is answered, what is reported of them
-  std::bitset<kMaxHands> dropped;  ///< hands that have begun anew since
+  double time_s = 0;        ///< time of the poses
+  bool realtime = false;    ///< its tick may end before the answer arrives
+  bool behindEdit = false;  ///< an edit was still in progress
+  bool timed = true;        ///< timed on the GPU; a driver on the CPU's cores may wait for all its work to report it
+  Stopwatch since;          ///< time since it was asked
+  double gpu_us = 0;        ///< GPU time of the lists that have run; after the answer, the reported time
+  std::bitset<kMaxHands> dropped;  ///< hands reset since
 };
 
-/// Asks the GPU and takes its answers: ahead of the poses or with them, in time or late. One question at a time;
-/// QuestionState says where it is.
+/// Submits questions to the GPU and takes the answers: ahead of the poses or with them, in time or late. One question
+/// at a time; QuestionState is its state.
 ///
-/// A question is a run of command lists recorded ahead, one for each half of the live cloud.
+/// A question is a run of command lists recorded ahead, one set for each half of the live cloud.
 class QuestionPipeline {
  public:
-  /// `points`: how many the cloud may have.
+  /// `points`: maximum number of points of the cloud.
   QuestionPipeline(Device& device, const ContactOptions& options, const HashGrid& grid, std::uint32_t points, Wait wait,
                    CommandList::Timing timing);
 
-  /// Records the question for the half of the cloud that `parity` tells.
+  /// Records the question for the half of the cloud given by `parity`.
   void record(std::uint32_t parity, const shared::CloudView& cloud, DeviceAddress logHead, DeviceAddress velocities);
-  /// Records how each of the hands begins anew.
+  /// Records the reset of each hand.
   void recordForgetting(std::span<const ProbeRange> hands);
-  /// Has the driver do once what it would else do in mid-touch.
+  /// Triggers the driver's one-time work now, so that it does not happen during touch.
   void warmUp();
-  /// Another contact step, after finish() and once the GPU is at rest; all must be recorded again.
+  /// Replaces the contact step, after finish() and once the GPU is idle; all lists must be recorded again.
   void setContact(const ContactOptions& options, const HashGrid& grid, std::uint32_t points);
-  /// Questions may be submitted ahead: `wanted` says so, or else on drivers that are known to let a question wait, if
-  /// it does.
+  /// Sets whether questions may be submitted ahead: as `wanted` says; if not given, on drivers that are known to let a
+  /// question wait, if a test shows that it does.
   void allowAhead(std::optional<bool> wanted, std::uint32_t parity);
 
   QuestionState state() const { return progress_.state(); }
   bool isOut() const { return state() == QuestionState::asked || state() == QuestionState::late; }
-  /// In the tick of its pose.
+  /// In flight or answered, in the tick of its pose.
   bool isInTick() const { return state() == QuestionState::asked || state() == QuestionState::answered; }
-  /// The question that is out, or the last one.
+  /// The question in flight, or the last one.
   const Question& question() const { return question_; }
 
-  /// Submits the next question ahead, if it may be.
+  /// Submits the next question ahead, if allowed.
   void askAhead(std::uint32_t parity);
   /// Ends a question that was submitted ahead.
   void withdraw();
-  /// Whether the last question's list has ended, as the driver sees it: some us after its answer was seen.
+  /// Whether the last question's list has ended in the driver's view: some us after its answer was seen.
   bool mayAskWithin(double budget_us) const;
-  /// A new question: put() each of its probes, then ask(). Where points move, with how they have gone on since.
+  /// Begins a new question: put() each of its probes, then ask(). Where points move, with their motion since their
+  /// frame.
   void begin();
   void put(std::uint32_t probe, const Vec3& place, const shared::ContactState& carried, const PointsMotion& motion);
   void ask(double time_s, bool realtime, bool behindEdit, std::uint32_t parity);
-  /// Whether the answer is there within the budget (0: whenever it comes).
+  /// Whether the answer arrives within the budget (0: no limit).
   bool isAnsweredWithin(double budget_us);
-  /// The tick of the question is over.
+  /// Ends the tick of the question.
   void closeTick() { progress_.happened(QuestionEvent::tickClosed); }
-  /// A hand begins anew: what its probes have felt is forgotten. Not within a tick.
+  /// Resets a hand: its probes' states are cleared. Not within a tick.
   void resetHand(std::size_t hand);
 
-  // Of the last answer.
+  // Sample of a probe in the last answer.
   shared::ContactSample sample(std::uint32_t probe) const { return contact_.sample(probe); }
-  /// Whether it is there, whole, for all probes.
+  /// Whether the last answer is complete for all probes.
   bool isWhole() const { return contact_.hasAnswered(tick_); }
 
   const ContactStep& contact() const { return contact_; }
   bool asksAhead() const { return ahead_; }
   std::uint64_t answeredAhead() const { return answeredAhead_; }
-  /// The passes of the last question that was answered, with their times.
+  /// Passes of the last answered question, with their times.
   std::vector<PassRecord> passes() const;
 
  private:
@@ -101,12 +102,12 @@ class QuestionPipeline {
     Queue::Ticket ticket = 0;
   };
   const CommandList& lastList(const Run& run) const { return *lists_[run.parity][run.last]; }
-  // Whether a question that was submitted ahead hears what the host writes then.
+  // Whether a question submitted ahead sees what the host writes after the submission.
   bool hearsTheHost(std::uint32_t parity);
   void submit(std::uint32_t parity);
-  // Waits until the last question's list may run again, and learns how long it took.
+  // Waits until the last question's list may run again, and reads its time.
   void settle();
-  // Whether the list that was submitted last has done its part, as `wait_` looks at it (0: waits until it has).
+  // Whether the last submitted list has finished, polled as `wait_` says (0: waits until it has).
   bool runEndsWithin(double budget_us);
 
   Device& device_;
@@ -114,15 +115,15 @@ class QuestionPipeline {
   CommandList::Timing timing_;
   ContactStep contact_;
   std::array<std::vector<std::unique_ptr<CommandList>>, 2> lists_;
-  std::vector<std::unique_ptr<CommandList>> forgets_;  // one for each hand
+  std::vector<std::unique_ptr<CommandList>> forgets_;  // one per hand
   QuestionProgress progress_;
   Question question_;
-  Run run_;       // of the question that waits or is out, or of the last one
-  Run answered_;  // of the last one that was answered
+  Run run_;       // of the question waiting or in flight, or of the last one
+  Run answered_;  // of the last answered question
   std::uint32_t tick_ = 0;
   bool ahead_ = false;
   std::uint64_t answeredAhead_ = 0;
-  double lastTime_us_ = 0;  // on the GPU, of the last question's lists whose time is known
+  double lastTime_us_ = 0;  // GPU time of the last question's lists whose time is known
 };
 
 }  // namespace palpate

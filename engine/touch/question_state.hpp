@@ -1,4 +1,4 @@
-// The states of the question that goes to the GPU, and what leads from one to the next.
+// States of the GPU question, and the transitions between them.
 #pragma once
 
 #include <array>
@@ -11,18 +11,18 @@
 namespace palpate {
 
 enum class QuestionState {
-  idle,            ///< nothing is asked, and the lists of the last question may run again
+  idle,            ///< nothing is asked; the lists of the last question may run again
   waitingForPose,  ///< submitted ahead: it waits on the GPU until the host has written its pose
-  asked,           ///< out, in the tick of its pose
-  late,            ///< out, and that tick is closed
-  answered,        ///< answered in that tick, which is not closed
-  ending           ///< answered, and the tick is closed; the driver has yet to say that its lists have ended
+  asked,           ///< in flight, in the tick of its pose
+  late,            ///< in flight after that tick was closed
+  answered,        ///< answered in that tick, which is still open
+  ending           ///< answered and the tick closed; the driver has not yet reported the end of its lists
 };
 
 enum class QuestionEvent {
   submittedAhead,
   withdrawn,
-  asked,     ///< its pose is there
+  asked,     ///< its pose is set
   answered,  ///< the host has seen the whole answer
   tickClosed,
   ended  ///< its lists may run again
@@ -34,7 +34,7 @@ struct QuestionTransition {
   QuestionState to;
 };
 
-/// All there are.
+/// All transitions.
 inline constexpr std::array kQuestionTransitions{
     QuestionTransition{QuestionState::idle, QuestionEvent::submittedAhead, QuestionState::waitingForPose},
     QuestionTransition{QuestionState::idle, QuestionEvent::asked, QuestionState::asked},
@@ -51,18 +51,18 @@ inline constexpr std::array<std::string_view, 6> kQuestionStateNames{"idle", "wa
 inline constexpr std::array<std::string_view, 6> kQuestionEventNames{"submittedAhead", "withdrawn",  "asked",
                                                                      "answered",       "tickClosed", "ended"};
 
-/// Where an event leads from a state; nothing where it may not happen.
+/// The state after an event; nullopt if the event is not allowed in that state.
 constexpr std::optional<QuestionState> stateAfter(QuestionState state, QuestionEvent event) {
   for (const QuestionTransition& transition : kQuestionTransitions)
     if (transition.from == state && transition.event == event) return transition.to;
   return std::nullopt;
 }
 
-/// A question's state, which changes by these transitions alone.
+/// A question's state; changes only by these transitions.
 class QuestionProgress {
  public:
   QuestionState state() const { return state_; }
-  /// Stops the program where the event may not happen.
+  /// Stops the program if the event is not allowed.
   void happened(QuestionEvent event) {
     const std::optional<QuestionState> next = stateAfter(state_, event);
     if (!next)

@@ -6,12 +6,13 @@ namespace palpate {
 
 namespace {
 
-// Places about one that make its surface, in spacings of the cells: as many as the points of any cloud that do.
+// Radius of the surface positions that support a position's surface, in cell spacings: as many as the points of any
+// cloud.
 const double kSupport_spacings = static_cast<double>(shared::kSupportSpacings) / kPlacesOfSpacing;
 
 struct NowPlace {
   std::uint32_t number;
-  DVec3 place;  // in units
+  DVec3 place;  // model units
   Vec3 normal;
 };
 

@@ -12,23 +12,23 @@ namespace palpate {
 namespace {
 
 constexpr double kSameTime_s = 1e-7;
-// Against the clock a hand has felt the surface of a frame ago. Where it presses the simulation knows better how
-// deep: so much of what the two differ by is taken over at a time.
+// Against the clock a hand has felt the surface of an earlier frame. While it presses, the simulation knows the depth
+// better: this share of the difference is applied at a time.
 constexpr double kTrustInFelt = 0.1;
-// Of the support radius: what the weights of touch press on is about as wide as an even pressure on that.
+// In support radii: an even pressure on a disc of this radius is about as wide as the weights of touch.
 constexpr double kPressedShare = 0.5;
-// Steps of a touch after which its compliance is asked for, and again each time so many more have passed: it takes as
-// long as about fifteen of them, and as 150 where there are 200,000 nodes.
+// Number of steps of a touch before its compliance is computed, and between later computations: one takes as long as
+// about fifteen steps, and as 150 for 200,000 nodes.
 constexpr std::uint32_t kFirstCompliance = 50, kNextCompliance = 250, kNodesOfNext = 20'000;
 
 std::uint32_t stepsToNext(const MatterPlan& plan) {
   return kNextCompliance * std::max(1u, static_cast<std::uint32_t>(plan.particles / kNodesOfNext));
 }
 
-// A body whose time goes by so much slower than the clock's stands still for the hands between two frames.
+// Below this pace the body is treated as at rest between two frames.
 constexpr double kSlowPace = 0.5;
 
-// The step that a time is in: a frame is never of a time to come.
+// Step that contains a time: a frame is never of a future time.
 std::int64_t stepAt(double time_s) {
   return static_cast<std::int64_t>(std::floor((time_s + kSameTime_s) / kMatterStep_s));
 }
@@ -62,8 +62,8 @@ bool SoftSource::hasNewer(double time_s, double /*than_s*/) {
   return !isHeld() && isAsked && last() != stepAt(time_s);
 }
 
-// As often as there were steps: behind them, so that what the hand felt has pressed where the surface was. Presses go
-// along with the surface under them.
+// One edit per step, after the steps, so that a hand's contact has pressed where the surface was felt. Pressed
+// positions move with the surface under them.
 void SoftSource::sculpt(std::uint32_t steps) {
   SoftSculpture* const sculpture = world_->sculpture();
   if (!sculpture) return;
@@ -91,7 +91,7 @@ void SoftSource::sculpt(std::uint32_t steps) {
     under[i].first->place_m += DVec3(surface.placeOf(body, under[i].second) - before[i]);
 }
 
-// An edit for each step, as if the hand had been asked about in each of them.
+// One edit per step, as if the hand had been queried in each of them.
 void SoftSource::edit(SoftSculpture& sculpture, double time_s, std::uint32_t steps) {
   for (std::uint32_t k = 0; k < steps && stroke_.acts(); ++k) {
     const PlacedBrush brush(*brush_, options_.radius, stroke_.next(time_s - (steps - 1 - k) * kMatterStep_s));
@@ -166,7 +166,7 @@ DVec3 SoftSource::placeOf(const SurfaceTouch& touch, const Slot& slot) const {
   return slot.place_m + apart - (1 - kTrustInFelt) * deeper * touch.normal;
 }
 
-// The questions' proxies belong to where the body stands before the first step.
+// The questions' proxies refer to the body's state before the first step.
 void SoftSource::advance(std::uint32_t steps) {
   const double radius_m = std::max(kMatterUnit_m * options_.radius, world_->plan().spacing_m);
   for (std::size_t i = 0; i < question_.count; ++i) {
@@ -206,7 +206,7 @@ void SoftSource::advance(std::uint32_t steps) {
     }
     world_->press(presses_);
     world_->step();
-    if (world_->state() != MatterState::running) break;  // what was pressed is of an earlier step
+    if (world_->state() != MatterState::running) break;  // pressed() is of an earlier step
     for (std::size_t n = 0; n < pressing_.size(); ++n) {
       Slot& slot = slots_[pressing_[n]];
       const PressReport& report = world_->pressed()[n];
@@ -222,7 +222,7 @@ void SoftSource::advance(std::uint32_t steps) {
     findCompliance(question_.touches[i], slots_[i], steps);
 }
 
-// Of a tool the first point that touches speaks for all. `steps`: the last ones of the touch.
+// For a tool, the first touching point represents all. `steps`: the latest steps of the touch.
 void SoftSource::findCompliance(const SurfaceTouch& touch, const Slot& slot, std::uint32_t steps) {
   if (!slot.presses) return;
   const auto parts = [&](std::uint32_t pressed) {
@@ -232,7 +232,7 @@ void SoftSource::findCompliance(const SurfaceTouch& touch, const Slot& slot, std
   const double reach = touch.hand == 0 ? options_.toolReach : 0;
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, reach);
   const double compliance = world_->localCompliance_m_N(slot.place_m, radius_m, -touch.normal) / kMatterUnit_m;
-  // A body that has failed has none, and begins anew with the last one.
+  // A failed body has no compliance; the last one is kept for the restart.
   if (std::isfinite(compliance)) compliances_[touch.hand].store(compliance, std::memory_order_relaxed);
 }
 
@@ -241,7 +241,7 @@ void SoftSource::follow(double time_s) {
   if (takeReset()) restart();
   takeParameters(*world_);
   std::uint32_t steps = 0;
-  if (question_.count > 0) {  // somebody has asked
+  if (question_.count > 0) {  // a question was received
     const std::int64_t now = stepAt(time_s);
     if (goesBack(now)) restart();
     const double leftOut_s = this->leftOut_s();

@@ -1,4 +1,4 @@
-// The points of a soft body, where hands press on it: a source of frames whose time is that of a simulation.
+// The points of a soft body that hands press on: a source of frames that follow the time of a simulation.
 #pragma once
 
 #include <array>
@@ -19,69 +19,69 @@
 
 namespace palpate {
 
-/// Hands, and points of the first one's tool, at most.
+/// Maximum number of hands and points of the first hand's tool.
 inline constexpr std::size_t kMaxTouches = kMaxToolPoints + kMaxHands;
 
-/// A hand, or a point of its tool, at the surface: what it felt at one tick, and where it is at the next. Model units.
+/// A hand, or a point of its tool, at the surface: its contact at one tick, and its position at the next. Model units.
 struct SurfaceTouch {
   bool touching = false;
-  std::uint32_t contact = 0;               ///< its number, where it touches (ContactKeeper)
-  bool isSamePlace = false;                ///< the same nodes bear it as before
-  DVec3 proxy{0}, normal{0}, velocity{0};  ///< of the surface that was felt
+  std::uint32_t contact = 0;               ///< contact number while it touches (ContactKeeper)
+  bool isSamePlace = false;                ///< borne by the same nodes as before
+  DVec3 proxy{0}, normal{0}, velocity{0};  ///< of the felt surface
   DVec3 hip{0};                            ///< at the next tick
-  HandSpring spring;                       ///< its share of it
+  HandSpring spring;                       ///< its share of the hand's spring
   std::uint32_t hand = 0;
-  double felt = 1;  ///< share of the spring's force, held to its most, that the hand gets
+  double felt = 1;  ///< share of the spring's force, limited to its maximum, that the hand receives
 };
 
-/// The first hand's brush where it felt the surface.
+/// The first hand's brush at its contact.
 struct SurfaceBrush {
   std::optional<BrushOptions> brush;   ///< model units
-  bool sculpts = false;                ///< the hand means to
-  bool touching = false;               ///< it does
+  bool sculpts = false;                ///< the hand requests sculpting
+  bool touching = false;               ///< the hand touches
   DVec3 hip{0}, spring{0}, normal{0};  ///< from HIP to proxy; of the surface there
 };
 
-/// All of them at a tick. Those of one hand stand together.
+/// All touches at a tick. Those of one hand are contiguous.
 struct SurfaceQuestion {
-  double time_s = 0;        ///< of `hip`
-  double feltAt_s = 0;      ///< the tick before, to which the proxies belong
-  double pointsTime_s = 0;  ///< of the frame in which they were felt
+  double time_s = 0;        ///< time of `hip`
+  double feltAt_s = 0;      ///< time of the previous tick, to which the proxies belong
+  double pointsTime_s = 0;  ///< time of the frame in which they were felt
   double friction = 0;
-  bool goesOn = false;  ///< a tick was later than the points that it felt: somebody asks for compliances
+  bool goesOn = false;  ///< a tick was later than the points that it felt: compliances are needed
   SurfaceBrush brush;
   std::uint32_t count = 0;
   std::array<SurfaceTouch, kMaxTouches> touches;
 };
 
-/// For each touch where it presses.
+/// Pressed position of each touch.
 using PressedPlaces = std::array<PressedPlace, kMaxTouches>;
 
 struct SoftSourceOptions {
-  std::size_t points = 0;  ///< of the surface
+  std::size_t points = 0;  ///< points of the surface
   std::size_t hands = 1;
-  double radius = 0;             ///< support radius of what is felt, model units
-  double toolReach = 0;          ///< of the first hand's tool, from its HIP, model units
-  std::uint32_t mostAtOnce = 0;  ///< steps for a frame; those beyond it are left out; 0: any number
+  double radius = 0;             ///< support radius of the felt surface, model units
+  double toolReach = 0;          ///< distance from the first hand's HIP to its farthest tool point, model units
+  std::uint32_t mostAtOnce = 0;  ///< maximum steps per frame; further steps are dropped; 0: unlimited
 };
 
-/// Follows the hands step by step to the time of each frame that is asked for, and presses where they touched in the
-/// frame before; so does a brush, in each of the steps. Where time goes back the scene begins anew, in the shape that
-/// it has. So a frame's bytes follow from all that was asked before, and in virtual time from the poses. ask() is for
-/// one thread, makeFrame(), goTo() and hasNewer() for another one, and the rest for any.
+/// Follows the hands step by step to the time of each requested frame, and presses where they touched in the previous
+/// frame; a brush acts in each step, too. If time goes back the scene restarts, in its present shape. So a frame's
+/// bytes depend on all earlier questions, and in virtual time on the poses. ask() is for one thread, makeFrame(),
+/// goTo() and hasNewer() for one other thread, the rest for any thread.
 class SoftSource final : public CloudSource, public SteppedControl {
  public:
-  /// `world` has a surface.
+  /// `world` must have a surface.
   SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options);
 
-  /// Where hands are from now on. Allocates nothing and waits for nobody.
+  /// Sets the state of the hands. Allocates nothing and does not wait.
   void ask(const SurfaceQuestion& question) noexcept { asked_.store(question); }
 
-  /// Where the body carries what touches press on; nothing while it is being written. Allocates nothing and waits for
-  /// nobody.
+  /// Positions on the body that touches press on; nullopt while they are being written. Allocates nothing and does not
+  /// wait.
   std::optional<PressedPlaces> pressed() const noexcept { return pressed_.load(); }
   double radius() const noexcept { return options_.radius; }
-  /// What hands have felt of it, for whoever is told.
+  /// Counts of kept contacts and of ticks in which the body gave way, for reports.
   SurfaceHolds surfaceHolds() const noexcept override;
   void count(bool isKept, bool gaveWay) noexcept;
 
@@ -91,14 +91,14 @@ class SoftSource final : public CloudSource, public SteppedControl {
   FrameCarrier* carrier() override { return world_->carrier(); }
   std::optional<double> goTo(double time_s) override;
 
-  /// How far the surface under a hand gives way for a force on it, model units per N: that of an elastic half-space
-  /// (Love 1929) until the body has been asked for its own.
+  /// Compliance of the surface under a hand, model units per N: that of an elastic half-space (Love 1929) until the
+  /// body's own has been computed.
   double compliance(std::size_t hand) const noexcept { return compliances_[hand].load(std::memory_order_relaxed); }
-  /// How often the surface has stood somewhere else all at once: the scene has begun anew, or a stroke was taken back.
+  /// Number of discontinuities of the surface: restarts of the scene, and strokes undone or redone.
   std::uint32_t beginnings() const noexcept { return beginnings_.load(std::memory_order_relaxed); }
 
-  /// While no frame is being made: the stroke is over; the last one is taken back, or done again, of which the next
-  /// frame tells. False where there is none.
+  /// Only while no frame is being made. Ends the stroke; undoes or redoes the last one, which the next frame shows.
+  /// False if there is none.
   void endStroke();
   bool undo();
   bool redo();
@@ -108,14 +108,14 @@ class SoftSource final : public CloudSource, public SteppedControl {
   const MatterSimulation& world() const { return *world_; }
 
  private:
-  // A touch as the simulation knows it.
+  // State of a touch in the simulation.
   struct Slot {
-    bool known = false;    // where the hand was
-    bool presses = false;  // the surface has a place for it
+    bool known = false;    // hand_m is valid
+    bool presses = false;  // the touch presses on the surface
     DVec3 hand_m{0}, place_m{0};
-    DVec3 velocity_m_s{0};    // of the place
+    DVec3 velocity_m_s{0};    // of place_m
     bool isAlone = false;     // PressReport::isAlone
-    std::uint32_t steps = 0;  // that it has pressed on end
+    std::uint32_t steps = 0;  // number of steps pressed without interruption
   };
   void restart();
   void follow(double time_s);
@@ -132,20 +132,20 @@ class SoftSource final : public CloudSource, public SteppedControl {
   SoftSourceOptions options_;
   LatestValue<SurfaceQuestion> asked_;
   LatestValue<PressedPlaces> pressed_;
-  PressedPlaces told_;  // what was stored last
+  PressedPlaces told_;  // the last stored positions
   SurfaceQuestion question_;
-  std::optional<BrushOptions> brush_;  // of the stroke
+  std::optional<BrushOptions> brush_;  // brush of the stroke
   BrushStroke stroke_;
   std::vector<Slot> slots_;
   std::vector<SurfacePress> presses_;
-  std::vector<std::size_t> pressing_;           // of which touch each press is
-  std::array<double, kMaxHands> energies_J_{};  // that hands have put in since the beginning
-  double bodyTime_s_ = 0;                       // the questions' time for which the body is as it is
+  std::vector<std::size_t> pressing_;           // index of each press's touch
+  std::array<double, kMaxHands> energies_J_{};  // energy input of the hands since the start
+  double bodyTime_s_ = 0;                       // time of the body's state, in the questions' time
   std::array<std::atomic<double>, kMaxHands> compliances_;
   std::atomic<std::uint32_t> beginnings_ = 0;
   std::atomic<std::uint64_t> keptTicks_ = 0, gaveWayTicks_ = 0;
-  double pace_ = 1;  // of the body's time against that of the hands, in the last steps: less where some were left out
-  bool isTurned_ = false;  // a stroke was taken back since the last frame
+  double pace_ = 1;  // ratio of the body's time to the hands' time in the last steps: below 1 if steps were dropped
+  bool isTurned_ = false;  // a stroke was undone or redone since the last frame
   struct Counts {
     std::atomic<std::uint64_t> strokes = 0, dropped = 0, version = 0;
     std::atomic<std::size_t> undoable = 0, redoable = 0;

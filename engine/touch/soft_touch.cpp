@@ -11,11 +11,11 @@ namespace palpate {
 
 namespace {
 
-constexpr double kNoAge_s = 1e-6;     // up to which points are of the tick itself
-constexpr double kQuiet_s = 0.02;     // after the scene has begun anew, where its surface may yet have to come
-constexpr double kSlack_N_ms = 0.06;  // by which a force comes or goes where a contact is kept, whatever the body does
+constexpr double kNoAge_s = 1e-6;     // maximum age of points that count as of the tick itself
+constexpr double kQuiet_s = 0.02;     // after a restart of the scene, as its surface may not be updated yet
+constexpr double kSlack_N_ms = 0.06;  // maximum change of the force of a kept contact, whatever the body does
 constexpr double kMinStiffness = 1e-6;
-constexpr double kForVelocity_s = 2e-3;  // over which the velocity of a hand is taken
+constexpr double kForVelocity_s = 2e-3;  // interval for the velocity of a hand
 
 }  // namespace
 
@@ -57,21 +57,21 @@ std::span<const Contact> SoftTouch::ask(std::span<const Pose> poses, double budg
   return answers_;
 }
 
-// Where the surface stands somewhere else all at once a hand may be within: it feels nothing until the new surface is
-// there for certain, and is then not thrown out of it.
+// After a discontinuity of the surface a hand may be inside the body: it feels nothing until the new surface is certain
+// to be present, and is then not pushed out.
 void SoftTouch::lookAtScene(double time_s, bool isThere) {
   const bool held = source_->isHeld();
   const bool jumped = held || isHeld_ || beginnings_ != source_->beginnings();
   isHeld_ = held;
   beginnings_ = source_->beginnings();
   if (jumped) quietUntil_s_ = isThere && !held ? time_s : time_s + kQuiet_s;
-  if (time_s < quietUntil_s_ - kQuiet_s) quietUntil_s_ = 0;  // time has gone back
+  if (time_s < quietUntil_s_ - kQuiet_s) quietUntil_s_ = 0;  // time went back
   isQuiet_ = jumped || time_s < quietUntil_s_;
   if (isQuiet_)
     for (std::size_t i = 0; i < hands_.size(); ++i) resetHand(i);
 }
 
-// What was felt at the last tick, and where hands are now.
+// Sends the contacts of the last tick and the present positions of the hands.
 void SoftTouch::tell(std::span<const Pose> poses) {
   question_.time_s = poses.front().time_s;
   question_.count = 0;
@@ -92,7 +92,7 @@ void SoftTouch::tell(std::span<const Pose> poses) {
   source_->ask(question_);
 }
 
-// Where contacts are, as the body carries them where the points about the hands do not say so.
+// Updates the contacts: at positions that the body carries if the points around the hands do not determine them.
 void SoftTouch::keep(std::span<const Pose> poses, std::span<const Contact> answers) {
   if (const auto newest = source_->pressed()) pressed_ = *newest;
   std::size_t touch = 0;
@@ -124,7 +124,7 @@ Contact SoftTouch::keptBy(ContactKeeper& keeper, const Contact& felt, const Pres
   return contact;
 }
 
-// For the next tick.
+// Stores the contacts for the next tick.
 void SoftTouch::remember(std::span<const Pose> poses, std::span<const Contact> answers) {
   const double now_s = poses.front().time_s;
   question_.feltAt_s = now_s;
@@ -161,7 +161,7 @@ void SoftTouch::rememberBrush(const Pose& pose, const Contact& answer) {
 
 DVec3 SoftTouch::hipAt(const Hand& hand, double time_s) const {
   const std::size_t known = std::min(ticks_, kRemembered);
-  // From the newest one back.
+  // From the newest tick back.
   for (std::size_t back = 1; back < known; ++back) {
     const std::size_t later = (ticks_ - back) % kRemembered, before = (ticks_ - back - 1) % kRemembered;
     if (times_s_[before] > time_s || !(times_s_[later] > times_s_[before])) continue;
@@ -179,8 +179,8 @@ DVec3 SoftTouch::strayed(const Hand& hand, const Pose& pose, double age_s) const
   return pose.hip - (there + std::min(age_s, points.goOn_s) * velocity);
 }
 
-// The surface as if the hand pressed with a spring on another one that is as soft as the body there. It only gives way:
-// where a hand draws back sooner than it was thought to, it loses the surface that much sooner.
+// The surface as if the hand's spring pressed on a spring as soft as the body there. It only gives way: a hand that
+// retracts earlier than extrapolated loses the surface that much earlier.
 Contact SoftTouch::givenWay(Contact contact, const DVec3& strayed, double share) const {
   const double deeper = -glm::dot(strayed, contact.normal);
   if (contact.touching && deeper > 0) contact.proxy -= share * deeper * contact.normal;
@@ -220,16 +220,16 @@ void SoftTouch::finish() {
   surface_->finish();
   source_->endStroke();
   if (const std::string failure = source_->failure(); !failure.empty())
-    throw Error("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
+    throw Error("the simulation {}; restart it with more substeps or a slower hand", failure);
 }
 
 void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
   if (brush && !changesShape(brush->kind))
-    throw UsageError("{} changes no shape of a soft body", nameOf(kBrushKinds, brush->kind));
+    throw UsageError("{} cannot change the shape of a soft body", nameOf(kBrushKinds, brush->kind));
   question_.brush.brush = brush;
 }
 
-// The surface is brought to where the shape has put it, for whoever looks at it before the next tick.
+// Updates the felt surface to the new shape, for readers before the next tick.
 bool SoftTouch::turned(bool done) {
   if (done && !poses_.empty()) surface_->ask(poses_, 0);
   return done;

@@ -15,21 +15,20 @@
 namespace palpate {
 
 struct SoftTouchOptions {
-  std::vector<ToolShape> tools = std::vector<ToolShape>(1);  ///< one for each hand, model units
-  double friction = 0;                                       ///< of the surface that is felt
+  std::vector<ToolShape> tools = std::vector<ToolShape>(1);  ///< one per hand, model units
+  double friction = 0;                                       ///< friction of the felt surface
   std::optional<BrushOptions> brush;                         ///< of the first hand, model units
-  std::string bodyMachine;                                   ///< that moves the body, where it is another one
+  std::string bodyMachine;                                   ///< machine that moves the body, if different
 };
 
-/// Stands before the back end that feels the points of a SoftSource: it tells the source where hands were and are, so
-/// that the body is pressed by the spring and damper that each hand feels. Where an answer is of points that are
-/// older than the tick, as against the clock, they are where they would have gone by themselves had the hand gone
-/// straight on; by what the hand has gone deeper than that the surface gives way, with its compliance. A brush
-/// changes the shape in which the body rests (soft_brush.hpp), which no journal of points knows of: its strokes are
-/// taken back as those of a shape.
+/// Wraps the back end that feels the points of a SoftSource: it sends the source the hands' contacts and positions, so
+/// that the body is pressed by the spring and damper that each hand feels. If an answer's points are older than the
+/// tick, as against the clock, they are where they would have moved had the hand continued straight; the surface
+/// yields, according to its compliance, to the hand's depth beyond that. A brush changes the rest shape of the body
+/// (soft_brush.hpp), which no journal of points records: strokes are undone as changes of the shape.
 class SoftTouch final : public TouchBackend, private ShapeStrokes {
  public:
-  /// `surface` feels the points of `source`, which it has as its own.
+  /// `surface` feels the points of `source`, as its own source.
   SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface, const SoftTouchOptions& options);
 
   std::size_t hands() const noexcept override { return surface_->hands(); }
@@ -37,7 +36,7 @@ class SoftTouch final : public TouchBackend, private ShapeStrokes {
   void prepare() noexcept override { surface_->prepare(); }
   std::span<const PointContact> points(std::size_t hand) const noexcept override { return hands_[hand].points; }
   void resetHand(std::size_t hand) noexcept override;
-  /// Throws Error where the simulation has failed, too.
+  /// Also throws Error if the simulation has failed.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override { return surface_->readBack(cloud); }
   bool takeFrame(CloudFrame& frame) override { return surface_->takeFrame(frame); }
@@ -53,7 +52,7 @@ class SoftTouch final : public TouchBackend, private ShapeStrokes {
   void keepEdits() override {}
   void takeEdits(EditBatch&) override {}
   EditScope editScope() const override { return {.edits = false, .paints = false, .newPoints = 0}; }
-  /// Throws UsageError for one that does not change the shape of a soft body.
+  /// Throws UsageError for a brush that does not change the shape of a soft body.
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
 
@@ -71,19 +70,19 @@ class SoftTouch final : public TouchBackend, private ShapeStrokes {
   double cell() const override { return surface_->cell(); }
 
  private:
-  static constexpr std::size_t kRemembered = 64;  // ticks
+  static constexpr std::size_t kRemembered = 64;  // number of ticks
   struct Hand {
-    ProbeGroup probes;  // for the places of its points alone
+    ProbeGroup probes;  // used only for the positions of its points
     HandSpring spring;
-    std::vector<PointContact> points;  // as it gets them
+    std::vector<PointContact> points;  // as returned by points()
     std::array<DVec3, kRemembered> hips{};
-    std::vector<ContactKeeper> keepers;  // of the hand, or of each point of its tool
-    std::vector<Contact> contacts;       // as they keep them
+    std::vector<ContactKeeper> keepers;  // for the hand, or for each point of its tool
+    std::vector<Contact> contacts;       // contacts after the keepers
   };
   void keep(std::span<const Pose> poses, std::span<const Contact> answers);
   Contact keptBy(ContactKeeper& keeper, const Contact& felt, const PressedPlace& pressed,
                  const ContactKeeper::Tick& tick);
-  // `isThere`: the surface is known to be that of this time.
+  // `isThere`: the surface is known to be of this time.
   void lookAtScene(double time_s, bool isThere);
   void tell(std::span<const Pose> poses);
   void remember(std::span<const Pose> poses, std::span<const Contact> answers);
@@ -93,24 +92,24 @@ class SoftTouch final : public TouchBackend, private ShapeStrokes {
   bool redo() override { return turned(source_->redo()); }
   StrokeCounts counts() const override { return source_->strokes(); }
   bool turned(bool done);
-  // What a hand has gone from where it would be had it gone straight on since the points were true.
+  // Deviation of a hand from straight motion since the time of the points.
   DVec3 strayed(const Hand& hand, const Pose& pose, double age_s) const;
   DVec3 hipAt(const Hand& hand, double time_s) const;
   Contact givenWay(Contact contact, const DVec3& strayed, double share) const;
 
   std::unique_ptr<SoftSource> source_;
-  std::unique_ptr<TouchBackend> surface_;  // goes before the source that it feels
+  std::unique_ptr<TouchBackend> surface_;  // destroyed before the source that it feels
   std::string bodyMachine_;
   std::vector<Hand> hands_;
   std::vector<Contact> answers_;
-  std::vector<Pose> poses_;  // of the last question
+  std::vector<Pose> poses_;  // poses of the last question
   SurfaceQuestion question_;
-  PressedPlaces pressed_;                      // the latest
-  std::array<double, kRemembered> times_s_{};  // of the ticks that are remembered, in a ring
+  PressedPlaces pressed_;                      // the latest positions
+  std::array<double, kRemembered> times_s_{};  // times of the remembered ticks, in a ring
   std::size_t ticks_ = 0;
-  std::uint32_t beginnings_ = 0;  // of the scene, as far as hands know
+  std::uint32_t beginnings_ = 0;  // the scene's beginnings(), as known to the hands
   bool isHeld_ = false;
-  bool isQuiet_ = false;  // hands feel nothing
+  bool isQuiet_ = false;  // hands feel nothing now
   double quietUntil_s_ = 0;
 };
 

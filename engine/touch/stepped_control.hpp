@@ -1,4 +1,4 @@
-// What a simulation that follows the time of hands has in common, whoever steps it.
+// Common part of simulations that follow the time of the hands, whatever steps them.
 #pragma once
 
 #include <array>
@@ -14,9 +14,8 @@
 
 namespace palpate {
 
-/// How a simulation is held and begun anew, which parameters it has, how many steps it has to go, and why it goes on no
-/// more. What is public is for any thread; the rest for the one that steps, which waits for nobody but while a
-/// parameter is set.
+/// Pause and restart of a simulation, its parameters, the number of steps due, and the reason of a failure. The public
+/// part is for any thread; the rest for the stepping thread, which waits only while a parameter is being set.
 class SteppedControl : public SimulationControl {
  public:
   void reset() noexcept override { reset_.store(true); }
@@ -30,36 +29,36 @@ class SteppedControl : public SimulationControl {
   std::string failure() const override;
   std::vector<SimulationParameter> parameters() const override;
   void set(std::string_view name, double value) override;
-  /// Whether steps beyond the most at a time are left out, as at first, or made up for.
+  /// Whether steps beyond the maximum at a time are dropped (the default) or caught up.
   void setLeavesOut(bool leavesOut) noexcept { leavesOut_.store(leavesOut); }
 
  protected:
-  /// `hands`: as many as put energy into `world`. `mostAtOnce`: steps at a time; those beyond it are left out. 0: any
-  /// number.
+  /// `hands`: number of hands that put energy into `world`. `mostAtOnce`: maximum number of steps at a time, further
+  /// steps are dropped; 0: unlimited.
   SteppedControl(const MatterSimulation& world, std::size_t hands, std::uint32_t mostAtOnce);
 
   bool isToBeReset() const { return reset_.load(); }
-  /// Whether it is to begin anew; asked once.
+  /// Whether a restart was requested; clears the request.
   bool takeReset() { return reset_.exchange(false); }
-  /// The number of the step that it has come to; nothing before the first one.
+  /// Number of the last step; nullopt before the first one.
   const std::optional<std::int64_t>& last() const { return last_; }
-  /// Where time goes back it begins anew.
+  /// Whether time went back to this step, which requires a restart.
   bool goesBack(std::int64_t step) const { return last_ && step < *last_; }
-  /// It begins anew.
+  /// Resets the step number and the energies, for a restart.
   void forget() noexcept;
-  /// Steps to the one with that number, of which the first ones are `atFirst`.
+  /// Number of steps up to step `step`; `atFirst` for the first call.
   std::uint32_t stepsTo(std::int64_t step, std::uint32_t atFirst);
   void see(MatterState state) { state_.store(state); }
-  /// What was set since the last call.
+  /// Applies the parameters set since the last call.
   void takeParameters(MatterSimulation& world);
-  /// What a hand has put in since the beginning, after each step.
+  /// Records a hand's energy input since the start, after each step.
   void seeEnergy(std::size_t hand, double energy_J) noexcept;
 
  private:
   std::uint32_t mostAtOnce_;
   std::optional<std::int64_t> last_;
   std::atomic<bool> reset_ = false, held_ = false, changed_ = false, leavesOut_ = true;
-  std::atomic<std::uint64_t> leftOut_ = 0;  // steps
+  std::atomic<std::uint64_t> leftOut_ = 0;  // number of steps
   std::atomic<std::uint64_t> advances_ = 0;
   std::atomic<MatterState> state_ = MatterState::running;
   struct Meter {
@@ -67,9 +66,9 @@ class SteppedControl : public SimulationControl {
   };
   std::array<Meter, kMaxHands> meters_;
   std::size_t hands_;
-  std::uint64_t memory_bytes_;  // that the simulation may take
-  mutable std::mutex mutex_;    // of what follows
-  MatterScene scene_;           // with all parameters as they were set
+  std::uint64_t memory_bytes_;  // limit for the simulation
+  mutable std::mutex mutex_;    // guards scene_
+  MatterScene scene_;           // with all parameters as set
 };
 
 }  // namespace palpate

@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-// A cloud whose index is always built anew needs spare slots for new points alone.
+// A cloud whose index is always rebuilt needs spare slots only for new points.
 constexpr std::uint32_t kFewerSpare = 4;
 
 std::unique_ptr<FrameWriter> writerOf(Device& device, const TouchOptions& options, const LiveCloud& cloud,

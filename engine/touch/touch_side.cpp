@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-// RGBA8 of every point; none where the cloud has none and none are painted.
+// RGBA8 of every point; empty if the cloud has no colours and is not painted.
 std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const TouchOptions& options) {
   std::vector<std::uint32_t> colors;
   if (!cloud.hasColors() && !options.paintable && options.brush->kind != BrushKind::paint) return colors;
@@ -23,12 +23,11 @@ std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const TouchOptions&
 
 void requireFused(const TouchOptions& options, QueryMethod method) {
   if (method == QueryMethod::fused) return;
-  if (options.tools.size() > 1) throw UsageError("several hands are answered by the query method fused alone");
-  if (!options.tools.front().points.empty())
-    throw UsageError("a tool of many points is answered by the query method fused alone");
+  if (options.tools.size() > 1) throw UsageError("several hands require the query method fused");
+  if (!options.tools.front().points.empty()) throw UsageError("a tool of many points requires the query method fused");
 }
 
-// The cloud, once it is known to fit: before a byte of it is uploaded.
+// The cloud, after the check that it fits: before any upload.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
   requireFused(options, options.method);
   PALPATE_CHECK(!(options.brush && moves(options)));
@@ -56,7 +55,7 @@ EditOptions editOptions(const TouchOptions& options) {
           .compaction = options.compaction};
 }
 
-// What the GPU finds beside its question. Places relative to the cloud's origin.
+// The proxy state passed to the GPU with a question. Positions relative to the cloud's origin.
 shared::ContactState stateOf(const std::optional<ProxyTracker::State>& state) {
   if (!state) return {};
   return {.lastHip = Vec3(state->lastHip),
@@ -70,7 +69,7 @@ shared::ContactState stateOf(const std::optional<ProxyTracker::State>& state) {
           .started = state->started ? 1u : 0u};
 }
 
-// What the GPU's answer to a HIP, relative to the cloud's origin, at a time leaves to the next tick.
+// The proxy state for the next tick after the GPU's answer to a HIP, relative to the cloud's origin, at a time.
 ProxyTracker::State proxyStateOf(const shared::ContactSample& sample, const DVec3& hip, double time_s) {
   const std::uint32_t face = sample.flags >> shared::kSampleFaceShift;
   const bool touching = sample.touching != shared::kFree;
@@ -115,7 +114,7 @@ TouchSide::~TouchSide() {
     questions_.withdraw();
     frames_.stop();
     device_.waitIdle();
-  } catch (const GpuError&) {  // the device is lost: nothing runs on it any more
+  } catch (const GpuError&) {  // device lost: nothing runs on it any more
   }
 }
 
@@ -220,7 +219,7 @@ bool TouchSide::isAnsweredWithin(std::span<const Pose> poses, double budget_us) 
   const bool realtime = budget_us > 0;
   const double now_s = poses.front().time_s;
   closeTick();
-  // Nothing new is asked while a question is out.
+  // No new question while one is in flight.
   if (questions_.isOut() && !lateAnswerIsIn(now_s, budget_us)) return false;
   if (realtime && !questions_.mayAskWithin(budget_us)) return false;
   if (frames_.move() && !realtime) {
@@ -238,7 +237,7 @@ bool TouchSide::isFiniteAt(std::span<const Pose> poses) const {
 }
 
 void TouchSide::submitQuestion(std::span<const Pose> poses, bool realtime) {
-  const double last_s = questions_.question().time_s;  // of the states on the GPU
+  const double last_s = questions_.question().time_s;  // time of the states on the GPU
   questions_.begin();
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     GpuHand& hand = hands_[i];
@@ -266,8 +265,8 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
 bool TouchSide::lateAnswerIsIn(double now_s, double budget_us) {
   const bool behindEdit = questions_.question().behindEdit, realtime = budget_us > 0;
   if (!answerWithin(realtime ? kPoll_us : 0, now_s)) return false;
-  // After an edit the next one waits for an answer in time: until the hand has felt the last. Where no edit was in the
-  // way the GPU is slower than the ticks, and late answers are all there are.
+  // After an edit the next one waits for an answer in time, so that the hand has felt the last one. If no edit caused
+  // the delay, the GPU is slower than the ticks, and all answers are late.
   if (realtime && !behindEdit) editIfYielding(true);
   if (!realtime) return true;
   bringFrame(now_s);
@@ -316,7 +315,7 @@ std::uint32_t TouchSide::takeAnswers(GpuHand& hand) {
     flags |= sample.flags;
     const DVec3 hip = hand.probes.place(i, hand.probes.question());
     BridgedPoint* const point = i > 0 ? &hand.points[i - 1] : nullptr;
-    // Where the patch has gone on since it was asked, an answer comes from the past.
+    // If the patch has continued since the question, the answer is outdated.
     if (point && point->ahead) continue;
     const Contact contact = contactOf(sample, hip);
     hand.probes.answered(i, contact);
@@ -386,7 +385,7 @@ void TouchSide::prepare() noexcept {
   if (failure_) return;
   try {
     closeTick();
-    // In virtual time the frame of the next pose comes first.
+    // In virtual time the frame of the next pose must be built first.
     if (!frames_.move() || questions_.question().realtime) questions_.askAhead(index_.parity());
   } catch (...) {
     failure_ = std::current_exception();
@@ -398,7 +397,7 @@ void TouchSide::closeTick() {
   const bool answered = questions_.state() == QuestionState::answered, realtime = questions_.question().realtime;
   questions_.closeTick();
   const double asked_s = questions_.question().time_s;
-  // Before a patch is asked for, which is then of the new frame.
+  // Before a patch is requested, so that it is of the new frame.
   if (answered && realtime) bringFrame(asked_s);
   if (realtime) bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_.pointsTime());
   if (!answered) return;
@@ -418,12 +417,12 @@ void TouchSide::editIfYielding(bool realtime) {
     bridge_->edited(hand.ownPose().time_s);
     return true;
   };
-  // As on the CPU: in real time the brush and what others offer take turns.
+  // As on the CPU: in real time the brush and offered changes alternate.
   const bool brushFirst = realtime && hand.own().valid && edits_->lastWasOffer();
   if (brushFirst && brushEdits()) return;
   if (edits_->takeUpOffer(hand.ownPose().time_s, realtime)) {
     bridge_->edited(hand.ownPose().time_s);
-    if (realtime) return;  // the brush goes on with the next tick
+    if (realtime) return;  // the brush continues with the next tick
   }
   if (hand.own().valid && !brushFirst) brushEdits();
 }

@@ -21,28 +21,27 @@
 namespace palpate {
 
 /// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded
-/// ahead (pose, gather, surface, proxy, answer); two where the query method brings the host in between. When the answer
-/// says that the surface yields, a second one is submitted that edits the points and brings the index up to date;
-/// nobody waits for it but the next tick's query. While a question is out past its tick's budget, ticks are answered on
-/// the CPU from the patch of points that the GPU brought last.
+/// ahead (pose, gather, surface, proxy, answer); two if the query method needs the host in between. When the answer
+/// says that the surface yields, a second command buffer is submitted that edits the points and updates the index; only
+/// the next tick's query waits for it. While a question exceeds its tick's budget, the CPU answers ticks from the last
+/// patch of points that the GPU returned.
 ///
-/// Submitting takes longer than answering. So prepare() can submit the next question ahead: it waits on the GPU until
-/// the host has written the pose into its memory, which also keeps the GPU awake between ticks. A question for which no
-/// pose comes in time ends by itself, and the next pose is asked for in the ordinary way.
+/// Submitting takes longer than answering, so prepare() can submit the next question ahead: it waits on the GPU until
+/// the host has written the pose into its memory, which also keeps the GPU awake between ticks. A question that
+/// receives no pose in time times out, and the next pose is submitted in the ordinary way.
 ///
-/// A tool of many points is one question with a probe for each of them, and one for the HIP itself, where the brush
-/// works; all are answered by one dispatch. While its answer is late, the patch answers for the points that it reaches,
-/// each with a proxy that goes on from the GPU's, and the others keep the tangent plane that they felt last
-/// (heldContact). Further hands are more probes of the same dispatch; the patch is where the first one is, and they
-/// keep their planes.
+/// A tool of many points is one question with a probe for each point and one for the HIP, where the brush works; one
+/// dispatch answers all probes. While the answer is late, the patch answers for the points that it covers, each with a
+/// proxy that continues from the GPU's; the other points keep their last tangent plane (heldContact). Further hands are
+/// more probes of the same dispatch; the patch is around the first hand, and the others keep their planes.
 class TouchSide final : public TouchBackend {
  public:
-  /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
-  /// the cloud cannot fit.
+  /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before any upload if the cloud
+  /// cannot fit.
   TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options);
   ~TouchSide() override;
 
-  /// When the GPU is late, the last patch answers (PatchBridge), and `fresh` says so.
+  /// When the GPU is late, the last patch answers (PatchBridge) and `fresh` is false.
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
   std::size_t hands() const noexcept override { return hands_.size(); }
   void prepare() noexcept override;
@@ -80,7 +79,7 @@ class TouchSide final : public TouchBackend {
   const LiveCloud& live() const { return index_.cloud(); }
   const SpatialHash& hash() const { return index_.hash(); }
   const ContactStep& contact() const { return questions_.contact(); }
-  /// Null where no points are edited.
+  /// Null if points are not edited.
   const EditPass* edits() const { return edits_ ? &edits_->pass() : nullptr; }
   std::string machine() const override { return device_.name(); }
   double buildTime_us() const override { return index_.buildTime_us(); }
@@ -89,7 +88,7 @@ class TouchSide final : public TouchBackend {
   const TouchShortfalls& shortfalls() const override { return statistics_.shortfalls; }
   /// Whether questions are submitted ahead of their poses.
   bool asksAhead() const { return questions_.asksAhead(); }
-  /// How many were answered that way.
+  /// Number of questions answered that way.
   std::uint64_t answeredAhead() const { return questions_.answeredAhead(); }
   std::span<const double> bridgeTimes_us() const override { return bridge_->answerTimes_us(); }
   std::uint64_t compactions() const override { return index_.compactions().completed; }
@@ -101,53 +100,53 @@ class TouchSide final : public TouchBackend {
   std::vector<PassRecord> passes() const override;
 
  private:
-  // What the patch has made of a point of a tool since the GPU's answer, or the state that this has left.
+  // Bridged state of a tool point: the patch's contacts since the GPU's answer.
   struct BridgedPoint {
     ProxyTracker tracker;
-    bool ahead = false;  // the GPU does not know of it
+    bool ahead = false;  // newer than the GPU's state
   };
   struct GpuHand {
     ProbeGroup probes;
     std::uint32_t firstProbe;
     std::vector<BridgedPoint> points;
   };
-  // What was done to the points, for whoever follows it.
+  // Record of edits, for the readers that follow them.
   struct EditRecord {
     EditLog log;
-    std::optional<EditFetch> fetch;  // where somebody takes edits
-    std::uint64_t answered = 0;      // states that came before the last answer
+    std::optional<EditFetch> fetch;  // if edits are taken (keepEdits())
+    std::uint64_t answered = 0;      // log entries published at the last answer
   };
 
   std::vector<GpuHand> makeHands() const;
   ContactOptions contactOptions() const;
   void makeBridge();
-  // All lists, for both halves of the cloud.
+  // Records all lists, for both halves of the cloud.
   void recordAll();
-  // What an answer leads to: in virtual time with it, in real time once its force is out.
+  // Starts what follows an answer: in virtual time with the answer, in real time once its force is out.
   void closeTick();
-  // The next step of what is done to the cloud between ticks.
+  // Continues the source's frames between ticks.
   void bringFrame(double time_s);
-  // Waits for all that is under way.
+  // Waits for the question in flight.
   void settle();
   bool isFiniteAt(std::span<const Pose> poses) const;
-  // A tick that asks. False where the answers are late.
+  // Asks one tick. False if the answer is late.
   bool isAnsweredWithin(std::span<const Pose> poses, double budget_us);
   void submitQuestion(std::span<const Pose> poses, bool realtime);
-  // Takes in the answer when it comes within the budget (0: whenever it comes). `now_s`: of the present pose.
+  // Takes the answer if it arrives within the budget (0: no limit). `now_s`: time of the present pose.
   bool answerWithin(double budget_us, double now_s);
-  // Takes in the answer to an earlier tick's question. False while that is still out.
+  // Takes the answer to an earlier tick's question. False while it is still in flight.
   bool lateAnswerIsIn(double now_s, double budget_us);
   void takeAnswer(double now_s);
   // All entries of the log before `head` are complete.
   void publish(std::uint32_t head);
-  // The same for the probes of one hand; returns their flags (shared::kSample...).
+  // Takes the answers of the probes of one hand; returns their flags (shared::kSample...).
   std::uint32_t takeAnswers(GpuHand& hand);
-  // What the GPU has answered to a probe that was at `hip`.
+  // The GPU's answer to a probe that was at `hip`.
   Contact contactOf(const shared::ContactSample& sample, const DVec3& hip) const;
-  // What stands for the answers in a tick that gets none.
+  // Substitutes for the answers in a tick without any.
   void bridge(std::span<const Pose> poses);
   void fail(std::span<const Pose> poses);
-  // The answer to each hand, as it stands.
+  // Current answer of each hand.
   std::span<const Contact> given();
   static void forget(GpuHand& hand);
   void editIfYielding(bool realtime);
@@ -156,14 +155,14 @@ class TouchSide final : public TouchBackend {
   TouchOptions options_;
   DVec3 origin_;
   std::vector<GpuHand> hands_;
-  std::vector<Contact> answers_;  // one for each
+  std::vector<Contact> answers_;  // one per hand
   TouchStatistics statistics_;
   LiveIndex index_;
   EditRecord record_;
   QuestionPipeline questions_;
   TouchFrames frames_;
-  std::optional<EditPipeline> edits_;  // where points are edited
-  std::optional<PatchBridge> bridge_;  // of the first hand
+  std::optional<EditPipeline> edits_;  // if points are edited
+  std::optional<PatchBridge> bridge_;  // for the first hand
   std::exception_ptr failure_;
 };
 

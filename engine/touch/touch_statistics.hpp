@@ -7,12 +7,12 @@
 
 namespace palpate {
 
-/// What a session has come to so far.
+/// Statistics of a session so far.
 struct TouchStatistics {
   TouchShortfalls shortfalls;
   std::vector<double> editTimes_us;  ///< TouchBackend::editTimes_us
-  /// For each of these edits what it took then to find where points should come and go with the next one; 0 where the
-  /// edit's time includes it.
+  /// For each of these edits, the time to find where the next edit must add or remove points; 0 if the edit's time
+  /// includes it.
   std::vector<double> requestTimes_us;
   std::optional<double> firstEditTime_s;  ///< TouchBackend::firstEditTime_s
 };

@@ -225,7 +225,7 @@ void OpenSession::endRecording() {
 
 void OpenSession::requireRunning() const {
   if (hasFailed())
-    throw SimulationError("the simulation {}; begin it anew, with more substeps or a slower hand",
+    throw SimulationError("the simulation {}; restart it with more substeps or a slower hand",
                           session_->simulation()->failure());
 }
 

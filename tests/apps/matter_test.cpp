@@ -296,8 +296,8 @@ TEST_CASE("in the window gravity, viscosity and gain change while water moves, a
   CHECK(set["gravity_x_m_s2"] == -15);
   CHECK(set["viscosity_Pa_s"] == 2);
   CHECK(set["gravity_y_m_s2"] == begin["gravity_y_m_s2"]);
-  CHECK(says(played->state("refused.json")["last_message"], "salt: is no parameter of water"));
-  CHECK(says(played->state("bounds.json")["last_message"], "gain: is -1; it is from 0 to 1000"));
+  CHECK(says(played->state("refused.json")["last_message"], "salt: is not a parameter of water"));
+  CHECK(says(played->state("bounds.json")["last_message"], "gain: is -1; it must be from 0 to 1000"));
   CHECK(played->state("bounds.json")["parameters"] == set);
   CHECK(says(played->state("reset.json")["last_message"], "the scene begins anew"));
   CHECK(played->state("reset.json")["parameters"] == set);

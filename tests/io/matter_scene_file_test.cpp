@@ -122,9 +122,9 @@ TEST_CASE("a file of a scene is refused by its name, the field and the bounds") 
     return std::string("read");
   };
   CHECK(readRefusal(waterWith(R"("gain": 1)")) == "read");
-  CHECK(says(readRefusal(waterWith(R"("gain": -1)")), "scene.json: gain: is -1; it is from 0 to"));
+  CHECK(says(readRefusal(waterWith(R"("gain": -1)")), "scene.json: gain: is -1; it must be from 0 to"));
   CHECK(says(readRefusal(waterWith(R"("density_kg_m3": 0)")), "scene.json: density_kg_m3: is 0;"));
-  CHECK(says(readRefusal(softWith(R"("poisson": 0.5)")), "scene.json: poisson: is 0.5; it is from 0 to 0.49"));
+  CHECK(says(readRefusal(softWith(R"("poisson": 0.5)")), "scene.json: poisson: is 0.5; it must be from 0 to 0.49"));
   CHECK(says(readRefusal(softWith(R"("young_Pa": -5)")), "scene.json: young_Pa: is -5;"));
   CHECK(readRefusal(softWith(R"("model": "scan.ply")")) == "read");
   CHECK(readMatterScene(file).model == (folder / "scan.ply").string());

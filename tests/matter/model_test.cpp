@@ -178,7 +178,7 @@ TEST_CASE("a model that cannot stand there is refused with its field, before any
   CHECK(says(with([](MatterScene& s) { s.model_at_mm = DVec3(20, 0, 70); }), "model_at_mm: puts the model from -20"));
   CHECK(says(with([](MatterScene& s) { s.model_at_mm = DVec3(std::nan("")); }), "model_at_mm: puts the model"));
   CHECK(says(with([](MatterScene& s) { s.hole_mm = -1; }), "hole_mm: is -1;"));
-  CHECK(says(with([](MatterScene& s) { s.model.clear(); }), "model: is not there"));
+  CHECK(says(with([](MatterScene& s) { s.model.clear(); }), "model: is missing"));
   MatterScene large = modelInTank("sphere", 80);
   large.box_mm = DVec3(3000), large.model_mm = DVec3(3000), large.model_at_mm = {};
   CHECK(says(refusal(large, 1 << 28), "spacing_mm:"));

@@ -48,9 +48,9 @@ TEST_CASE("a parameter that there is not, or a value beyond its bounds, is refus
     }
     return std::string("taken");
   };
-  CHECK(says(refused("friction", 0.5), "is no parameter of water"));
+  CHECK(says(refused("friction", 0.5), "is not a parameter of water"));
   CHECK(says(refused("spacing_mm", 5), "there are viscosity_Pa_s, cohesion_N_m"));
-  CHECK(says(refused("viscosity_Pa_s", -1), "viscosity_Pa_s: is -1; it is from 0 to 50"));
+  CHECK(says(refused("viscosity_Pa_s", -1), "viscosity_Pa_s: is -1; it must be from 0 to 50"));
   CHECK(says(refused("gravity_y_m_s2", std::nan("")), "gravity_y_m_s2: is nan"));
   CHECK(scene == before);
 }

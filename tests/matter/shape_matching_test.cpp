@@ -208,9 +208,10 @@ TEST_CASE("the stiffness of matched shapes changes while they are matched, and a
   world.change(scene);
   run(world, 1500);
   CHECK(top() > soft + 1e-3);
-  CHECK_THROWS_WITH_AS(setParameter(scene, "young_Pa", 1e4), doctest::Contains("young_Pa: is no parameter"), Error);
+  CHECK_THROWS_WITH_AS(setParameter(scene, "young_Pa", 1e4), doctest::Contains("young_Pa: is not a parameter"), Error);
   scene.preset = SoftPreset::elastic;
-  CHECK_THROWS_WITH_AS(setParameter(scene, "stiffness", 0.2), doctest::Contains("stiffness: is no parameter"), Error);
+  CHECK_THROWS_WITH_AS(setParameter(scene, "stiffness", 0.2), doctest::Contains("stiffness: is not a parameter"),
+                       Error);
 }
 
 }  // namespace palpate::shape_matching_test

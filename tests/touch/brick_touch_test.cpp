@@ -184,7 +184,7 @@ TEST_CASE("virtual time that waits in vain ends the session with no force, and s
   CHECK_FALSE(contact.valid);
   CHECK(contact.lost);
   CHECK_FALSE(contact.touching);
-  CHECK_THROWS_WITH(hand.touch->finish(), doctest::Contains("have not come within"));
+  CHECK_THROWS_WITH(hand.touch->finish(), doctest::Contains("were not received within"));
 }
 
 TEST_CASE("what was waited for is in the frame of its time, whatever goes meanwhile, and not in later ones") {

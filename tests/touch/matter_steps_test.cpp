@@ -300,7 +300,7 @@ TEST_CASE("a parameter is taken with the next step, once, and what is refused ch
   CHECK(told.gains.empty());
   CHECK(steps.parameters().back().value == 8);
   CHECK(steps.world().scene().gain == 3);
-  CHECK_THROWS_WITH_AS(steps.set("gain", -1), "gain: is -1; it is from 0 to 1000", Error);
+  CHECK_THROWS_WITH_AS(steps.set("gain", -1), "gain: is -1; it must be from 0 to 1000", Error);
   CHECK_THROWS_AS(steps.set("young_Pa", 1e4), Error);
   steps.goTo(at(0.001, {1, 0, 0}));
   steps.goTo(at(0.002, {1, 0, 0}));

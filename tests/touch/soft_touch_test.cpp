@@ -268,7 +268,7 @@ TEST_CASE("a hand that is no number gets no answer and moves nothing, and what f
   CHECK(block.touch().query(press(0.301, 4, 0.2), 0).valid);
   for (const BrushKind kind : {BrushKind::carve, BrushKind::paint})
     CHECK_THROWS_WITH_AS(block.touch().setBrush(BrushOptions{.kind = kind, .radius = 10}),
-                         doctest::Contains("changes no shape"), UsageError);
+                         doctest::Contains("cannot change the shape"), UsageError);
   CHECK_FALSE(block.touch().editScope().edits);
 }
 

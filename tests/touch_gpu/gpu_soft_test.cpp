@@ -159,7 +159,7 @@ TEST_CASE_FIXTURE(SoftFixture,
   world.setVelocities(std::vector<Vec3>(world.particles(), Vec3(std::numeric_limits<float>::quiet_NaN())));
   ask(-4);
   CHECK_FALSE(ask(1).valid);
-  CHECK_THROWS_WITH_AS(block.touch().finish(), doctest::Contains("begin it anew"), Error);
+  CHECK_THROWS_WITH_AS(block.touch().finish(), doctest::Contains("restart it"), Error);
   control.reset();
   for (int i = 0; i < 30; ++i) CHECK(ask(-4).valid);
   CHECK(block.world().time_s() < 0.04);
