@@ -130,7 +130,7 @@ TEST_CASE("each bench shows and takes its own options, and those that are measur
   CHECK(palpate("bench edit --sizes 2000 --lattice 16").code == 2);
   const Outcome alone = palpate("bench sort --sizes 2000 --moved 0.5");
   CHECK(alone.code == 2);
-  CHECK(says(alone.text, "bench sort: there is no --moved"));
+  CHECK(says(alone.text, "bench sort has no option --moved"));
   works("bench build sort --sizes 2000 --backend cpu --repeat 5 --moved 0.5");  // of build, after sort
   works("bench sort --sizes 2000 build --backend cpu --repeat 5 --moved 0.5");
 }
