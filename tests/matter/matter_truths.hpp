@@ -31,7 +31,6 @@ void checkSameBytes(const MatterMaker& one, const MatterMaker& other, Matter mat
 
 /// A long block of water in the air, 1 mm apart, with cohesion.
 MatterScene floatingBlock(double cohesion_N_m);
-/// That block becomes rounder, none of it is lost, and it has the momentum and the angular momentum that it had;
 /// That block becomes rounder, loses no particle, and keeps its momentum and angular momentum; without cohesion it
 /// stays unchanged. After `steps` steps the ratio of length to width is at most `ratio`, from 2.
 void checkCohesion(const MatterMaker& make, int steps, double ratio);
