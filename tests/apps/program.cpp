@@ -9,7 +9,8 @@
 namespace palpate {
 
 std::string program() {
-  const char* elsewhere = std::getenv("PALPATE_PROGRAM");  // where the tests run on another machine than built them
+  const char* elsewhere =
+      std::getenv("PALPATE_PROGRAM");  // set if the tests run on another machine than they were built on
   return elsewhere ? elsewhere : PALPATE_PROGRAM;
 }
 
