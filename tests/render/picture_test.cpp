@@ -62,7 +62,7 @@ TEST_CASE_FIXTURE(PictureFixture, "a sphere has no holes, true depths and true n
       const DVec3 hit = camera.eye + (along - std::sqrt(1 - offset * offset)) * ray;
       const double depth = glm::dot(hit - camera.eye, camera.axes().forward);
       holes += depths.at(x, y) == 0;
-      // Half a pixel of a slope, and the height of a disc's rim over the sphere.
+      // Half a pixel of slope, plus the height of a disc's rim above the sphere.
       wrongDepths += std::abs(depths.at(x, y) - depth) > pixel * std::sqrt(1 / (1 - offset * offset)) + 0.002;
       const double angle_deg =
           glm::degrees(std::acos(std::clamp(glm::dot(decodedNormal(image.at(x, y)), glm::normalize(hit)), -1.0, 1.0)));
@@ -135,7 +135,7 @@ TEST_CASE_FIXTURE(PictureFixture, "smoothed depth gives normals, keeps steps and
   CHECK(moved == 0);
   CHECK(wrongNormals < inside / 50);
 
-  // Two sheets, one far behind the other: no depth between them appears.
+  // Two sheets, one far behind the other: no depth between them may appear.
   cloud.positions.clear();
   for (int y = -60; y <= 60; ++y)
     for (int x = -60; x <= 60; ++x)
@@ -395,7 +395,8 @@ TEST_CASE_FIXTURE(PictureFixture, "a frame names its passes") {
   std::vector<std::string> expected{"frame/clear: fill frame depth", "frame/clear: fill frame normal sums",
                                     "frame/splat: fill splat counts", "frame/splat: render_splat_pick",
                                     "frame/splat: render_splat_plan"};
-  for (const std::string& pass : {std::string("render_splat_depth"), attributes})  // over small splats and large ones
+  for (const std::string& pass :
+       {std::string("render_splat_depth"), attributes})  // passes over small splats and large ones
     expected.insert(expected.end(), 2, "frame/splat: " + pass);
   for (const char* pass :
        {"frame/holes: render_close_holes", "frame/shade: render_shade", "frame/shade: render_resolve"})
