@@ -38,12 +38,11 @@ struct EditCost {
   Summary requests_us;  ///< on the GPU, after the edit: where the next edit should insert and remove points
   Summary step_us;      ///< from pose to force; in virtual time including the whole edit
   std::uint64_t edits = 0;
-  std::uint64_t builds = 0;       ///< full builds of the index for these edits
-  std::uint64_t compactions = 0;  ///< background compactions of the index that were completed within these ticks
-  Summary compactingStep_us;      ///< steps during a compaction; in virtual time one step includes all of it
-  double longestCompactionEnd_us =
-      0;                       ///< longest time that touch waited for the end of a compaction, over the whole session
-  std::uint64_t landings = 0;  ///< how often the brush was lowered onto the surface
+  std::uint64_t builds = 0;            ///< full builds of the index for these edits
+  std::uint64_t compactions = 0;       ///< background compactions of the index that were completed within these ticks
+  Summary compactingStep_us;           ///< steps during a compaction; in virtual time one step includes all of it
+  double longestCompactionEnd_us = 0;  ///< longest wait of touch for the end of a compaction, over the session
+  std::uint64_t landings = 0;          ///< how often the brush was lowered onto the surface
   EditMemory memory;
   std::optional<EditStroke> stroke;
 };

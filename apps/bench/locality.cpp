@@ -214,7 +214,6 @@ class Play {
         backend.query({.time_s = static_cast<double>(ticks_++) / kQueryRate_Hz, .hip = origin_ + place.hip}, 0);
     if (!contact.valid) backend.finish();  // throws the back end's failure
     backend.prepare();
-    // As engine/core/brush.hpp has it: a ball whose tip stands tau before the HIP, or one about the place where the
     // As in engine/core/brush.hpp: a ball whose tip is tau before the HIP, or a ball about the surface position over
     // the hand.
     const bool tip = brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve;

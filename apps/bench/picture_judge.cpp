@@ -10,8 +10,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kSameSurface_spacings =
-    3;  // depth farther behind the true surface belongs to another surface, seen through a hole
+constexpr double kSameSurface_spacings = 3;  // farther behind the true surface another one is seen through a hole
 
 Camera aslant(const PointCloud& cloud, double aspect) {
   Camera camera = Camera::fitting(cloud, aspect);

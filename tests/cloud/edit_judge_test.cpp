@@ -242,8 +242,7 @@ TEST_CASE("normals are held against a fit of their own sheet, and those that loo
     edited.states[i].normal = Vec3(0, std::sin(0.5), edited.states[i].normal.z > 0 ? std::cos(0.5) : -std::cos(0.5));
   CHECK(edited.verdict().normal_deg == near(28.6, 0.1));
 
-  for (const std::uint32_t i : middle)
-    edited.states[i].normal = Vec3(0, 0, 1);  // the lower sheet's normals face inwards
+  for (const std::uint32_t i : middle) edited.states[i].normal = Vec3(0, 0, 1);  // the lower sheet's face inwards
   CHECK(edited.verdict().turned == near(0.5 * static_cast<double>(middle.size()), 0.2));
   CHECK(edited.verdict().broken(false) == Words{"turns normals"});
 }

@@ -100,9 +100,8 @@ TEST_CASE("undo and redo walk through random strokes of every kind and meet each
     Editor editor(cloud, seed);
     Journal journal(cloud, 1 << 30);
     std::mt19937 random(seed + 100);
-    std::vector<std::vector<PointState>> states{copyOf(editor.points())};  // after each stroke that is not undone
-    std::vector<std::optional<std::uint64_t>> versions{
-        journal.version()};  // the same strokes' versions, where examined
+    std::vector<std::vector<PointState>> states{copyOf(editor.points())};   // after each stroke that is not undone
+    std::vector<std::optional<std::uint64_t>> versions{journal.version()};  // where examined
     std::size_t at = 0, walked = 0, metAgain = 0;
     EditBatch batch;
     for (int step = 0; step < 400; ++step) {

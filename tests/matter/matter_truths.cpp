@@ -187,8 +187,7 @@ MatterScene floatingBlock(double cohesion_N_m) {
 namespace {
 
 struct Spread {
-  DVec3 middle{0}, width{0},
-      spin{0};  // width: root mean squares about the middle; spin: the mean of arms times velocities
+  DVec3 middle{0}, width{0}, spin{0};  // width: RMS about the middle; spin: mean of arms times velocities
 };
 
 Spread spreadOf(const MatterSimulation& world) {

@@ -395,8 +395,7 @@ TEST_CASE_FIXTURE(PictureFixture, "a frame names its passes") {
   std::vector<std::string> expected{"frame/clear: fill frame depth", "frame/clear: fill frame normal sums",
                                     "frame/splat: fill splat counts", "frame/splat: render_splat_pick",
                                     "frame/splat: render_splat_plan"};
-  for (const std::string& pass :
-       {std::string("render_splat_depth"), attributes})  // passes over small splats and large ones
+  for (const std::string& pass : {std::string("render_splat_depth"), attributes})  // over small splats and large ones
     expected.insert(expected.end(), 2, "frame/splat: " + pass);
   for (const char* pass :
        {"frame/holes: render_close_holes", "frame/shade: render_shade", "frame/shade: render_resolve"})

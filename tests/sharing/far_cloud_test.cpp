@@ -187,8 +187,7 @@ TEST_CASE(
   const PointCloud cloud = square();
   std::mutex lock;
   std::vector<SeenHand> seen;
-  double serverBegan_s =
-      std::numeric_limits<double>::infinity();  // on this machine's clock, which is also the server's
+  double serverBegan_s = std::numeric_limits<double>::infinity();  // on this machine's clock, also the server's
   ServedSquare served(cloud, "moving", [&](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
     const double called_s = steadyNow_s();
     frame.time_s = time_s;

@@ -247,8 +247,7 @@ TEST_CASE("a scene that is held is felt by nobody and stands still; it goes on, 
   for (int i = 0; i < 20; ++i) CHECK_FALSE(ask(4).touching);
   CHECK(block.points().positions == dented.positions);
   control.hold(false);
-  for (int i = 0; i < 200; ++i)
-    CHECK_FALSE(ask(4).touching);  // inside without contact, as before: the body closes about it
+  for (int i = 0; i < 200; ++i) CHECK_FALSE(ask(4).touching);  // inside, as before: the body closes about it
   CHECK(block.points().positions != dented.positions);
   for (int i = 0; i < 20; ++i) ask(-2);
   for (int i = 0; i < 200; ++i) ask(-2 + 0.03 * i);
