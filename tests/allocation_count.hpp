@@ -10,11 +10,11 @@ namespace {
 
 std::atomic<bool> counting = false;
 std::atomic<int> allocations = 0;
-std::atomic<std::thread::id> countedThread{};  // none: every one
+std::atomic<std::thread::id> countedThread{};  // default: all threads
 
 }  // namespace
 
-// Counts only while a test says so.
+// Counts only while `counting` is true.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   const std::thread::id only = countedThread;
   if (counting && (only == std::thread::id() || only == std::this_thread::get_id())) ++allocations;
@@ -24,6 +24,6 @@ void* operator new(std::size_t size) {
   if (void* memory = operator new(size, std::nothrow)) return memory;
   throw std::bad_alloc();
 }
-// Not inlined: g++ 12 would see free() meet a new and warn.
+// Not inlined: g++ 12 would warn about free() on memory from new.
 [[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
 [[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }

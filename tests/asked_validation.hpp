@@ -1,5 +1,5 @@
-// How closely the tests' GPU is watched: PALPATE_TESTS_VALIDATE is "core" (the default: core and synchronisation
-// validation), "full" (GPU-assisted validation as well, for which a software driver takes minutes), or "0".
+// Validation of the tests' GPU: PALPATE_TESTS_VALIDATE is "core" (the default: core and synchronisation validation),
+// "full" (GPU-assisted validation as well, which takes a software driver minutes), or "0".
 #pragma once
 
 #include <doctest/doctest.h>
@@ -18,7 +18,7 @@ inline Validation askedValidation() {
   return level == "full" ? Validation::full : level == "core" ? Validation::core : Validation::off;
 }
 
-/// For tests of what a layer sees without searching the accesses of shaders.
+/// For tests that do not need shader accesses checked.
 inline Validation askedCoreValidation() {
   return askedValidation() == Validation::off ? Validation::off : Validation::core;
 }

@@ -1,6 +1,6 @@
-// Where a run's time goes and what came of it: `--reporters=times` lists each case with the processor time, its own and
-// that of the programs it waited for, and the time on the wall; PALPATE_TESTS_RESULTS names a file that gets a line for
-// each case: result, processor seconds, wall seconds, labels, file, name; and one for each check that was skipped.
+// Run time and result of each case: `--reporters=times` lists each case with its processor time, including that of the
+// programs it waited for, and its wall time. PALPATE_TESTS_RESULTS names a file that gets a line for each case (result,
+// processor seconds, wall seconds, labels, file, name) and for each skipped check.
 #include "tests/case_results.hpp"
 
 #include <doctest/doctest.h>
@@ -31,7 +31,7 @@ struct Result {
   bool passed = true;
 };
 
-/// The times of the case that runs.
+/// The times of the running case.
 class Watch {
  public:
   void begin(const doctest::TestCaseData& of) {
@@ -69,7 +69,7 @@ struct Unmoved : doctest::IReporter {
   void test_case_skipped(const doctest::TestCaseData&) override {}
 };
 
-/// Writes one line with one call, so that programs that run side by side can share the file.
+/// Writes each line with one call, so that concurrent programs can share the file.
 struct ResultFile final : Unmoved {
   explicit ResultFile(const doctest::ContextOptions&) {
     if (const char* name = std::getenv("PALPATE_TESTS_RESULTS")) out.open(name, std::ios::app);

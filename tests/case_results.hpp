@@ -1,4 +1,4 @@
-// What came of each case of this program.
+// The result of each case of this program.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ struct FailedCase {
   bool measuresClock = false;
 };
 
-/// Cases that have failed since the last call, in their order.
+/// Cases that have failed since the last call, in order.
 std::vector<FailedCase> takeFailedCases();
 
 }  // namespace palpate

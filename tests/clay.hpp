@@ -1,4 +1,4 @@
-// Strokes over analytic shapes, and what they have left there by analytic truth.
+// Strokes over analytic shapes, and their results compared with analytic truth.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -19,10 +19,10 @@ inline BrushOptions clayBrush(BrushKind kind) {
   return {.kind = kind, .tau = kClayTau, .beta = 0.1, .radius = kClayRadius, .strength = 0.5};
 }
 
-/// Where a hand goes, tick by tick, and the way of the surface over it.
+/// Positions of a hand, tick by tick, and the surface along its path.
 struct ClayGesture {
   std::vector<DVec3> hips;
-  std::vector<SurfacePoint> way;  // where it goes along
+  std::vector<SurfacePoint> way;  // surface along the path
   double depth = 0;
 };
 
@@ -47,10 +47,10 @@ inline ClayGesture clayDrag(const Scene& scene, double depth, double speed) {
 
 struct ClayResult {
   PointCloud cloud;
-  double deepest = 0, highest = 0;           // under and over the shape
-  double trenchLeast = 1e9, trenchMost = 0;  // how deep the middle of the trench is along the way, but for its ends
+  double deepest = 0, highest = 0;           // largest distance under and over the shape
+  double trenchLeast = 1e9, trenchMost = 0;  // depth of the trench's middle along the path, without its ends
   std::size_t added = 0, changed = 0;
-  double secondLayer = 0;  // share of the changed points with one that faces the other way within half a spacing
+  double secondLayer = 0;  // fraction of the changed points with one that faces the other way within half a spacing
 };
 
 inline ClayResult judgeClay(const Scene& scene, const ClayGesture& gesture, PointCloud after) {
@@ -93,7 +93,7 @@ inline ClayResult judgeClay(const Scene& scene, const ClayGesture& gesture, Poin
   return result;
 }
 
-/// Depth within a quarter and 0.4 mm of the hand's, nothing over the surface, no second layer.
+/// Depth within a quarter and 0.4 mm of the hand's, no points over the surface, no second layer.
 inline void checkClay(const ClayResult& result, double depth) {
   const double tip = depth - kClayTau, slack = 0.25 * tip + 0.4;
   CHECK(result.changed > 10);
@@ -104,7 +104,7 @@ inline void checkClay(const ClayResult& result, double depth) {
   CHECK(result.secondLayer <= 0.01);
 }
 
-/// A plate under the plane: its far side lies `thickness` below, as densely.
+/// A plate below the plane: its far side is `thickness` lower, with the same density.
 inline Scene makeClayPlate(std::size_t count, float thickness) {
   Scene scene = makeScene("plane", count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -114,8 +114,8 @@ inline Scene makeClayPlate(std::size_t count, float thickness) {
   return scene;
 }
 
-/// Drags over such a plate without lifting the hand: its far side stays as it is, and the near one before it. How far
-/// the near one has come.
+/// Drags over such a plate without lifting the hand: its far side stays unchanged, and the near one in front of it.
+/// Returns the displacement of the near one.
 inline double dragOverPlate(TouchBackend& touch, const Scene& plate, float thickness) {
   const ClayGesture gesture = clayDrag(plate, thickness + 1.5, 200);
   for (std::size_t k = 0; k + 150 < gesture.hips.size(); ++k)
@@ -138,7 +138,7 @@ inline double dragOverPlate(TouchBackend& touch, const Scene& plate, float thick
   return lowest;
 }
 
-/// Carves through such a plate, until the hand has come out under it: nothing comes to lie beside the plate.
+/// Carves through such a plate until the hand is below it: no point may be left beside the plate.
 inline void checkCarvingThroughPlate(TouchBackend& touch, const Scene& plate, double thickness) {
   const ClayGesture gesture = clayDrag(plate, thickness + 2, 100);
   for (std::size_t k = 0; k < gesture.hips.size(); ++k)
@@ -153,7 +153,7 @@ inline void checkCarvingThroughPlate(TouchBackend& touch, const Scene& plate, do
   }
 }
 
-/// A machine that gets done one tick of `every`.
+/// Plays the gesture on a machine that completes one tick of `every`.
 inline ClayResult mould(TouchBackend& touch, const Scene& scene, const ClayGesture& gesture, int every = 1) {
   for (std::size_t k = 0; k < gesture.hips.size(); k += static_cast<std::size_t>(every))
     CHECK(touch.query({.time_s = 1e-3 * static_cast<double>(k), .hip = gesture.hips[k]}, 0).valid);

@@ -1,4 +1,4 @@
-// Folders of reconstructions, as COLMAP writes them in text.
+// Folders of reconstructions in COLMAP's text format.
 #pragma once
 
 #include <fmt/format.h>

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// All of a file; empty where there is none.
+/// The content of a file; empty if it does not exist.
 inline std::string contentOf(const std::filesystem::path& file) {
   std::ostringstream content;
   content << std::ifstream(file, std::ios::binary).rdbuf();

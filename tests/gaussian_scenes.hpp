@@ -1,4 +1,4 @@
-// Scenes of Gaussians whose true surface is known, with the statistics of trained ones.
+// Scenes of Gaussians with a known true surface and the statistics of trained scenes.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@ namespace palpate::test {
 
 struct SceneOptions {
   std::size_t count = 20'000;  ///< Gaussians on the surface
-  double floaters = 0;         ///< as many more for each of them, alone and off the surface
-  double faint = 0;            ///< as many more for each of them, all over the box around it
+  double floaters = 0;         ///< fraction of additional, isolated Gaussians off the surface
+  double faint = 0;            ///< fraction of additional Gaussians all over the box around it
   std::size_t huge = 0;        ///< Gaussians as large as the shape
   double offset = 0;           ///< deviation of the centres off the surface, spacings of the Gaussians
   std::uint64_t seed = 1;
@@ -26,7 +26,7 @@ struct KnownScene {
   std::vector<DVec3> floaters;
 };
 
-/// Draws one after the other, so that the order of arguments does not matter.
+/// A sequence of random numbers in separate calls, so that argument evaluation order does not matter.
 class SceneRandom {
  public:
   explicit SceneRandom(std::uint64_t seed) : random_(seed) {}
@@ -47,7 +47,7 @@ class SceneRandom {
 
 inline float logitOf(double opacity) { return static_cast<float>(std::log(opacity / (1 - opacity))); }
 
-/// The quaternion, of some length, that turns z into `normal` and x anywhere around it.
+/// A quaternion of random length that rotates z to `normal` and x to a random direction around it.
 inline Vec4 rotationTo(const DVec3& normal, SceneRandom& random) {
   const double half = std::numbers::pi * random.unit();
   const DVec3 axis = glm::cross(DVec3(0, 0, 1), normal);
@@ -67,7 +67,7 @@ inline void addGaussian(GaussianScene& scene, const DVec3& center, const DVec3& 
   scene.colorHarmonics.emplace_back((color - 0.5) / 0.28209479177387814);
 }
 
-/// `area`: of the shape's surface. Colours are red where x is high, green where y is.
+/// `area`: of the shape's surface. Colours are red for high x, green for high y.
 inline KnownScene gaussiansOn(const AnalyticShape& shape, double area, const SceneOptions& options) {
   KnownScene known;
   known.spacing = std::sqrt(area / static_cast<double>(options.count));

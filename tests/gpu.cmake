@@ -14,7 +14,7 @@ if(TARGET palpate_library)
   palpate_tests(library_gpu LINKS ${library_links} third_party::volk)
 endif()
 
-# A layer that takes the GPU away when it is told to, or makes it a small one; beside the test programs.
+# A layer that loses the GPU at a given call, or limits it; next to the test programs.
 add_library(palpate_lost_gpu MODULE lost_gpu/layer.cpp lost_gpu/made_up_gpu.cpp)
 target_include_directories(palpate_lost_gpu PRIVATE ${PROJECT_SOURCE_DIR})
 target_link_libraries(palpate_lost_gpu PRIVATE palpate_build_options)
@@ -34,7 +34,7 @@ if(NOT TARGET palpate)
 endif()
 set(room_label program)
 if(NOT TARGET tests_sharing)
-  set(without_sharing onlookers ros ros_frames ros_scanner sharing_faults)  # they hear what the program sends
+  set(without_sharing onlookers ros ros_frames ros_scanner sharing_faults)  # they receive what the program sends
 endif()
 palpate_tests(apps LINKS palpate::haptics palpate::io palpate::sharing third_party::stb
               WITH apps/program.cpp apps/result.cpp WITHOUT ${without_sharing})

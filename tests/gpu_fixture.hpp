@@ -1,5 +1,5 @@
-// The GPU that tests run on. One device serves a whole test program, since making one costs more than most tests; a
-// test that ends with a validation message fails.
+// The GPU of the tests. One device serves a whole test program, because creating one costs more than most tests; a
+// validation message fails the test.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -10,21 +10,22 @@
 
 namespace palpate {
 
-/// Validated as the tests are asked to be.
+/// With the requested validation.
 inline Device& validatedDevice() {
   static Device& device = makeUntilEnd<Device>(DeviceOptions{.gpu = "", .validation = askedValidation()});
   return device;
 }
 
-/// For tests of what others test with validation, beside which a software driver would take many seconds for a shader.
+/// For tests of code that other tests cover with validation, which would take a software driver many seconds per
+/// shader.
 inline Device& plainDevice() {
   static Device& device = makeUntilEnd<Device>(DeviceOptions{.gpu = "", .validation = Validation::off});
   return device;
 }
 
-/// Without GPU-assisted validation, which makes a search of every access of a shader.
+/// Without GPU-assisted validation, which searches for every access of a shader.
 inline Device& coreValidatedDevice() {
-  if (askedValidation() != Validation::full) return validatedDevice();  // its pipelines are there already
+  if (askedValidation() != Validation::full) return validatedDevice();  // its pipelines already exist
   static Device& device = makeUntilEnd<Device>(DeviceOptions{.gpu = "", .validation = askedCoreValidation()});
   return device;
 }
@@ -35,7 +36,7 @@ class GpuFixture {
   ~GpuFixture() {
     device.waitIdle();
     const auto messages = device.instance().messages().take();
-    // Not as the message of a check, which is put together, too, where a test has thrown and there is none.
+    // Not as a check's message, which would also be built if the test has thrown and there are no messages.
     if (!messages.empty()) FAIL_CHECK(messages.size(), " validation messages, the first: ", messages.front());
   }
 
@@ -43,9 +44,9 @@ class GpuFixture {
   Device& device;
 };
 
-/// For cases with so much data, so many ticks or shaders of so many kinds that a software driver would take half a
-/// minute to search for each access: others of the same room run the same passes under GPU-assisted validation.
-/// `Fixture` hands its device down to GpuFixture.
+/// For cases with so much data, so many ticks or shader variants that a software driver would take half a minute under
+/// GPU-assisted validation; other cases of the room run the same passes under it. `Fixture` passes its device to
+/// GpuFixture.
 template <class Fixture>
 struct CoreValidated : Fixture {
   CoreValidated() : Fixture(coreValidatedDevice()) {}

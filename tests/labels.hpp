@@ -1,5 +1,5 @@
-// What a test case asks of a run, written beside the case: TEST_CASE("..." * kFull * kClock). A label that does not
-// exist stops the build.
+// Requirements of a test case, written beside the case: TEST_CASE("..." * kFull * kClock). An unknown label stops the
+// build.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// Labels are kept where the framework keeps a case's suite, so that its filters know them: `--test-suite='*full*'`.
+/// Labels are stored as the framework's test suite of a case, so that its filters apply: `--test-suite='*full*'`.
 struct CaseLabel {
   unsigned bit;
 
@@ -22,7 +22,7 @@ struct CaseLabel {
 
  private:
   const char* with(const char* before) const {
-    static std::array<std::string, 1 << kNames.size()> words;  // the framework keeps pointers to them
+    static std::array<std::string, 1 << kNames.size()> words;  // the framework stores pointers to them
     const std::string_view known = before ? before : "";
     std::size_t bits = 0;
     std::string text;
@@ -36,14 +36,14 @@ struct CaseLabel {
   }
 };
 
-/// Costs more than the quick tier allows (2 s of a core, 10 for a whole program). A smaller case that sends the same
-/// code through the quick tier stands near it.
+/// Exceeds the quick tier's limit (2 s of a core, 10 for a whole program). A smaller case nearby covers the same code
+/// in the quick tier.
 inline constexpr CaseLabel kFull{0};
 /// Runs in both tiers, with more repetitions or points in the full one (byTier()).
 inline constexpr CaseLabel kMoreInFull{1};
-/// Measures real time: a machine that stands still for a moment fails it, so it has a second try, and the run says so.
+/// Measures real time: it fails if the machine stalls for a moment, so it has a second try, which the run reports.
 inline constexpr CaseLabel kClock{2};
-/// Runs within seconds on every driver; the legs of other drivers and layers run these cases alone.
+/// Runs within seconds on every driver; the legs of other drivers and layers run only these cases.
 inline constexpr CaseLabel kPortable{3};
 
 inline bool inFullTier() {
@@ -54,7 +54,7 @@ inline bool inFullTier() {
   return is("PALPATE_TESTS_TIER") || is("PALPATE_TESTS_ONLY");
 }
 
-/// How many repetitions, points or ticks; the case is labelled kMoreInFull.
+/// Number of repetitions, points or ticks; the case is labelled kMoreInFull.
 template <class T>
 T byTier(T quick, T full) {
   return inFullTier() ? full : quick;

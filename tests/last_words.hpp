@@ -1,11 +1,10 @@
-// What a test program says when it is ended by a fault of its own, or by the clock: in which case it stood, and where
-// in it.
+// Report of a test program that crashes or exceeds its time limit: the current case, and the position in it.
 #pragma once
 
 namespace palpate {
 
-/// From now on, of the process that calls this, and not of those that it begins. Where the system has no way of its
-/// own, the test framework's stays.
+/// Installs the report for this process, but not for its children. On systems without an implementation the test
+/// framework's handler stays.
 void sayLastWords();
 
 }  // namespace palpate

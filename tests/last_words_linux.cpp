@@ -1,6 +1,6 @@
-// The test framework's own handler makes a report, which takes memory: in a process that the C library has ended from
-// within malloc it waits for ever. Nothing here takes memory or a lock. A debugger, where there is one, says where each
-// thread stands; without one the C library says it of the thread that the signal came to.
+// The test framework's handler allocates memory for its report: after an abort inside malloc it would wait for ever.
+// The code here neither allocates nor locks. A debugger, if available, prints the position of each thread; without one
+// the C library prints that of the signalled thread.
 #include "tests/last_words.hpp"
 
 #include <doctest/doctest.h>
@@ -24,12 +24,12 @@ namespace palpate {
 
 namespace {
 
-constexpr unsigned kMaxForWords_s = 60;  // a debugger that stands still itself
+constexpr unsigned kMaxForWords_s = 60;  // in case the debugger hangs
 
 pid_t ours = 0;
 std::atomic<const char*> caseName = nullptr, caseFile = nullptr;
 std::atomic<unsigned> caseLine = 0;
-unsigned limit_s = 0;  // of each case; 0: none
+unsigned limit_s = 0;  // of each case; 0: no limit
 
 void say(std::string_view text) {
   while (!text.empty()) {
@@ -44,7 +44,7 @@ struct Digits {
   std::array<char, 24> text;
 };
 
-// False where there is no debugger that could look at this process.
+// False if no debugger can attach to this process.
 bool askDebugger() {
   Digits self(ours);
   const char* words[] = {"gdb",
@@ -57,7 +57,7 @@ bool askDebugger() {
                          "-ex",
                          "thread apply all backtrace 40",
                          nullptr};
-  // What a debugger loads of its own is not to be this program's; its warnings go where its answer goes.
+  // The debugger must not inherit this program's preloaded libraries; its warnings go to the same output.
   char path[] = "PATH=/usr/local/bin:/usr/bin:/bin";
   char* surroundings[] = {path, nullptr};
   pid_t debugger = 0;
@@ -86,7 +86,7 @@ void sayWhere() {
   ::backtrace_symbols_fd(frames.data(), ::backtrace(frames.data(), frames.size()), STDERR_FILENO);
 }
 
-// A program that is waited for would be left behind, with the pipe that ctest reads in its hands.
+// Child processes would survive, and keep ctest's pipe open.
 void endThoseBegun() {
   std::array<char, 64> name{"/proc/self/task/"};
   char* end = std::to_chars(name.data() + std::strlen(name.data()), name.data() + 40, ours).ptr;
@@ -103,7 +103,7 @@ void endThoseBegun() {
   }
 }
 
-// Of these the handler is called once; whatever comes then ends the process, and so does what it does not get over.
+// The handler runs once for each signal; a further one ends the process, also inside the handler.
 extern "C" void sayThenGo(int signal) {
   if (::getpid() == ours) {
     std::signal(SIGALRM, SIG_DFL);
@@ -117,7 +117,7 @@ extern "C" void sayThenGo(int signal) {
   ::raise(signal);
 }
 
-// Reports nothing: it knows where the run stands.
+// Reports nothing; records the current case.
 struct CaseKeeper final : doctest::IReporter {
   explicit CaseKeeper(const doctest::ContextOptions&) {}
   void test_case_start(const doctest::TestCaseData& of) override {
@@ -128,7 +128,7 @@ struct CaseKeeper final : doctest::IReporter {
   }
   void test_case_end(const doctest::CurrentTestCaseStats&) override {
     caseName = nullptr;
-    ::alarm(limit_s);  // what comes after the last one may stand still, too
+    ::alarm(limit_s);  // the code after the last case may hang, too
   }
 
   void report_query(const doctest::QueryData&) override {}
@@ -148,10 +148,10 @@ REGISTER_LISTENER("case_keeper", 0, CaseKeeper);
 
 void sayLastWords() {
   ours = ::getpid();
-  ::prctl(PR_SET_PTRACER, PR_SET_PTRACER_ANY, 0, 0, 0);  // a debugger that it begins itself may look at it
+  ::prctl(PR_SET_PTRACER, PR_SET_PTRACER_ANY, 0, 0, 0);  // lets its own child, the debugger, attach
   std::array<void*, 2> frames;
   ::backtrace(frames.data(), frames.size());  // the first call loads a library
-  // A fault of the stack cannot be told of on the same stack.
+  // A stack overflow cannot be reported on the same stack.
   static std::array<char, 1 << 16> stack;
   const stack_t apart{.ss_sp = stack.data(), .ss_flags = 0, .ss_size = stack.size()};
   ::sigaltstack(&apart, nullptr);
@@ -161,10 +161,10 @@ void sayLastWords() {
   for (const int signal : {SIGILL, SIGFPE, SIGSEGV, SIGBUS, SIGABRT, SIGALRM}) {
     struct sigaction before {};
     ::sigaction(signal, nullptr, &before);
-    // A sanitizer says more of it.
+    // A sanitizer's report is more detailed.
     if (before.sa_handler == SIG_DFL) ::sigaction(signal, &action, nullptr);
   }
-  // Of a case and not of the program: a slow machine that gets on is no reason to end it.
+  // The limit is per case, not per program: a slow machine that makes progress is not ended.
   if (const char* limit = std::getenv("PALPATE_TESTS_LIMIT_S")) limit_s = static_cast<unsigned>(std::atoi(limit));
   ::alarm(limit_s);
 }

@@ -1,4 +1,4 @@
-# The library as another program has it: only what it exports is linked.
+# The library as other programs use it: only its exports are linked.
 set(library_links palpate::palpate palpate::core)
 add_library(own_law MODULE library/half_as_stiff.c)
 target_link_libraries(own_law PRIVATE palpate::palpate palpate_build_options)

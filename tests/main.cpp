@@ -1,8 +1,8 @@
-// PALPATE_TESTS_TIER=full runs every case, the quick tier (without it) those that are not labelled full;
-// PALPATE_TESTS_ONLY=LABEL runs the cases of that label alone (labels.hpp).
+// PALPATE_TESTS_TIER=full runs every case; without it, the quick tier runs those that are not labelled full.
+// PALPATE_TESTS_ONLY=LABEL runs only the cases with that label (labels.hpp).
 #define DOCTEST_CONFIG_IMPLEMENT
 #ifndef _WIN32
-#define DOCTEST_CONFIG_NO_POSIX_SIGNALS  // last_words.hpp has them
+#define DOCTEST_CONFIG_NO_POSIX_SIGNALS  // last_words.hpp handles them
 #endif
 #include <doctest/doctest.h>
 
@@ -32,7 +32,7 @@ void chooseCases(doctest::Context& context) {
   if (!inFullTier()) context.addFilter("test-suite-exclude", "*full*");
 }
 
-/// Runs cases that failed once more, where all of them measure a clock.
+/// Reruns the failed cases once if all of them measure a clock.
 bool passAtSecondTry() {
   const std::vector<FailedCase> failed = takeFailedCases();
   if (failed.empty() || !std::ranges::all_of(failed, &FailedCase::measuresClock)) return false;
@@ -57,6 +57,6 @@ int main(int count, char** words) {
   int result = context.run();
   if (result != 0 && !context.shouldExit() && palpate::passAtSecondTry()) result = 0;
   auto& kept = palpate::keptUntilEnd();
-  while (!kept.empty()) kept.pop_back();  // the last one first
+  while (!kept.empty()) kept.pop_back();  // in reverse order
   return result;
 }

@@ -1,23 +1,23 @@
 #!/usr/bin/env bash
 # Applies small deliberate bugs (tests/mutations/NN-room-what.patch) one by one, builds the test that each patch names
-# and runs it: it must fail. A table at the end says for each bug whether it was killed or survived. The exit code is 1
-# where more than three bugs survive the quick tier, or one survives the full tier, or a patch has to be made again.
+# and runs it: it must fail. A table at the end lists each bug as killed or survived. The exit code is 1 if more than
+# three bugs survive the quick tier, or one survives the full tier, or a patch must be made again.
 #   bash tests/mutations.sh [--tier quick|full] [--survivors] [--here] [NN...]
-# --tier full runs named cases of the full tier, too (PALPATE_TESTS_TIER=full). --survivors runs the whole tier
-# (tests/run.sh, or tests/run.sh --full) on each bug that its named case lets pass. All of it happens in a git worktree
-# of HEAD, build/mutations, which keeps what was built: what is not committed is not in it, but for the patches. --here
-# takes this tree and what is built in it, which saves building all of it a second time: where nothing is uncommitted.
+# --tier full also runs named cases of the full tier (PALPATE_TESTS_TIER=full). --survivors runs the whole tier
+# (tests/run.sh, or tests/run.sh --full) on each bug that its named case does not detect. All runs use a git worktree of
+# HEAD, build/mutations, which keeps its build; uncommitted changes are not in it, except for the patches. --here uses
+# this tree and its build instead, which saves a second build; it requires that all changes are committed.
 #
 # The header of a patch has three lines before the diff:
-#   Mutation: one sentence that says what is wrong
-#   File: the test file, as tests/edit/journal_test.cpp or tests/python/test_sessions.py
+#   Mutation: one sentence that describes the bug
+#   File: the test file, e.g. tests/edit/journal_test.cpp or tests/python/test_sessions.py
 #   Case: the exact name of a case of doctest (with a * at its end for the cases of a template), or of a function of
 #         pytest
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 preset=${PALPATE_MUTATIONS_PRESET:-release}  # of the quick tier
-limit_s=300                              # of one case; a bug that makes it stand still is killed
+limit_s=300                              # of one case; a bug that makes it hang counts as killed
 export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_VALIDATE=${PALPATE_TESTS_VALIDATE:-core}
 
 tier=quick survivors=no here=no numbers=()
@@ -44,7 +44,7 @@ done
 copy=$PWD/build/mutations log=$PWD/build/mutations.log
 if [ $here = yes ]; then
   copy=$PWD
-  # Between two bugs all is put back as HEAD has it.
+  # After each bug all files are restored to HEAD.
   [ -z "$(git status --porcelain --untracked-files=no)" ] ||
     { echo "mutations.sh: --here requires that all changes are committed" >&2; exit 2; }
 else
@@ -62,7 +62,7 @@ cmake --preset "$preset" > /dev/null
 
 field() { sed -n "s/^$2: //p;/^---/q" "$1"; }  # PATCH NAME
 
-# The target that a test file is part of, compiled by itself or with others (UNITY_BUILD); nothing where none is built.
+# The target of a test file, which is compiled alone or with others (UNITY_BUILD); empty if it is not built.
 target_of() {  # FILE
   if [[ $1 == tests/python/* ]]; then
     sed -n 's/^build \(palpate_python\):.*/\1/p' "$built/build.ninja"
@@ -76,25 +76,25 @@ target_of() {  # FILE
 
 build() { cmake --build --preset "$preset" --target "$@" > "$log" 2>&1; }
 
-# Runs a case; fails where it fails, and with 3 where there is no such case.
+# Runs a case and returns its failure; 3 if the case does not exist.
 run_case() {  # FILE CASE
   local code=0
   [ -n "$(target_of "$1")" ] || return 3
   if [[ $1 == tests/python/* ]]; then
     local python
-    python=$(sed -n 's/^_Python3_EXECUTABLE:INTERNAL=//p' "$built/CMakeCache.txt")  # that the module is for
+    python=$(sed -n 's/^_Python3_EXECUTABLE:INTERNAL=//p' "$built/CMakeCache.txt")  # the module's Python
     PYTHONPATH=$built/python PYTHONDONTWRITEBYTECODE=1 timeout "$limit_s" \
       "$python" -m pytest -q -p no:cacheprovider "$1::$2" > "$log" 2>&1 || code=$?
     [ $code -ne 4 ] && [ $code -ne 5 ] || return 3
     return $code
   fi
-  # A comma would begin another name.
+  # A comma separates names.
   timeout "$limit_s" "$built/$(target_of "$1")" --source-file="*/$1" --test-case="${2//,/?}" > "$log" 2>&1 || code=$?
   ! grep -q '^\[doctest\] test cases: *0 |' "$log" || return 3
   return $code
 }
 
-# Both are tried once: a test that fails anyway kills nothing.
+# Each test first runs without its bug: a test that fails anyway kills nothing.
 declare -A unmutated
 targets=()
 for patch in "${patches[@]}"; do

@@ -1,5 +1,5 @@
-// Comparisons that state their tolerance. doctest's own accepts epsilon * (1 + |value|): below 1, a share becomes an
-// absolute error, and 0 passes for 0.005 "within 5 %".
+// Comparisons with an explicit tolerance. doctest's own accepts epsilon * (1 + |value|): below 1, a relative error
+// becomes an absolute one, and 0 passes for 0.005 "within 5 %".
 #pragma once
 
 #include <doctest/doctest.h>
@@ -10,13 +10,13 @@
 #include <type_traits>
 
 #ifdef _WIN32
-#include <windows.h>  // which would otherwise come later, and defines it as nothing
+#include <windows.h>  // included first, because it defines `near` as an empty macro
 #undef near
 #endif
 
 namespace palpate {
 
-/// A value and the largest error that is accepted, bounds included; near() and within() make it. NaN equals nothing.
+/// A value and its accepted error, bounds included; made by near() and within(). NaN equals nothing.
 struct Expected {
   double value, error;
 
@@ -35,7 +35,7 @@ inline Expected within(double value, double absolute) {
   return {value, absolute};
 }
 
-/// CHECK(x == near(5.0, 0.02)): |x - 5.0| <= 0.02 * 5.0. A share of 1 would accept 0.
+/// CHECK(x == near(5.0, 0.02)): |x - 5.0| <= 0.02 * 5.0. A relative tolerance of 1 would accept 0.
 inline Expected near(double value, double relative) {
   if (value == 0) throw std::invalid_argument("near: 0 has no relative tolerance; use within");
   if (!(relative >= 0 && relative < 1)) throw std::invalid_argument("near: the share must be at least 0 and below 1");

@@ -1,4 +1,4 @@
-// Which domain of DDS a test program has to itself.
+// The DDS domain reserved for a test program.
 #pragma once
 
 #include <fcntl.h>
@@ -16,9 +16,9 @@
 
 namespace palpate {
 
-/// One that no other test program of this machine is on for as long as this one lives: a file of its number is locked
-/// until then. The same in each call. Its ports lie below those that the machine hands out by itself. own_domain.py and
-/// own_domain.sh take from the same ones.
+/// A domain that no other test program on this machine uses during this one's lifetime: a file with its number is
+/// locked until then. Every call returns the same. Its ports are below the ephemeral ports. own_domain.py and
+/// own_domain.sh use the same domains.
 inline std::uint32_t ownDomain() {
   static const std::uint32_t own = [] {
     constexpr std::uint32_t kFirst = 20, kCount = 80;
@@ -26,16 +26,16 @@ inline std::uint32_t ownDomain() {
 #ifdef _WIN32
     return kFirst + begin;
 #else
-    constexpr int kTurns = 600;  // a minute
+    constexpr int kTurns = 600;  // one minute
     for (int turn = 0; turn < kTurns; ++turn) {
       for (std::uint32_t i = 0; i < kCount; ++i) {
         const std::uint32_t domain = kFirst + (begin + i) % kCount;
         const std::string file = "/tmp/palpate-tests-domain-" + std::to_string(domain);
-        // One that another user has made can be locked, and not written.
+        // A file of another user can be locked, but not written.
         int lock = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
         if (lock < 0) lock = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         if (lock < 0) continue;
-        if (::flock(lock, LOCK_EX | LOCK_NB) == 0) return domain;  // open, and locked, until the program ends
+        if (::flock(lock, LOCK_EX | LOCK_NB) == 0) return domain;  // the lock is held until the program ends
         ::close(lock);
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -17,7 +17,7 @@ def own_domain() -> int:
         for i in range(COUNT):
             domain = FIRST + (os.getpid() + i) % COUNT
             file = f"/tmp/palpate-tests-domain-{domain}"
-            try:  # one that another user has made can be locked, and not written
+            try:  # a file of another user can be locked, but not written
                 lock = os.open(file, os.O_RDONLY | os.O_CLOEXEC)
             except OSError:
                 try:

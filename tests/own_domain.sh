@@ -5,7 +5,7 @@ for turn in $(seq 600); do
   for i in $(seq 0 79); do
     candidate=$((20 + ($$ + i) % 80))
     file=/tmp/palpate-tests-domain-$candidate
-    # One that another user has made can be locked, and not written.
+    # A file of another user can be locked, but not written.
     { exec 8< "$file"; } 2> /dev/null || { exec 8>> "$file"; } 2> /dev/null || continue
     flock -n 8 || continue
     domain=$candidate

@@ -1,4 +1,4 @@
-// PNGs of any depth, byte by byte, without compression: what the tests need and stb does not write.
+// Uncompressed PNGs of any bit depth, byte by byte, which stb cannot write.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ inline std::string pngChunk(const std::string& name, const std::string& data) {
   return bigEndianWord(static_cast<std::uint32_t>(data.size())) + body + bigEndianWord(~crc);
 }
 
-/// `colorType`: 0 grey, 2 red, green and blue. `rows`: as they stand in the picture, without the filters' bytes.
+/// `colorType`: 0 grey, 2 red, green and blue. `rows`: pixel bytes of the image, without filter bytes.
 inline std::string pngBytes(std::uint32_t width, std::uint32_t height, int bits, int colorType,
                             const std::string& rows) {
   const std::size_t pitch = rows.size() / height;

@@ -1,4 +1,4 @@
-// Folders of depth pictures, as the TUM benchmark and Redwood lay them out, of what stands before a camera.
+// Folders of depth images of a scene, in the layouts of the TUM benchmark and Redwood.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// A sphere of a metre, two metres away, before a camera that goes to the right and turns to the left by and by.
+/// A sphere of a metre, two metres away, in front of a camera that moves right and rotates left.
 inline const AnalyticShape& recordedShape() {
   static const auto shape = makeShape("sphere", 1.0, DVec3(0.1, 0, 2));
   return *shape;
@@ -24,7 +24,7 @@ inline CameraPose recordedPose(double time_s) {
 }
 inline DepthCamera recordedCamera() { return {.width = 24, .height = 18, .fx = 20, .fy = 21, .cx = 11.5, .cy = 8.5}; }
 
-/// Along z, metres; 0 beside the shape.
+/// Depth along z, metres; 0 beside the shape.
 inline std::vector<float> depthSeen(const DepthCamera& camera, const CameraPose& pose,
                                     const AnalyticShape& shape = recordedShape()) {
   const TracedSurface surface = traced(shape);
@@ -43,7 +43,7 @@ inline std::string depthPng(const DepthCamera& camera, std::span<const float> de
   return greyPng(camera.width, camera.height, values);
 }
 
-/// Each pixel has its column, its row and the number of the frame for red, green and blue.
+/// Each pixel's red, green and blue are its column, its row and the frame's number.
 inline std::string colorPng(std::uint32_t width, std::uint32_t height, int number) {
   std::string rows;
   for (std::uint32_t y = 0; y < height; ++y)
@@ -57,7 +57,7 @@ inline std::string intrinsicsJson(const DepthCamera& camera, const std::string& 
                      camera.height, camera.fx, camera.fy, camera.cx, camera.cy, more);
 }
 
-/// The rows of the matrix from the camera to the world.
+/// Rows of the camera-to-world matrix.
 inline std::array<double, 16> rowsOf(const CameraPose& pose) {
   const glm::dmat3 turn = glm::mat3_cast(pose.turn);
   const DVec3& c = pose.centre;
@@ -67,10 +67,10 @@ inline std::array<double, 16> rowsOf(const CameraPose& pose) {
 
 struct RecordingPlan {
   int frames = 4;
-  double rate_Hz = 30;  ///< 30 is what a Redwood folder is taken to have
+  double rate_Hz = 30;  ///< 30 is assumed for a Redwood folder
 };
 
-/// Redwood's: frames 0, 1, 2, … in depth and color, millimetres, trajectory.log and intrinsics.json.
+/// Redwood's layout: frames 0, 1, 2, … in depth and color, millimetres, trajectory.log and intrinsics.json.
 inline void writeRedwood(const std::filesystem::path& folder, const RecordingPlan& plan = {}) {
   for (const char* name : {"depth", "color"}) std::filesystem::create_directories(folder / name);
   const DepthCamera camera = recordedCamera();
@@ -89,7 +89,7 @@ inline void writeRedwood(const std::filesystem::path& folder, const RecordingPla
   writeBytes(folder / "intrinsics.json", intrinsicsJson(camera));
 }
 
-/// TUM's: stamps far from 0, colours a little late, poses at times of their own, 5000 to the metre; with
+/// TUM's layout: stamps far from 0, colours slightly late, poses at other times, 5000 units per metre; with
 /// intrinsics.json.
 inline void writeTum(const std::filesystem::path& folder, const RecordingPlan& plan = {}) {
   for (const char* name : {"depth", "rgb"}) std::filesystem::create_directories(folder / name);

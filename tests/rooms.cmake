@@ -1,7 +1,7 @@
-# Rooms of the host: no Vulkan, and sanitizers can watch them.
+# Rooms of the host: without Vulkan, and testable with sanitizers.
 if(NOT WIN32)
   palpate_tests(house LINKS palpate::core)
-  # The files of the host's rooms, for the test that none of them includes Vulkan.
+  # The files of the host's rooms, for the test that they do not include Vulkan.
   set(host_sources "")
   foreach(room core cloud matter io motion spatial_host contact_host edit_host touch_host mesh_host haptics session
                sharing session_sharing)
@@ -22,7 +22,7 @@ palpate_tests(core LINKS palpate::core)
 palpate_test_program(labelled_cases programs/labelled_cases.cpp palpate::core)
 target_sources(labelled_cases PRIVATE $<TARGET_OBJECTS:tests_main>)
 add_dependencies(tests_core labelled_cases)
-list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)  # where this machine cannot run a program itself
+list(JOIN CMAKE_CROSSCOMPILING_EMULATOR " " emulator)  # runs programs of another architecture
 set_source_files_properties(core/labels_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
                             PALPATE_LABELLED_CASES="${emulator} '$<TARGET_FILE:labelled_cases>'")
 set_source_files_properties(core/last_words_linux_test.cpp PROPERTIES COMPILE_DEFINITIONS
@@ -40,7 +40,7 @@ palpate_tests(haptics LINKS palpate::haptics)
 palpate_system_sources(tests_haptics fake_devices/mapped_note)
 add_dependencies(tests_haptics fake_drivers)
 palpate_tests(session LINKS palpate::session)
-# The program that the README shows.
+# The program in the README.
 palpate_test_program(embedding programs/embedding.cpp palpate::session)
 add_dependencies(tests_session embedding)
 string(STRIP "${emulator} $<TARGET_FILE:embedding>" embedding)

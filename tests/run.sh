@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs the tests headless, on lavapipe or on the GPU that PALPATE_GPU names.
+# Installs missing dependencies, builds, and runs the tests headless, on lavapipe or on the GPU that PALPATE_GPU names.
 #   bash tests/run.sh              the quick tier: what every change runs
 #   bash tests/run.sh --full       the quick tier and all other legs
 #   bash tests/run.sh --leg NAME   one leg; --list names them
@@ -10,7 +10,7 @@ export PALPATE_GPU=${PALPATE_GPU:-llvmpipe} PALPATE_TESTS_RESULTS=$PWD/build/tes
 
 legs=(windows searched one_thread fuzz lint links thread swiftshader layer mutations truths address arm64)
 build() { cmake --preset "$1" > /dev/null && cmake --build --preset "$1" --target "${@:2}"; }  # PRESET TARGETS...
-tests() {  # PRESET [CTEST OPTIONS...]: two places for each entry, one for what sleeps (tests/CMakeLists.txt)
+tests() {  # PRESET [CTEST OPTIONS...]: two slots per core, since some entries sleep (tests/CMakeLists.txt)
   ctest --preset "$1" -j $((2 * $(nproc) + 2)) --no-tests=error "${@:2}"
 }
 release() { build release palpate all_tests && PALPATE_TESTS_VALIDATE=${validate:-core} tests release "$@"; }
@@ -22,13 +22,13 @@ address() { build asan all_tests && tests asan; }                          # Add
 truths() { PALPATE_TESTS_ONLY=full release -L '^(host|gpu|program)$'; }    # figures that take minutes
 searched() { validate=full release -L '^gpu$'; }                           # GPU-assisted validation of every access
 one_thread() { LP_NUM_THREADS=1 LP_NATIVE_VECTOR_WIDTH=128 validate=0 release -L '^gpu$'; }  # and subgroups of four
-links() { release -L '^links$'; }                                          # that delay, lose and reorder
+links() { release -L '^links$'; }                                          # links that delay, lose and reorder
 thread() { build tsan tests_haptics tests_core && tests tsan -R '^(haptics\.|core\.latest_value$)'; }
 portable() { PALPATE_TESTS_ONLY=portable release -L '^gpu$'; }
 swiftshader() { drivers && VK_DRIVER_FILES=$drivers/swiftshader.json PALPATE_GPU=SwiftShader validate=0 portable; }
 layer() { drivers && VK_LAYER_PATH=$drivers portable; }                    # a current validation layer
 lint() { bash tests/lint.sh; }
-mutations() {  # in a copy that is built from nothing where there is something that is not committed
+mutations() {  # in place if nothing is uncommitted, otherwise in a worktree built from scratch
   local here=
   ! git diff --quiet HEAD || here=--here
   build release palpate all_tests && bash tests/mutations.sh $here
@@ -44,7 +44,7 @@ windows() {
 arm64() { bash third_party/install.sh --arm64 && bash third_party/arm64.sh; }
 
 rows=() failed=
-run() {  # LEG: whatever comes of it, the next one follows
+run() {  # LEG: a failure does not stop the next one
   local leg=$1 begin=$SECONDS code=0 log=build/tests/$1.log result=passed
   mkdir -p build/tests && rm -f "$PALPATE_TESTS_RESULTS"
   printf '\n== %s\n' "$leg"

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Whether `part` stands in `text`; shows the text where it does not.
+/// Whether `text` contains `part`; prints the text if not.
 inline bool says(const std::string& text, const std::string& part) {
   if (text.find(part) != std::string::npos) return true;
   MESSAGE(text);

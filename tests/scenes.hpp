@@ -1,4 +1,4 @@
-// Clouds and motions that tests and measurements share.
+// Clouds and motions shared by tests and measurements.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// A shape, a sampling of it, and the support radius that suits the sampling.
+/// A shape, a sampling of it, and a support radius for the sampling.
 struct Scene {
   std::unique_ptr<AnalyticShape> shape;
   PointCloud cloud;
@@ -26,7 +26,7 @@ inline Scene makeScene(std::string_view name, std::size_t count, const DVec3& ce
   return scene;
 }
 
-/// Positions of a probe that wanders over a shape, in and out of it by up to `depth`, file coordinates. It starts
+/// Positions of a probe that wanders over a shape, in and out of it by up to `depth`, in file coordinates, starting
 /// outside.
 inline std::vector<DVec3> wanderingPath(const Scene& scene, std::size_t ticks, double depth, std::uint32_t seed) {
   std::mt19937 random(seed);

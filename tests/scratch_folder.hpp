@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// A folder for a test's files that goes when the test does.
+/// A folder for a test's files, deleted with the test.
 class ScratchFolder {
  public:
   ScratchFolder() {

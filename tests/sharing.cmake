@@ -1,12 +1,12 @@
-# Sessions that programs share, on a network of this machine alone.
+# Shared sessions, on a network within this machine.
 if(TARGET third_party::crypto AND TARGET third_party::pugixml)
-  set(crypto third_party::crypto)  # a test signs with it, too
+  set(crypto third_party::crypto)  # also used by a test, to sign
 else()
-  set(without_security security)  # no session is encrypted here
+  set(without_security security)  # this build cannot encrypt sessions
 endif()
 palpate_tests(sharing LINKS palpate::sharing palpate::session ${crypto} WITHOUT ${without_security})
 
-# A hostile program: the tests measure what it can do.
+# A hostile program; the tests measure its effects.
 set(made ${CMAKE_CURRENT_BINARY_DIR}/generated/haptics/sharing)
 file(MAKE_DIRECTORY ${made})
 add_custom_command(OUTPUT ${made}/hostile.c ${made}/hostile.h DEPENDS programs/hostile.idl WORKING_DIRECTORY ${made}
@@ -29,7 +29,7 @@ if(NOT TARGET palpate OR NOT python OR CMAKE_CROSSCOMPILING)
   return()
 endif()
 
-# Other programs on the same wire, where they are installed; each skip is printed with its reason.
+# Third-party programs on the same network, if installed; each skip is printed with its reason.
 set(room_label program)
 palpate_test_program(ros_listener programs/ros_listener.cpp palpate::sharing)
 set(foreign ${python} ${scripts}/foreign_programs.py)
@@ -39,7 +39,7 @@ endforeach()
 find_package(fastcdr QUIET)
 find_package(fastrtps QUIET)
 if(TARGET fastrtps AND TARGET fastcdr)
-  palpate_test_program(fastdds_peer programs/fastdds_peer.cpp fastrtps fastcdr)  # nothing of palpate is in it
+  palpate_test_program(fastdds_peer programs/fastdds_peer.cpp fastrtps fastcdr)  # contains no code of palpate
   set(peer $<TARGET_FILE:fastdds_peer>)
 else()
   message(STATUS "Without Fast DDS (libfastrtps-dev, libfastcdr-dev): sharing.fastdds is skipped")

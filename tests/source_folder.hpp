@@ -1,14 +1,14 @@
-// Where what tests read lies that is not compiled in.
+// Locations of the tests' input files.
 #pragma once
 
 #include <filesystem>
 
 namespace palpate {
 
-/// The top of the tree that the tests were built from.
+/// The root of the source tree that the tests were built from.
 std::filesystem::path sourceFolder();
 
-/// Real scans and files: where PALPATE_MODELS says, or beside the tree; they may not be there.
+/// Real scans and files: in PALPATE_MODELS, or beside the source tree; they may be missing.
 std::filesystem::path modelsFolder();
 
 }  // namespace palpate

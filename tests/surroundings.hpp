@@ -1,4 +1,4 @@
-// What a test says to each system in another way.
+// System-dependent functions of the tests.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// A variable of the environment, while it lives.
+/// Sets an environment variable for its lifetime.
 class Variable {
  public:
   Variable(const char* name, const std::string& value);
@@ -18,13 +18,13 @@ class Variable {
   const char* name_;
 };
 
-/// Where the program lies that is running.
+/// Folder of the running program.
 std::filesystem::path programFolder();
 
-/// Processor time that this process has taken, and those that it began and waited for.
+/// Processor time of this process, and of the children that it has waited for.
 double processorSeconds();
 
-/// What the file of a library is called that is loaded while a program runs.
+/// File name of a library that is loaded at run time.
 std::string libraryFileName(const std::string& name);
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ std::filesystem::path programFolder() {
 }
 
 double processorSeconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;  // the time on the wall here, of this process alone
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;  // on Windows the wall time, and only of this process
 }
 
 std::string libraryFileName(const std::string& name) { return "lib" + name + ".dll"; }

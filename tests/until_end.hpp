@@ -1,5 +1,5 @@
-// What a whole test program shares: it goes when the last test has run, while every library is still whole. An object
-// that is static may outlive those of a validation layer, which calls that abort.
+// Objects shared by a whole test program: destroyed after the last test, while every library is still loaded. A static
+// object may outlive those of a validation layer, which aborts then.
 #pragma once
 
 #include <memory>

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Opens one model after another in the window and fails if anything is left behind:
 #   tests/window_soak.sh [PROGRAM [CYCLES]]     default: build/asan/palpate 500; needs xvfb
-# Small and middle-sized models, in binary and in text, with normals and without, one that is broken, some dropped
-# while another one is loaded; in between a stroke, undo, resizing, the mesh and back. Fails on an exit code other than
-# 0, on anything that AddressSanitizer, its leak check or UBSan says (build/asan), on a model that was not opened, and
-# where resident memory grows from the third to the fourth quarter by more than 4 MiB and 3 %.
+# Small and medium models, binary and text, with and without normals, one that is broken, some dropped while another one
+# is being loaded; in between a stroke, undo, resizing, the mesh and back. Fails on an exit code other than 0, on any
+# message of AddressSanitizer, its leak check or UBSan (build/asan), on a model that was not opened, and if resident
+# memory grows from the third to the fourth quarter by more than 4 MiB and 3 %.
 set -euo pipefail
 
 program=$(realpath "${1:-$(dirname "$0")/../build/asan/palpate}")
@@ -12,7 +12,7 @@ cycles=${2:-500}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 export XDG_STATE_HOME=$folder/state PALPATE_GPU=${PALPATE_GPU:-llvmpipe}
-# A small quarantine, so that what is freed is soon used again and resident memory means something.
+# A small quarantine, so that freed memory is soon reused and resident memory is meaningful.
 export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=8:malloc_context_size=20${ASAN_OPTIONS:+:$ASAN_OPTIONS}
 export UBSAN_OPTIONS=print_stacktrace=1${UBSAN_OPTIONS:+:$UBSAN_OPTIONS}
 
@@ -30,7 +30,7 @@ make plane -n 3000 --ascii -o with.ply && bare with.ply plane.ply
 head -c 4000 cube.ply > broken.ply
 models=(sphere torus cube sculpture bumpy plane)
 
-every=$(((cycles + 49) / 50))  # cycles from one look at the memory to the next, always with the same model
+every=$(((cycles + 49) / 50))  # cycles between memory samples, always with the same model
 {
   t=0
   at() { printf '%d.%02d %s\n' $((t / 100)) $((t % 100)) "$1"; }
@@ -39,7 +39,7 @@ every=$(((cycles + 49) / 50))  # cycles from one look at the memory to the next,
     model=${models[$((i * 7 % ${#models[@]}))]}
     if ((i % every == 0)); then model=sphere; fi
     if ((i % 25 == 7)); then at "drop $folder/broken.ply"; fi
-    if ((i % 5 == 0)); then  # the first one while it is loaded
+    if ((i % 5 == 0)); then  # drops the second model while the first is being loaded
       at impatient
       at "drop $folder/sculpture.ply"
       t=$((t + (i % 4) * 5))
@@ -67,8 +67,8 @@ every=$(((cycles + 49) / 50))  # cycles from one look at the memory to the next,
   at quit
 } > script.txt
 
-# A driver that is unloaded before the leak check takes along what still points to its memory: lavapipe's list of what
-# to do at the end would count as a leak. So it stays.
+# If a driver is unloaded before the leak check, pointers to its memory are lost: lavapipe's list of exit handlers would
+# count as a leak. Preloading keeps the driver loaded.
 preload=$(ldd "$program" | awk '/libasan/ { print $3 }')
 if [ -n "$preload" ]; then
   preload+=$(sed -n 's/.*"library_path": *"\(.*\)".*/:\1/p' /usr/share/vulkan/icd.d/lvp_icd*.json | head -n 1)
@@ -110,6 +110,6 @@ third=$(median "${samples[@]:count / 2:(count + 3) / 4}")
 last=$(median "${samples[@]:count * 3 / 4}")
 margin=$((4 + third * 3 / 100))
 echo "$cycles cycles; resident: $third MiB in the third quarter, $last in the fourth"
-# What is loaded once and for all comes in the first hundred.
+# One-time allocations occur within the first hundred cycles.
 if ((cycles < 100)); then exit 0; fi
 ((last <= third + margin)) || fail "resident memory grew by $((last - third)) MiB; $margin would be noise"

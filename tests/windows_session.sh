@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs one session with the program for Windows, under wine on lavapipe, and with that for Linux: forces are the same up
-# to rounding, on the GPU and on the CPU, and a picture is drawn. Requires both programs (presets dev and windows).
+# Runs one session with the Windows program, under wine on lavapipe, and with the Linux program: forces must be equal up
+# to rounding, on the GPU and on the CPU, and a picture is drawn. Requires both programs (presets release and windows).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-# Wine has no GPU without a display.
+# Under Wine the GPU requires a display.
 if [ -z "${DISPLAY:-}" ]; then exec xvfb-run -a bash tests/windows_session.sh; fi
 
 folder=$(mktemp -d)
@@ -12,7 +12,7 @@ trap 'rm -rf "$folder"' EXIT
 export LC_ALL=C.UTF-8 PALPATE_GPU=${PALPATE_GPU:-llvmpipe}
 linux=$PWD/build/release/palpate windows=(bash "$PWD/third_party/wine.sh" "$PWD/build/windows/palpate.exe")
 
-# Numbers that differ by more than a millionth of the larger one, and of 1.
+# Numbers that differ by more than a millionth of the larger one, and by more than a millionth.
 differences() {  # FILE FILE
   paste -d '\n' "$1" "$2" | awk -F, '
     NR % 2 { n = split($0, one, ","); next }

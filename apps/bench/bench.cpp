@@ -41,7 +41,7 @@ void addSubjectOptions(Options& bench, BenchOptions& options) {
 }
 
 Option addBackendsOption(Options& bench, BenchOptions& options, std::vector<std::string> choices) {
-  return bench.add("--backend", options.backends, "what answers; several are measured one after another")
+  return bench.add("--backend", options.backends, "back end; several are measured one after another")
       .check(oneOf(std::move(choices)))
       .separatedBy(',')
       .showDefault();
@@ -55,17 +55,17 @@ void addRepeatOptions(Options& bench, BenchOptions& options) {
   bench.add("--repeat", options.repeat, "repetitions of each measurement")
       .check(wholeBetween(1, bounds::kMaxCount))
       .showDefault();
-  bench.add("--limit", options.limit_s, "s that one measurement may take, 5 repetitions at least; 0: no limit")
+  bench.add("--limit", options.limit_s, "time limit of one measurement, s, but at least 5 repetitions; 0: no limit")
       .check(between(0, bounds::kLongest_s))
       .showDefault();
 }
 
 void addRateOption(Options& bench, BenchOptions& options) {
-  bench.add("--rate", options.rate_Hz, "ticks per second at most").check(between(1e-3, 1e9)).showDefault();
+  bench.add("--rate", options.rate_Hz, "maximum ticks per second").check(between(1e-3, 1e9)).showDefault();
 }
 
 void addFrictionOption(Options& bench, BenchOptions& options) {
-  bench.add("--friction", options.backend.friction, "coefficient of a proxy that slides")
+  bench.add("--friction", options.backend.friction, "friction coefficient of the proxy")
       .check(between(0, bounds::kMaxFriction))
       .showDefault();
 }
@@ -120,7 +120,7 @@ void checkMethods(const Context& context, const BenchOptions& options) {
     for (const std::string& backend : options.backends)
       std::ranges::copy(methodChoices(context, backend), std::back_inserter(all));
     if (std::ranges::find(all, method) == all.end())
-      throw UsageError("--method: {} is none of {}", method, fmt::join(all, ", "));
+      throw UsageError("--method: {} is not one of {}", method, fmt::join(all, ", "));
   }
 }
 
@@ -151,12 +151,12 @@ Json measureAlone(Context& context, const BenchOptions& options, const std::stri
 }
 
 void addBench(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand("bench", "measure on this machine; each bench has options of its own");
+  Options& sub = app.addSubcommand("bench", "measure on this machine; each bench has its own options");
   sub.requireSubcommands(1, 0);
   addTimeBenches(sub, context, command);
   std::vector<const Options*> together;
   for (const auto& bench : sub.subcommands()) {
-    bench->under("Times; ask for several at once to have them in one plot");
+    bench->under("Times; several at once share one plot");
     together.push_back(bench.get());
   }
   addTouchBench(sub, context, command);
@@ -170,13 +170,13 @@ void addBench(Options& app, Context& context, Command& command) {
   addReadBench(sub, context, command);
   addShareBench(sub, context, command);
   for (const auto& bench : sub.subcommands())
-    if (!std::ranges::count(together, bench.get())) bench->under("Alone, with tables of their own");
+    if (!std::ranges::count(together, bench.get())) bench->under("Each alone, with its own tables");
   sub.footer("palpate bench NAME --help shows the options of that bench.\n");
   sub.whenNamed([&command, &sub, together] {
     command = [named = sub.named(), together, run = command] {
       for (const Options* bench : named)
         if (named.size() > 1 && !std::ranges::count(together, bench))
-          throw UsageError("bench {}: ask for it alone; its tables and its plot are its own", bench->name());
+          throw UsageError("bench {} must run alone; it has its own tables and plot", bench->name());
       run();
     };
   });

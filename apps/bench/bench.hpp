@@ -1,4 +1,4 @@
-// What the benches share: their options, the models that are measured, and how a measurement is repeated.
+// Shared by the benches: their options, the models they measure, and the repetition of a measurement.
 #pragma once
 
 #include "apps/bench/plot.hpp"
@@ -11,8 +11,7 @@
 
 namespace palpate {
 
-/// What every bench may be asked for. Each takes those of the options that mean something to it, and has more of its
-/// own.
+/// Options of the benches. Each bench accepts those that apply to it, and has more of its own.
 struct BenchOptions {
   std::vector<std::string> models, backends{"vulkan"}, methods;
   std::vector<std::int64_t> sizes;
@@ -33,45 +32,45 @@ void addRepeatOptions(Options& bench, BenchOptions& options);
 void addRateOption(Options& bench, BenchOptions& options);
 void addFrictionOption(Options& bench, BenchOptions& options);
 void addPlotOption(Options& bench, BenchOptions& options, const std::string& what);
-/// One of several values or all, with commas between them; it begins as all that there are.
+/// A comma-separated list of the values in `values`, which are also its default.
 Option addListOption(Options& bench, const std::string& name, std::vector<std::string>& values,
                      const std::string& what);
 
 /// Ticks per second of a stroke in real time: 1000, unless the options say otherwise.
 double realtimeRate_Hz(const BenchOptions& options);
 
-/// What is measured: a file, or a sculpture of so many points.
+/// The model under test: a file, or a sculpture with a given number of points.
 struct Subject {
   std::string name;
   Model model;
 };
-/// Makes one when it is its turn: a hundred million points are a large part of a machine's memory.
+/// Makes a subject only when it is measured: a hundred million points fill a large part of a machine's memory.
 using SubjectMaker = std::function<Subject(Context&)>;
 std::vector<SubjectMaker> subjectsOf(const BenchOptions& options);
 
-/// What a session on a model is configured with: the options of its back end, and a brush where it is edited. Ticks are
-/// in virtual time unless the options say otherwise.
+/// Configuration of a session on a model: the options of its back end, and a brush if the model is edited. Ticks are in
+/// virtual time unless the options say otherwise.
 SessionConfig sessionConfig(const BackendOptions& options, const std::optional<BrushConfig>& brush = {});
-/// A session on a model, which outlives it: a hundred million points are there once. `journal`: SessionParts.
+/// A session on a model, which must outlive it: a hundred million points are not copied. `journal`: SessionParts.
 Session startSession(Context& context, const Model& model, const SessionConfig& config, bool journal = false);
 
-/// How the back end finds neighbours, its own choice last.
+/// The back end's methods of finding neighbours, its default last.
 std::vector<std::string> methodChoices(const Context& context, const std::string& backend);
-/// Throws UsageError for a method that none of the back ends has.
+/// Throws UsageError for a method that no measured back end offers.
 void checkMethods(const Context& context, const BenchOptions& options);
 
-/// Says which machine each back end that is measured runs on; by its name in what comes back.
+/// Prints the machine of each measured back end; returns the machines by back end name.
 Json sayMachines(Context& context, const BenchOptions& options);
 
-/// A bench that is asked for alone, with a result of its own under its name: says which machines it runs on, measures,
-/// writes what --json asks for, and plots it by `script` where --plot asks for that. Gives back what was measured.
+/// Runs a bench whose result stands alone under its name: prints its machines, measures, writes --json, and plots with
+/// `script` for --plot. Returns the measurements.
 Json measureAlone(Context& context, const BenchOptions& options, const std::string& name,
                   const std::function<Json()>& measure, PlotScript script = PlotScript::bench);
 
-/// The quantiles of what was measured; null where nothing was.
+/// The quantiles of the samples; null without samples.
 Json summaryOf(const Summary& summary);
 
-/// Repeats `once` as the options say: `repeat` times, or until the limit has passed with five samples at least.
+/// Repeats `once` `repeat` times, or until the time limit has passed and at least five samples exist.
 template <class Once>
 void repeatMeasurement(const BenchOptions& options, Once&& once) {
   constexpr std::int64_t kFewest = 5;
@@ -82,29 +81,29 @@ void repeatMeasurement(const BenchOptions& options, Once&& once) {
   }
 }
 
-/// The benches: each file adds its subcommand to `bench`, or those that are measured together.
+/// The benches: each file adds its subcommand to `bench`; those measured together share one function.
 void addTimeBenches(Options& bench, Context& context, Command& command);  ///< build, sort, query and step
-/// Judges touch on surfaces that are known (apps/bench/touch_judge.hpp).
+/// Judges touch on known surfaces (apps/bench/touch_judge.hpp).
 void addTouchBench(Options& bench, Context& context, Command& command);
-/// What an edited step costs, against the points of the model and against those that the edit touches
+/// Cost of an edited step, against the number of points in the model and the number that the edit touches
 /// (apps/bench/edit_cost.hpp).
 void addEditBench(Options& bench, Context& context, Command& command);
-/// What a mesh costs, pass by pass, whole and after an edit, and how far it is from shapes that are known.
+/// Cost of a mesh, per pass, complete and after an edit, and its deviation from known shapes.
 void addMeshBench(Options& bench, Context& context, Command& command);
-/// What a picture costs, pass by pass, and how true it is to shapes that are known (apps/bench/picture_judge.hpp).
+/// Cost of a picture, per pass, and its accuracy on known shapes (apps/bench/picture_judge.hpp).
 void addSplatBench(Options& bench, Context& context, Command& command);
-/// How touch fares beside pictures that are drawn as fast as they go, and those beside it.
+/// Touch beside pictures that are drawn as fast as possible, and those pictures beside touch.
 void addCoexistBench(Options& bench, Context& context, Command& command);
-/// What depth frames cost that fuse into a map while it is touched, and how true that map is.
+/// Cost of depth frames that are fused into a map while it is touched, and the map's accuracy.
 void addStreamBench(Options& bench, Context& context, Command& command);
-/// What a step of water and sand costs, at sizes that are asked for.
+/// Cost of a step of water, sand and soft bodies, at given sizes.
 void addMatterBench(Options& bench, Context& context, Command& command);
-/// How long it takes until what one hand does to a shared cloud is felt by another one.
+/// Time until one hand's edit of a shared cloud is felt by another hand.
 void addShareBench(Options& bench, Context& context, Command& command);
-/// How fast files are read, of any format.
+/// Reading speed of files in any format.
 void addReadBench(Options& bench, Context& context, Command& command);
-/// What edits change that they may not, on models and on clouds that are uneven in the ways of real ones: strokes of
-/// each brush, judged by what is known of the points before and after alone (engine/cloud/edit_judge.hpp).
+/// Changes that edits must not make, on models and on clouds as uneven as real ones: strokes of each brush, judged only
+/// by the points before and after (engine/cloud/edit_judge.hpp).
 void addLocalityBench(Options& bench, Context& context, Command& command);
 
 }  // namespace palpate

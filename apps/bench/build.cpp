@@ -15,7 +15,7 @@ namespace palpate {
 
 namespace {
 
-// The cloud as it stands before a tick's rebuild: in the order of the last one, and some points moved by a cell.
+// The cloud before a tick's rebuild: in the order of the last build, with some points moved by one cell.
 PointCloud inLastOrder(const PointCloud& cloud, const HashGrid& grid, double movedShare) {
   const CpuHash hash(cloud.positions, grid);
   PointCloud ordered;
@@ -59,7 +59,7 @@ Summary measureCpu(NeighbourSearch& search, const PointCloud& cloud, const Bench
   return summarize(times);
 }
 
-// What following an edit of a thousand points costs.
+// Cost of following an edit of a thousand points.
 Summary measureCpuMove(NeighbourSearch& search, PointCloud cloud, float distance, const BenchOptions& options) {
   constexpr std::size_t kMoved = 1000;
   search.build(cloud.positions);

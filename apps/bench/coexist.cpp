@@ -23,8 +23,8 @@ constexpr double kUsualDuration_s = 10;
 
 struct CoexistBenchOptions : BenchOptions {
   std::vector<std::string> queues, situations;
-  std::string sightGpu;         // draws; empty: the one that touches
-  std::int64_t touched = 1000;  // points that an edit is to touch
+  std::string sightGpu;         // GPU that draws; empty: the one that touches
+  std::int64_t touched = 1000;  // points that an edit should touch
   double duration_s = kUsualDuration_s;
   std::string size = "1920x1080";
   std::uint32_t samples = 1;
@@ -39,9 +39,9 @@ constexpr std::array<Situation, 4> kSituations{{{"alone", false, false},
                                                 {"drawn", false, true},
                                                 {"drawn-sculpting", true, true}}};
 
-constexpr std::chrono::milliseconds kDrawnBefore{500};  // of drawing before the first tick: an idle GPU has a low clock
+constexpr std::chrono::milliseconds kDrawnBefore{500};  // before the first tick: an idle GPU has a low clock
 
-// Hands the answer to the hand; on the servo thread.
+// Passes each answer to the hand; on the servo thread.
 class FeelingHand final : public OneHandQuery {
  public:
   FeelingHand(TouchBackend& backend, SculptingHand& hand) : backend_(backend), hand_(hand) {}
@@ -62,8 +62,8 @@ struct SightSize {
   std::uint32_t width = 0, height = 0, supersample = 1;
 };
 
-// Draws the cloud as fast as it goes, on a thread of its own, and follows the edits through the log, or over the host's
-// memory where another machine touches.
+// Draws the cloud as fast as possible on its own thread. Follows the edits through the log, or through host memory if
+// another machine touches.
 class Sight {
  public:
   Sight(Device& device, const Model& model, TouchBackend& backend, const SightSize& size, bool sculpts)
@@ -81,11 +81,11 @@ class Sight {
       reader_.emplace(*log);
     else if (sculpts)
       backend.keepEdits();
-    draw();  // pipelines are made ready at their first use
+    draw();  // pipelines are created at their first use
     first_ = frame_.readColor();
   }
 
-  // Returns once the GPU is warm; what is drawn from then on counts.
+  // Returns once the GPU is warm; pictures drawn from then on count.
   void begin() {
     thread_ = std::jthread([this](const std::stop_token& stop) {
       try {
@@ -108,12 +108,12 @@ class Sight {
     std::this_thread::sleep_for(kDrawnBefore);
     counts_ = true;
   }
-  // Throws what went wrong on the thread.
+  // Rethrows the thread's exception.
   void end() {
     thread_ = {};
     if (failure_) std::rethrow_exception(failure_);
   }
-  // What it came to, once the last edit is out and reported.
+  // The results, with the last edit drawn and counted.
   SightPace pace() {
     follow();
     draw();
@@ -168,7 +168,7 @@ class Sight {
   std::jthread thread_;
 };
 
-// What all strokes on one model share.
+// Shared by all strokes on one model.
 struct CoexistScene {
   Context& context;
   const Subject& subject;
@@ -274,21 +274,21 @@ void addOptions(Options& bench, CoexistBenchOptions& options) {
   options.queues = namesOf(kQueueArrangements);
   addListOption(
       bench, "--queues", options.queues,
-      "how touch and sight share a GPU: separate queues, touch first; the same without priorities; or one and "
-      "the same queue; several are compared");
+      "how touch and drawing share a GPU: separate queues, touch first; separate queues without priorities; or "
+      "one queue; several are compared");
   addListOption(bench, "--situations", options.situations,
-                "touch alone or beside a cloud that is drawn, and with or without sculpting");
-  bench.add("--touched", options.touched, "points that an edit is to touch; the brush is as large as that takes")
+                "touch alone or while the cloud is drawn, with or without sculpting");
+  bench.add("--touched", options.touched, "points that an edit should touch; sets the size of the brush")
       .check(wholeBetween(1, 1e8))
       .showDefault();
-  bench.add("--duration", options.duration_s, "of each stroke, s")
+  bench.add("--duration", options.duration_s, "duration of each stroke, s")
       .check(between(bounds::kShortest_s, bounds::kLongest_s))
       .showDefault();
   addRateOption(bench, options);
-  bench.add("--size", options.size, "of the pictures, width x height, pixels").showDefault();
+  bench.add("--size", options.size, "size of the pictures, WIDTHxHEIGHT in pixels").showDefault();
   addSamplesOption(bench, options.samples);
   bench.add("--sight-gpu", options.sightGpu,
-            "draw on this GPU, by number or part of its name; edits get there through the host");
+            "draw on this GPU, by number or part of its name; edits reach it through the host");
   addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda does not report its edits
   addMethodsOption(bench, options, "how neighbours are found (default: fused)");
   addRadiusOption(bench, options.backend);
@@ -298,15 +298,15 @@ void addOptions(Options& bench, CoexistBenchOptions& options) {
 }  // namespace
 
 void addCoexistBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("coexist", "touch beside pictures that are drawn as fast as they go");
+  Options& sub = bench.addSubcommand("coexist", "touch while pictures are drawn as fast as possible");
   const auto options = std::make_shared<CoexistBenchOptions>();
   options->backend.surface = "average";
   addOptions(sub, *options);
   sub.footer(
       "A brush slides over the surface in real time (at 1000 ticks per second unless --rate says otherwise), alone and "
-      "beside a thread that draws one picture after another, and sculpts or not; on 1, 5 and 20 million points unless "
-      "--sizes or --models say otherwise. Tables of us from pose to force, missed ticks, pictures per second and ms "
-      "that a picture takes.\n");
+      "beside a thread that draws one picture after another, with and without sculpting; on 1, 5 and 20 million "
+      "points unless --sizes or --models say otherwise. Tables of us from pose to force, missed ticks, pictures per "
+      "second and ms per picture.\n");
   sub.whenNamed([&, options] {
     if (options->sizes.empty() && options->models.empty()) options->sizes = {1'000'000, 5'000'000, 20'000'000};
     command = [&context, options] {

@@ -1,4 +1,4 @@
-// CUB's times as the peer of ours, us on the GPU. Each throws Error in a palpate that was built without CUDA.
+// CUB's times on the GPU, us, for comparison with palpate's own. Each throws Error in a palpate built without CUDA.
 #pragma once
 
 #include <cstdint>

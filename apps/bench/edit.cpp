@@ -18,17 +18,17 @@ struct EditBenchOptions : BenchOptions {
   std::string brush = "push";
   std::vector<std::string> indexes{"incremental", "rebuild"};
   std::vector<std::int64_t> touched{100, 1000, 10'000};
-  double duration_s = 0;  // of a stroke in real time; 0: virtual time
+  double duration_s = 0;  // duration of a stroke in real time; 0: virtual time
   std::optional<std::uint32_t> spareSlots;
 };
 
-constexpr std::uint64_t kWarmUpEdits = 10;    // edits before the first that is measured, in virtual time
-constexpr std::uint64_t kTicksPerEdit = 4;    // in virtual time, at most, on a surface that is worth measuring
-constexpr std::uint64_t kTicksToLand = 1000;  // at most
+constexpr std::uint64_t kWarmUpEdits = 10;    // edits before the first measured one, in virtual time
+constexpr std::uint64_t kTicksPerEdit = 4;    // maximum in virtual time, on a surface that is worth measuring
+constexpr std::uint64_t kTicksToLand = 1000;  // maximum
 constexpr std::uint64_t kFewest = 5;
 constexpr int kTrials = 2;  // strokes to find the brush
 constexpr std::int64_t kTrialEdits = 10;
-constexpr double kCloseEnough = 0.05;  // of the points that are asked for
+constexpr double kCloseEnough = 0.05;  // allowed relative error of the number of touched points
 constexpr double kRealtimeRate_Hz = 1000, kHighestRate_Hz = 1e5;
 
 // What happened in one tick.
@@ -37,7 +37,7 @@ struct ObservedTick {
   std::uint32_t edits = 0;
   std::uint32_t touched = 0;
   double edit_us = 0, requests_us = 0;
-  bool compacts = false;                      // the index, at its beginning or its end, or all within it
+  bool compacts = false;                      // a compaction began, ran or ended in this tick
   std::uint64_t builds = 0, compactions = 0;  // so far
 };
 
@@ -80,7 +80,7 @@ class EditObserver final : public OneHandQuery {
   std::size_t seen_ = 0;
 };
 
-// Ends the session once there are as many measured edits as the options ask for; in virtual time.
+// Ends the session after the number of measured edits that the options ask for; in virtual time.
 class StopAfterEdits {
  public:
   StopAfterEdits(const EditBenchOptions& options, const EditObserver& observer)
@@ -106,7 +106,7 @@ class StopAfterEdits {
   Stopwatch watch_, session_;
 };
 
-// What the ticks say together; in virtual time of those with an edit, which is then a part of its tick.
+// Summarizes the ticks. In virtual time only ticks with an edit count; the edit is then a part of its tick.
 void summarizeTicks(EditCost& cost, const std::vector<ObservedTick>& noted, const Trace& trace) {
   const bool realtime = cost.stroke.has_value();
   const std::uint64_t warmUp = realtime ? 0 : kWarmUpEdits;
@@ -153,12 +153,12 @@ void summarizeTicks(EditCost& cost, const std::vector<ObservedTick>& noted, cons
   cost.compactingStep_us = summarize(std::move(compacting));
 }
 
-// Of a stroke in real time that has edited nothing, though it edits in virtual time, by which the brush was chosen:
-// what is not answered in time, or edited in time, passes the hand by.
+// For a stroke that made no edit in real time, although it edited in virtual time, where the brush was chosen: answers
+// and edits that are not ready in time do not reach the hand.
 [[noreturn]] void refusePace(const Trace& trace, const TouchShortfalls& shortfalls, double rate_Hz) {
   throw Error(
-      "{} of {} ticks were answered in time, and {} edits left out since one takes too long; this machine is too "
-      "slow for --rate {:g}",
+      "{} of {} ticks were answered in time, and {} edits were dropped as too slow; this machine is too slow for "
+      "--rate {:g}",
       std::ranges::count_if(trace.rows, &TraceRow::fresh), trace.rows.size() + trace.missedTicks,
       shortfalls.editsTooSlow, rate_Hz);
 }
@@ -168,7 +168,7 @@ EditMemory memoryOf(const Session& session) {
   return {.edited = session.backend().memory(), .plain = plain.liveCloud + plain.index};
 }
 
-// What all measurements on one model share.
+// Shared by all measurements on one model.
 struct EditScene {
   Context& context;
   const Subject& subject;
@@ -215,7 +215,7 @@ EditCost sculpt(const EditScene& scene, const EditBenchOptions& options, const S
   const TouchShortfalls& shortfalls = session.backend().shortfalls();
   if (cost.edits < (realtime ? 1 : kFewest)) {
     if (realtime) refusePace(result.trace(), shortfalls, rate_Hz);
-    throw Error("{}: {} of {} ticks edited; the stylus finds no surface there that yields to a brush of {:.3g} mm",
+    throw Error("{}: {} of {} ticks edited; the stylus found no surface that a brush of {:.3g} mm changes",
                 cost.subject, cost.edits, result.trace().rows.size(), cost.brushRadius_mm);
   }
   cost.landings = hand.landings();
@@ -229,8 +229,8 @@ EditCost sculpt(const EditScene& scene, const EditBenchOptions& options, const S
   return cost;
 }
 
-// The stroke that touches so many points: of a few short ones the nearest. What lies around a place is a first guess,
-// which is off where the surface bends under the brush.
+// The stroke that touches that many points: the best of a few short ones. The points around a spot give a first guess,
+// which is wrong where the surface bends under the brush.
 Stroke strokeFor(const EditScene& scene, const EditBenchOptions& options, std::size_t touched) {
   const BrushKind brush = *valueNamed(kBrushKinds, options.brush);
   EditBenchOptions trial = options;
@@ -265,8 +265,8 @@ Json benchEdit(Context& context, const EditBenchOptions& options) {
     for (const std::int64_t asked : options.touched) {
       const auto touched = static_cast<std::size_t>(asked);
       if (2 * touched > points) {
-        context.log().say("edit: {}, {} of {} points: left out, a brush would swallow the model", subject.name, touched,
-                          points);
+        context.log().say("edit: {}, {} of {} points: skipped, the brush would be larger than the model", subject.name,
+                          touched, points);
         continue;
       }
       context.log().say("edit: {}, {} of {} points", subject.name, touched, points);
@@ -277,7 +277,7 @@ Json benchEdit(Context& context, const EditBenchOptions& options) {
       }
     }
   }
-  if (costs.empty()) throw UsageError("bench edit: --touched asks for more points than the models have");
+  if (costs.empty()) throw UsageError("bench edit: --touched exceeds half the points of each model");
   printEditTables(context.tables(), costs);
   Json result{{"costs", Json::array()}, {"growths", Json::array()}, {"crossovers", Json::array()}};
   for (const EditCost& cost : costs) result["costs"].push_back(toJson(cost));
@@ -289,33 +289,32 @@ Json benchEdit(Context& context, const EditBenchOptions& options) {
 void addOptions(Options& bench, EditBenchOptions& options) {
   addSubjectOptions(bench, options);
   bench.add("--edit", options.brush, "the brush").check(oneOf(namesOf(kBrushKinds))).showDefault();
-  addListOption(bench, "--index", options.indexes, "how the index follows");
+  addListOption(bench, "--index", options.indexes, "how the index follows edits");
   bench
-      .add("--touched", options.touched,
-           "numbers of points that an edit is to touch; the brush is as large as that takes")
+      .add("--touched", options.touched, "numbers of points that an edit should touch; each sets the size of the brush")
       .check(wholeBetween(1, 1e8))
       .typeName("K...")
       .showDefault();
   bench
       .add("--spare", options.spareSlots,
-           "slots to spare, into which new points and buckets that grow go, and which compactions win back: the "
-           "fewer, the more compactions (default: a tenth of the points)")
+           "free slots for new points and growing buckets, which compactions reclaim: the fewer, the more compactions "
+           "(default: a tenth of the points)")
       .check(wholeBetween(1, 1e8))
       .typeName("SLOTS");
   bench
       .add("--duration", options.duration_s,
-           "s of a stroke in real time, at --rate ticks per second (1000 unless it says otherwise); 0: virtual "
-           "time, --repeat edits")
+           "duration of a stroke in real time, s, at --rate ticks per second (1000 by default); 0: virtual time, "
+           "--repeat edits")
       .check(between(0, bounds::kLongest_s))
       .showDefault();
   addRateOption(bench, options);
   addRepeatOptions(bench, options);
-  // No other tells how many points an edit touched, and what it took.
+  // Only Vulkan reports how many points an edit touched, and its times.
   addBackendsOption(bench, options, {"vulkan"});
   addMethodsOption(bench, options, "how neighbours are found (default: fused)");
   addRadiusOption(bench, options.backend);
   addIndexOptions(bench, options.backend);
-  addPlotOption(bench, options, "draw steps against points, and against those that are touched");
+  addPlotOption(bench, options, "plot step times against points in the model and against touched points");
 }
 
 }  // namespace
@@ -327,9 +326,9 @@ void addEditBench(Options& bench, Context& context, Command& command) {
   addOptions(sub, *options);
   sub.footer(
       "A brush slides over the surface at 50 mm/s and sculpts at every tick. Tables of us on the GPU and from pose to "
-      "force (in virtual time with the whole edit), points that were touched, full builds of the index, MiB of index "
-      "and lists, and all memory of points, index and lists over that of the same cloud without edits; from which "
-      "share of the points on a full build is cheaper.\n");
+      "force (in virtual time with the whole edit), touched points, full builds of the index, MiB of index and lists, "
+      "and the memory of points, index and lists relative to the same cloud without edits; the fraction of touched "
+      "points above which a full build is cheaper.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
       measureAlone(

@@ -46,7 +46,7 @@ std::vector<EditColumn> with(std::vector<EditColumn> columns, std::initializer_l
   return columns;
 }
 
-// What was measured in virtual time, or in real time.
+// The costs measured in virtual time, or those in real time.
 std::vector<EditCost> only(const std::vector<EditCost>& costs, bool realtime) {
   std::vector<EditCost> chosen;
   std::ranges::copy_if(costs, std::back_inserter(chosen),
@@ -54,7 +54,7 @@ std::vector<EditCost> only(const std::vector<EditCost>& costs, bool realtime) {
   return chosen;
 }
 
-// One of so many updates may have needed a build: their median is still that of updates.
+// At most one in this many updates may have needed a build: their median is still that of updates.
 constexpr std::uint64_t kUpdatesPerBuild = 10;
 
 // Share of the points touched, time with an update, time with a build.
@@ -88,8 +88,8 @@ std::vector<EditCrossover> crossovers(const std::vector<EditCost>& costs) {
       if (all[i].logRatio() < 0) continue;
       result.found = true;
       result.share = all[i].share;
-      if (i == 0) continue;  // dearer from the smallest edit on
-      // Both times are near to powers of the share between two measurements.
+      if (i == 0) continue;  // more expensive from the smallest edit on
+      // Between two measurements both times are nearly powers of the fraction.
       const double before = all[i - 1].logRatio(), at = before / (before - all[i].logRatio());
       result.share = all[i - 1].share * std::pow(all[i].share / all[i - 1].share, at);
     }

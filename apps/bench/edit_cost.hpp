@@ -1,5 +1,5 @@
-// What `bench edit` finds: one record for each model, number of touched points and way to follow an edit; tables of
-// them, and what can be read from them.
+// Results of `bench edit`: one record per model, number of touched points and method of following an edit; their
+// tables, and the conclusions from them.
 #pragma once
 
 #include "apps/cli/context.hpp"
@@ -17,53 +17,53 @@ struct EditMemory {
   double overPlain() const { return static_cast<double>(edited.points + ofIndex()) / static_cast<double>(plain); }
 };
 
-/// What only a stroke in real time can tell; its ticks are all those at full depth, with an edit or without.
+/// Known only for a stroke in real time; its ticks are all those at full depth, with or without an edit.
 struct EditStroke {
   double rate_Hz = 0, duration_s = 0;
   double freshShare = 0, editsPerSecond = 0;
-  std::uint64_t missedTicks = 0;  ///< left out because their time had passed
-  std::uint64_t leftOut = 0;      ///< edits that there was no time or no room in the log for
+  std::uint64_t missedTicks = 0;  ///< dropped because their time had passed
+  std::uint64_t leftOut = 0;      ///< edits dropped for lack of time, or because the log was full
   std::uint64_t heldUp = 0;       ///< edits that waited for a compaction
 };
 
 struct EditCost {
   std::string subject, brush, index;
   std::size_t points = 0;
-  std::size_t asked = 0;  ///< points that an edit is to touch
+  std::size_t asked = 0;  ///< points that an edit should touch
   double brushRadius_mm = 0, spacing_mm = 0;
-  Summary touched;   ///< points that edits changed, moved or took away
-  Summary query_us;  ///< on the GPU, of the ticks with an edit; no samples where it was not measured
-  Summary edit_us;   ///< on the GPU: brush, index, normals, log; where a driver tells no times, until it was seen done
-  Summary indexed_us;   ///< in virtual time: query and edit of each tick together, on the GPU
-  Summary requests_us;  ///< on the GPU, behind the edit: where points should come and go with the next one
-  Summary step_us;      ///< from pose to force; in virtual time with the whole edit in it
+  Summary touched;     ///< points that edits moved, changed or removed
+  Summary query_us;    ///< on the GPU, ticks with an edit; no samples where it was not measured
+  Summary edit_us;     ///< on the GPU: brush, index, normals, log; without GPU times, until the host saw its completion
+  Summary indexed_us;  ///< in virtual time: query and edit of each tick together, on the GPU
+  Summary requests_us;  ///< on the GPU, after the edit: where the next edit should insert and remove points
+  Summary step_us;      ///< from pose to force; in virtual time including the whole edit
   std::uint64_t edits = 0;
-  std::uint64_t builds = 0;       ///< full builds of the index for these edits
-  std::uint64_t compactions = 0;  ///< of the index in the background, that came out, among these ticks
-  Summary compactingStep_us;  ///< of the steps, those while it was compacted; in virtual time with all of that in one
-  double longestCompactionEnd_us = 0;  ///< that touch waited for the end of one, in all the session
-  std::uint64_t landings = 0;          ///< how often the brush was put down
+  std::uint64_t builds = 0;            ///< full builds of the index for these edits
+  std::uint64_t compactions = 0;       ///< background compactions of the index that were completed within these ticks
+  Summary compactingStep_us;           ///< steps during a compaction; in virtual time one step includes all of it
+  double longestCompactionEnd_us = 0;  ///< longest wait of touch for the end of a compaction, over the session
+  std::uint64_t landings = 0;          ///< how often the brush was lowered onto the surface
   EditMemory memory;
   std::optional<EditStroke> stroke;
 };
 Json toJson(const EditCost& cost);
 
-/// Where an edit with a full build becomes cheaper than an update of the index.
+/// The size above which an edit with a full build is cheaper than an update of the index.
 struct EditCrossover {
   std::string subject;
   std::size_t points = 0;
   double share = 0;    ///< touched points over all points
   bool found = false;  ///< false: `share` is the largest one measured, and the update was still cheaper there
 };
-/// One for each model on which both ways were measured, of times on the GPU. Only updates count that needed no build.
+/// One for each model measured with both methods, from times on the GPU. Only updates without a build count.
 std::vector<EditCrossover> crossovers(const std::vector<EditCost>& costs);
 Json toJson(const EditCrossover& crossover);
 
-/// How the edited step of the largest model compares to that of the smallest, for the same number of points asked.
+/// The edited step of the largest model relative to that of the smallest, for the same number of points.
 struct EditGrowth {
   std::string index;
   std::size_t asked = 0, from = 0, to = 0;  ///< points asked; points of the two models
-  double factor = 0;                        ///< of the median steps
+  double factor = 0;                        ///< ratio of the median steps
 };
 std::vector<EditGrowth> growths(const std::vector<EditCost>& costs);
 Json toJson(const EditGrowth& growth);

@@ -65,12 +65,12 @@ Json toJson(const StrokeRecord& record) {
 void printStrokeHeading(std::FILE* out) {
   fmt::print(
       out,
-      "\nstrokes; far: beyond the brush's radius from its way, support radii; close: new points nearer than 0.4 "
-      "spacings of their place; out: new points off the old surface, and how far, support radii; normals: 95 % "
-      "of the changed ones are nearer than so to a plane fit, degrees, then how many face the other way, "
-      "changed / at rest; settle: ticks until nothing changed any more; looks: points changed by a brush "
-      "without effect, before / after the stroke; deep, high: of changed points under and over the surface before, "
-      "mm; double: of them, those with one that faces the other way within half a spacing\n");
+      "\nstrokes; far: beyond the brush's radius from its path, support radii; close: new points closer than 0.4 "
+      "spacings to a neighbour; out: new points off the old surface, and how far, support radii; normals: 95th "
+      "percentile of the angle of changed ones to a plane fit, degrees; turned: normals that face the wrong way, "
+      "changed / at rest; settle: ticks until the last change; looks: points changed by a brush without effect, "
+      "before / after the stroke; deep, high: largest distance of changed points under and over the old surface, "
+      "mm; double: changed points with one that faces the other way within half a spacing\n");
   fmt::print(out, kRow, "model", "points", "backend", "brush", "way", "moved", "new", "gone", "far moved", "far new",
              "close", "out", "normals", "turned", "settle", "looks", "deep", "high", "double", "broken");
 }

@@ -21,10 +21,10 @@ constexpr double kQuerySlide_mm = 20, kQueryStep_mm = 0.5;
 constexpr int kDirections = 8;
 constexpr double kTau_mm = 0.5, kBeta = 0.1, kStrength = 0.5;  // as in touch
 constexpr double kDepthSlack_mm = 0.4, kMaxRaised_mm = 0.3;
-// Support radii: the tool's axis and the surface over the hand are found here by other means than in the session.
+// Support radii: the brush's axis and the surface over the hand are computed differently here than in the session.
 constexpr double kWaySlack = 0.12;
 constexpr std::size_t kIdleTicks = 100;
-constexpr double kIdleDeeper_mm = 1;  // than the stroke, so that the brush acts in what that has left
+constexpr double kIdleDeeper_mm = 1;  // below the stroke, so that the brush acts in the dent that the stroke left
 constexpr std::size_t kMaxSettling = 400, kQuiet = 24, kDrain = 8;  // ticks
 constexpr std::int64_t kUsualPoints = 15'000;
 
@@ -36,8 +36,8 @@ struct LocalityBenchOptions : BenchOptions {
 struct LocalitySubject {
   std::string name;
   Model model;
-  std::vector<SurfaceSpot> way;  // of a slide, from the place of the press on; relative to the cloud's origin
-  bool isDeep = true;            // as deep as the brush goes
+  std::vector<SurfaceSpot> way;  // path of a slide, starting where the press is; relative to the cloud's origin
+  bool isDeep = true;            // thicker than the brush goes deep
 };
 
 std::vector<SurfaceSpot> wayFrom(const ThinnedCloud& surface, const SurfaceSpot& start, const DVec3& towards,
@@ -49,7 +49,7 @@ std::vector<SurfaceSpot> wayFrom(const ThinnedCloud& surface, const SurfaceSpot&
   return way;
 }
 
-// Of a few directions the one along which the surface goes on and turns least.
+// Of a few directions, the one along which the surface continues and bends least.
 std::vector<SurfaceSpot> wayOn(const Model& model) {
   const WalkedSurface surface(model.cloud);
   const SurfaceSpot& start = surface.best;
@@ -89,12 +89,12 @@ LocalitySubject unevenSubject(Context& context, const std::string& name, std::si
   return subject;
 }
 
-// Where the HIP is in a tick, and the surface over it; relative to the cloud's origin.
+// HIP position in a tick, and the surface over it; relative to the cloud's origin.
 struct HipPlace {
   DVec3 hip{0}, on{0}, normal{0};
 };
 
-// Tick by tick.
+// The HIP's positions, one for each tick.
 class HipWay {
  public:
   HipWay(const SurfaceSpot& over, double height) : places_{at(over, height)} {}
@@ -119,8 +119,8 @@ class HipWay {
   std::vector<HipPlace> places_;
 };
 
-// How the surface lay around a place before any stroke: the mean normal over the brush, of the points that face the
-// same way. Near the places of a way it is asked for again and again.
+// Mean normal over the brush on the surface before any stroke, of the points that face the same way. The last result is
+// reused for nearby positions.
 class FoundAxes {
  public:
   FoundAxes(const PointCloud& cloud, double radius) : cloud_(cloud), tree_(cloud.positions), radius_(radius) {}
@@ -166,7 +166,7 @@ std::vector<HipPlace> slideHips(const LocalitySubject& subject, double depth_mm)
   return way.places();
 }
 
-// The brush of a stroke, or, `idle`, the same without any effect.
+// The brush of a stroke; `idle`: the same brush without any effect.
 BrushConfig brushFor(BrushKind kind, const LocalityBenchOptions& options, bool idle) {
   return {.kind = kind,
           .tau_mm = kTau_mm,
@@ -175,13 +175,13 @@ BrushConfig brushFor(BrushKind kind, const LocalityBenchOptions& options, bool i
           .strength = idle ? 0 : kStrength};
 }
 
-// Moves the brush of a session that keeps a journal, in virtual time, and follows what becomes of the points.
+// Moves the brush of a session that keeps a journal, in virtual time, and tracks the state of the points.
 class Play {
  public:
   Play(Session& session, FoundAxes& axes) : session_(session), origin_(session.model().cloud.origin), axes_(axes) {}
 
   std::span<const PointState> points() { return session_.journal()->points(); }
-  /// Of the brush's ball, tick by tick, since the last call of begin().
+  /// Centres of the brush's ball, one for each acting tick since the last begin().
   const std::vector<DVec3>& centers() const { return centers_; }
 
   void begin(const BrushConfig& brush) {
@@ -193,7 +193,8 @@ class Play {
     for (const HipPlace& place : places) tick(place);
     finish();
   }
-  /// Lifts the hand to `hip` and waits until nothing changes any more: how many ticks that took, and whether it came.
+  /// Lifts the hand to `hip` and waits until nothing changes any more. Returns the number of ticks until the last
+  /// change, and false if changes did not end.
   std::pair<std::size_t, bool> settle(const DVec3& hip) {
     std::size_t last = 0;
     for (std::size_t ticks = 0; ticks < kMaxSettling; ticks += kDrain) {
@@ -211,10 +212,10 @@ class Play {
     TouchBackend& backend = session_.backend();
     const Contact contact =
         backend.query({.time_s = static_cast<double>(ticks_++) / kQueryRate_Hz, .hip = origin_ + place.hip}, 0);
-    if (!contact.valid) backend.finish();  // throws what was wrong
+    if (!contact.valid) backend.finish();  // throws the back end's failure
     backend.prepare();
-    // As engine/core/brush.hpp has it: a ball whose tip stands tau before the HIP, or one about the place where the
-    // surface was found over the hand.
+    // As in engine/core/brush.hpp: a ball whose tip is tau before the HIP, or a ball about the surface position over
+    // the hand.
     const bool tip = brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve;
     if (contact.touching && glm::distance(contact.proxy, origin_ + place.hip) > brush_.tau)
       centers_.push_back(tip ? place.hip + (brush_.tau + brush_.radius) * axes_.axisAt(place) : place.on);
@@ -261,7 +262,7 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   BackendOptions way = options.backend;
   way.backend = what.backend;
   Session session = startSession(context, model, sessionConfig(way, brush), true);
-  const double support = session.surface().radius / session.surface().widening;  // edits are narrow
+  const double support = session.surface().radius / session.surface().widening;  // edits do not widen the radius
 
   StrokeRecord record = what;
   record.points = model.cloud.size();
@@ -282,7 +283,7 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   const std::vector<DVec3> centers = play.centers();
   record.acting = centers.size();
   const SurfaceSpot& end = what.gesture == "press" ? subject.way.front() : subject.way.back();
-  play.begin(idle);  // the lifted hand may stand in another part of the model
+  play.begin(idle);  // the lifted hand may be inside another part of the model
   std::tie(record.settling, record.settled) =
       play.settle(end.position + model.scale.toUnits(2 * kAbove_mm) * end.normal);
   const bool presses = kind == BrushKind::push || kind == BrushKind::carve;
@@ -315,7 +316,7 @@ Json benchLocality(Context& context, const LocalityBenchOptions& options) {
       if (cloud != "none")
         subjects.emplace_back(
             [&context, cloud, size] { return unevenSubject(context, cloud, static_cast<std::size_t>(size)); });
-  if (subjects.empty()) throw UsageError("bench locality: --clouds none and no --models leave nothing to edit");
+  if (subjects.empty()) throw UsageError("bench locality: --clouds none requires --models");
   std::size_t broken = 0, strictlyBroken = 0;
   Json strokes = Json::array();
   printStrokeHeading(context.tables());
@@ -337,7 +338,7 @@ Json benchLocality(Context& context, const LocalityBenchOptions& options) {
         }
   }
   fmt::print(context.tables(),
-             "\n{} of {} strokes keep every promise within what the judge allows for, {} without any allowance\n",
+             "\n{} of {} strokes keep every promise within the judge's tolerance, {} without any tolerance\n",
              strokes.size() - broken, strokes.size(), strokes.size() - strictlyBroken);
   return {{"strokes", std::move(strokes)}, {"broken", broken}, {"strictly_broken", strictlyBroken}};
 }
@@ -350,18 +351,18 @@ void addOptions(Options& bench, LocalityBenchOptions& options) {
   for (const std::string_view name : unevenCloudNames()) options.clouds.emplace_back(name);
   std::vector<std::string> clouds = options.clouds;
   clouds.emplace_back("none");
-  bench.add("--clouds", options.clouds, "built-in uneven clouds of --sizes points, or none of them but --models")
+  bench.add("--clouds", options.clouds, "built-in uneven clouds of --sizes points; none: only --models")
       .check(oneOf(std::move(clouds)))
       .separatedBy(',')
       .showDefault();
   options.brushes = namesOf(kBrushKinds);
-  addListOption(bench, "--brushes", options.brushes, "which are tried");
-  addListOption(bench, "--gestures", options.gestures, "a press that is held, a slide of 20 mm");
-  bench.add("--hold", options.hold_s, "s that a press is held").check(between(0, 60)).showDefault();
-  bench.add("--tool-radius", options.brushRadius_mm, "of the brush, mm")
+  addListOption(bench, "--brushes", options.brushes, "brushes to test");
+  addListOption(bench, "--gestures", options.gestures, "press: pressed and held; slide: a slide of 20 mm");
+  bench.add("--hold", options.hold_s, "duration of a press, s").check(between(0, 60)).showDefault();
+  bench.add("--tool-radius", options.brushRadius_mm, "radius of the brush, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
-  bench.add("--depth", options.depth_mm, "of the HIP below the unmoved surface, mm")
+  bench.add("--depth", options.depth_mm, "depth of the HIP below the original surface, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
   addFrictionOption(bench, options);
@@ -374,23 +375,22 @@ void addOptions(Options& bench, LocalityBenchOptions& options) {
 }  // namespace
 
 void addLocalityBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("locality", "judges what an edit changes that it may not");
+  Options& sub = bench.addSubcommand("locality", "judges whether edits change what they must not");
   const auto options = std::make_shared<LocalityBenchOptions>();
   options->backend.surface = "average";
   addOptions(sub, *options);
   sub.footer(
-      "Each brush, a press that is held and a slide; then the hand is lifted until nothing changes. Points that moved "
-      "or went beyond the brush's radius from its way, new ones beyond that and a support radius, or nearer than 0.4 "
-      "spacings of their place to another, or, carving, outside the old surface; normals that face the other way; "
-      "changes by a brush without effect, before and after. The judge measures spacings and heights itself, and "
-      "allows for one point, or 2 % of the new ones that are too near, 1 % of those of a carving outside and 1 % of "
-      "the "
-      "normals; the JSON's strictly_broken allows for none. Exit code 1 when an edit changed more than that.\n");
+      "Each brush presses and slides; then the hand is lifted until nothing changes. Violations: points moved "
+      "or removed farther from the brush's path than its radius; new points farther than that plus a support radius, "
+      "closer than 0.4 local spacings to another, or, when carving, outside the old surface; normals that face the "
+      "wrong way; changes by a brush without effect, before and after. The judge measures spacings and heights itself. "
+      "It tolerates one point, or 2 % of the new points too close, 1 % of carved points outside and 1 % of the "
+      "normals; the JSON's strictly_broken tolerates none. Exit code 1 if an edit exceeds the tolerance.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
       const Json found = measureAlone(context, *options, "locality", [&] { return benchLocality(context, *options); });
       if (found["broken"].get<std::uint64_t>() > 0)
-        throw Error("bench locality: {} of {} strokes changed what an edit may not; the table says what",
+        throw Error("bench locality: {} of {} strokes broke a promise of edits; see the table",
                     found["broken"].get<std::uint64_t>(), found["strokes"].size());
     };
   });

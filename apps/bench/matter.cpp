@@ -1,4 +1,4 @@
-// What a millisecond of matter costs that a hand stirs, or presses.
+// Cost of a millisecond of matter that a hand stirs or presses.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -16,19 +16,19 @@ namespace {
 
 constexpr double kSpacing_mm = 5;
 constexpr double kBall_spacings = 3.5;
-constexpr int kWarmUpSteps = 50;  // steps: the ball comes down, clocks rise
-constexpr int kPassSteps = 20;    // in which passes are timed one by one
+constexpr int kWarmUpSteps = 50;  // steps: the ball is lowered, clocks rise
+constexpr int kPassSteps = 20;    // steps whose passes are timed individually
 constexpr int kAskedCompliances = 10;
 
 struct MatterBenchOptions : BenchOptions {
   std::vector<std::string> matters{"water", "sand"};
-  std::int64_t points = 0;   // that a soft body carries; 0: its skin
-  std::int64_t presses = 0;  // on the surface of a soft body, in place of a ball
-  double depth_mm = 0;       // of what fills the tank; 0: as deep as wide
+  std::int64_t points = 0;   // points that a soft body carries; 0: those of its skin
+  std::int64_t presses = 0;  // presses on the surface of a soft body, in place of a ball
+  double depth_mm = 0;       // depth of the filling; 0: equal to its width
   bool passes = false;
 };
 
-// A tank as wide as it is filled, with room for a ball above that weighs what it displaces.
+// A tank as wide as its filling, with room above for a ball of the matter's density.
 MatterScene sceneOf(Matter matter, std::size_t particles, double depth_mm) {
   const auto count = static_cast<double>(particles);
   const double wanted = depth_mm > 0 ? std::sqrt(count * kSpacing_mm / depth_mm) : std::cbrt(count);
@@ -45,7 +45,7 @@ MatterScene sceneOf(Matter matter, std::size_t particles, double depth_mm) {
   return scene;
 }
 
-// A cube with so many nodes, or a block where they are few, on the floor of a box that it does not fill.
+// A cube with about that many nodes, or a flat block for few nodes, on the floor of a larger box.
 MatterScene softScene(std::size_t nodes) {
   const double side = std::max(2 * kBall_spacings + 1, std::round(std::cbrt(static_cast<double>(nodes))) - 1);
   const double layers = std::max(1.0, std::round(static_cast<double>(nodes) / ((side + 1) * (side + 1))) - 1);
@@ -57,7 +57,7 @@ MatterScene softScene(std::size_t nodes) {
   return scene;
 }
 
-// Points on the faces of that body, row by row as a scanner has them, and so many at the least.
+// At least `count` points on the faces of that body, in rows as from a scanner.
 std::vector<SurfacePlace> pointsOn(const MatterScene& scene, std::int64_t count) {
   const auto [low, high] = standOf(scene);
   const DVec3 sides = high - low;
@@ -81,7 +81,7 @@ std::vector<SurfacePlace> pointsOn(const MatterScene& scene, std::int64_t count)
   return points;
 }
 
-// Comes down from above until the ball is half in, or presses on what is soft, and goes around there.
+// Lowers the ball until half of it is immersed, or until it presses a soft body; then moves it in a circle.
 HandPose stirring(const MatterScene& scene, std::int64_t step) {
   constexpr double kSpeed_m_s = 0.2, kDown_m_s = 0.4, kPressed_radii = 0.3;
   const double middle_m = scene.box_mm.x * 1e-3 / 2, far_m = std::max(scene.fill_mm.x * 1e-3 / 4, 1e-3);
@@ -93,13 +93,13 @@ HandPose stirring(const MatterScene& scene, std::int64_t step) {
                       middle_m + far_m * std::sin(angle)}};
 }
 
-// Hands side by side that press on a body as a hand does that feels it, a few millimetres deep, and go around there.
+// Hands side by side that press a few millimetres deep on a body, as a feeling hand does, and move in a circle.
 class Pressing {
  public:
   explicit Pressing(std::int64_t count) : presses_(static_cast<std::size_t>(count)) {}
 
   std::span<const SurfacePress> at(const MatterScene& scene, std::int64_t step) {
-    constexpr double kDeep_m = 3e-3, kApart = 0.1;  // of a round
+    constexpr double kDeep_m = 3e-3, kApart = 0.1;  // kApart: of a full circle
     for (std::size_t i = 0; i < presses_.size(); ++i) {
       SurfacePress& press = presses_[i];
       DVec3 place = stirring(scene, step).place_m;
@@ -129,7 +129,7 @@ class Pressing {
   std::vector<SurfacePress> presses_;
 };
 
-// What is measured: a scene on a back end.
+// A measured scene on a back end.
 struct MatterCase {
   MatterScene scene;
   std::string backend;
@@ -142,7 +142,7 @@ std::unique_ptr<MatterSimulation> start(Context& context, const MatterCase& one,
   return startSoft(context, one.backend, one.scene, options, solidOf(one.scene), pointsOn(one.scene, one.points));
 }
 
-// Steps with a hand, from where the last one ended, and frames of points.
+// Steps with a hand, each from where the last step ended, and frames of points.
 class Stirred {
  public:
   Stirred(Context& context, const MatterCase& one, bool timesPasses)
@@ -157,16 +157,16 @@ class Stirred {
     ++steps_;
     if (world_->state() != MatterState::running) throw Error("the simulation failed after {} steps", steps_);
   }
-  /// Of a soft body, where it is simulated.
+  /// Frame of a soft body, made where it is simulated.
   void frame() {
     if (!world_->makeFrameThere()) world_->makeFrame(frame_);
   }
-  /// The same on the host.
+  /// The same frame on the host.
   std::size_t fetchFrame() {
     world_->makeFrame(frame_);
     return frame_.size();
   }
-  /// As a session asks for it, where the surface was pressed last.
+  /// Queried as a session does, at the last press.
   double compliance_m_N() {
     return world_->localCompliance_m_N(world_->pressed().front().place_m, world_->scene().spacing_mm * 1e-3,
                                        {0, -1, 0});
@@ -196,7 +196,7 @@ Json passTimes(Context& context, const MatterCase& one) {
   return passes;
 }
 
-// By pass, what one that works moves; nothing where passes are not timed, or it is not counted.
+// Bytes that each working pass moves; empty where passes are not timed or not counted.
 Json passBytes(const MatterCase& one, std::size_t particles) {
   Json passes = Json::object();
   if (one.backend != "vulkan" || one.scene.matter == Matter::soft) return passes;
@@ -205,13 +205,13 @@ Json passBytes(const MatterCase& one, std::size_t particles) {
   return passes;
 }
 
-// All times over the substeps that they are of.
+// All times divided by the number of substeps.
 std::vector<double> eachOf(std::vector<double> times, std::uint32_t substeps) {
   for (double& time : times) time /= substeps;
   return times;
 }
 
-// Each after a step of its own: where a soft body is simulated, and on the host.
+// Times of frames made where a soft body is simulated, and on the host, each after a step of its own.
 Json frameTimes(const MatterBenchOptions& options, Stirred& stirred) {
   std::vector<double> gpu_us, wall_us, fetched_us;
   repeatMeasurement(options, [&](std::int64_t) {
@@ -234,7 +234,7 @@ Json frameTimes(const MatterBenchOptions& options, Stirred& stirred) {
           {"fetched_us", summaryOf(summarize(fetched_us))}};
 }
 
-// How long it takes to say how a pressed surface gives way.
+// Time of a compliance query at a pressed surface.
 Json complianceTimes(Stirred& stirred) {
   std::vector<double> wall_us;
   for (int k = 0; k < kAskedCompliances; ++k) {
@@ -278,7 +278,7 @@ std::string said(const Json& summary) {
              : fmt::format("{:.1f} / {:.1f}", summary["p50"].get<double>(), summary["p999"].get<double>());
 }
 
-// What a pass moves, and how fast it did in the time that it worked.
+// Bytes that a pass moves, and its bandwidth while it worked.
 std::string inWords(const Json& bytes, const Json& times) {
   const double moved = bytes["moved"].get<double>(), asked = bytes["asked"].get<double>();
   const double time_us = times[bytes["mostly_ends"].get<bool>() ? "max" : "p50"].get<double>();
@@ -325,7 +325,7 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
         context.log().say("matter: {} particles of {}, {}", size, name, backend);
         const Matter matter = *valueNamed(kMatters, name);
         if (options.presses > 0 && matter != Matter::soft)
-          throw UsageError("--presses: only a soft body has a surface; take --matter soft");
+          throw UsageError("--presses requires --matter soft: only a soft body has a surface");
         const auto particles = static_cast<std::size_t>(size);
         const MatterScene scene =
             matter == Matter::soft ? softScene(particles) : sceneOf(matter, particles, options.depth_mm);
@@ -344,34 +344,32 @@ void addMatterBench(Options& bench, Context& context, Command& command) {
       bench.addSubcommand("matter", "a millisecond of water, sand or a soft body that a hand stirs or presses");
   const auto options = std::make_shared<MatterBenchOptions>();
   sub.add("--sizes", options->sizes,
-          "numbers of particles, or of nodes, about; a tank is filled for each, or a cube made (default 100000)")
+          "approximate numbers of particles or nodes; each fills a tank or makes a cube (default: 100000)")
       .check(wholeBetween(1, 1e8))
       .typeName("N...");
-  sub.add("--matter", options->matters, "what is stirred, or pressed where it is soft: water, sand, soft")
+  sub.add("--matter", options->matters, "matter to stir, or to press if soft: water, sand, soft")
       .check(oneOf(namesOf(kMatters)))
       .separatedBy(',')
       .showDefault();
   sub.add("--points", options->points,
-          "points that a soft body carries, about; 0: a place of each half spacing of its skin")
+          "approximate number of points that a soft body carries; 0: one per half spacing of its skin")
       .check(wholeBetween(0, 1e8))
       .showDefault();
   sub.add("--presses", options->presses,
-          "hands that press on the surface of a soft body as they do in a session, in place of the ball")
+          "hands that press on a soft body's surface as in a session, in place of the ball")
       .check(wholeBetween(0, 72))
       .showDefault();
   sub.add("--depth", options->depth_mm,
-          "how deep water and sand lie, and so how many substeps they need (default: as deep as wide)")
+          "depth of water and sand, mm, which sets the number of substeps (default: equal to the width)")
       .check(between(10, 1e5))
       .typeName("MM");
   addBackendsOption(sub, *options, matterBackends());
-  sub.addFlag("--passes", options->passes, "time each pass by itself, too, in further steps");
+  sub.addFlag("--passes", options->passes, "also time each pass alone, in further steps");
   addRepeatOptions(sub, *options);
   sub.footer(
-      "Time of a step of a millisecond and its share for each substep, on the GPU's clock and with all that the host "
-      "does, while a ball goes through the matter, or is dragged over it where it is soft. For a soft body also a "
-      "frame of the points that it carries: where they are carried, and until they are on the host; and with presses "
-      "how "
-      "long it takes to say how its surface gives way.\n");
+      "Time of a step of a millisecond, and per substep, on the GPU's clock including the host's work, while a ball "
+      "moves through the matter, or is dragged over a soft body. For a soft body also a frame of the points that it "
+      "carries, on the GPU and until they are on the host; and with presses the time of a compliance query.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
       measureAlone(context, *options, "matter", [&] { return benchMatter(context, *options); });

@@ -11,9 +11,9 @@ namespace palpate {
 namespace {
 
 constexpr double kPlace = 16, kWord = 4, kContact = 16;  // bytes
-constexpr double kGrainContacts = 6;                     // of a grain on the lattice
+constexpr double kGrainContacts = 6;                     // contacts of a grain on the lattice
 
-// Places of a cubic lattice of spacing 1 within that distance of one of them.
+// Number of positions of a cubic lattice of spacing 1 within that distance of one of them.
 double neighboursWithin(double spacings) {
   const int far = static_cast<int>(std::ceil(spacings));
   int count = 0;
@@ -31,8 +31,8 @@ std::map<std::string, PassBytes> matterBytes(const MatterScene& scene, std::size
   const shared::MatterCells grid = cellsOf({.size = scene.box_mm * 1e-3, .periodic = scene.periodic},
                                            static_cast<float>(listed_spacings * spacing_m));
   const DVec3 cells(grid.cells);
-  const double firsts = kWord * cells.x * cells.y * cells.z;  // where each cell begins
-  // Neighbours are listed and asked for by fours; those within some cells about a particle are looked at for that.
+  const double firsts = kWord * cells.x * cells.y * cells.z;  // start of each cell
+  // Neighbours are listed and read in fours; to find them, all particles within some cells are read.
   const double listed = neighboursWithin(listed_spacings), fours = shared::kListedAtOnce;
   const double asked = std::ceil(listed / fours) * fours, list = kWord * asked;
   const double lookedAt = std::pow(shared::kRowsWide * listed_spacings / 2, 3);
@@ -40,18 +40,18 @@ std::map<std::string, PassBytes> matterBytes(const MatterScene& scene, std::size
     return PassBytes{.moved = n * bytes + once, .asked = n * (bytes + byNeighbours) + once};
   };
   std::map<std::string, PassBytes> passes{
-      // Velocity, position, where it was listed; where it is predicted. All cells are emptied.
+      // Velocity, position, listed position; predicted position. All cells are cleared.
       {"matter_predict", each(4 * kPlace, 0, firsts)},
       {"matter_count", each(kPlace + 2 * kWord, 0, 2 * firsts)},
       {"matter_scan_reduce", each(0, 0, firsts)},
       {"matter_scan", each(0, 0, 2 * firsts)},
       {"matter_place", each(3 * kWord, 0, firsts)},
-      // Its place in the order, its cell; three vectors and an id, from where they stood to where they belong.
+      // Position in the order, cell; three vectors and an id, from their old slot to their new one.
       {"matter_sort", each(2 * kWord + 2 * (3 * kPlace + kWord), 0, firsts)},
       {"matter_list", each(2 * (3 * kPlace + kWord) + list + kWord, kPlace * lookedAt, firsts)}};
   for (auto& [name, bytes] : passes) bytes.mostlyEnds = name != "matter_predict";
   if (scene.matter == Matter::sand) {
-    // Place, velocity, id, list, contacts; position, velocity and contacts, which are written elsewhere.
+    // Position, velocity, id, list, contacts; position, velocity and contacts, written to other buffers.
     const double contacts = kContact * kGrainContacts + kWord;
     passes["matter_rub"] = each(2 * kPlace + kWord + list + kWord + contacts + 2 * kPlace + contacts,
                                 kPlace * listed + (kPlace + kWord) * kGrainContacts);

@@ -1,4 +1,4 @@
-// What the passes of water and sand move on a GPU, to be held against its bandwidth.
+// Bytes that the passes of water and sand move on a GPU, for comparison with its bandwidth.
 #pragma once
 
 #include <map>
@@ -8,15 +8,16 @@
 
 namespace palpate {
 
-/// Of a pass that does its work.
+/// Bytes of a pass that does its work.
 struct PassBytes {
-  double moved = 0;         ///< from memory and to it at the least: each value once, however many ask for it
-  double asked = 0;         ///< with what each particle asks of its neighbours, most of which caches answer
-  bool mostlyEnds = false;  ///< at once, as lists are good for a while: it has done its work where it took longest
+  double moved = 0;         ///< minimum from and to memory: each value once, however many invocations read it
+  double asked = 0;         ///< including each particle's reads of its neighbours, most of which hit caches
+  bool mostlyEnds = false;  ///< it mostly returns at once, because lists stay valid for several steps: its longest time
+                            ///< is that of its work
 };
 
-/// By the name of the pass. Counted from what stands in each (shaders/matter), with the neighbours that a particle has
-/// on the lattice on which matter rests, and without what walls, models and tools add.
+/// By name of the pass. Derived from the shaders (shaders/matter) and the number of neighbours on the rest lattice,
+/// without walls, models and tools.
 std::map<std::string, PassBytes> matterBytes(const MatterScene& scene, std::size_t particles);
 
 }  // namespace palpate

@@ -1,4 +1,4 @@
-// What a mesh costs, pass by pass, and how true it is.
+// Cost of a mesh, per pass, and its accuracy.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -23,14 +23,14 @@ struct MeshBenchOptions : BenchOptions {
 
 using Samples = std::map<std::string, std::vector<double>>;
 
-// The passes in their order, with their times.
+// The passes in order, with their times.
 std::vector<std::pair<std::string, double>> named(const MeshTimes& times) {
   return {{"index", times.index},         {"list", times.list},     {"field", times.field},
           {"classify", times.classify},   {"scan", times.scan},     {"vertices", times.vertices},
           {"triangles", times.triangles}, {"in all", times.total()}};
 }
 
-// What an edit of the points around one of them costs: they yield by a tenth of the support radius and come back.
+// An edit for timing: points around one of them are pushed in by a tenth of the support radius, and back.
 constexpr double kEdit_radii = 2;
 constexpr float kDent_radii = 0.1f;
 
@@ -113,7 +113,7 @@ void printTimes(std::FILE* out, const Json& records, std::int64_t lattice, const
   }
 }
 
-// A mesh of a shape that is known, against it. Shapes are 100 units long, which are mm.
+// Compares a mesh of a known shape with the shape. Shapes are 100 units long, which are mm.
 Json judge(Context& context, const std::string& name, std::size_t points, std::int64_t lattice,
            const std::string& surface) {
   const auto shape = makeShape(name);
@@ -128,7 +128,7 @@ Json judge(Context& context, const std::string& name, std::size_t points, std::i
       const DVec3 place = mesh.vertices.fileCoordinates(i);
       const SurfacePoint truth = shape->closest(place);
       off[i] = glm::distance(place, truth.position);
-      // On an edge the shape has no normal of its own; the one towards a vertex beside it means nothing.
+      // On an edge the shape has no normal; the normal towards a nearby vertex is meaningless.
       angles[i] = angleBetween_deg(DVec3(mesh.vertices.normals[i]), truth.normal);
     }
   });
@@ -172,7 +172,7 @@ Json benchMesh(Context& context, const MeshBenchOptions& options) {
   Json result{{"records", Json::array()}, {"truth", Json::array()}};
   for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
-    if (subject.model.cloud.empty()) throw Error("{} has no points; there is nothing to mesh", subject.name);
+    if (subject.model.cloud.empty()) throw Error("{} contains no points", subject.name);
     for (const std::int64_t lattice : options.lattices)
       for (const std::string& surface : options.surfaces) {
         context.log().say("mesh: {}, {} points, lattice {}, {}", subject.name, subject.model.cloud.size(), lattice,
@@ -200,12 +200,12 @@ void addOptions(Options& bench, MeshBenchOptions& options) {
       .check(wholeBetween(1, kFinestLattice))
       .typeName("N...")
       .showDefault();
-  bench.add("--mesh-surface", options.surfaces, "what is meshed")
+  bench.add("--mesh-surface", options.surfaces, "surface to mesh")
       .check(oneOf(namesOf(kMeshSurfaces)))
       .separatedBy(',')
       .showDefault();
   for (const std::string_view name : shapeNames()) options.shapes.emplace_back(name);
-  addListOption(bench, "--shapes", options.shapes, "that the mesh is held against");
+  addListOption(bench, "--shapes", options.shapes, "shapes that the mesh is compared with");
   bench.add("--truth-points", options.truthPoints, "points of those shapes; 0: none")
       .check(wholeBetween(0, 1e8))
       .showDefault();
@@ -220,8 +220,8 @@ void addMeshBench(Options& bench, Context& context, Command& command) {
   const auto options = std::make_shared<MeshBenchOptions>();
   addOptions(sub, *options);
   sub.footer(
-      "ms on the GPU for each pass of marching cubes and for a mesh that follows an edit, memory, and the distance of "
-      "vertices and the error of normals against shapes that are known.\n");
+      "ms on the GPU for each pass of marching cubes and for the update after an edit, memory, and the distance of "
+      "vertices and the error of normals relative to known shapes.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
       measureAlone(context, *options, "mesh", [&] { return benchMesh(context, *options); });

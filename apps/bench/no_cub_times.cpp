@@ -1,4 +1,4 @@
-// Stands in for cub_times.cpp where palpate is built without NVIDIA's compiler.
+// Replaces cub_times.cpp in a build without NVIDIA's compiler.
 #include "apps/bench/cub_times.hpp"
 #include "engine/core/error.hpp"
 
@@ -8,8 +8,8 @@ namespace {
 
 [[noreturn]] void refuse() {
   throw Error(
-      "--backend cuda: this palpate was built without CUDA; build it again where nvcc is found (cmake "
-      "-DPALPATE_CUDA=ON), or take --backend vulkan");
+      "--backend cuda: this palpate was built without CUDA; rebuild it with nvcc (cmake -DPALPATE_CUDA=ON), or use "
+      "--backend vulkan");
 }
 
 }  // namespace

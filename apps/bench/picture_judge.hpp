@@ -1,5 +1,4 @@
-// Pictures of shapes that are known, judged pixel by pixel against rays cast in double precision: what `palpate bench
-// splat` measures besides times.
+// Pictures of known shapes, judged per pixel against rays cast in double precision, for `palpate bench splat`.
 #pragma once
 
 #include <string>
@@ -10,33 +9,33 @@
 
 namespace palpate {
 
-/// A surface as a camera sees it: one exact ray through the middle of every `stride`-th pixel along each side.
+/// A surface as a camera sees it: one exact ray through the centre of every `stride`-th pixel along each side.
 struct PictureTruth {
   Camera camera;
-  std::uint32_t width = 0, height = 0;  ///< of the picture, pixels
+  std::uint32_t width = 0, height = 0;  ///< size of the picture, pixels
   std::uint32_t stride = 1;
-  std::vector<float> depth;  ///< of each ray, row by row, eye space, model units; 0 where nothing is
+  std::vector<float> depth;  ///< of each ray, row by row, eye space, model units; 0 where the ray hits nothing
   std::vector<Vec3> normal;  ///< unit, model axes
 
   std::uint32_t columns() const { return (width + stride - 1) / stride; }
   std::uint32_t rows() const { return (height + stride - 1) / stride; }
 };
 
-/// `cloud`: samples of the surface. The camera stands aslant and sees all of it.
+/// `cloud`: samples of the surface. The camera looks at an oblique angle and sees all of it.
 PictureTruth pictureTruth(const TracedSurface& surface, const PointCloud& cloud, std::uint32_t width,
                           std::uint32_t height, std::uint32_t stride, unsigned threads);
 
 struct PictureJudgement {
-  std::size_t pixels = 0;     ///< that were judged and where the surface is
-  std::size_t holes = 0;      ///< inside the silhouette: nothing, or what lies more than three spacings behind
+  std::size_t pixels = 0;     ///< judged pixels on the surface
+  std::size_t holes = 0;      ///< inside the silhouette: no surface, or one more than three spacings behind
   double overlap = 0;         ///< of the two silhouettes, intersection over union, %
   double depthRms = 0;        ///< where the picture shows the surface that the ray meets, spacings
-  double normalMean_deg = 0;  ///< angle to the true normal, there
+  double normalMean_deg = 0;  ///< angle to the true normal, on the same pixels
   double normalP95_deg = 0;
 };
 
-/// `spacing`: mean, of the cloud, model units. `depth` and `normals`: what the frame read back of it in one sample per
-/// pixel; the latter the picture of ImagePass::normal.
+/// `spacing`: mean of the cloud, model units. `depth` and `normals`: read back from the frame with one sample per
+/// pixel; `normals` from ImagePass::normal.
 PictureJudgement judgePicture(const PictureTruth& truth, const DepthImage& depth, const Image& normals, double spacing);
 
 }  // namespace palpate

@@ -1,4 +1,5 @@
-// The ways to draw a cloud that `palpate bench splat` compares: its discs by one of the rasterisers, or marching cubes.
+// The methods of drawing a cloud that `palpate bench splat` compares: its discs by either rasteriser, or marching
+// cubes.
 #pragma once
 
 #include <functional>
@@ -9,14 +10,14 @@
 
 namespace palpate {
 
-/// The triangles of a mesh of `model`, which must outlive what is drawn.
+/// Draws the triangles of a mesh of `model`; `cubes` must outlive it.
 DrawnMesh drawnMesh(const MarchingCubes& cubes, const Model& model);
 
 struct PictureWay {
-  std::string name;         ///< compute, hardware, or "mesh" and its lattice
-  Summary made_ms;          ///< what has to be made before the first picture, on the GPU; no samples for discs
-  std::uint64_t bytes = 0;  ///< of what is drawn
-  const DrawnCloud* discs = nullptr;  ///< none of a mesh
+  std::string name;                   ///< compute, hardware, or "mesh" and its lattice
+  Summary made_ms;                    ///< GPU time of preparation before the first picture; no samples for discs
+  std::uint64_t bytes = 0;            ///< GPU memory of the drawn data
+  const DrawnCloud* discs = nullptr;  ///< null for a mesh
   std::function<void(Frame&, CommandList&, const Camera&, const FrameOptions&)> record;
 };
 
@@ -25,7 +26,7 @@ struct WayOptions : BenchOptions {
   std::vector<std::int64_t> meshes;             ///< lattices
 };
 
-/// Makes what each way of the options draws, calls `visit`, and gives it back, one after the other.
+/// Prepares the data of each method, calls `visit` and frees it, one method after the other.
 void forEachWay(Context& context, const Model& model, const WayOptions& options,
                 const std::function<void(const PictureWay&)>& visit);
 

@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-// A folder that goes away with what is in it.
+// A temporary folder, deleted with its contents.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -19,9 +19,9 @@ class ScratchFolder {
     std::error_code error;
     for (int number = 0; !error; ++number) {
       path_ = all / fmt::format("palpate-{}-{}", processNumber(), number);
-      if (std::filesystem::create_directory(path_, error)) return;  // else there is one of that name
+      if (std::filesystem::create_directory(path_, error)) return;  // otherwise the name is taken
     }
-    throw Error("{}: no folder for temporary files could be made there: {}", all.string(), error.message());
+    throw Error("{}: cannot create a temporary folder there: {}", all.string(), error.message());
   }
   ~ScratchFolder() {
     std::error_code ignored;
@@ -40,7 +40,7 @@ std::string pythonWithMatplotlib() {
     if (runProgram(python,
                    {"-c", "import importlib.util, sys; sys.exit(not importlib.util.find_spec('matplotlib'))"}) == 0)
       return python;
-  throw Error("--plot: no python3 with matplotlib was found; install python3-matplotlib");
+  throw Error("--plot requires python3 with matplotlib; install python3-matplotlib");
 }
 
 const char* textOf(PlotScript script) {
@@ -62,9 +62,9 @@ void plot(PlotScript script, const Json& result, const std::string& file) {
   const std::filesystem::path json = folder.path() / "result.json", main = folder.path() / "plot.py";
   std::ofstream(json) << result.dump();
   std::ofstream(main) << textOf(script);
-  std::ofstream(folder.path() / "plot_page.py") << plot_script::kPage;  // what the scripts share
+  std::ofstream(folder.path() / "plot_page.py") << plot_script::kPage;  // shared by the scripts
   if (runProgram(pythonWithMatplotlib(), {main.string(), json.string(), std::filesystem::absolute(file).string()}) != 0)
-    throw Error("{}: the plot could not be drawn; see what it said above", file);
+    throw Error("{}: cannot draw the plot; see the message above", file);
 }
 
 }  // namespace palpate

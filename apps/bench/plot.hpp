@@ -1,4 +1,4 @@
-// Pictures of results, drawn by the Python scripts that travel inside the program.
+// Plots of results, drawn by Python scripts embedded in the program.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 namespace palpate {
 
 enum class PlotScript {
-  bench,  ///< times against points, one line for each way
-  touch,  ///< a page of what bench touch found
-  edit    ///< an edited step against points, and against those that it touches
+  bench,  ///< times against points, one line for each method
+  touch,  ///< a page with the results of bench touch
+  edit    ///< an edited step against points in the model, and against touched points
 };
 
-/// Draws `result` into the PNG `file`. Needs python3 with matplotlib; throws Error without.
+/// Draws `result` into the PNG `file`. Requires python3 with matplotlib; throws Error without it.
 void plot(PlotScript script, const Json& result, const std::string& file);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plots a bench's result: time against points, one line for each way.
+"""Plots a bench's result: time against points, one line for each method.
 
 usage: plot_bench.py RESULT.json PICTURE.png
 """

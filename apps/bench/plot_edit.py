@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plots what `palpate bench edit` found: an edited step against the points of the model, and against those touched.
+"""Plots the result of `palpate bench edit`: an edited step against points in the model, and against touched points.
 
 usage: plot_edit.py RESULT.json PICTURE.png
 """
@@ -12,7 +12,7 @@ STYLES = {"incremental": ("o", "-"), "rebuild": ("s", "--")}
 
 
 def lines(costs, along, of):
-    """Of each (value of `of`, index): its costs in the order of `along`."""
+    """The costs of each (value of `of`, index), sorted by `along`."""
     groups = {}
     for cost in costs:
         groups.setdefault((of(cost), cost["index"]), []).append(cost)
@@ -27,7 +27,7 @@ def draw(axis, costs, along, of, label):
         places = [along(cost) for cost in line]
         axis.plot(places, [cost["step_us"]["p50"] for cost in line], marker=marker, linestyle=style, color=colour,
                   label=f"{label(key)}, {index}")
-        # An update that is too large for the lists ends in a full build.
+        # An update that exceeds the lists ends in a full build.
         built = [cost for cost in line if index == "incremental" and cost["builds"] > 0]
         axis.plot([along(cost) for cost in built], [cost["step_us"]["p50"] for cost in built], linestyle="none",
                   marker="o", markersize=12, markerfacecolor="none", color=colour)

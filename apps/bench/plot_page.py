@@ -1,4 +1,4 @@
-"""What the scripts that draw plots share: matplotlib without a window, the command line, a file that is whole."""
+"""Shared by the plot scripts: matplotlib without a window, the command line, a file that is never partly written."""
 import os
 import sys
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws what `palpate bench touch` found on one page; a panel for everything that was measured.
+"""Draws the result of `palpate bench touch` on one page, with a panel for each measured quantity.
 
 usage: plot_touch.py RESULT.json PICTURE.png
 """

@@ -1,4 +1,4 @@
-// What it costs to read a file of points, from the system's memory where it was read before.
+// Cost of reading a file of points from the system's page cache.
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-/// What comes into ReadRecord::stages, as the table and the record name it.
+/// Entries of ReadRecord::stages, by their name in the table and the record.
 constexpr std::array<const char*, 5> kStages{"open_s", "points_s", "finish_s", "free_s", "waited_s"};
 
 struct ReadRecord {
@@ -21,7 +21,7 @@ struct ReadRecord {
   unsigned threads = 1;
   std::uintmax_t bytes = 0;
   Summary time_s;
-  // Medians of the stages, and of what came with them.
+  // Medians of the stages, and of page faults.
   std::array<double, 5> stages{};
   std::optional<double> faults;
 
@@ -50,7 +50,7 @@ ReadRecord measure(Context& context, const std::string& file, const BenchOptions
                                                  now.waited_s};
     for (std::size_t k = 0; k < all.size(); ++k) stages[k].push_back(all[k]);
   };
-  once();  // what it reads is in memory then
+  once();  // brings the file into the page cache
   times_s.clear(), faults.clear();
   for (auto& stage : stages) stage.clear();
   repeatMeasurement(options, [&](std::int64_t) { once(); });
@@ -104,18 +104,16 @@ Json benchRead(Context& context, const BenchOptions& options, bool withStages) {
 }  // namespace
 
 void addReadBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("read", "how fast files are read that the system has in memory");
+  Options& sub = bench.addSubcommand("read", "reading speed of files in the system's page cache");
   const auto options = std::make_shared<BenchOptions>();
   options->backends.clear();
   options->repeat = 20;
   sub.add("file", options->models, cloudFormats().namesRead() + " files").required().typeName("FILE...");
   addRepeatOptions(sub, *options);
   const auto stages = std::make_shared<bool>(false);
-  sub.addFlag("--stages", *stages, "print what the time was spent on, medians: LAS and LAZ say so");
+  sub.addFlag("--stages", *stages, "print the median time of each stage (LAS and LAZ)");
   sub.footer(
-      "Each file is read once before it is measured. --threads says how many threads read LAS and LAZ; other formats "
-      "are "
-      "read as always.\n");
+      "Each file is read once before it is measured. --threads sets the number of threads for LAS and LAZ only.\n");
   sub.whenNamed([&, options, stages] {
     command = [&context, options, stages] {
       measureAlone(context, *options, "read", [&] { return benchRead(context, *options, *stages); });

@@ -5,10 +5,10 @@
 
 namespace palpate {
 
-/// Runs a program that is found as the system finds programs, and waits for it: its exit code, 127 where there is none.
+/// Runs a program found on the system's search path and waits for it. Returns its exit code; 127 if it does not exist.
 int runProgram(const std::string& program, std::vector<std::string> arguments);
 
-/// What Python is called, in the order in which it is to be tried.
+/// Names of the Python interpreter, in the order to try them.
 std::vector<std::string> pythonNames();
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ int runProgram(const std::string& program, std::vector<std::string> arguments) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
 
-// The system's own python knows the system's packages; another one may come first on the path.
+// The system's python finds the system's packages; the PATH may have another one first.
 std::vector<std::string> pythonNames() { return {"/usr/bin/python3", "python3"}; }
 
 }  // namespace palpate

@@ -8,7 +8,7 @@ namespace palpate {
 
 namespace {
 
-// The program that is run splits its command line again, at spaces outside quotation marks.
+// The started program splits its command line again, at spaces outside quotation marks.
 std::wstring quoted(const std::string& word) {
   std::wstring text = L"\"";
   std::size_t backslashes = 0;

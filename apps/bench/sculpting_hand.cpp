@@ -10,37 +10,37 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kCoarse = 32'768;  // points of a sample, to choose a place
-constexpr std::size_t kPlaces = 16;      // where the hand is put down
+constexpr std::size_t kCoarse = 32'768;  // points of a sample, to choose a spot
+constexpr std::size_t kPlaces = 16;      // where the brush is lowered
 constexpr double kStrokeStep_mm = 0.5;
 constexpr std::size_t kStepsApart = 6;
 
-constexpr double kSpeed_mm_per_s = 50;  // of a brisk stroke
-constexpr double kSink = 1.0 / 8;       // of its radius: how deep a brush that presses stands in the surface
+constexpr double kSpeed_mm_per_s = 50;  // as in a brisk stroke
+constexpr double kSink = 1.0 / 8;       // of its radius: depth of a pressing brush in the surface
 constexpr double kTau = 0.5,
-                 kShallow = 1;  // spacings: what the surface bears; how much deeper a brush goes that strokes
+                 kShallow = 1;  // spacings: depth that the surface resists (tau); extra depth of a stroking brush
 constexpr double kStrokeStrength = 0.5;
-constexpr double kInflateDepth = 1.0 / 4;  // of its radius: so deep that a hand never reaches what it raises
+constexpr double kInflateDepth = 1.0 / 4;  // of its radius: deep enough that the hand never reaches the raised surface
 
-// Of the support radius: where a landing begins, and how fast it goes.
+// Of the support radius: height where a landing begins, and distance per tick.
 constexpr double kLift = 1.5, kLandingStep = 0.25;
-constexpr std::uint32_t kPatience = 20;  // ticks without a surface before the hand goes elsewhere
+constexpr std::uint32_t kPatience = 20;  // ticks without a surface before the hand moves elsewhere
 
 constexpr double kGoldenAngle = 2.399963229728653;
 
 bool presses(BrushKind kind) { return kind == BrushKind::push || kind == BrushKind::carve; }
 
-// How deep a brush goes below what the surface bears, model units.
+// Depth of a brush below the resistance of the surface (tau), model units.
 double depthOf(BrushKind kind, double radius, double spacing) {
   if (presses(kind)) return kSink * radius;
   return kind == BrushKind::inflate ? std::max(kShallow * spacing, kInflateDepth * radius) : kShallow * spacing;
 }
 
-// The radius of the brush that reaches `count` points of the cloud where it stands in the surface at `place`, sunk by a
-// share of its radius: 1 for a brush whose middle is the place.
+// Radius of the brush that reaches `count` points of the cloud at `place`, sunk into the surface by a fraction of its
+// radius; 1: its centre is at `place`.
 double radiusThatReaches(std::size_t count, const PointCloud& cloud, const SurfaceSpot& place, double sunk) {
-  // A ball of radius r whose middle is r (1 - sunk) above the place holds x = place + d from that r on, which solves
-  // |d - r (1 - sunk) n| = r.
+  // A ball of radius r with its centre r (1 - sunk) above `place` contains x = place + d from the r on that solves |d -
+  // r (1 - sunk) n| = r.
   const double above = 1 - sunk, rest = 1 - above * above;
   std::vector<double> least;
   least.reserve(cloud.size());
@@ -85,7 +85,7 @@ Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model
                          double rate_Hz) {
   const double sunk = presses(kind) ? kSink : 1;
   const double radius = radiusThatReaches(touched, model.cloud, place, sunk);
-  const double footprint = radius * std::sqrt(sunk * (2 - sunk));  // its radius, on flat ground
+  const double footprint = radius * std::sqrt(sunk * (2 - sunk));  // the brush's radius on flat ground
   const double speed = model.scale.toUnits(kSpeed_mm_per_s);
   const double ticksOnPlace = std::max(1.0, 2 * footprint / speed * rate_Hz);
   const double tau = kTau * model.spacing;

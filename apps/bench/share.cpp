@@ -1,6 +1,5 @@
-// How long it takes until what one hand does to a shared cloud is felt by another one: one presses, the other one rests
-// on the same place. Both are of this program, so that one clock tells both; the server may be anywhere, and what is
-// done goes to it and comes back.
+// Time until one hand's edit of a shared cloud is felt by another: one hand presses where the other rests. Both belong
+// to this program, so that one clock times both; the server may be anywhere, and every edit goes through it.
 #include <random>
 #include <thread>
 
@@ -16,16 +15,16 @@ namespace palpate {
 namespace {
 
 struct ShareOptions {
-  std::string name;  // empty: this program serves a sphere itself
+  std::string name;  // empty: this program serves a sphere
   NetworkOptions network;
   std::int64_t points = 20'000;
 };
 
 constexpr double kRest_mm = 1, kPress_mm = 3;  // below the surface
-constexpr double kSteady_s = 0.06;             // without a change, before it is pressed
-constexpr double kGoal_ms = 20;                // beyond the way there and back
+constexpr double kSteady_s = 0.06;             // without a change, before the press
+constexpr double kGoal_ms = 20;                // beyond the round trip
 
-/// A hand of this program, on a thread of its own, until its time is over.
+/// A hand of this program, on its own thread, until its time is over.
 class SharedHand {
  public:
   SharedHand(Context& context, SessionConfig config, const std::string& name, const Stopwatch& clock)
@@ -33,7 +32,8 @@ class SharedHand {
         session_(config_, loadModel(config_, {.log = context.log(), .join = joiningHand(name)}),
                  {.backend = context.backends().named(config_.backend.name), .threads = 1, .log = &context.log()}),
         device_(clock, farPlace()) {
-    if (!session_.shared()) throw Error("'{}' is served read-only and cannot be sculpted", config_.model.file);
+    if (!session_.shared())
+      throw Error("'{}' is served read-only (--read-only): it cannot be pressed", config_.model.file);
     thread_ = std::jthread([this] {
       try {
         const OpenHand hand{.device = &device_};
@@ -51,26 +51,26 @@ class SharedHand {
   ToldHand& device() { return device_; }
   const Model& model() const { return session_.model(); }
   SharedCounts counts() const { return session_.shared()->counts(); }
-  /// Where it touches nothing.
+  /// A position without contact.
   DVec3 farPlace() const {
     const Bounds box = boundsOf(model().cloud);
     return model().cloud.origin + box.center() + DVec3(0, 0, 3 * std::max(box.longestSide(), 1e-3));
   }
-  /// Throws where it has ended already.
+  /// Throws if the hand has already ended.
   void check() {
     if (!ended_) return;
     end();
     session_.checkFollower();
-    throw Error("a hand of the bench has ended: {}", fault_.empty() ? "its time was over" : fault_);
+    throw Error("a hand of the bench ended early: {}", fault_.empty() ? "its time was over" : fault_);
   }
-  /// Ends it, and gives back what came of it.
+  /// Ends the hand and returns its result.
   const ServoResult& end() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
     return result_;
   }
   void finish() { session_.finish(); }
-  /// Edits of its own that its machine has left out, and those of others that it has put off, because one took long.
+  /// Own edits that were dropped and others' edits that were postponed because an edit took too long.
   std::uint64_t editsTooSlow() const {
     const TouchShortfalls& shortfalls = session_.backend().shortfalls();
     return shortfalls.editsTooSlow + shortfalls.offersTooSlow;
@@ -97,7 +97,7 @@ SessionConfig configOf(const ShareOptions& share, const std::string& backend, do
   return config;
 }
 
-/// Serves a sphere while it lives.
+/// Serves a sphere for its lifetime.
 class OwnServer {
  public:
   OwnServer(const ShareOptions& share, unsigned threads)
@@ -129,12 +129,13 @@ bool waitFor(double most_s, SharedHand& a, SharedHand& b, Sign&& sign) {
 
 struct Felt {
   std::vector<double> after_ms;
-  std::uint64_t notFelt = 0;     // within the time that a round trip of two seconds, lost twice, would take
-  std::uint64_t notPressed = 0;  // the one that presses has done nothing: there was nothing to be felt
-  std::uint64_t unsteady = 0;    // places that no hand rests on
+  std::uint64_t notFelt = 0;     // within the time of a round trip of two seconds, lost twice
+  std::uint64_t notPressed = 0;  // the presser made no edit: there was nothing to feel
+  std::uint64_t unsteady = 0;    // positions on which the hand did not come to rest
 };
 
-// Another place each time, so that nothing is left of what was done before; at no certain phase of whatever goes round.
+// Each trial uses another position, unaffected by earlier edits, and a random delay, out of phase with any periodic
+// process.
 Felt pressAndRest(SharedHand& presser, SharedHand& rester, std::int64_t trials) {
   const PointCloud& cloud = rester.model().cloud;
   const double mm = 1 / rester.model().scale.mm_per_unit;
@@ -157,7 +158,7 @@ Felt pressAndRest(SharedHand& presser, SharedHand& rester, std::int64_t trials) 
       ++felt.unsteady;
       continue;
     }
-    // What was done before is everywhere.
+    // Earlier edits have reached every hand.
     constexpr double kPatience_s = 6;
     waitFor(kPatience_s, presser, rester, [&] { return presser.counts().atRest && rester.counts().atRest; });
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 50'000));
@@ -173,13 +174,13 @@ Felt pressAndRest(SharedHand& presser, SharedHand& rester, std::int64_t trials) 
   return felt;
 }
 
-/// What came of it by one back end.
+/// Result of one back end.
 struct ShareRecord {
   Felt felt;
   SharedCounts rests, presses;
-  double trip_ms = 0;  // there and back, of both
+  double trip_ms = 0;  // round trip, mean of both hands
   std::uint64_t ticks = 0, missed = 0, aged = 0;
-  std::uint64_t editsTooSlow = 0;  // of both, once they have ended
+  std::uint64_t editsTooSlow = 0;  // of both hands, after their end
   bool same = false;
 };
 
@@ -220,16 +221,16 @@ void print(std::FILE* out, const std::string& backend, const ShareRecord& record
              pair(summarize(record.felt.after_ms)), pair(beyondTrip_ms(record)), record.felt.notFelt,
              fmt::format("{} of {}", record.missed, record.ticks + record.missed), record.aged);
   if (record.felt.unsteady > 0)
-    fmt::print(out, "  at {} places the resting hand did not come to rest, and nothing was pressed\n",
+    fmt::print(out, "  at {} positions the resting hand did not come to rest, and nothing was pressed\n",
                record.felt.unsteady);
   if (record.felt.notPressed > 0)
-    fmt::print(out, "  {} times the pressing hand did nothing to the surface, and there was nothing to feel\n",
-               record.felt.notPressed);
+    fmt::print(out, "  {} presses did not edit the surface, and there was nothing to feel\n", record.felt.notPressed);
   if (record.editsTooSlow > 0)
-    fmt::print(out,
-               "  edits were left out or put off in {} ticks, for one took this machine longer than a force can be "
-               "held: presses may be felt late\n",
-               record.editsTooSlow);
+    fmt::print(
+        out,
+        "  edits were dropped or postponed in {} ticks, because an edit took longer than a force can be held: presses "
+        "may be felt late\n",
+        record.editsTooSlow);
 }
 
 Json toJson(const std::string& backend, const ShareRecord& record) {
@@ -267,25 +268,23 @@ Json benchShare(Context& context, const BenchOptions& options, const ShareOption
 }  // namespace
 
 void addShareBench(Options& bench, Context& context, Command& command) {
-  Options& sub =
-      bench.addSubcommand("share", "how long it takes until what one hand does to a shared cloud is felt by another");
+  Options& sub = bench.addSubcommand("share", "time until one hand's edit of a shared cloud is felt by another");
   const auto options = std::make_shared<BenchOptions>();
   const auto share = std::make_shared<ShareOptions>();
   options->backends = {"cpu"};
   options->repeat = 50;
   sub.add("--join", share->name,
-          "a session that another palpate serves, by its name (default: this program serves a sphere)")
+          "name of a session that another palpate serves (default: this program serves a sphere)")
       .typeName("NAME");
-  sub.add("--points", share->points, "of that sphere").check(wholeBetween(1000, 1e7)).showDefault();
+  sub.add("--points", share->points, "points of that sphere").check(wholeBetween(1000, 1e7)).showDefault();
   addNetworkOptions(sub, share->network);
   addBackendsOption(sub, *options, {"cpu", "vulkan"});
-  sub.add("--presses", options->repeat, "so often").check(wholeBetween(1, 10'000)).showDefault();
+  sub.add("--presses", options->repeat, "number of presses").check(wholeBetween(1, 10'000)).showDefault();
   sub.footer(
-      "Both hands are this program's, at 1 kHz. The time is from the tick at which one presses to the first other "
-      "force of the "
-      "one that rests there; what is pressed goes to the server and comes back, so that a round trip is in it, as it "
-      "would be "
-      "between two hands that are each half a round trip from the server. Beyond it: less that.\n");
+      "Both hands belong to this program, at 1 kHz. The time is from the tick at which one hand presses to the first "
+      "change of force on the hand that rests there. The edit goes to the server and back, so that the time includes a "
+      "round trip, as between two hands each half a round trip from the server. \"Beyond it\" is the time without that "
+      "round trip.\n");
   sub.whenNamed([&, options, share] {
     command = [&context, options, share] {
       const StopBySignal stop;

@@ -29,7 +29,7 @@ Summary measureVulkan(Device& device, const PairSort& sort, const std::vector<st
   upload(device, unsorted, keys);
   CommandList list(device, device.latencyQueue(), "sort", CommandList::Timing::sections);
   list.begin();
-  // Brought back outside the measured section; what the values are makes no difference.
+  // Restored outside the measured section; the values do not matter.
   list.copy(unsorted, k, k.bytes());
   list.copy(unsorted, v, v.bytes());
   {

@@ -18,15 +18,15 @@ namespace palpate {
 namespace {
 
 struct SplatBenchOptions : WayOptions {
-  std::string size = "1280x720";             // of the pictures
-  std::uint32_t samples = 4;                 // of a pixel
+  std::string size = "1280x720";             // size of the pictures
+  std::uint32_t samples = 4;                 // samples per pixel
   std::vector<std::uint32_t> smooths_px{0};  // FrameOptions::smooth_px
   std::vector<std::string> shapes, conditions;
-  std::string truthFile;  // the mesh that the model is a scan of
+  std::string truthFile;  // the mesh that the model was scanned from
   bool quick = false;
 };
 
-// Of a frame, ms: on the GPU, by pass and in all, and from its submission until the picture is there.
+// Times of a frame, ms: on the GPU, per pass and in total, and from its submission until its completion.
 struct FrameTimes {
   std::vector<std::pair<std::string, Summary>> passes;
   Summary gpu_ms, wall_ms;
@@ -36,12 +36,12 @@ struct SplatCost {
   std::string subject, raster;
   std::size_t points = 0;
   FrameTimes times;
-  Summary made_ms;                          ///< on the GPU, of a mesh
-  std::uint64_t bytes = 0;                  ///< of what is drawn and the frame's images
-  std::vector<WorkgroupWatch::Life> lives;  ///< of its workgroups, by pass; none where the GPU has no clock
+  Summary made_ms;                          ///< GPU time to build a mesh
+  std::uint64_t bytes = 0;                  ///< memory of the drawn data and the frame's images
+  std::vector<WorkgroupWatch::Life> lives;  ///< longest life of the workgroups, by pass; empty if the GPU has no clock
 
   double fps() const { return times.wall_ms.p50 > 0 ? 1000 / times.wall_ms.p50 : 0; }
-  /// Where the points move, a mesh comes anew with each picture.
+  /// If the points move, each picture requires a new mesh.
   double fpsRemeshed() const { return fps() > 0 ? 1000 / (times.wall_ms.p50 + made_ms.p50) : 0; }
 };
 
@@ -51,7 +51,7 @@ struct SplatQuality {
   std::size_t points = 0;
   double spacing = 0;
   PictureJudgement picture;
-  std::optional<SplatCost> cost;  ///< of the same picture, shaded; where meshes are compared
+  std::optional<SplatCost> cost;  ///< cost of the same picture, shaded, where meshes are compared
 };
 
 struct SplatCondition {
@@ -68,7 +68,7 @@ FrameTimes measureFrames(Device& device, Frame& frame, const PictureWay& way, co
   list.begin();
   way.record(frame, list, camera, {});
   list.end();
-  device.throughputQueue().run(list);  // pipelines are made ready at their first use
+  device.throughputQueue().run(list);  // pipelines are created at their first use
   std::vector<std::string> names;
   std::map<std::string, std::vector<double>> passes;
   std::vector<double> gpu, wall;
@@ -77,7 +77,7 @@ FrameTimes measureFrames(Device& device, Frame& frame, const PictureWay& way, co
     device.throughputQueue().run(list);
     wall.push_back(1e-3 * watch.elapsed_us());
     double sum = 0;
-    std::map<std::string, double> each;  // small and large splats are walked by one name
+    std::map<std::string, double> each;  // passes over small and large splats share a name
     for (const PassRecord& pass : list.passes()) {
       if (std::ranges::find(names, pass.name) == names.end()) names.push_back(pass.name);
       each[pass.name] += 1e-3 * pass.gpu_us;
@@ -92,7 +92,7 @@ FrameTimes measureFrames(Device& device, Frame& frame, const PictureWay& way, co
   return times;
 }
 
-// How long the workgroups of a picture live: what touch may have to wait for.
+// Longest life of the workgroups of a picture, which is how long touch may have to wait.
 std::vector<WorkgroupWatch::Life> livesOf(Device& device, const DrawnCloud& drawn, const Camera& camera,
                                           const UVec2& size, std::uint32_t supersample) {
   if (!WorkgroupWatch::isPossible(device)) return {};
@@ -131,8 +131,8 @@ PictureJudgement judge(Device& device, const PictureTruth& truth, const PictureW
   return judgePicture(truth, frame.readDepth(), frame.readColor(), spacing);
 }
 
-// One cloud, drawn in each way and held against the truth. Where discs and meshes are compared, times of the same
-// pictures stand beside that.
+// Draws one cloud with each method and compares it with the truth. Where discs and meshes are compared, also times the
+// same pictures.
 void judgeWays(Context& context, const std::string& shape, const std::string& condition, const Model& model,
                const PictureTruth& truth, const SplatBenchOptions& options, std::vector<SplatQuality>& results) {
   forEachWay(context, model, options, [&](const PictureWay& way) {
@@ -175,11 +175,11 @@ void judgeShapes(Context& context, const UVec2& size, const SplatBenchOptions& o
   }
 }
 
-// A scan against the mesh that it was taken from.
+// Compares a scan with the mesh that it was taken from.
 void judgeScan(Context& context, const Subject& subject, const UVec2& size, const SplatBenchOptions& options,
                std::vector<SplatQuality>& results) {
   context.log().say("splat: {} against {}", subject.name, options.truthFile);
-  constexpr std::uint32_t kStride = 3;  // closest points of a mesh take a while
+  constexpr std::uint32_t kStride = 3;  // closest-point queries on a mesh are slow
   const TriangleMesh mesh = readTriangleMesh(options.truthFile);
   const PointCloud& cloud = subject.model.cloud;
   Bounds bounds = boundsOf(cloud);
@@ -197,7 +197,7 @@ std::string shortName(std::string name) {
 
 std::string cell(const Summary& s) { return fmt::format("{:.3f} / {:.3f}", s.p50, s.p999); }
 
-// Models down, as in the thesis's Table 3.2, and passes across.
+// One row per model, as in the thesis's Table 3.2, and one column per pass.
 void printPassCosts(std::FILE* out, const std::vector<SplatCost>& costs, const std::string& raster, const UVec2& size,
                     std::uint32_t samples) {
   const auto first = std::ranges::find(costs, raster, &SplatCost::raster);
@@ -222,7 +222,7 @@ void printCosts(std::FILE* out, const std::vector<SplatCost>& costs) {
                static_cast<double>(cost.bytes) / (1 << 20));
 }
 
-// As in the thesis's Tables 3.1 and 3.2: discs beside meshes, what they cost and what they are worth.
+// As in the thesis's Tables 3.1 and 3.2: discs beside meshes, their cost and their accuracy.
 void printWays(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size, std::uint32_t samples) {
   fmt::print(out, "\nsplat and mesh, {} x {}, samples of a pixel: {}; against truth with one\n", size.x, size.y,
              samples);
@@ -310,7 +310,7 @@ Json benchSplat(Context& context, const SplatBenchOptions& options) {
   const UVec2 size(width, height);
   const bool scan = !options.truthFile.empty();
   if (scan && options.models.size() != 1)
-    throw UsageError("bench splat: --truth is the mesh of one model; --models has {}", options.models.size());
+    throw UsageError("bench splat: --truth requires exactly one model; --models has {}", options.models.size());
   std::vector<SplatCost> costs;
   std::vector<SplatQuality> qualities;
   for (const SubjectMaker& makeOne : subjectsOf(options)) {
@@ -344,29 +344,29 @@ Json benchSplat(Context& context, const SplatBenchOptions& options) {
 
 void addOptions(Options& bench, SplatBenchOptions& options) {
   addSubjectOptions(bench, options);
-  bench.add("--size", options.size, "of the pictures, width x height, pixels").showDefault();
+  bench.add("--size", options.size, "size of the pictures, WIDTHxHEIGHT in pixels").showDefault();
   addSamplesOption(bench, options.samples);
-  bench.add("--raster", options.rasters, "who draws the discs, as in render; several are compared")
+  bench.add("--raster", options.rasters, "rasteriser of the discs, as in render; several are compared")
       .separatedBy(',')
       .showDefault();
   bench
       .add("--mesh", options.meshes,
-           "draws marching cubes, too, with so many cells along the longest side, from the same clouds and "
-           "cameras; one table of all ways")
+           "also draw marching cubes with this number of cells along the longest side, from the same clouds and "
+           "cameras; one table compares all")
       .check(wholeBetween(1, kFinestLattice))
       .separatedBy(',')
       .typeName("N,...");
-  bench.add("--smooth", options.smooths_px, "pixels to each side over which depth is smoothed; several are judged")
+  bench.add("--smooth", options.smooths_px, "radius over which depth is smoothed, pixels; several are judged")
       .check(inRange(0u, shared::kMaxSmooth_px / 2))
       .separatedBy(',')
       .showDefault();
   for (const std::string_view shape : kShapes) options.shapes.emplace_back(shape);
   for (const SplatCondition& condition : kSplatConditions) options.conditions.emplace_back(condition.name);
-  addListOption(bench, "--shapes", options.shapes, "that are seen");
-  addListOption(bench, "--conditions", options.conditions, "clouds that are exact, or ten times sparser at one end");
-  bench.add("--truth", options.truthFile, "the mesh that --models is a scan of, in the same coordinates")
+  addListOption(bench, "--shapes", options.shapes, "shapes to draw");
+  addListOption(bench, "--conditions", options.conditions, "clean: exact clouds; uneven: ten times sparser at one end");
+  bench.add("--truth", options.truthFile, "the mesh that the model was scanned from, in the same coordinates")
       .typeName("MESH.ply");
-  bench.addFlag("--quick", options.quick, "times alone");
+  bench.addFlag("--quick", options.quick, "only measure times");
   addRepeatOptions(bench, options);
   addBackendsOption(bench, options, {"vulkan"});
 }
@@ -374,13 +374,13 @@ void addOptions(Options& bench, SplatBenchOptions& options) {
 }  // namespace
 
 void addSplatBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("splat", "a picture, and how true it is");
+  Options& sub = bench.addSubcommand("splat", "cost and accuracy of a picture");
   const auto options = std::make_shared<SplatBenchOptions>();
   addOptions(sub, *options);
   sub.footer(
-      "ms of each pass, of a whole picture and pictures per second; then pictures of --shapes under --conditions "
+      "ms of each pass and of a whole picture, and pictures per second; then pictures of --shapes under --conditions "
       "against rays cast in double precision: pixels without surface, overlap of the silhouettes, error of depth and "
-      "of normals. --quick leaves that out.\n");
+      "of normals. --quick skips the comparison.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
       measureAlone(context, *options, "splat", [&] { return benchSplat(context, *options); });

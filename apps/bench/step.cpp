@@ -15,13 +15,13 @@ struct StepTimes {
   Summary gpu_us, wall_us, edit_us;
 };
 
-// Goes along `approach`, then asks at its end again and again, at most `rate_Hz` times a second: a GPU that is always
-// busy answers sooner than one at rest.
+// Moves along `approach`, then queries at its end repeatedly, at most `rate_Hz` times a second: a busy GPU answers
+// sooner than an idle one.
 StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, const BenchOptions& options) {
   double time_s = 0;
   const auto ask = [&](const DVec3& hip) {
     const Contact contact = backend.query({.time_s = time_s += 1e-3, .hip = hip}, 0);
-    if (!contact.valid) backend.finish();  // throws what was wrong
+    if (!contact.valid) backend.finish();  // throws the back end's failure
     return contact;
   };
   for (const DVec3& hip : approach) ask(hip);
@@ -36,7 +36,7 @@ StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, c
     if (contact.gpu_us > 0) gpu.push_back(contact.gpu_us);
   });
   backend.finish();
-  // One edit for each measured tick; what came before belongs to the approach.
+  // One edit for each measured tick; earlier ones belong to the approach.
   const auto& edits = backend.editTimes_us();
   const auto measured = static_cast<std::ptrdiff_t>(std::min(wall.size(), edits.size()));
   return {summarize(gpu), summarize(wall), summarize({edits.end() - measured, edits.end()})};
@@ -51,7 +51,7 @@ std::vector<DVec3> pressOn(const Model& model) {
   return hips;
 }
 
-// Half a support radius above the surface, where one gather and one surface are all there is to do.
+// Half a support radius above the surface, where a query is one gather and one surface.
 DVec3 placeAbove(const Model& model, double radius) {
   const auto press = pressOn(model);
   const DVec3 outward = glm::normalize(press.front() - press.back());
@@ -81,7 +81,7 @@ std::vector<std::string> methodsOf(const Context& context, const std::string& ba
   return methods;
 }
 
-// Calls measure(way) for every method and surface of every back end that is wanted.
+// Calls `measure` for every selected method and surface of every selected back end.
 template <class Measure>
 void forEachMethod(const Context& context, const TimeBenchOptions& options, Measure&& measure) {
   for (const std::string& backend : options.backends)
@@ -95,7 +95,7 @@ void forEachMethod(const Context& context, const TimeBenchOptions& options, Meas
       }
 }
 
-// The way itself, and by the same way each tool that is wanted, with its face along `down`.
+// `way` itself, and `way` with each selected tool, its face along `down`.
 std::vector<BackendOptions> withTools(const BackendOptions& way, const TouchCapabilities& can,
                                       const TimeBenchOptions& options, const DVec3& down) {
   std::vector<BackendOptions> ways{way};
@@ -143,7 +143,7 @@ void benchQuery(Context& context, const Subject& subject, const TimeBenchOptions
     records.back().wall_us = times.wall_us;
   });
   if (!options.wants("cpu")) return;
-  // The search alone, for structures that know no surface: the peers of the grid.
+  // The neighbour search alone, for structures that compute no surface: the peers of the grid.
   const HashGrid grid = gridFor(context, subject.model, options.backend);
   MultimapHash multimap(grid);
   SortedGrid sorted(grid, context.threads());

@@ -1,4 +1,4 @@
-// What it costs to take depth frames into a map that is touched, and how true that map is.
+// Cost of fusing depth frames into a map that is touched, and the map's accuracy.
 #include <algorithm>
 #include <deque>
 #include <functional>
@@ -19,12 +19,12 @@ namespace palpate {
 
 namespace {
 
-// A sphere of six metres, seen from two metres before it: points of it are as far from one another, when there are five
-// million, as the pixels of a camera of 640 x 480 are there.
+// A sphere of six metres, seen from a distance of two metres: five million points on it are as far apart as the pixels
+// of a camera of 640 x 480 at that distance.
 constexpr double kSize_m = 6, kBefore_m = 2;
-// Frames go round and round, each from a place of its own.
+// The frames are repeated in a cycle, each from its own position.
 constexpr std::uint64_t kViews = 8;
-constexpr double kTurn_rad = 0.01;  // from one to the next
+constexpr double kTurn_rad = 0.01;  // between successive views
 
 struct StreamBenchOptions : BenchOptions {
   std::vector<std::string> frames{"640x480", "1280x720"};
@@ -32,7 +32,7 @@ struct StreamBenchOptions : BenchOptions {
   double felt_s = 0;
 };
 
-// A camera with the field of view of the usual ones.
+// A camera with a typical field of view.
 DepthCamera cameraOf(const std::string& size) {
   const auto [width, height] = parseList<std::uint32_t, 2>(size, 'x', "--frames", "WIDTHxHEIGHT in pixels");
   const double focal = 525.0 / 640 * width;
@@ -46,7 +46,7 @@ CameraPose viewOf(std::uint64_t view) {
   return {.turn = turn, .centre = turn * DVec3(0, 0, -0.5 * kSize_m - kBefore_m)};
 }
 
-// Depths of the sphere with a depth camera's noise, `noise` times as strong.
+// Depths of the sphere with a depth camera's noise, scaled by `noise`.
 DepthFrame frameOf(const AnalyticShape& shape, const DepthCamera& camera, std::uint64_t view, double noise,
                    unsigned threads) {
   const FusionOptions usual;
@@ -75,11 +75,11 @@ double spacingOf(const PointCloud& map) {
 
 struct Fused {
   Summary fuse_us, index_us, arrival_us;
-  std::vector<std::pair<std::string, double>> passes_us;  // in their order: medians, each timed by itself
-  FusionCounts counts;                                    // of the last frame
+  std::vector<std::pair<std::string, double>> passes_us;  // in their order: medians, each pass timed alone
+  FusionCounts counts;                                    // counts of the last frame
 };
 
-// Frames into a map that is there, with its index, as the touch side does it.
+// Fuses frames into an existing map and rebuilds its index, as the touch side does.
 Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, const std::vector<DepthFrame>& frames,
            const StreamBenchOptions& options) {
   FusionOptions fusion;
@@ -111,7 +111,7 @@ Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, con
     device.latencyQueue().run(list);
     live.flip();
   };
-  for (std::uint64_t view = 0; view < kViews; ++view)  // all is seen once
+  for (std::uint64_t view = 0; view < kViews; ++view)  // all views are seen once
     bring(static_cast<std::int64_t>(view), lists[live.parity()]);
   std::vector<double> fuse_us, index_us, arrival_us;
   repeatMeasurement(options, [&](std::int64_t i) {
@@ -141,8 +141,7 @@ Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, con
   return fused;
 }
 
-// How far the points of a map are from the shape, root of the mean square, m, that begins empty and takes in the
-// frames.
+// Distance from the shape of the points of a map built from the frames alone, RMS, m.
 Json judge(const AnalyticShape& shape, const DepthCamera& camera, const std::vector<DepthFrame>& frames,
            unsigned threads) {
   FusionOptions options;
@@ -190,7 +189,7 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
              "\nstream: depth frames into a map, us, median / p99.9\n{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n", "frames",
              "surfels", "matched", "fuse", "index", "arrival to index");
   const auto pair = [](const Summary& us) { return fmt::format("{:.1f} / {:.1f}", us.p50, us.p999); };
-  std::vector<std::function<void()>> reports;  // behind the table
+  std::vector<std::function<void()>> reports;  // printed after the table
   const auto felt = [&](const std::string& size, const PointCloud& map, const DepthCamera& camera,
                         const std::vector<DepthFrame>& frames) {
     const auto all = feelStreams(context, {.map = map,
@@ -238,25 +237,23 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
 }  // namespace
 
 void addStreamBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("stream", "depth frames that fuse into a map, and its index");
+  Options& sub = bench.addSubcommand("stream", "fusion of depth frames into a map and its index");
   const auto options = std::make_shared<StreamBenchOptions>();
-  sub.add("--sizes", options->sizes, "numbers of points of the map").check(wholeBetween(1, 1e8)).typeName("N...");
-  sub.add("--frames", options->frames, "sizes of the frames, width x height, pixels").separatedBy(',').showDefault();
-  sub.add("--noise", options->noise, "of the depths, times that of a structured-light camera")
+  sub.add("--sizes", options->sizes, "numbers of points in the map").check(wholeBetween(1, 1e8)).typeName("N...");
+  sub.add("--frames", options->frames, "sizes of the frames, WIDTHxHEIGHT in pixels").separatedBy(',').showDefault();
+  sub.add("--noise", options->noise, "noise of the depths relative to a structured-light camera")
       .check(between(0, 100))
       .showDefault();
-  sub.add("--felt", options->felt_s, "so long a hand feels the map against the clock, drawn, still and with frames, s")
+  sub.add("--felt", options->felt_s,
+          "also feel the map in real time while it is drawn, without and with frames, s each; 0: skip")
       .check(between(0, bounds::kLongest_s))
       .showDefault();
   addRepeatOptions(sub, *options);
   sub.footer(
-      "A sphere of six metres, seen from two metres before it by a camera that goes round a little, is fused into a "
-      "map "
-      "of it; on 1 and 5 million points unless --sizes says otherwise. Tables of the time on the GPU that a frame "
-      "takes "
-      "to be fused and indexed, of all that passes from a decoded frame to the points that a hand feels, and of how "
-      "far "
-      "the points of a map that began empty are from the sphere.\n");
+      "Frames of a sphere of six metres, seen from two metres by a slowly circling camera, are fused into a map of it; "
+      "on 1 and 5 million points unless --sizes says otherwise. Tables of GPU time to fuse and index a frame, of the "
+      "time from a decoded frame to the points that a hand feels, and of the distance from the sphere of the points "
+      "of a map that began empty.\n");
   sub.whenNamed([&, options] {
     if (options->sizes.empty()) options->sizes = {1'000'000, 5'000'000};
     command = [&context, options] {

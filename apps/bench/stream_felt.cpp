@@ -14,11 +14,11 @@ namespace palpate {
 
 namespace {
 
-constexpr double kCameraRate_Hz = 30;  // of the camera
+constexpr double kCameraRate_Hz = 30;
 constexpr std::uint32_t kWidth_px = 1920, kHeight_px = 1080;
 constexpr double kPressed_m = 0.005, kAside_rad = 0.05, kStroke_s = 2;
 
-// Frames that come by the clock, one round after another, as from a camera.
+// Repeats the frames in a cycle, paced by the clock as from a camera.
 class PacedFrames final : public DepthStream {
  public:
   PacedFrames(const DepthCamera& camera, const std::vector<DepthFrame>& frames) : camera_(camera), frames_(frames) {}
@@ -52,7 +52,7 @@ class PacedFrames final : public DepthStream {
   bool stopped_ = false;
 };
 
-// Draws what a session feels, one picture after another, on a thread of its own.
+// Draws the session's cloud, one picture after another, on its own thread.
 class Drawing {
  public:
   Drawing(Device& device, Session& session)
@@ -61,7 +61,7 @@ class Drawing {
         frame_(device, kWidth_px, kHeight_px, 1),
         camera_(Camera::fitting(session.model().cloud, double{kWidth_px} / kHeight_px, 45, {})),
         list_(device, device.throughputQueue(), "frame") {
-    draw();  // pipelines are made ready at their first use
+    draw();  // pipelines are created at their first use
     thread_ = std::jthread([this](const std::stop_token& stop) {
       try {
         const Stopwatch watch;
@@ -72,7 +72,7 @@ class Drawing {
       }
     });
   }
-  // Throws what went wrong on the thread.
+  // Rethrows the thread's exception.
   void end() {
     thread_ = {};
     if (failure_) std::rethrow_exception(failure_);
@@ -98,10 +98,10 @@ class Drawing {
   std::uint64_t pictures_ = 0;
   double duration_s_ = 0;
   std::exception_ptr failure_;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
-// To and fro over what the camera sees, a little within it.
+// Strokes back and forth over the area that the camera sees, slightly below the surface.
 Path strokesOver(const FeltScene& scene) {
   const auto at = [&](double radius, double angle) { return radius * DVec3(std::sin(angle), 0, -std::cos(angle)); };
   const double pressed = scene.radius_m - kPressed_m;
@@ -122,7 +122,7 @@ FeltStream feel(Context& context, const FeltScene& scene, const std::string& sit
     config.stream = StreamConfig{.live = true, .fuse = situation == "fused"};
     model.stream = playedStream(std::make_shared<PacedFrames>(scene.camera, scene.frames), {.exact = false});
   }
-  if (situation == "latest") {  // which has as many points as the camera has pixels
+  if (situation == "latest") {  // the latest frame has as many points as the camera has pixels
     model.cloud.positions.resize(std::min<std::size_t>(scene.frames.front().depth_m.size(), model.cloud.size()));
     model.cloud.normals.resize(model.cloud.positions.size());
   }

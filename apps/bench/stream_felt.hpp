@@ -1,4 +1,4 @@
-// How touch fares while depth frames come in: for `bench stream --felt`.
+// Touch while depth frames are received: for `bench stream --felt`.
 #pragma once
 
 #include <vector>
@@ -10,15 +10,15 @@
 
 namespace palpate {
 
-/// A hand that slides over a map against the clock, at 1000 ticks a second, while the map is drawn one picture after
+/// A hand that slides over a map in real time, at 1000 ticks a second, while the map is drawn one picture after
 /// another.
 struct FeltStream {
   std::string situation;  ///< "still", "latest" frame or "fused"
   std::uint64_t ticks = 0, contactTicks = 0, missedTicks = 0;
-  double freshShare = 0;            ///< of the ticks: answered in time
+  double freshShare = 0;            ///< fraction of the ticks that were answered in time
   Summary step_us;                  ///< from pose to force
-  std::uint64_t frames = 0;         ///< that were felt
-  std::uint64_t framesDropped = 0;  ///< for newer ones
+  std::uint64_t frames = 0;         ///< frames that were felt
+  std::uint64_t framesDropped = 0;  ///< superseded by newer ones
   double pictures_per_s = 0;
   std::uint64_t framesDrawn = 0;
 };
@@ -26,12 +26,12 @@ struct FeltStream {
 struct FeltScene {
   const PointCloud& map;  ///< metres
   DepthCamera camera;
-  const std::vector<DepthFrame>& frames;  ///< with poses; they come round and round, 30 a second
-  double radius_m = 0;                    ///< of the sphere about the origin that they show, seen along z
-  double spacing_m = 0;                   ///< of the map
+  const std::vector<DepthFrame>& frames;  ///< with poses; repeated in a cycle, 30 a second
+  double radius_m = 0;                    ///< radius of the sphere about the origin that the frames show, seen along z
+  double spacing_m = 0;                   ///< spacing of the map
   double duration_s = 0;
 };
-/// Still, with the newest frame as the cloud, and with frames that fuse into the map.
+/// Without frames, with the newest frame as the cloud, and with frames fused into the map.
 std::vector<FeltStream> feelStreams(Context& context, const FeltScene& scene);
 
 void printFeltStreams(std::FILE* out, const std::vector<FeltStream>& all);

@@ -21,8 +21,8 @@ Json toJson(const BenchRecord& record) {
           {"wall_us", summaryOf(record.wall_us)}};
 }
 
-// One table in the layout of the thesis (Tables 4.1 and 5.4): models down, by size, and ways across; medians and 99.9th
-// percentiles in us of `time`. Ways that were not measured have no column.
+// One table in the layout of the thesis (Tables 4.1 and 5.4): a row per model, by size, and a column per method;
+// medians and 99.9th percentiles of `time`, us. Methods that were not measured have no column.
 void printTable(std::FILE* out, const std::string& title, const std::vector<BenchRecord>& records,
                 Summary BenchRecord::*time) {
   using Row = std::pair<std::size_t, std::string>;  // points, subject
@@ -53,7 +53,7 @@ void printTable(std::FILE* out, const std::string& title, const std::vector<Benc
 }
 
 void printTables(std::FILE* out, const std::string& bench, const std::vector<BenchRecord>& all) {
-  // A table for each back end and input, in the order in which they were measured.
+  // A table for each back end and input, in the order of measurement.
   std::vector<std::pair<std::string, std::string>> kinds;
   for (const BenchRecord& record : all)
     if (const std::pair kind{record.backend, record.input};
@@ -96,40 +96,40 @@ void measure(Context& context, const std::vector<std::string>& names, const Time
   if (!options.plotFile.empty()) plot(PlotScript::bench, result, options.plotFile);
 }
 
-// Options of all these benches, into the same variables whichever of them is asked for: where several are, the last one
-// reads them all.
+// Options of all these benches write to the same variables: if several benches are named, the last one reads them for
+// all.
 void addOptions(Options& bench, TimeBenchOptions& options) {
   addSubjectOptions(bench, options);
   addBackendsOption(bench, options, backendChoices());
   addMethodsOption(bench, options, "query methods (default: all)");
-  bench.add("--surface", options.surfaces, "surfaces that are measured")
+  bench.add("--surface", options.surfaces, "surfaces to measure")
       .check(oneOf(namesOf(kSurfaceKinds)))
       .separatedBy(',')
       .showDefault();
   addFrictionOption(bench, options);
   bench
       .add("--tool-points", options.toolPoints,
-           "at rest with tools of so many points, too, by the method fused and the CPU")
+           "also measure tools with these numbers of points at rest (method fused, and the CPU)")
       .check(wholeBetween(1, static_cast<double>(kMaxToolPoints)))
       .separatedBy(',')
       .typeName("N,...");
-  bench.add("--tool", options.tool, "which tool").check(oneOf({"pad", "ball", "spatula"})).showDefault();
-  bench.add("--tool-size", options.toolSize_mm, "as in touch, mm")
+  bench.add("--tool", options.tool, "shape of the tool").check(oneOf({"pad", "ball", "spatula"})).showDefault();
+  bench.add("--tool-size", options.toolSize_mm, "size of the tool as in touch, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
   addRepeatOptions(bench, options);
   addRateOption(bench, options);
-  bench.add("--moved", options.movedShare, "share of the points that move to another cell first")
+  bench.add("--moved", options.movedShare, "fraction of the points that first move to another cell")
       .check(between(0, 1))
       .showDefault();
   addRadiusOption(bench, options.backend);
   addIndexOptions(bench, options.backend);
-  addPlotOption(bench, options, "draw times against points, a line for each way");
+  addPlotOption(bench, options, "plot times against points, one line for each method");
 }
 
 struct TimeBench {
   const char *name, *what, *footer;
-  std::set<std::string_view> options;  // that mean something to it
+  std::set<std::string_view> options;  // the options that apply to it
 };
 
 const std::set<std::string_view> kOfAll{"--models", "--sizes", "--backend", "--repeat", "--limit", "--plot"};
@@ -148,9 +148,9 @@ const std::array<TimeBench, 4>& timeBenches() {
         {{"build", "the index",
           "In the order of the file, then in the order of the last build with some points moved (--moved).\n",
           all({kOfGrid, {"--moved"}})},
-         {"sort", "the largest part of building the index, alone", "", all({})},
+         {"sort", "the largest part of an index build, alone", "", all({})},
          {"query", "a probe at rest",
-          "The HIP rests half a support radius above the surface; one gather, one surface.\n",
+          "The HIP rests half a support radius above the surface; one gather and one surface per query.\n",
           all({kOfGrid, kOfQuery})},
          {"step", "a haptic tick",
           "The HIP rests in contact; static, then edited: the surface yields so slowly that every tick edits.\n",
@@ -163,14 +163,14 @@ const TimeBench& timeBenchNamed(const std::string& name) {
   return *std::ranges::find(timeBenches(), name, [](const TimeBench& bench) { return std::string(bench.name); });
 }
 
-// Each option that was given means something to one of the benches that are asked for.
+// Each given option must apply to one of the named benches.
 void checkMeaning(const std::vector<const Options*>& asked) {
   for (const Options* given : asked)
     for (const Option& option : given->all())
       if (option.given() && std::ranges::none_of(asked, [&](const Options* bench) {
             return timeBenchNamed(bench->name()).options.contains(option.longName());
           }))
-        throw UsageError("bench {}: there is no {} of it", given->name(), option.longName());
+        throw UsageError("bench {} has no option {}", given->name(), option.longName());
 }
 
 }  // namespace
@@ -187,7 +187,7 @@ Summary measureSection(Device& device, const CommandList& list, std::string_view
 
 void addTimeBenches(Options& bench, Context& context, Command& command) {
   const auto options = std::make_shared<TimeBenchOptions>();
-  options->backend.surface = "average";  // which every back end has
+  options->backend.surface = "average";  // available on every back end
   for (const TimeBench& each : timeBenches()) {
     Options& sub = bench.addSubcommand(each.name, each.what);
     addOptions(sub, *options);

@@ -6,7 +6,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kChange_N = 0.001;  // far below what a hand tells from none, far above what a surface at rest does
+constexpr double kChange_N = 0.001;  // far below the smallest force that a hand can feel, far above the changes at rest
 
 }  // namespace
 

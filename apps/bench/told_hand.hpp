@@ -1,4 +1,4 @@
-// A hand that goes where a bench tells it to, and notes when it was there and when its force changed.
+// A hand that a bench moves, which records the time of arrival and the time of a force change.
 #pragma once
 
 #include <atomic>
@@ -9,33 +9,33 @@
 
 namespace palpate {
 
-/// Places are model units. The bench tells it what to do on one thread; ticks are on another one. Times are of `clock`.
+/// Positions are in model units. The bench commands it on one thread; ticks run on another. Times are from `clock`.
 class ToldHand final : public HapticDevice {
  public:
-  /// The clock outlives it. Where `place` is, it waits first.
+  /// `clock` must outlive it. It starts at `place`.
   ToldHand(const Stopwatch& clock, const DVec3& place) : clock_(clock) { goTo(place, true); }
 
   // For the bench.
-  /// From the next tick on; where it is put down there was no motion in between.
+  /// Takes effect at the next tick. `isPutDown`: a jump without motion in between.
   void goTo(const DVec3& place, bool isPutDown);
-  /// When it was first where it was told to go last; nothing before that.
+  /// When it first reached the last commanded position; empty before that.
   std::optional<double> arrived_s() const;
   struct Felt {
     DVec3 force_N{0};
-    double since_s = 0;  ///< it has been so, within what a watch takes for a change
+    double since_s = 0;  ///< time of the last change, within the watch's threshold
     double now_s = 0;
   };
   Felt felt() const { return felt_.load().value_or(Felt{}); }
-  /// From now on the first change of the force is noted.
+  /// Records the first change of the force from now on.
   void watch();
-  /// When that was; nothing before.
+  /// Time of that change; empty before it.
   std::optional<double> changed_s() const;
 
   std::string_view name() const override { return "told"; }
   DeviceLimits limits() const override;
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3& force_N) noexcept override;
-  void emergencyStop() noexcept override {}  // there is nothing that could pull
+  void emergencyStop() noexcept override {}  // no force to switch off
   std::string faultText() const override { return {}; }
 
  private:
@@ -55,7 +55,7 @@ class ToldHand final : public HapticDevice {
   LatestValue<Felt> felt_;
   std::atomic<bool> isWatching_ = false;
   std::atomic<double> changed_s_ = -1;
-  // The ticks' own.
+  // Used only by the ticks' thread.
   Target now_;
   Felt last_;
 };

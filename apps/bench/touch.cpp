@@ -17,16 +17,16 @@ namespace {
 
 struct TouchBenchOptions : BenchOptions {
   std::vector<std::string> surfaces, shapes, conditions;
-  std::string truthFile;  // the mesh that the models are scans of
+  std::string truthFile;  // the mesh that the models were scanned from
   bool quick = false;
 };
 
 struct Condition {
   std::string_view name;
-  double noise = 0;        ///< of the positions, spacings
+  double noise = 0;        ///< deviation of the positions, spacings
   double thinning = 1;     ///< density at one end over that at the other
-  double away = 0;         ///< of the centre from the origin, model units
-  bool estimated = false;  ///< normals, from the points as they are; true ones otherwise
+  double away = 0;         ///< distance of the centre from the origin, model units
+  bool estimated = false;  ///< normals estimated from the points; otherwise true normals
 };
 constexpr std::array<Condition, 8> kConditions{{{"clean"},
                                                 {"estimated", 0, 1, 0, true},
@@ -37,8 +37,8 @@ constexpr std::array<Condition, 8> kConditions{{{"clean"},
                                                 {"uneven", 0, 10},
                                                 {"far", 0, 1, 1e6}}};
 
-// Slides begin here in the unit square of a shape's area: on the cube on three of its faces, the last 8 mm before an
-// edge that it crosses.
+// Starts of the slides in the unit square of a shape's area: on three faces of the cube, the last 8 mm before an edge
+// that the slide crosses.
 constexpr std::array<DVec2, 3> kStarts{{{0.41, 0.55}, {0.62, 0.23}, {0.32, 0.43}}};
 
 JudgeSubject shapeSubject(const std::string& name, const Condition& condition, std::size_t count, unsigned threads) {
@@ -70,7 +70,7 @@ JudgeSubject scanSubject(Context& context, const std::string& scan, const std::s
   auto truth = std::make_shared<const TriangleMesh>(readTriangleMesh(mesh));
   JudgeSubject subject{.name = std::filesystem::path(scan).stem().string(), .condition = "scan", .owner = truth};
   subject.truth = truthOf(*truth);
-  subject.model = loadModel(context, {.file = scan}, EstimateOn::cpu);  // what is felt does not depend on a GPU
+  subject.model = loadModel(context, {.file = scan}, EstimateOn::cpu);  // the result must not depend on a GPU
   constexpr std::size_t kSampled = 32'768;
   const PointCloud& cloud = subject.model.cloud;
   const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kSampled), boundsOf(cloud));
@@ -112,7 +112,7 @@ void forEachSurface(const TouchBenchOptions& options, Judge&& judgeOne) {
 
 std::vector<std::string> names(const auto& list) { return {list.begin(), list.end()}; }
 
-// The loop closed through the simulated Touch; a late answer is the whole force of an old pose, the worst there can be.
+// The loop closed through the simulated Touch; a late answer is the whole force of an old pose, the worst case.
 std::vector<StabilityJudgement> judgeStability() {
   std::vector<StabilityJudgement> judgements;
   for (const bool controlled : {false, true})
@@ -132,7 +132,7 @@ std::vector<StabilityJudgement> judgeStability() {
 
 Json benchTouch(Context& context, const TouchBenchOptions& options) {
   if (options.models.empty() != options.truthFile.empty())
-    throw UsageError("bench touch: --models and --truth go together; without both, shapes are felt");
+    throw UsageError("bench touch: --models requires --truth and vice versa; without both, shapes are felt");
   JudgeOptions judgeOptions;
   if (options.quick) judgeOptions.speeds_mm_per_s = {50, 200};
   forEachSurface(options, [&](const BackendOptions& one) { checkBackendOptions(context, one); });
@@ -165,40 +165,40 @@ void addOptions(Options& bench, TouchBenchOptions& options) {
   options.surfaces = namesOf(kSurfaceKinds);
   options.shapes = names(shapeNames());
   for (const Condition& condition : kConditions) options.conditions.emplace_back(condition.name);
-  addListOption(bench, "--shapes", options.shapes, "that are felt");
+  addListOption(bench, "--shapes", options.shapes, "shapes to feel");
   addListOption(
       bench, "--conditions", options.conditions,
-      "clouds that are exact, have positions noisy by so many spacings, or normals estimated from the points, "
-      "are ten times sparser at one end, lie 1e6 mm from the origin");
-  bench.add("--sizes", options.sizes, "numbers of points of the shapes (default: 200000)")
+      "clean: exact clouds; noise-N: positions noisy by N spacings; estimated: normals from the points; uneven: ten "
+      "times sparser at one end; far: 1e6 mm from the origin");
+  bench.add("--sizes", options.sizes, "numbers of points on the shapes (default: 200000)")
       .check(wholeBetween(1, 2e9))
       .typeName("N...");
-  bench.add("--models,--model", options.models, "scans that are felt instead, with --truth").typeName("FILE...");
-  bench.add("--truth", options.truthFile, "the mesh that --models is a scan of, in the same coordinates")
+  bench.add("--models,--model", options.models, "scans to feel instead, with --truth").typeName("FILE...");
+  bench.add("--truth", options.truthFile, "the mesh that the models were scanned from, in the same coordinates")
       .typeName("MESH.ply");
   bench.addFlag("--quick", options.quick, "no slides at 5 mm/s, no plates, no edits");
-  addListOption(bench, "--surface", options.surfaces, "surfaces that are judged");
+  addListOption(bench, "--surface", options.surfaces, "surfaces to judge");
   addFrictionOption(bench, options);
-  addMethodsOption(bench, options, "how neighbours are found (default: the back end's own choice)");
+  addMethodsOption(bench, options, "how neighbours are found (default: the back end's choice)");
   addRadiusOption(bench, options.backend);
   addIndexOptions(bench, options.backend);
-  addPlotOption(bench, options, "draw a page of what was found");
+  addPlotOption(bench, options, "draw a page of the results");
 }
 
 }  // namespace
 
 void addTouchBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("touch", "judges what is felt against surfaces that are known");
+  Options& sub = bench.addSubcommand("touch", "judges touch against known surfaces");
   const auto options = std::make_shared<TouchBenchOptions>();
   addOptions(sub, *options);
   Option backends = addBackendsOption(sub, *options, backendChoices());
   backends.describe(
-      "what answers; several are judged one after another (default: cpu where there is no GPU but a software driver)");
+      "back end; several are judged one after another (default: vulkan; cpu if the only GPU is a software driver)");
   sub.footer(
       "Slides 1 mm deep at 5, 50 and 200 mm/s, presses, taps, pushes through plates; M1 angle between force and true "
       "normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, in all and "
       "off edges, M5 pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the "
-      "air, M9 the largest stiffness that a hand holds steady, M10 tangential force (there is no friction: mu is 0) "
+      "air, M9 the largest stiffness that a hand holds steady, M10 tangential force (see --friction) "
       "and drift at rest, M11 after an edit, M12 the same "
       "path twice, and the CPU against the back end.\n");
   sub.whenNamed([&, options, backends] {

@@ -13,12 +13,12 @@ namespace palpate {
 namespace {
 
 constexpr double kRate_Hz = 1000;
-constexpr double kIdealStep_mm = 0.05;  // of the god-object
-constexpr double kLift_mm = 3;          // above the height from which nothing may be felt
+constexpr double kIdealStep_mm = 0.05;  // step of the god-object
+constexpr double kLift_mm = 3;          // above the height from which no force is allowed
 constexpr double kSlide_mm = 30, kLongestSlide_s = 2;
 constexpr double kTapSpeed_mm_per_s = 100, kPressDepth_mm = 2;
 
-// The spring alone: damping, limits and ramps are what they are asked to be and would hide what the surface does.
+// The spring alone: damping, limits and ramps would hide the surface's behaviour.
 ForceLaw plainSpring(double stiffness_N_per_mm, const ModelScale& scale) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   return {{.stiffness_N_per_mm = stiffness_N_per_mm,
@@ -35,7 +35,7 @@ std::vector<DVec3> hipsAlong(const Path& path, double to_s) {
   return hips;
 }
 
-// In virtual time; `observer` sees the trace after each tick.
+// Runs in virtual time; `observer` sees the trace after each tick.
 template <class Observer>
 Trace play(TouchBackend& backend, const std::vector<DVec3>& hips, ForceLaw law, Observer&& observer) {
   Trace trace;
@@ -44,7 +44,7 @@ Trace play(TouchBackend& backend, const std::vector<DVec3>& hips, ForceLaw law, 
     const Stopwatch watch;
     const Contact contact = backend.query(pose, 0);
     const DVec3 force_N = law.update(contact, pose, 1 / kRate_Hz);
-    if (!contact.valid) backend.finish();  // throws what was wrong
+    if (!contact.valid) backend.finish();  // throws the back end's failure
     trace.rows.push_back({.time_s = pose.time_s,
                           .hip = pose.hip,
                           .proxy = contact.proxy,
@@ -67,7 +67,7 @@ Trace play(TouchBackend& backend, const std::vector<DVec3>& hips, const ForceLaw
   return play(backend, hips, law, [](const Trace&) {});
 }
 
-// On a back end of its own.
+// Uses a back end of its own.
 Trace feel(Context& context, const Model& model, const JudgePath& way, const BackendOptions& options,
            double stiffness_N_per_mm) {
   Session session = startSession(context, model, sessionConfig(options));
@@ -85,7 +85,7 @@ SlideJudgement judgeSlides(const std::vector<JudgedTicks>& ways, double speed_mm
                         .height = heightError(all, scale),
                         .forceError = forceError(all, options.stiffness_N_per_mm, scale),
                         .tangentialShare = tangentialShare(all)};
-  // These look from tick to tick, so each way is judged alone.
+  // These compare successive ticks, so each path is judged alone.
   const double share = 1 / static_cast<double>(ways.size());
   double roughPower = 0, roughPowerOffEdges = 0, powerOffEdges = 0;
   for (const JudgedTicks& way : ways) {
@@ -167,7 +167,7 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgeP
                    .radius_mm = scale.toMm(surfaceOptions(context, subject.model, backend).radius),
                    .noise_spacings = subject.model.noise,
                    .friction = backend.friction};
-  // First everything is felt, one after the other, since ticks are timed; then it is judged on all cores.
+  // Everything is felt first, one path after the other, since ticks are timed; then it is judged on all cores.
   std::vector<Trace> traces;
   for (const JudgePath& way : plan.ways)
     traces.push_back(feel(context, subject.model, way, backend, options.stiffness_N_per_mm));
@@ -210,11 +210,11 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgeP
 
 EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const BackendOptions& backend,
                         const JudgeOptions& options) {
-  constexpr double kTolerance_N = 1e-3;  // far below what a hand can tell
+  constexpr double kTolerance_N = 1e-3;  // far below the smallest force that a hand can feel
   const ModelScale& scale = subject.model.scale;
   const BrushConfig push{.tau_mm = 0.3, .beta = 0.1, .radius_mm = 6};
   const TruthPath press = truthPress(subject.starts.front().place, scale, {.depth_mm = kPressDepth_mm});
-  // The hand does not wait until the surface has given way in full: it turns back while there are still edits.
+  // The hand does not wait until the surface has fully yielded: it turns back while edits still occur.
   const double rest_s = 0.05;
   const double down_s = press.to_s - 0.25, up_s = press.path.duration_s() - press.to_s;
   const Path path({{0, press.path.at(0)},
@@ -243,11 +243,11 @@ EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const Bac
 
 std::vector<PlateJudgement> judgePlates(Context& context, std::size_t points, const BackendOptions& backend) {
   constexpr std::size_t kPushes = 16;
-  constexpr double kBeyond_mm = 2, kSlant = 0.3;  // the latter as a tangent, at most
+  constexpr double kBeyond_mm = 2, kSlant = 0.3;  // the latter as a tangent, maximum
   std::vector<PlateJudgement> results;
   Model model;
   model.cloud = plateCloud(points, 0, context.threads());
-  model.spacing = 100 / std::sqrt(static_cast<double>(points / 2));  // of one side; the other must not change R
+  model.spacing = 100 / std::sqrt(static_cast<double>(points / 2));  // of one side; the other side must not change R
   const double radius_mm = supportRadius(backend.radius, model);
   for (const double thicknessOverRadius : {0.25, 0.5, 1.0, 1.5, 2.0}) {
     const double thickness_mm = thicknessOverRadius * radius_mm;

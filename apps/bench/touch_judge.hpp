@@ -1,4 +1,4 @@
-// Touch on a surface that is known, judged by M1 to M12: what `palpate bench touch` measures.
+// Touch on a known surface, judged by M1 to M12, for `palpate bench touch`.
 #pragma once
 
 #include "apps/cli/backend.hpp"
@@ -7,15 +7,15 @@
 
 namespace palpate {
 
-/// A cloud, the surface that it stands for, and where to touch it.
+/// A cloud, the surface that it samples, and where to touch it.
 struct JudgeSubject {
   struct Start {
     SurfacePoint place;
-    DVec3 towards;  ///< where a slide goes from there
+    DVec3 towards;  ///< direction of a slide from there
   };
   std::string name, condition;
   Model model;
-  std::shared_ptr<const void> owner;  ///< of what the truth looks at
+  std::shared_ptr<const void> owner;  ///< owner of the data behind `truth`
   TouchTruth truth;
   double noise = 0;  ///< deviation of the positions, model units
   std::vector<Start> starts;
@@ -35,8 +35,8 @@ struct SlideJudgement {
   AngleError angle;            // M1
   HeightError height;          // M2
   double forceError = 0;       // M3
-  Continuity continuity;       // M4: largest of all, mean of p99, share in the power of all
-  double roughOffEdges = 0;    // M4: the same share, where no edge is in reach of the widest support radius
+  Continuity continuity;       // M4: largest of all, mean of p99, fraction of the power of all
+  double roughOffEdges = 0;    // M4: the same fraction, where no edge is within the widest support radius
   Lag lag;                     // M6: means; largest of all
   double tangentialShare = 0;  // M10
 };
@@ -51,42 +51,42 @@ struct Judgement {
   std::string backend, surface, subject, condition;
   std::size_t points = 0;
   double spacing_mm = 0, radius_mm = 0;  ///< the largest radius
-  double noise_spacings = 0;             ///< of the positions, as it was measured
-  double friction = 0;                   ///< coefficient that was asked for
+  double noise_spacings = 0;             ///< measured noise of the positions
+  double friction = 0;                   ///< requested coefficient
   std::vector<SlideJudgement> slides;    ///< by speed
   Summary step_us;                       // M7
-  double lateShare = 0;                  // M7: of ticks beyond their millisecond
+  double lateShare = 0;                  // M7: fraction of the ticks that exceed their millisecond
   std::optional<double> free_N;          // M8
   double drift_mm = 0;                   // M10
   std::optional<EditJudgement> edit;     // M11
   bool identical = false;                // M12
-  std::optional<double> fromCpu_N;       // M12: nothing for the CPU itself
+  std::optional<double> fromCpu_N;       // M12: empty for the CPU itself
   std::vector<DVec2> force_N;            ///< along the first slide at the main speed: felt and true size, tick by tick
 };
 
-/// A path over a subject, with what a god-object feels on it.
+/// A path over a subject, with the god-object's answers along it.
 struct JudgePath {
   TruthPath path;
   std::vector<IdealTick> ideal;
 };
-/// The same for every surface and back end, so that this, which takes most of the time, is done once.
+/// Shared by all surfaces and back ends, because it takes most of the time.
 struct JudgePlan {
-  static constexpr std::size_t kTaps = 0, kPress = 1, kSlides = 2;  ///< where in `ways` they stand or begin
-  double freeMargin = 0;        ///< above the true surface, model units, from where on nothing may be felt
+  static constexpr std::size_t kTaps = 0, kPress = 1, kSlides = 2;  ///< indices into `ways`, or the first index
+  double freeMargin = 0;        ///< height above the true surface, model units, from which no force is allowed
   std::vector<JudgePath> ways;  ///< the slides from every start, speed by speed
 };
-/// `widestRadius`: the largest support radius of the surfaces that are judged, model units.
+/// `widestRadius`: the largest support radius of the judged surfaces, model units.
 JudgePlan planFor(Context& context, const JudgeSubject& subject, double widestRadius, const JudgeOptions& options);
 
 /// M1 to M4, M6 to M8, M10 and M12. Each path begins on a back end of its own.
 Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgePlan& plan,
                      const BackendOptions& backend, const JudgeOptions& options);
 
-/// M11: pushes the surface at the first start, and sets it beside a surface built from where the points then lie.
+/// M11: pushes the surface at the first start, and compares it with a surface built from the resulting points.
 EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const BackendOptions& backend,
                         const JudgeOptions& options);
 
-/// M5: pushes through plates of two sides, from all sides a little aslant, until the HIP stands 2 mm beyond.
+/// M5: slightly oblique pushes through plates of two sides, until the HIP is 2 mm beyond.
 struct PlateJudgement {
   std::string backend, surface;
   double thicknessOverRadius = 0, speed_mm_per_s = 0;

@@ -25,7 +25,7 @@ void printRow(std::FILE* out, const Judgement& j, const std::vector<TouchColumn>
   fmt::print(out, "\n");
 }
 
-// About three figures, in a column that stays narrow.
+// About three digits, in a narrow column.
 std::string brief(double value) {
   if (value == 0) return "0";
   const double size = std::abs(value);

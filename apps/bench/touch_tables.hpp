@@ -1,4 +1,4 @@
-// What `palpate bench touch` found, as tables and as JSON.
+// Results of `palpate bench touch`, as tables and as JSON.
 #pragma once
 
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// The largest stiffness that a hand holds steady on an exact plane (M9), N/mm.
+/// The largest stiffness that a hand holds stably on an exact plane (M9), N/mm.
 struct StabilityJudgement {
   double delay_ms = 0, damping_N_s_per_mm = 0;
   bool controlled = false;  ///< with the passivity controller
@@ -21,7 +21,7 @@ struct TouchResults {
   std::vector<StabilityJudgement> stability;
 };
 
-/// Tables of at most 160 characters a line; those of the slides at `mainSpeed_mm_per_s`, then all speeds.
+/// Tables of at most 160 characters a line; the slides at `mainSpeed_mm_per_s`, then all speeds.
 void printTouchTables(std::FILE* out, const TouchResults& results, double mainSpeed_mm_per_s);
 Json toJson(const TouchResults& results);
 

@@ -38,7 +38,7 @@ struct MeshStep {
 /// a pass over nearby points; triangles.
 /// After an edit the nodes and vertices of blocks that it may have changed are computed again, the others are copied.
 /// The result equals that of a new build, bit by bit: points are visited in an order that depends only on their
-/// positions and numbers (except where more than kMeshMostCandidates points crowd). Part of the sight side.
+/// positions and numbers (except where more than kMeshMaxCandidates points crowd). Part of the sight side.
 class MarchingCubes {
  public:
   /// `cloud` must have normals. `spare`: number of points that edits may add. `painted`: edits may set colours although

@@ -43,6 +43,6 @@ Surface surfaceOf(FieldSums sums) {
 }
 
 // If cells hold too many candidates, they are subsampled with this stride.
-uint strideFor(uint candidates) { return 1 + (max(candidates, 1) - 1) / kMeshMostCandidates; }
+uint strideFor(uint candidates) { return 1 + (max(candidates, 1) - 1) / kMeshMaxCandidates; }
 
 #endif

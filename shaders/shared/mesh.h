@@ -46,7 +46,7 @@ const float kMeshIsoDensity = 0.5f;
 // Candidates that one box of positions visits; if its cells hold more they are subsampled. Few enough that an
 // invocation, which sums over them up to three times, stays below the 65,535 loop iterations after which one software
 // driver stops a shader; several times what an even cloud needs.
-const uint kMeshMostCandidates = 8192;
+const uint kMeshMaxCandidates = 8192;
 
 // Blocks are numbered x fastest; node (0, 0, 0) of block (0, 0, 0) is at `origin`.
 struct MeshLattice {

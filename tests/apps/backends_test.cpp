@@ -1,4 +1,4 @@
-// palpate touch by every back end, method and device that answers alike.
+// palpate touch with every back end, method and device that gives the same answers.
 #include <algorithm>
 
 #include "engine/io/ply_reader.hpp"
@@ -96,7 +96,7 @@ TEST_CASE("a simulated Touch presses, slides and rests, the same every time, and
     CHECK(contentOf(folder / "a") == contentOf(folder / "b"));
     const auto rows = readTrace(folder / "a");
     CHECK(rows.front().force == DVec3(0));
-    // The hand means to be 2 mm deep, and yields: its own 0.4 N/mm against the surface's 0.8.
+    // The simulated hand aims 2 mm deep and yields: its own 0.4 N/mm against the surface's 0.8.
     CHECK(rows.back().penetration_mm > 0.3);
     CHECK(rows.back().penetration_mm < 1);
     CHECK(glm::length(rows.back().force) == near(0.8 * rows.back().penetration_mm, 0.01));

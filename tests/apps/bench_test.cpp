@@ -1,4 +1,4 @@
-// palpate bench: what it measures, says and refuses.
+// palpate bench: its measurements, output and errors.
 #include <fmt/format.h>
 
 #include <map>
@@ -130,8 +130,8 @@ TEST_CASE("each bench shows and takes its own options, and those that are measur
   CHECK(palpate("bench edit --sizes 2000 --lattice 16").code == 2);
   const Outcome alone = palpate("bench sort --sizes 2000 --moved 0.5");
   CHECK(alone.code == 2);
-  CHECK(says(alone.text, "bench sort: there is no --moved"));
-  works("bench build sort --sizes 2000 --backend cpu --repeat 5 --moved 0.5");  // of build, after sort
+  CHECK(says(alone.text, "bench sort has no option --moved"));
+  works("bench build sort --sizes 2000 --backend cpu --repeat 5 --moved 0.5");  // an option of build, after sort
   works("bench sort --sizes 2000 build --backend cpu --repeat 5 --moved 0.5");
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("bench touch judges what is felt: nothing in the air, the same twice, 
   CHECK(touch["M9_stability"].size() == 24);
   for (const auto& study : touch["M9_stability"]) {
     CHECK(study["largest_stiffness_N_per_mm"] > 0.4);
-    // Without damping, or with much of it on old data, a late loop makes energy; with the damping that we use it does
+    // Without damping, or with much damping and old data, a late loop generates energy; with the usual damping it does
     // not.
     if (study["damping_N_s_per_mm"] == 0.002) CHECK(study["least_energy_mJ"] > -0.1);
   }
@@ -215,7 +215,7 @@ TEST_CASE("bench edit sculpts with tools that reach as many points as they are a
                           byTier("60", "100 800"), repeat, json, plot));
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto edit = jsonOf(json)["edit"];
-  REQUIRE(edit["costs"].size() == 2 * touches * 2);  // sizes, touched, ways to follow
+  REQUIRE(edit["costs"].size() == 2 * touches * 2);  // sizes, touched points, methods of following
   for (const auto& cost : edit["costs"]) {
     CAPTURE(cost.dump());
     CHECK(cost["edits"] == repeat);
@@ -225,7 +225,7 @@ TEST_CASE("bench edit sculpts with tools that reach as many points as they are a
     CHECK(cost["touched"]["min"] > 0.4 * asked);  // at every edit of the stroke
     CHECK(cost["query_us"]["p50"] > 0);
     CHECK(cost["edit_us"]["p50"] > 0);
-    // In virtual time a step holds its query and its edit, and what points request for is found behind it.
+    // In virtual time a step includes its query and its edit; resampling requests are computed after it.
     CHECK(cost["query_and_edit_us"]["p50"] > cost["edit_us"]["p50"]);
     CHECK(cost["step_us"]["p50"] > cost["query_and_edit_us"]["p50"]);
     CHECK(cost["requests_us"]["p50"] > 0);
@@ -235,7 +235,7 @@ TEST_CASE("bench edit sculpts with tools that reach as many points as they are a
     CHECK(cost["memory"]["over_plain"] > 1);
     CHECK(cost["memory"]["plain_bytes"] > 64 * cost["points"].get<double>());
   }
-  // A larger tool for more points; a smaller one where they stand closer.
+  // A larger brush for more points; a smaller one where they are denser.
   const auto radius = [&](std::size_t i) { return edit["costs"][i]["tool_radius_mm"].get<double>(); };
   if (inFullTier()) CHECK(radius(2) > 1.3 * radius(0));
   CHECK(radius(2 * touches) < 0.7 * radius(0));
@@ -291,7 +291,7 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
   const ScratchFolder folder;
   const std::string json = (folder / "s.json").string(), model = (folder / "few.ply").string();
   works("make sphere -n 3000 -o " + model);
-  // So few ticks each second that any machine keeps up with some.
+  // Few enough ticks per second that any machine keeps up with some.
   constexpr int kTicks = 50, kRate_Hz = 10;
   const std::string bench = "bench edit --models " + model + " --touched 40 --index incremental --spare 200 ";
   const Outcome outcome =
@@ -301,7 +301,7 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
     CHECK(outcome.text.find(title) != std::string::npos);
   const auto cost = jsonOf(json)["edit"]["costs"][0];
   CAPTURE(cost.dump());
-  // Edits rest after one that takes a busy machine long, so that there may be few of them.
+  // Edits are postponed after one that takes a busy machine long, so that there may be few.
   if (cost["compactions"] > 0) {
     CHECK(cost["compacting_step_us"]["n"] >= cost["compactions"].get<int>());
     CHECK(cost["compacting_step_us"]["p999"] <= cost["step_us"]["max"].get<double>());
@@ -309,7 +309,7 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
   } else {
     MESSAGE("this machine is too busy to tell what a compaction costs: in " << kTicks << " ticks it came to "
                                                                             << cost["edits"].dump() << " edits");
-    CHECK(cost["edits"] < kTicks / 2);  // as many as bring one about
+    CHECK(cost["edits"] < kTicks / 2);  // too few to cause a compaction
   }
   CHECK(cost["stroke"]["held_up_edits"] <= kTicks);
   CHECK(cost["stroke"]["rate_Hz"] == kRate_Hz);
@@ -365,7 +365,7 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
     CHECK(quality["pixels"] > 500);
     CHECK(quality["hole_pixels"] == 0);
     CHECK(quality["overlap_percent"] > 97.5);
-    // A few pixels a spacing: an edge that is off by half a pixel weighs.
+    // With few pixels per spacing, an edge error of half a pixel matters.
     CHECK(quality["depth_rms_spacings"] < (smooth ? 0.3 : 0.45));
     CHECK(quality["normal_deg"]["mean"] < 1);
     CHECK(quality["normal_deg"]["p95"] < 4);
@@ -389,7 +389,7 @@ TEST_CASE("bench splat holds discs and marching cubes against the same truth, in
   std::vector<std::string> ways{"compute", "mesh 24"};
   if (inFullTier()) ways.push_back("mesh 48");
   CHECK(splat["costs"].size() == ways.size());
-  REQUIRE(splat["qualities"].size() == byTier<std::size_t>(1, 2) * ways.size());  // conditions and ways
+  REQUIRE(splat["qualities"].size() == byTier<std::size_t>(1, 2) * ways.size());  // conditions and methods
   for (std::size_t i = 0; i < splat["qualities"].size(); ++i) {
     const auto quality = splat["qualities"][i];
     CAPTURE(quality.dump());
@@ -426,7 +426,7 @@ TEST_CASE("bench matter measures what is stirred on each back end, and its passe
     if (!onGpu) continue;
     const char* const pass = record["matter"] == "water" ? "matter_compress" : "matter_rub";
     const double particles = record["particles"], moved = record["passes_bytes"][pass]["moved"];
-    // A list of 32 words and a length, a place and what is written; a list of 8, and contacts of 6 that are read and
+    // A list of 32 words and a length, a position and the result; or a list of 8, and 6 contacts that are read and
     // written.
     CHECK(moved / particles == near(record["matter"] == "water" ? 164 : 304, 1e-6));
     CHECK(record["passes_bytes"][pass]["asked"] > moved);

@@ -1,4 +1,4 @@
-// The cameras of a model in its pictures: where they stand, and that nothing else changes.
+// A model's cameras in its pictures: where they are drawn, and that nothing else changes.
 #include <algorithm>
 #include <cmath>
 
@@ -12,9 +12,9 @@ namespace palpate::cameras_test {
 namespace {
 
 constexpr int kWidth = 480, kHeight = 360;
-const DVec3 kEye(3, 4, -30);  // of the picture; it looks at zero, with y down and 45 degrees of height
+const DVec3 kEye(3, 4, -30);  // of the picture; it looks at the origin, with y down and a field of view of 45 degrees
 
-/// A sheet of points about zero, seen by four cameras that stand before it and look along z.
+/// A sheet of points about the origin, seen by four cameras in front of it that look along z.
 WrittenColmap sheet() {
   WrittenColmap written{.camera = "1 PINHOLE 800 400 500 500 400 200", .images = {}, .points = {}};
   for (std::uint32_t k = 0; k < 4; ++k)
@@ -54,7 +54,7 @@ TEST_CASE("render draws a camera's pyramid with its corners where its intrinsics
   works(rendering(folder / "model", folder / "with.png") + "--cameras");
   const Picture without(folder / "without.png"), with(folder / "with.png");
   const auto isLine = [&](const DVec3& place) { return differs(with, without, seenAt(place)); };
-  // The pyramids are all alike; how long they are is read off the picture, along the lower right edge of the first.
+  // All pyramids have the same size, which is measured in the picture along the lower right edge of the first.
   const DVec3 toCorner(400.0 / 500, 200.0 / 500, 1);
   const DVec3 first = sheet().images[0].centre;
   double length = 0;
@@ -68,16 +68,16 @@ TEST_CASE("render draws a camera's pyramid with its corners where its intrinsics
       for (const double y : {-0.4, 0.4}) {
         CHECK(isLine(image.centre + (length - 0.03) * DVec3(x, y, 1)));
         CHECK_FALSE(isLine(image.centre + (length + 0.25) * DVec3(x, 2.2 * y, 1)));
-        CHECK(isLine(image.centre + (length - 0.03) * DVec3(0, y, 1)));  // the edges of the picture
+        CHECK(isLine(image.centre + (length - 0.03) * DVec3(0, y, 1)));  // the edges of the image rectangle
         CHECK(isLine(image.centre + (length - 0.03) * DVec3(x, 0, 1)));
       }
   }
-  // And nothing else is another one than before.
+  // All other pixels are unchanged.
   std::vector<std::array<DVec2, 2>> edges;
   for (const WrittenImage& image : sheet().images) {
     const auto seen = [&](double x, double y) { return seenAt(image.centre + length * DVec3(x, y, 1)); };
     const std::array corners{seen(-0.8, -0.4), seen(0.8, -0.4), seen(0.8, 0.4), seen(-0.8, 0.4)};
-    const DVec2 ridge = seen(0, -0.6);  // of the roof over the upper edge
+    const DVec2 ridge = seen(0, -0.6);  // of the roof above the upper edge
     for (std::size_t k = 0; k < 4; ++k) {
       edges.push_back({seenAt(image.centre), corners[k]});
       edges.push_back({corners[k], corners[(k + 1) % 4]});

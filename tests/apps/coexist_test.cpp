@@ -1,5 +1,5 @@
 // ctest: alone
-// palpate bench coexist: touch and pictures at once. What it counts, never how fast.
+// palpate bench coexist: touch while pictures are drawn. Checks counts, not speed.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace palpate::coexist_test {
 
 namespace {
 
-// Ticks slow enough for a software driver on busy cores.
+// Ticks are slow enough for a software driver on busy cores.
 double seconds() { return byTier(0.6, 2.0); }
 int points() { return byTier(3000, 5000); }
 std::string smallBench() {
@@ -78,7 +78,7 @@ TEST_CASE("bench coexist draws and touches under validation, on one GPU and on t
   const std::string arguments = std::string("bench coexist ") + byTier("--validate=core", "--validate") +
                                 " --sizes 2000 --size 64x48 --touched 50 --rate 20 --duration 1 --situations "
                                 "drawn-sculpting --queues no-priority";
-  if (inFullTier()) works(arguments);  // else the window's own case stands for it
+  if (inFullTier()) works(arguments);  // otherwise covered by the window's own case
   works(arguments + " --sight-gpu 0");
 }
 

@@ -28,7 +28,7 @@ void writeColmapFolder(const std::filesystem::path& folder) {
   std::ofstream(folder / "cameras.txt") << "1 SIMPLE_PINHOLE 640 480 500 320 240\n";
   std::ofstream(folder / "images.txt") << "4 1 0 0 0 0 0 0 1 front.jpg\n\n";
   std::ofstream points(folder / "points3D.txt");
-  for (int i = 0; i < kPoints; ++i) {  // a spiral, even in area
+  for (int i = 0; i < kPoints; ++i) {  // a spiral of uniform density
     const double z = (i + 0.5) / kPoints, turn = 2.399963229728653 * i, aside = std::sqrt(1 - z * z);
     points << i << ' ' << 10 * aside * std::cos(turn) << ' ' << 10 * aside * std::sin(turn) << ' ' << 40 - 10 * z
            << " 200 100 50 0.5 4 0\n";
@@ -74,7 +74,7 @@ TEST_CASE("a folder of depth frames becomes one cloud, whose points lie on what 
   for (std::size_t i = 0; i < cloud.size(); ++i)
     CHECK(std::abs(recordedShape().signedDistance(cloud.fileCoordinates(i))) < 0.02);
 
-  // Without its poses the frames do not say where they were seen from: a sphere looks the same all around.
+  // Without poses the frames do not tell the camera's position: a sphere looks the same from all sides.
   std::filesystem::remove(room / "trajectory.log");
   const Outcome unplaced = palpate("convert " + room.string() + " " + out + " --force --json " + json);
   CHECK_MESSAGE(unplaced.code == 0, unplaced.text);
@@ -82,7 +82,7 @@ TEST_CASE("a folder of depth frames becomes one cloud, whose points lie on what 
   CHECK(jsonOf(json)["unplaced"] == 5);
   CHECK(unplaced.text.find("frame 1 is not fused: ") != std::string::npos);
 
-  // What cannot be a depth camera's is said, and no file is left.
+  // Impossible depths are reported, and no file is left.
   std::filesystem::remove(out);
   const Outcome outcome = palpate("convert " + room.string() + " " + out + " --depth-scale 1000000");
   CHECK(outcome.code == 1);
@@ -112,7 +112,7 @@ TEST_CASE("a scene of Gaussians is told of, converted, felt and sculpted, and it
   CHECK(jsonOf(json)["format"] == "PLY");
   CHECK(jsonOf(json)["made_from"].is_null());
 
-  // Straight down at the ball's top: the force pushes up again, from where the ball is.
+  // Straight down onto the ball's top: the force pushes up at the ball's surface.
   std::ofstream(folder / "path.csv") << "t_s,x,y,z\n0,0,0,11\n0.2,0,0,9.5\n";
   works("touch " + scene.string() + " --backend cpu --mm-per-unit 1 --path " + (folder / "path.csv").string() +
         " --trace " + (folder / "trace.csv").string() + " --edit push --save " + (folder / "pushed.ply").string());
@@ -125,7 +125,7 @@ TEST_CASE("a scene of Gaussians is told of, converted, felt and sculpted, and it
   CHECK(std::filesystem::exists(folder / "pushed.ply"));
   CHECK(contentOf(scene) == before);
 
-  // Over the file only when it is named, and then the Gaussians are kept.
+  // Overwritten only if it is named, and then the Gaussians are kept in a backup.
   works("touch " + scene.string() + " --backend cpu --mm-per-unit 1 --path " + (folder / "path.csv").string() +
         " --edit push --save " + scene.string());
   CHECK(contentOf(folder / "scene.ply.bak") == before);
@@ -148,7 +148,7 @@ TEST_CASE("the folder of a COLMAP model is told of, converted and felt, and noth
   CHECK(jsonOf(json)["from"] == "COLMAP");
   CHECK(jsonOf(json)["lost"] == std::vector<std::string>{"1 image", "1 camera", "which images saw each point"});
 
-  // Straight at the camera's side of the ball: the force pushes back to the camera.
+  // Straight onto the camera's side of the ball: the force pushes back to the camera.
   std::ofstream(folder / "path.csv") << "t_s,x,y,z\n0,0,0,29\n0.2,0,0,30.2\n";
   works("touch " + model.string() + " --backend cpu --mm-per-unit 1 --path " + (folder / "path.csv").string() +
         " --trace " + (folder / "trace.csv").string() + " --edit push --save " + (folder / "pushed.ply").string());
@@ -224,7 +224,7 @@ TEST_CASE("convert destroys nothing that exists: not the file that it reads, not
 
   std::ofstream(in) << "ply\nformat ascii 1.0\nelement vertex 2\n";
   CHECK(palpate("convert " + in + " " + other + " --force").code == 1);
-  CHECK(contentOf(other).starts_with("ply\nformat binary"));  // as it was
+  CHECK(contentOf(other).starts_with("ply\nformat binary"));  // unchanged
 }
 
 TEST_CASE("convert refuses names that it writes nothing under, and says what is wrong with a file") {

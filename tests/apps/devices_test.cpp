@@ -12,12 +12,12 @@ namespace {
 
 /// Outside, down onto the sphere, along it, and out again.
 const char* const kHand = "0,0,40,0\n0.4,0,28.5,0\n0.9,4,28.2,0\n1.2,4,40,0\n";
-constexpr double kDuration_s = 1.7;  // with half a second before the hand goes
+constexpr double kDuration_s = 1.7;  // including half a second before the hand moves
 
 struct Scene {
   Scene() { works("make sphere -n 20000 --size 60 -o " + model); }
   std::string file(const std::string& name) const { return (folder / name).string(); }
-  /// On the CPU, so that the same poses give the same forces bit by bit.
+  /// On the CPU, where the same poses give the same forces bit by bit.
   std::string touch(const std::string& options) const {
     return "touch " + model + " --backend cpu --mm-per-unit 1 --stiffness 0.4 " + options;
   }
@@ -29,7 +29,7 @@ struct Scene {
   std::string model = (folder / "model.ply").string();
 };
 
-/// The largest difference of forces between two traces, up to the first tick that one of them missed.
+/// Largest difference of forces between two traces, up to the first tick missing in one of them.
 struct Compared {
   double worst_N = 0, most_N = 0;
   std::size_t ticks = 0;
@@ -83,7 +83,7 @@ TEST_CASE("button 1 of a stylus sculpts" * kClock) {
   const FakeDriver driver("fake_hd", script, kHand);
   works(scene.held("--edit push --tau 0.2 --json " + scene.file("out.json") + " --log " + scene.file("log")));
   CHECK((jsonOf(scene.folder / "out.json")["moved_points"].get<int>() > 0) == pressed);
-  CHECK(driver.note().mostForce_N > 0.1);  // it is felt in any case
+  CHECK(driver.note().mostForce_N > 0.1);  // felt in any case
   works("replay " + scene.file("log"));
 }
 
@@ -244,7 +244,7 @@ TEST_CASE("doctor says how many ticks a servo loop with nothing to do misses on 
   CHECK(says(palpate("doctor --servo -1").text, "--servo"));
 }
 
-/// Programs that start while it lives see the HID device of a script (fake_hidapi.cpp).
+/// Programs started during its lifetime see the HID device of a script (fake_hidapi.cpp).
 class FakeHid {
  public:
   explicit FakeHid(const std::string& script)
@@ -279,7 +279,7 @@ TEST_CASE("a 3D mouse is listed by doctor, with what to do where it cannot be op
     CHECK(mice()[0]["why_not"].get<std::string>().size() > 5);
   }
   {
-    // A keyboard of the same maker.
+    // A keyboard of the same vendor.
     const FakeHid hid("device /dev/null 046d c31c 1 6 Keyboard\n");
     CHECK(mice().empty());
     CHECK(says(palpate("doctor").text, "no 3D mouse and no DualSense is plugged in"));
@@ -288,7 +288,7 @@ TEST_CASE("a 3D mouse is listed by doctor, with what to do where it cannot be op
 
 TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes back" * kClock) {
   const Scene scene;
-  // Away from the user, as hard as it goes: the thirteen bytes of translation and rotation in one report.
+  // Full deflection away from the user: the thirteen bytes of translation and rotation in one report.
   const std::string push = "1 0 0 a2 fe 0 0 0 0 0 0 0 0\n";
   const FakeHid hid(std::string(kMouse) + "push 0.7 1.3 " + push + "gone 2 0.6\npush 2.6 1 " + push);
   const Outcome outcome =
@@ -297,11 +297,11 @@ TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes 
   CHECK(says(outcome.text, "the stylus is SpaceMouse Compact"));
   const auto rows = readTrace(scene.folder / "t.csv");
   REQUIRE(rows.size() > 100);
-  CHECK(rows.front().hip.z > 31);  // before the sphere
+  CHECK(rows.front().hip.z > 31);  // in front of the sphere
   CHECK(glm::length(rows.front().force) == 0);
-  const auto felt = std::ranges::find_if(rows, [](const Row& row) { return row.force.z > 0.1; });  // in it
+  const auto felt = std::ranges::find_if(rows, [](const Row& row) { return row.force.z > 0.1; });  // inside it
   REQUIRE(bool(felt != rows.end()));
-  // While nobody holds it, it rests without a force.
+  // While no input is given, it rests without a force.
   const auto rests = [&](auto from) {
     const auto moves = std::find_if(from, rows.end(), [&](const Row& row) {
       return glm::length(row.force) > 0 || glm::distance(row.hip, from->hip) >= 0.2;
@@ -311,7 +311,7 @@ TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes 
   bool rested = false;
   for (auto row = felt + 1; row != rows.end() && !rested; ++row) rested = glm::length(row->force) == 0 && rests(row);
   CHECK(rested);
-  CHECK(outcome.text.find("SpaceMouse Compact") != outcome.text.rfind("SpaceMouse Compact"));  // it is told of again
+  CHECK(outcome.text.find("SpaceMouse Compact") != outcome.text.rfind("SpaceMouse Compact"));  // it is reported again
 }
 
 }  // namespace palpate::devices_test

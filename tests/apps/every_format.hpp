@@ -1,4 +1,4 @@
-// A file of every format there is.
+// A file of every format.
 #pragma once
 
 #include <map>
@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// The same ball in each format, or else what the readers' tests have of it; where it is, by the format's name.
+/// The same ball in each format, or the file of the reader's tests; paths by format name.
 inline std::map<std::string, std::filesystem::path> filesOfAllFormats(const std::filesystem::path& folder) {
   std::map<std::string, std::filesystem::path> files;
   PointCloud ball = sampleShape(*makeShape("sphere", 40), {.count = 1500, .seed = 1});
   ball.colors.assign(ball.size(), {200, 150, 100, 255});
-  // For meshes of rings around the z axis and triangles between them.
+  // Meshes of rings around the z axis and triangles between them.
   PointCloud rings;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   constexpr std::uint32_t kAround = 24, kRings = 13;
@@ -59,8 +59,8 @@ inline std::map<std::string, std::filesystem::path> filesOfAllFormats(const std:
   return files;
 }
 
-/// Triangles of any format become half a million points alike: what happens to those is as dear as it is the same, so
-/// that the quick tier touches one of them and draws none.
+/// Triangles of any format become half a million points by the same code, which is expensive: the quick tier touches
+/// one of these formats and draws none.
 inline bool becomesMany(const std::string& format) {
   return format == "glTF" || format == "OBJ" || format == "OFF" || format == "STL";
 }

@@ -1,4 +1,4 @@
-// Files in the window: looking for one, saving to another, triangles to a file; and what is known of a place.
+// Files in the window: browsing, saving to another file, exporting triangles; and inspecting a point.
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/every_format.hpp"
 #include "tests/apps/window_play.hpp"
@@ -48,7 +48,7 @@ TEST_CASE("in the window a file is looked for by folder and format, saved elsewh
   const std::string saved = played->state("saved.json")["last_message"];
   CHECK(says(saved, "ring.xyz is saved"));
   CHECK(std::filesystem::exists(played->folder / "ring.xyz"));
-  CHECK(played->state("cancelled.json")["model"] == (played->folder / "ring.xyz").string());  // as it was saved last
+  CHECK(played->state("cancelled.json")["model"] == (played->folder / "ring.xyz").string());  // as last saved
   CHECK(says(played->state("exported.json")["last_message"], "ring-mesh.ply is written"));
   CHECK(says(played->state("again.json")["last_message"], "what was there before is"));
   const PointCloud mesh = readPly(played->folder / "ring-mesh.ply");
@@ -75,7 +75,7 @@ TEST_CASE("a place that is picked says which point is there, its normal, its att
         std::ofstream file(folder / "ball.ply");
         file << "ply\nformat ascii 1.0\nelement vertex 4002\nproperty float x\nproperty float y\nproperty float z\n"
                 "property float nx\nproperty float ny\nproperty float nz\nproperty ushort intensity\nend_header\n";
-        // Evenly on a sphere of 50 about (10, 20, 30); what each is called follows from where it is.
+        // Uniformly on a sphere of 50 about (10, 20, 30); each point's intensity follows from its position.
         const auto write = [&](const DVec3& n) {
           file << 10 + 50 * n.x << ' ' << 20 + 50 * n.y << ' ' << 30 + 50 * n.z << ' ' << n.x << ' ' << n.y << ' '
                << n.z << ' ' << static_cast<int>(1000 + 100 * n.y) << '\n';
@@ -95,7 +95,7 @@ TEST_CASE("a place that is picked says which point is there, its normal, its att
   CHECK(glm::length(position - place) < 5);
   CHECK(glm::length(position - middle - 50.0 * normal) < 0.1);
   CHECK(picked["attributes"]["intensity"] == std::to_string(static_cast<int>(1000 + 100 * normal.y)));
-  CHECK(picked["stiffness_N_per_mm"] == 0.8);  // as usual
+  CHECK(picked["stiffness_N_per_mm"] == 0.8);  // the default
   CHECK(says(picked["stiffness_of"], "rigid"));
 }
 

@@ -18,7 +18,7 @@ TEST_CASE("bench locality plays every brush and gesture on every cloud, and fail
     CAPTURE(stroke.dump());
     broken += !stroke["broken"].empty();
     strictly += !stroke["strictly_broken"].empty();
-    // What is broken with an allowance is broken without.
+    // A promise broken with tolerance is also broken without.
     CHECK(stroke["strictly_broken"].size() >= stroke["broken"].size());
     const bool crowds = stroke["crowded_share"] > 0, turns = stroke["normals"]["turned"] > 0;
     if (crowds || turns) CHECK(!stroke["strictly_broken"].empty());

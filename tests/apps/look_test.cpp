@@ -1,4 +1,4 @@
-// Which way is up, what lengths are called, and what a picture says about itself.
+// Up direction, length units, and the annotations of a picture.
 #include "tests/apps/window_play.hpp"
 #include "tests/near.hpp"
 #include "tests/says.hpp"
@@ -69,7 +69,7 @@ TEST_CASE("lengths are the model's own, and how large it is in the hand is said 
   CHECK_MESSAGE(says(unknown, "touch scale: 100 mm in the hand for 2.99904 units\n"), unknown);
   const std::string feet = palpate("info " + las + " --unit ft").text;
   CHECK(says(feet, "100 mm in the hand for 2.99904 ft\n"));
-  // Nothing else of it is in the hand's mm.
+  // No other length is in mm of the hand.
   CHECK(feet.find(" mm") == feet.rfind(" mm"));
   const std::string report =
       palpate("touch " + las + " --unit m --backend cpu --path builtin:press --duration 0.05 --edit push").text;
@@ -95,7 +95,7 @@ TEST_CASE("a model is drawn upright whichever way its file has it") {
   for (const auto& [axis, sign] : {std::pair(0, 1.0), std::pair(1, -1.0), std::pair(2, 1.0), std::pair(2, -1.0)}) {
     CAPTURE(axis);
     CAPTURE(sign);
-    // Its points lie elsewhere around it: the outline is the same, to some pixels.
+    // Its points are sampled differently around the axis: the outline is the same within some pixels.
     CHECK(unlike(render(axis, sign, "").first) < 1500);
     CHECK(unlike(render(axis, sign, "--up " + std::string(axis == 1 ? "y" : "-y")).first) > 5000);
   }
@@ -116,7 +116,7 @@ TEST_CASE("colours by height come with a legend, and a scale bar with its length
     return std::pair(Picture(folder / "i.png"), outcome.text);
   };
   const Picture plain = render("").first, heights = render("--color height").first;
-  // The ramp stands at the right edge, where the background was: blue at its foot, yellow at its head.
+  // The colour ramp is at the right edge, over the background: blue at the bottom, yellow at the top.
   const auto low = heights.at(624, 340), high = heights.at(624, 140);
   CHECK(low[2] > low[0] + 40);
   CHECK(high[0] > high[2] + 40);
@@ -160,7 +160,7 @@ TEST_CASE("a few points are discs that can be told apart, and none is cut off") 
   const std::string file = (folder / "few.ply").string(), image = (folder / "i.png").string();
   for (const int points : {1, 2, 4, 8, 20}) {
     CAPTURE(points);
-    // One or two have discs that face the eye also where the file gives no normals.
+    // One or two points get discs that face the eye, also without normals in the file.
     const bool bare = points <= 2;
     {
       std::ofstream out(file);

@@ -1,4 +1,4 @@
-// The program when its GPU is lost in the middle of a session.
+// The program when its GPU is lost during a session.
 #include "tests/lost_gpu/lost_gpu.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace palpate::lost_gpu_test {
 
 namespace {
 
-/// How often this command gives the GPU something to do.
+/// Number of submissions to the GPU that this command makes.
 long submissionsOf(const std::string& command) {
   const LostGpuLayer layer("count");
   const Outcome outcome = palpate(command);
@@ -26,10 +26,10 @@ TEST_CASE("a program that loses its GPU keeps the trace, says so in one line and
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
   works("make sphere -n 20000 -o " + model);
-  // Longer than a busy machine takes to that submission, when it leaves ticks out.
+  // Longer than a busy machine needs until that submission, including dropped ticks.
   std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,53\n0.6,0,0,53\n0.8,0,0,47\n120,0,0,47\n";
   const std::string path = "--path " + (folder / "long.csv").string() + " --realtime ";
-  // A GPU of its own is given the model's normals in more and shorter pieces.
+  // A separate GPU for drawing receives the model's normals in more, shorter pieces.
   const long prepared =
       submissionsOf("touch " + model + " --backend vulkan --device sim --quiet --path builtin:press --duration 0.01");
   for (const std::string& when : {"submit:" + std::to_string(prepared + 80), "fence:" + std::to_string(prepared + 80)})

@@ -1,4 +1,4 @@
-// Water and sand under a hand, as a user meets them.
+// Water and sand under a hand, through the program.
 #include <cmath>
 
 #include "engine/io/ply_reader.hpp"
@@ -10,7 +10,7 @@ namespace palpate::matter_test {
 
 namespace {
 
-// As deep as wide, with a ball that weighs what it displaces.
+// As deep as wide, with a ball of the water's density.
 constexpr const char* kTank =
     R"({"matter": "water", "box_mm": [80, 130, 80], "fill_mm": [80, 80, 80], "spacing_mm": 10,
         "tool": {"radius_mm": 20, "mass_kg": 0.0335}})";
@@ -44,7 +44,7 @@ TEST_CASE("a ball that dives into water is lifted by what it displaces, the same
   CHECK(report["moved_points"] > 500);
   CHECK(report["matter"]["kind"] == "water");
   CHECK(report["matter"]["left_out_s"] == 0);
-  CHECK(report["matter"]["advances"] == report["ticks"]);  // each time, in virtual time
+  CHECK(report["matter"]["advances"] == report["ticks"]);  // one step per tick, in virtual time
   CHECK(report["peak_torque_mNm"] > 0);
   CHECK(report["matter"]["gain"] == 1);
   const double coupling_N_mm = 1e-3 * 0.0335 * std::pow(2 * 3.14159265 * 30, 2);  // of a ball on its spring at 30 Hz
@@ -54,7 +54,7 @@ TEST_CASE("a ball that dives into water is lifted by what it displaces, the same
   CHECK(touched("--threads 1") == first);
   works("replay " + in("log"));
   std::filesystem::remove(in("tank.json"));
-  works("replay " + in("log"));  // the log has the scene
+  works("replay " + in("log"));  // the log contains the scene
 }
 
 TEST_CASE("both back ends feel the same water") {
@@ -252,7 +252,7 @@ TEST_CASE("in the window water moves, is held, begins anew, is saved beside the 
   const auto apart = [&](const char* one, const char* other) {
     const Picture a(played->folder / one), b(played->folder / other);
     REQUIRE(a.rgb.size() == b.rgb.size());
-    // Between what is said above and below.
+    // Between the texts at the top and bottom.
     std::size_t others = 0;
     for (std::size_t i = a.rgb.size() / 5; i < a.rgb.size() / 5 * 4; ++i) others += std::abs(a.rgb[i] - b.rgb[i]) > 20;
     return static_cast<double>(others) / static_cast<double>(a.rgb.size());
@@ -321,19 +321,19 @@ TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn a
   REQUIRE(report["matter"]["ports"].size() == 1);
   CHECK(report["matter"]["ports"][0]["energy_mJ"].get<double>() > 1);
   CHECK(report["matter"]["ports"][0]["least_energy_mJ"].get<double>() >= -1);
-  // The particles come first; what stands there has not moved.
+  // The particles come first; the points of the model have not moved.
   const PointCloud saved = readPly(in("s.ply"));
   CHECK(saved.size() == report["points"]);
   CHECK(report["moved_points"].get<std::size_t>() <= saved.size() - 6000);
   works("replay " + in("log"));
-  // The same without a file for the scene.
+  // The same without a scene file.
   works("info \"" + in("ring.ply") + " in water\"");
   works("render \"" + in("ring.ply") + " in sand\" -o " + in("p.png") + " --size 320x240");
   works("info \"soft " + in("ring.ply") + "\"");
   const Outcome none = palpate("touch \"" + in("none.ply") + " in water\" --path builtin:press");
   CHECK(none.code == 1);
   CHECK(says(none.text, "none.ply in water: there is no file"));
-  // Who leaves the ending out is told what to type.
+  // A name without its extension gets a suggestion.
   for (const std::string command : {"touch", "simulate", "info"}) {
     const Outcome inWater = palpate(command + " \"" + in("rin") + " in water\"");
     CHECK(inWater.code == 1);

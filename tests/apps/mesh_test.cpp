@@ -1,4 +1,4 @@
-// palpate mesh, and render --mode mesh: what they write, say and refuse.
+// palpate mesh, and render --mode mesh: output files, messages and errors.
 #include <cmath>
 
 #include "tests/apps/program.hpp"
@@ -48,7 +48,7 @@ TEST_CASE("mesh refuses what it cannot do, in words, and leaves no file") {
   }
   CHECK(palpate("mesh " + cloud + " -o " + out + " --surface potato").code == 2);
   CHECK(palpate("mesh " + cloud + " -o " + out + " --radius wide").code == 2);
-  // A support radius of four spacings is many blocks of such small cells.
+  // A support radius of four spacings covers many blocks of such small cells.
   const Outcome large = palpate("mesh " + cloud + " -o " + out + " --lattice 2048 --radius 30");
   CHECK(large.code == 1);
   CHECK(large.text.find("lattice") != std::string::npos);

@@ -1,4 +1,4 @@
-// Models that move, as a user meets them.
+// Moving models, through the program.
 #include <cmath>
 
 #include "tests/apps/window_play.hpp"

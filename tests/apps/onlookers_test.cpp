@@ -1,4 +1,4 @@
-// From where others look at a model that is shared, as a user sees and is seen.
+// Cameras of the participants of a shared session, through the program.
 #include <chrono>
 #include <fstream>
 #include <functional>
@@ -19,7 +19,7 @@ namespace palpate::onlookers_test {
 
 namespace {
 
-// A domain that no other test is on at the same time.
+// A domain that no other test uses at the same time.
 NetworkConfig network() { return {.domain = ownDomain()}; }
 std::string domain() { return " --domain " + std::to_string(network().domain); }
 
@@ -55,7 +55,7 @@ class Window {
   std::future<int> running_;
 };
 
-/// Pixels of the middle of the picture, where neither panels nor messages are, that are others.
+/// Differing pixels in the middle of the picture, which has neither panels nor messages.
 std::size_t differing(const Picture& a, const Picture& b) {
   REQUIRE(a.rgb.size() == b.rgb.size());
   std::size_t others = 0;
@@ -99,13 +99,13 @@ TEST_CASE(
     CHECK(seen.name == "Ada");
     CHECK(seen.place.aspect == near(480.0 / 360, 1e-6));
     CHECK(seen.place.fovY_rad == near(glm::radians(45.0), 1e-6));
-    // Its eye is relative to the cloud's origin, and what it looks at lies along its third axis.
+    // Its eye is relative to the cloud's origin, and the target is along its third axis.
     const auto vector = [](const Result& v) { return DVec3(v[0], v[1], v[2]); };
     const DVec3 eye = vector(camera["eye"]) + joined.cloud.origin,
                 target = vector(camera["target"]) + joined.cloud.origin;
     CHECK(glm::distance(seen.place.position, eye) < 1e-6);
     CHECK(glm::distance(seen.place.turn * DVec3(0, 0, 1), glm::normalize(target - eye)) < 1e-5);
-    CHECK(glm::dot(seen.place.turn * DVec3(0, 1, 0), vector(camera["up"])) < -0.5);  // down
+    CHECK(glm::dot(seen.place.turn * DVec3(0, 1, 0), vector(camera["up"])) < -0.5);  // image y is down
     int heard = 0;
     CHECK(comesTrue(
         [&] {
@@ -118,7 +118,7 @@ TEST_CASE(
           return heard > 0;
         },
         30));
-    // One who looks at the model from beside it, before the window's eyes.
+    // An onlooker of the model, in view of the window's camera.
     const DVec3 middle = joined.cloud.origin + boundsOf(joined.cloud).center();
     cameras->show(
         CameraPlace{.position = middle + 0.4 * (eye - middle), .turn = seen.place.turn, .fovY_rad = 1, .aspect = 2});
@@ -146,7 +146,7 @@ TEST_CASE(
     }),
                     hidden.said());
     CHECK(most == 0);
-    CHECK(jsonOf(in("i.json"))["others"]["cameras"].size() == 1);  // it sees nevertheless
+    CHECK(jsonOf(in("i.json"))["others"]["cameras"].size() == 1);  // it still sees others
     CHECK(hidden.end() == 0);
   }
   CHECK(serving.wait(SIGINT) == 0);

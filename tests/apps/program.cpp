@@ -9,7 +9,7 @@
 namespace palpate {
 
 std::string program() {
-  const char* elsewhere = std::getenv("PALPATE_PROGRAM");  // where the tests run on another machine than built them
+  const char* elsewhere = std::getenv("PALPATE_PROGRAM");  // set if the tests run on another machine than the build
   return elsewhere ? elsewhere : PALPATE_PROGRAM;
 }
 

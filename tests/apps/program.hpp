@@ -1,4 +1,4 @@
-// The program as a user meets it: runs it, and reads what it leaves.
+// Runs the program as a user does, and reads its output.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -20,12 +20,12 @@ struct Outcome {
   std::string text;  // stdout and stderr
 };
 
-/// The file that is run.
+/// Path of the executable.
 std::string program();
-/// Runs a command of the shell, and reads what it says.
+/// Runs a shell command and reads its output.
 Outcome run(const std::string& command);
 Outcome palpate(const std::string& arguments);
-/// For commands that have to work: a failing one says what it was and what it said.
+/// For commands that must succeed: on failure prints the command and its output.
 void works(const std::string& arguments);
 
 Result jsonOf(const std::filesystem::path& file);

@@ -1,5 +1,5 @@
-// What the program writes with --json, as a test reads it. The library that parses it stands behind result.cpp, because
-// each file that includes it takes twice as long to compile.
+// Output of --json, as a test reads it. The JSON library is hidden in result.cpp, because each file that includes it
+// takes twice as long to compile.
 #pragma once
 
 #include <compare>
@@ -18,8 +18,8 @@ namespace palpate {
 template <class T>
 concept PlainValue = std::is_arithmetic_v<T> || std::same_as<T, std::string>;
 
-/// A value of JSON and what stands in it; copies share it. What is asked for and is not there, or is of another kind,
-/// is an exception that fails the test, but for a member of an object: one that is not there is null.
+/// A JSON value; copies share the document. Access to a missing element or as another type throws an exception, which
+/// fails the test; a missing member of an object is null.
 class Result {
  public:
   Result() = default;  ///< null
@@ -81,7 +81,7 @@ class Result {
   struct Tree;  // of the library
   Result(std::shared_ptr<const Tree> tree, const void* value) : tree_(std::move(tree)), value_(value) {}
   bool isText() const;
-  bool isLike(bool truth) const;  ///< a truth, or a number
+  bool isLike(bool truth) const;  ///< a boolean, or a number
   std::string text() const;
   bool truth() const;
   double number() const;

@@ -1,4 +1,4 @@
-// Live cameras of ROS as a user meets them: felt as they are sent, drawn, seen, and made a map.
+// Live ROS cameras, through the program: felt, drawn, shown in the window, and made into a map.
 #include "haptics/sharing/ros_tf.hpp"
 #include "tests/apps/ros_touching.hpp"
 #include "tests/apps/window_play.hpp"
@@ -11,7 +11,7 @@ using namespace sharing;
 
 namespace {
 
-/// Of the force against stiffness times how deep the hand is, and its way out.
+/// Largest deviation of the force from stiffness times depth along `out`.
 double worst_N(const std::vector<Row>& rows, const DVec3& out, const std::function<double(const Row&)>& depth_mm) {
   double worst = 0;
   for (const Row& row : rows)
@@ -28,7 +28,7 @@ TEST_CASE("a plane that a depth camera of ROS sees is felt where it is, in eithe
     CAPTURE(isWhole);
     const ScratchFolder folder;
     const SendingCamera camera(network(), "camera/depth", infoOf(kCamera), [&](int) {
-      // In millimetres only a plane of whole ones is exact.
+      // In millimetres only a plane at a whole number is exact.
       if (!isWhole) return pictureOf(kCamera, [&](const DVec3& ray) { return -away_m / glm::dot(out, ray); });
       SentPicture picture{.encoding = "16UC1", .width = kCamera.width, .height = kCamera.height};
       for (int i = 0; i < 64 * 48; ++i) picture.data.insert(picture.data.end(), {500 % 256, 500 / 256});  // mm
@@ -84,7 +84,7 @@ TEST_CASE("what a camera sees is felt in the frame that is asked for, and a clou
   const SendingCamera camera(network(), "placed/depth", infoOf(kCamera),
                              [](int) { return pictureOf(kCamera, [](const DVec3&) { return 0.5; }); });
   const Participant participant = rosParticipant(network());
-  // The camera hangs 2 m up in the map and looks down.
+  // The camera is 2 m up in the map and looks down.
   RosTransformPublisher base(participant, "map", "base", true), hangs(participant, "base", "camera", true);
   base.write(0, {1, 0, 0}, DQuat(1, 0, 0, 0));
   hangs.write(0, {0, 0, 2}, DQuat(0, 1, 0, 0));
@@ -118,7 +118,7 @@ TEST_CASE("what a camera sees is felt in the frame that is asked for, and a clou
 
 TEST_CASE("pictures of ROS become a map, which is kept, and are seen in the window as they come" * kClock) {
   const ScratchFolder folder;
-  // Slopes in all directions: a camera that may slide along what it sees is not followed.
+  // Slopes in all directions, since a camera that could slide along its view is not tracked.
   const SendingCamera camera(network(), "seen/depth", infoOf(kCamera), [](int) {
     return pictureOf(kCamera,
                      [](const DVec3& ray) { return 0.5 + 0.03 * std::sin(20 * ray.x) + 0.03 * std::sin(17 * ray.y); });

@@ -1,4 +1,4 @@
-// Scanners and cameras of ROS that move, fall silent, lie, or are none, as a user meets them.
+// ROS scanners and cameras that move, fall silent, send invalid data, or do not exist, through the program.
 #include "tests/apps/ros_touching.hpp"
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
@@ -12,7 +12,7 @@ TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by n
   const Participant participant = rosParticipant(network());
   const RosPublisher<RosPointCloud2> scans(participant, "rt/scans", RosDelivery::bestEffort);
   constexpr double kRadius_m = 0.1;
-  // Within six frames it comes two millimetres nearer.
+  // Within six frames it approaches by two millimetres.
   const auto centre_m = [](int frame) { return DVec3(0.01, 0, 0.6 - 1e-3 * std::clamp((frame - 45) / 3.0, 0.0, 2.0)); };
   const Sending sender([&](int frame, std::int64_t stamp_ns) {
     const DVec3 centre = centre_m(frame);
@@ -36,13 +36,13 @@ TEST_CASE("a ball that a scanner of ROS sees is felt as a ball, where it is by n
   const DVec3 out = glm::normalize(hip - centre_m(1000));
   const double expected_N = felt_N(centre_m(1000));
   CHECK(expected_N > 1);
-  // Normals are those of pixels: a twentieth of what is felt, at the most.
+  // Normals are computed from pixels: at most a twentieth of error in the force.
   for (const Row& row : late) {
     CHECK(glm::length(row.force) == near(expected_N, 0.05));
     CHECK(glm::dot(glm::normalize(row.force), out) > 0.998);
   }
   CHECK(jsonOf(folder / "r.json")["frames"]["lost"] == 0);
-  // It comes by a third of a millimetre in each frame, which would be a leap of 0.17 N.
+  // It approaches by a third of a millimetre per frame, which without interpolation would be a step of 0.17 N.
   const std::vector<Row> touched = between(rows, 0.5, 3.2);
   double most_N = 0;
   for (std::size_t i = 1; i < touched.size(); ++i)

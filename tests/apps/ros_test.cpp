@@ -1,4 +1,4 @@
-// Hands and clouds for programs of ROS 2, as a user meets them: heard here by readers of ROS's own types.
+// Hands and clouds for ROS 2 programs, through the program: received here by readers of ROS's own types.
 #include "haptics/sharing/ros_messages.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ using namespace sharing;
 
 namespace {
 
-// A domain that no other test is on at the same time.
+// A domain that no other test uses at the same time.
 NetworkConfig network() { return {.domain = ownDomain()}; }
 std::string domain() { return " --domain " + std::to_string(network().domain); }
 
@@ -72,8 +72,7 @@ TEST_CASE("a hand of touch is heard by readers of ROS's types, tick by tick as i
   CHECK(jsonOf(in("r.json"))["ros"]["lost"] == 0);
 
   const std::vector<Row> rows = readTrace(in("t.csv"));
-  // Who is discovered late misses the first ones, and a busy machine leaves ticks out; the others come in the trace's
-  // order.
+  // Late discovery misses the first messages, and a busy machine drops ticks; the others are in the trace's order.
   const auto checkAll = [&]<class T>(const Reader<T>& reader, const auto& isRight) {
     std::vector<T> heard;
     std::vector<std::string> frames;
@@ -119,7 +118,7 @@ TEST_CASE("a served cloud is heard as a model of ROS, felt, sculpted, and heard 
   CHECK(felt["contact_ticks"] > 50);
   CHECK(felt["moved_points"] > 20);
   works("touch --join clay" + domain() + " --backend cpu --duration 0.4 --path builtin:slide --edit push");
-  // What somebody has done is heard within the second and a bit.
+  // An edit is received within little more than a second.
   CHECK(comesTrue(
       [&] {
         works("convert ros:lab/cloud " + in("after.ply") + " --force" + domain());

@@ -1,4 +1,4 @@
-// A hand on what sensors of ROS send, through the program.
+// A hand on the data of ROS sensors, through the program.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace palpate {
 constexpr DepthCamera kCamera{.width = 64, .height = 48, .fx = 120, .fy = 120, .cx = 31.5, .cy = 23.5};
 constexpr double kStiffness_N_per_mm = 0.5;
 
-// A domain that no other test is on at the same time.
+// A domain that no other test uses at the same time.
 inline NetworkConfig network() { return {.domain = ownDomain()}; }
 
 inline std::string touching(const std::filesystem::path& folder, const DVec3& hip_m, double duration_s) {

@@ -1,4 +1,4 @@
-// The program while it runs: started beside the test, met by a signal when its session is under way.
+// A program that runs beside the test and receives signals during its session.
 #pragma once
 
 #include <signal.h>
@@ -15,11 +15,11 @@ namespace palpate {
 
 class RunningProgram {
  public:
-  /// What it prints goes to `said`.
+  /// Its output goes to `said`.
   RunningProgram(const std::string& arguments, const std::filesystem::path& said) : child_(::fork()) {
     if (child_ == 0) {
-      ::signal(SIGINT, SIG_IGN);  // as for what a script starts in the background
-      // The shell becomes the program, so that a signal meets the program itself.
+      ::signal(SIGINT, SIG_IGN);  // as for a script's background processes
+      // The shell is replaced by the program, so that the program itself receives signals.
       const std::string command = "exec " + program() + " " + arguments + " >'" + said.string() + "' 2>&1";
       ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       ::_exit(127);
@@ -36,7 +36,7 @@ class RunningProgram {
     if (!ended_) ended_ = ::waitpid(child_, &status_, WNOHANG) == child_;
     return ended_;
   }
-  /// Waits until `sign` is seen; false when the program ends before, or when two minutes have gone.
+  /// Waits until `sign` is true; false if the program ends first, or after two minutes.
   bool waitFor(const std::function<bool()>& sign) {
     const auto begin = std::chrono::steady_clock::now();
     while (!sign()) {
@@ -45,8 +45,8 @@ class RunningProgram {
     }
     return true;
   }
-  /// Waits until the session's `log` has ticks. What comes before takes its time where the driver still has to
-  /// translate the shaders.
+  /// Waits until the session's `log` has ticks. The time before depends on whether the driver must still compile the
+  /// shaders.
   bool waitForTicks(const std::filesystem::path& log) {
     const auto bytes = [&] {
       std::error_code none;
@@ -57,7 +57,7 @@ class RunningProgram {
     return waitFor([&] { return bytes() > kHeaderAndTicks; });
   }
   void send(int signal) const { ::kill(child_, signal); }
-  /// Sends `signal` and waits for the end; returns what waitpid() says of it.
+  /// Sends `signal` and waits for the end; returns the status from waitpid().
   int wait(int signal) {
     if (!ended()) {
       ::kill(child_, signal);

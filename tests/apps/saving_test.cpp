@@ -1,4 +1,4 @@
-// What palpate touch --save leaves: beside what was there before, and with all that the points came with.
+// Files written by palpate touch --save: beside existing files, and with all properties of the points.
 #include <cmath>
 
 #include "engine/io/ply_reader.hpp"
@@ -19,7 +19,7 @@ PointCloud sphere(const ScratchFolder& folder, const std::string& name = "sphere
   return readPly(folder / name);
 }
 
-// A property of every point that says which point it is.
+// A property of every point that identifies the point.
 template <class T>
 Attribute numbered(const std::string& name, ScalarType type, std::size_t count, double factor) {
   Attribute attribute{.name = name, .type = type, .data = std::vector<std::byte>(count * sizeof(T))};
@@ -59,7 +59,7 @@ TEST_CASE("unknown properties of points are carried through touch --save, and ne
     if (ring >= cloud.size()) continue;
     wrong += loadScalar<float>(out.extra[0].data.data() + 4 * i) != 0.5f * ring;
     wrong += loadScalar<double>(out.extra[2].data.data() + 8 * i) != 1.0 / 3 * ring;
-    // Of one that was put in it is the number of a point close by.
+    // An inserted point has the number of a nearby point.
     wrong += glm::distance(out.positions[i], cloud.positions[ring]) > 15;
     moved += !seen[ring] && out.positions[i] != cloud.positions[ring];
     added += seen[ring];
@@ -88,7 +88,7 @@ TEST_CASE("touch --save over its input names what is lost before the session, an
   CHECK(contentOf(folder / "mesh.ply.bak") == original);
   const std::string sculpted = contentOf(mesh);
   CHECK(sculpted != original);
-  // It is ours now, with nothing to lose.
+  // It was written by palpate now, so that nothing is lost.
   const Outcome second = palpate(touch(mesh, "--save " + mesh.string()));
   REQUIRE_MESSAGE(second.code == 0, second.text);
   CHECK(second.text.find("is kept as") == std::string::npos);

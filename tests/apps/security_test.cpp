@@ -1,5 +1,5 @@
-// Sessions with keys, as a user meets them: who has some joins, who has none or others finds nothing, and nothing that
-// is said can be read on the wire. Not where palpate was built without DDS.
+// Sessions with keys, through the program: holders join, others find nothing, and no message can be read on the wire.
+// Not for a build without DDS.
 #include <cstring>
 
 #include "engine/io/cloud_formats.hpp"
@@ -23,7 +23,7 @@ bool isBuilt(const ScratchFolder& folder) {
   return false;
 }
 
-/// How many of the cloud's points stand in what was heard, by their places, as they are sent.
+/// Number of the cloud's points found in the captured bytes, by their positions as sent.
 std::size_t placesIn(const std::string& heard, const PointCloud& cloud) {
   std::size_t found = 0;
   for (std::size_t i = 0; i < cloud.size(); i += 97) {
@@ -51,8 +51,7 @@ TEST_CASE(
   const ScratchFolder folder;
   if (!isBuilt(folder)) return;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
-  works("make bumpy-sphere -n 20000 --seed " + std::to_string(::getpid()) + " -o " +
-        in("m.ply"));  // as nobody else has it
+  works("make bumpy-sphere -n 20000 --seed " + std::to_string(::getpid()) + " -o " + in("m.ply"));  // a unique cloud
   works("keys '" + in("the lab") + "' --name server");
   works("keys '" + in("the lab") + "' --name surgeon --days 2 --json " + in("keys.json"));
   works("keys " + in("other") + " --name surgeon");
@@ -66,7 +65,7 @@ TEST_CASE(
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply") + " --security '" + in("the lab") + "/server'",
                   folder / "said");
   CHECK(says(contentOf(folder / "said"), "encrypted, for holders of keys of 'the_lab' on this machine"));
-  // Those who are turned away look for as long as they look for anything.
+  // Rejected clients search until their timeout.
   RunningProgram none("touch --join clay --backend cpu" + domain(), folder / "none.said"),
       wrong("touch --join clay --backend cpu" + domain() + others, folder / "wrong.said");
   works("touch --join clay --backend cpu --duration 0.1 --save " + in("joined.ply") + domain() + own);
@@ -108,7 +107,7 @@ TEST_CASE(
   CHECK(heard.find("clay") == std::string::npos);
   CHECK(heard.find("m.ply") == std::string::npos);
   CHECK(heard.find("/block") == std::string::npos);
-  // The same without keys: whoever listens has all of it.
+  // The same without keys: every listener can read all of it.
   WireCapture clear(domainNumber());
   Serving open(in("m.ply") + " --name clay", folder / "open.said");
   works("touch --join clay --backend cpu --duration 0.05" + domain());

@@ -1,4 +1,4 @@
-// Undo, saving, session logs and their replay, as a user meets them.
+// Undo, saving, session logs and their replay, through the program.
 #include <cstring>
 
 #include "engine/core/checksum.hpp"
@@ -22,7 +22,7 @@ struct Scene {
     std::ofstream path(folder / name);
     path << "t_s,x,y,z\n";
     for (int i = 0; i < taps; ++i) {
-      const double begin_s = 0.5 * i;  // apart enough to be strokes
+      const double begin_s = 0.5 * i;  // far enough apart to be strokes
       path << begin_s << "," << 5 * i << ",0,52\n" << begin_s + 0.08 << "," << 5 * i << ",0," << deepest << "\n";
       path << begin_s + 0.16 << "," << 5 * i << ",0,52\n";
     }
@@ -50,7 +50,7 @@ void checkSame(const Result& json) {
   CHECK(json["ends_as_recorded"] == true);
 }
 
-// The log with another text in its header, checksum and all.
+// Replaces a text in the log's header, and updates the checksum.
 void changeText(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& what,
                 const std::string& with) {
   REQUIRE(what.size() == with.size());
@@ -115,7 +115,7 @@ TEST_CASE("a recorded session comes out the same again: on the CPU, on the GPU, 
        {"--backend cpu", "--backend vulkan", "--backend cpu --device sim --friction 0.3 --surface sharp",
         "--backend vulkan --method indirect --bucket-key morton --stiffness 0.5 --rate 250",
         "--backend cpu --undo 2 --redo 1", "--backend vulkan --undo 2 --redo 1 --rate 250"}) {
-    if (options == "--backend vulkan" && !inFullTier()) continue;  // the last one is that and undo
+    if (options == "--backend vulkan" && !inFullTier()) continue;  // the last case covers it, with undo
     CAPTURE(options);
     works(scene.touch(options + " --log " + scene.file("log") + " --trace " + scene.file("a.csv") + " --save " +
                       scene.file("saved.ply")));
@@ -210,7 +210,7 @@ TEST_CASE("a byte that changed in the middle of a log costs its block, and repla
   CHECK(json["edit_ticks"] == 0);
   CHECK(json["end_points"].is_null());
   CHECK(std::string(json["not_compared_because"]).find("missing") != std::string::npos);
-  // Of the points that were edited, all but those of the gap are where they were left.
+  // Except for those in the gap, edited points keep their final positions.
   works("replay " + scene.file("log") + " --recover --save " + scene.file("a.ply"));
   works("replay " + scene.file("flipped") + " --recover --save " + scene.file("b.ply"));
   const PointCloud a = readPly(scene.folder / "a.ply"), b = readPly(scene.folder / "b.ply"),
@@ -259,7 +259,7 @@ TEST_CASE("what cannot be replayed is one clear line") {
   fails("touch " + model + " --log " + scene.file("no/where"), 1, "where");
   fails("touch " + model + " --backend cpu --log " + model, 2, "model itself");
   if (std::filesystem::exists("/dev/full")) fails("touch " + model + " --log /dev/full --backend cpu", 1, "free some");
-  // The file that the log names has moved, and is named by hand.
+  // The file that the log names was moved, and is given explicitly.
   std::filesystem::rename(model, scene.file("moved.ply"));
   fails("replay " + log, 1, "model.ply");
   works("replay " + log + " --model " + scene.file("moved.ply"));
@@ -286,7 +286,7 @@ TEST_CASE("against the clock only what can be the same is compared, and the edit
 }
 
 TEST_CASE("a killed session loses no more than its last second, and the rest is recovered and runs again") {
-  const Scene scene(60, 2'000);  // 12 s of taps
+  const Scene scene(60, 2'000);  // 30 s of taps
   RunningProgram session(scene.touch("--backend cpu --realtime --log " + scene.file("log")), scene.folder / "said");
   REQUIRE_MESSAGE(session.waitForTicks(scene.folder / "log"), contentOf(scene.folder / "said"));
   std::this_thread::sleep_for(std::chrono::milliseconds(5000));
@@ -296,8 +296,8 @@ TEST_CASE("a killed session loses no more than its last second, and the rest is 
   const Outcome said = palpate("replay " + scene.file("log"));
   const bool tells = said.text.find("session's end; what came after") != said.text.npos;
   CHECK_MESSAGE((tells || says(said.text, "it is torn at byte")), said.text);
-  CHECK(json["edits"] > 0);                                   // a busy machine leaves most of them out
-  CHECK(readTrace(scene.folder / "t.csv").back().t_s > 1.9);  // of 5 s and more, on a machine with other work to do
+  CHECK(json["edits"] > 0);                                   // a busy machine drops most of them
+  CHECK(readTrace(scene.folder / "t.csv").back().t_s > 1.9);  // of 5 s and more, on a busy machine
   replay(scene, scene.file("log") + " --recover --save " + scene.file("r.ply"));
   CHECK(readPly(scene.folder / "r.ply").positions != readPly(scene.folder / "model.ply").positions);
 }

@@ -1,5 +1,5 @@
-// What goes wrong between those who share a model, as a user meets it: hands and servers that are killed or hang,
-// programs of other versions, names that two servers have. Not where palpate was built without DDS.
+// Faults in shared sessions, through the program: hands and servers that are killed or hang, programs of other
+// versions, names that two servers claim. Not for a build without DDS.
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -41,7 +41,7 @@ std::string pointsOf(const std::filesystem::path& cloud) {
   return contentOf(numbers);
 }
 
-/// Announces a session of that name and version that nobody serves.
+/// Announces a session with that name and version without serving it.
 class Announcement {
  public:
   Announcement(const std::string& name, std::uint32_t version)
@@ -74,7 +74,7 @@ TEST_CASE("a hand that is killed in mid-stroke leaves whole pieces, and the othe
   std::optional<Serving> serving(std::in_place, serve + " --save " + in("end.ply") + " --json " + in("s.json"),
                                  folder / "said");
   const std::string joins = "touch --join clay" + domain() + " --backend cpu --realtime ";
-  // To and fro over the top, ever deeper, for longer than it lives.
+  // Back and forth over the top, ever deeper, for longer than it lives.
   {
     std::ofstream path(in("path.csv"));
     path << "t_s,x,y,z\n0,-30,0,60\n";
@@ -101,9 +101,9 @@ TEST_CASE("a hand that is killed in mid-stroke leaves whole pieces, and the othe
   CHECK(served["sculptors"] == 2);
   CHECK(served["again"] == 0);
   CHECK(served["refused"] == 0);
-  CHECK(served["states"].get<int>() > shared["sent"].get<int>() + 100);  // what the killed one has sent counts
+  CHECK(served["states"].get<int>() > shared["sent"].get<int>() + 100);  // edits sent by the killed hand count
   CHECK(pointsOf(in("other.ply")) == pointsOf(in("end.ply")));
-  // Each piece is whole in the journal, too: what is served with it again is the same.
+  // Each piece is complete in the journal, too: a server restarted from it has the same points.
   Serving again(serve + " --save " + in("again.ply"), folder / "again.said");
   CHECK(
       has(contentOf(folder / "again.said"), "goes on with " + std::to_string(served["pieces"].get<int>()) + " pieces"));
@@ -149,7 +149,7 @@ TEST_CASE(
   CHECK(report["shared"]["oldest_s"] > 2);
   CHECK(report["shared"]["force_share"] == 1);
   CHECK(report["shared"]["round_trip_ms"] > 0);
-  CHECK(report["shared"]["lost_percent"] == 0);  // what it was asked meanwhile it has answered late
+  CHECK(report["shared"]["lost_percent"] == 0);  // it answered pending requests late
   const std::vector<Row> rows = readTrace(in("clay.csv"));
   double most_N = 0, steepest_N = 0, last_N = 0;
   bool wasGone = false, cameBack = false;
@@ -160,7 +160,7 @@ TEST_CASE(
       wasGone = wasGone || (force_N == 0 && before_N > 0);
       if (rows[i].t_s - rows[i - 1].t_s < 0.003) steepest_N = std::max(steepest_N, before_N - force_N);
     }
-    if (wasGone && rows[i].t_s < 6) CHECK_MESSAGE(force_N == 0, rows[i].t_s);  // heard again, and still inside
+    if (wasGone && rows[i].t_s < 6) CHECK_MESSAGE(force_N == 0, rows[i].t_s);  // connected again, and still inside
     cameBack = cameBack || (rows[i].t_s > 7 && force_N > 0.9 * most_N);
     last_N = force_N;
   }
@@ -203,7 +203,7 @@ TEST_CASE("a window says what silence does to the force") {
 
 namespace {
 
-// What the version before is told, in parentheses.
+// The versions in the message about the previous version, in parentheses.
 std::string olderAndThis() { return fmt::format("({}, and this is {})", sharing::kVersion - 1, sharing::kVersion); }
 
 }  // namespace
@@ -213,7 +213,7 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
   works("make sphere -n 1000 -o " + (folder / "m.ply").string());
   Serving serving((folder / "m.ply").string() + " --name here", folder / "said");
   {
-    // A client of the version before: it has topics of its own, and is heard by nobody.
+    // A client of the previous version: it has other topics, and nobody receives its messages.
     const sharing::Participant old(NetworkConfig{.domain = ownDomain()}, sharing::versionQos(sharing::kVersion - 1));
     CHECK(serving.program.waitFor(
         [&] { return has(contentOf(folder / "said"), "another version of palpate " + olderAndThis()); }));
@@ -243,7 +243,7 @@ TEST_CASE("versions that do not go together are refused in words on both sides, 
   const Outcome second = palpate("serve " + (folder / "m.ply").string() + " --name here" + domain());
   CHECK(second.code == 1);
   CHECK(has(second.text, "served already"));
-  // None of it disturbs who is served.
+  // Existing clients are not disturbed.
   works("touch --join here --backend cpu --duration 0.05" + domain());
   CHECK_FALSE(has(contentOf(folder / "said"), fmt::format("({}, and", sharing::kVersion)));
   CHECK(serving.program.wait(SIGINT) == 0);

@@ -1,4 +1,4 @@
-// A model that one program serves and others join, as a user meets it. Not where palpate was built without DDS.
+// A model that one program serves and others join, through the program. Not for a build without DDS.
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -18,7 +18,7 @@ namespace palpate::sharing_test {
 
 namespace {
 
-// A domain that no other test is on at the same time.
+// A domain that no other test uses at the same time.
 std::string domain() { return " --domain " + std::to_string(ownDomain()); }
 
 bool isBuilt() {
@@ -72,7 +72,7 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   const Result report = jsonOf(at);
   CHECK(report["clients"] == 4);
   CHECK(report["refused"] == 0);
-  // It is gone at once for who comes later.
+  // Later clients do not find it any more.
   CHECK(palpate("doctor --network" + domain()).text.find("the city") == std::string::npos);
 }
 
@@ -101,12 +101,12 @@ TEST_CASE(
   CHECK(r["sent"] > 20);
   CHECK(l["delivered"] == true);
   CHECK(r["delivered"] == true);
-  // Who ends last has what both have done, and who only looks, too.
+  // The last hand, and a client without edits, have the edits of both.
   works("touch " + joins + " --backend cpu --duration 0.05 --save " + in("later.ply") + " --json " + in("later.json"));
   const Result later = jsonOf(in("later.json"))["shared"];
   CHECK(later["same"] == true);
   CHECK(later["sent"] == 0);
-  // Taken back, a stroke leaves what others have done.
+  // Undo of a stroke keeps others' edits.
   works("touch " + joins + " --backend cpu --duration 0.3 --edit push --penetration 6 --undo 1 --save " +
         in("undone.ply") + " --json " + in("undone.json"));
   const Result undone = jsonOf(in("undone.json"));
@@ -151,8 +151,8 @@ TEST_CASE("two windows on one model show each other's hands, and what both do to
   works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
   Serving serving(in("m.ply") + " --name clay --save " + in("end.ply"), folder / "said");
   const auto view = [&](const std::string& name, const std::string& place) {
-    // A script goes as fast as its pictures come, so that of two windows one may be over before the other one has
-    // begun: each waits until the other one sculpts, and lets go once that has seen it.
+    // A script runs as fast as its pictures are drawn, so that one window may end before the other starts: each waits
+    // until the other sculpts, and lets go once the other has seen it.
     const std::string other = name == "Ada" ? "Bert" : "Ada";
     std::ofstream(in(name + ".txt")) << "2 key T\n2 mouse " << place << "\n2.2 key 2\n2.3 button left down\n"
                                      << "2.5 state " << in(name + ".begun") << "\n2.5 await " << in(other + ".begun")
@@ -198,7 +198,7 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
     CAPTURE(readOnly);
     for (const char* name : {"a.json", "b.json", "b.png", "t.json"}) std::filesystem::remove(in(name));
     Serving serving(in("m.ply") + " --name felt" + readOnly, folder / "said");
-    // The window has its hand on the model until the other two have seen it.
+    // The window keeps its hand on the model until the other two have seen it.
     std::ofstream(in("w.txt")) << "0.3 key tab\n0.5 key T\n0.5 mouse 240 180\n0.8 button left down\n1 state "
                                << in("a.json") << "\n1 await " << in("go") << "\n1.5 screenshot " << in("b.png")
                                << "\n1.5 state " << in("b.json") << "\n1.5 await " << in("t.json")
@@ -226,11 +226,11 @@ TEST_CASE("a window and a program that are near their hands, and one that has al
     };
     CHECK_MESSAGE(bert.waitFor(areNear), contentOf(folder / "said"));
     CHECK(carla.waitFor([&] { return contentOf(folder / "carla.said").find("points of") != std::string::npos; }));
-    std::this_thread::sleep_for(std::chrono::seconds(1));  // in which each hears of the others
+    std::this_thread::sleep_for(std::chrono::seconds(1));  // time for each to discover the others
     std::ofstream(in("go")) << "now";
     REQUIRE_MESSAGE(serving.program.waitFor([&] { return std::filesystem::exists(in("b.json")); }),
                     contentOf(in("w.said")));
-    CHECK(WEXITSTATUS(bert.wait(SIGINT)) == 130);  // interrupted: what it has is written
+    CHECK(WEXITSTATUS(bert.wait(SIGINT)) == 130);  // interrupted: its results are written
     CHECK(WEXITSTATUS(carla.wait(SIGINT)) == 130);
     CHECK_MESSAGE(window.get() == 0, contentOf(in("w.said")));
     const auto namesIn = [](const Result& hands) {
@@ -281,7 +281,7 @@ TEST_CASE(
   for (const char* name : {"hand", "end"}) works("convert " + in(name) + ".ply " + in(name) + ".npy");
   CHECK(contentOf(in("hand.npy")) == contentOf(in("end.npy")));
   CHECK(contentOf(in("end.npy")).size() > 20000 * 12);
-  // Another model's strokes are not taken.
+  // Strokes of another model are refused.
   works("make sphere -n 2000 -o " + in("other.ply"));
   const Outcome other = palpate("serve " + in("other.ply") + " --name clay --journal " + in("strokes") + domain());
   CHECK(other.code == 1);
@@ -290,7 +290,7 @@ TEST_CASE(
 
 namespace {
 
-/// The path of builtin:slide on a model, as a file: it is the same one whoever has which of its points.
+/// The path of builtin:slide on a model, as a file: the same for every subset of the points.
 void writeSlide(const std::string& model, const std::string& path) {
   works("touch " + model + " --backend cpu --path builtin:slide --duration 0.6 --trajectory " + path + ".csv");
   std::ifstream in(path + ".csv");
@@ -302,7 +302,7 @@ void writeSlide(const std::string& model, const std::string& path) {
   }
 }
 
-/// The rows of a trace, without the columns of the wall clock.
+/// The rows of a trace, without the wall-clock columns.
 std::vector<std::string> rowsOf(const std::filesystem::path& trace) {
   std::ifstream in(trace);
   std::vector<std::string> rows;
@@ -357,19 +357,18 @@ TEST_CASE("who has the points around the hand alone feels the file, against the 
   Serving serving(in("m.ply") + " --name large", folder / "said");
   const std::string near = "touch --join large --near" + domain() + " --backend cpu --path " + in("slide.csv");
   works(near + " --realtime --trace " + in("clock.csv") + " --json " + in("c.json"));
-  // Ticks that the machine was too late for are not there; those that are have the file's force, but for such as say
-  // that they lacked points.
+  // Missed ticks have no row; the others have the file's force, except for those reported to lack points.
   const auto own = rowsOf(in("own.csv")), clock = rowsOf(in("clock.csv"));
   std::size_t same = 0;
   for (const std::string& row : clock) same += std::ranges::count(own, row) > 0;
   const Result timed = jsonOf(in("c.json"));
   CHECK(clock.size() > 300);
-  // A tick that is not there is felt for some more: by the damping, and by the way that the proxy goes.
+  // A missed tick affects some later ones: by the damping, and by the proxy's path.
   constexpr std::size_t kAfter = 10;
   CHECK(clock.size() - same <=
         kAfter * (timed["near"]["ticks_without_points"].get<std::size_t>() + timed["missed_ticks"].get<std::size_t>()));
   CHECK(timed["near"]["ticks_without_points"] < 60);
-  // A part of it came: what is near.
+  // Only the points near the hand were sent.
   CHECK(timed["near"]["most_known"] < 140000);
   CHECK(serving.program.wait(SIGINT) == 0);
 }
@@ -423,7 +422,7 @@ TEST_CASE("a model that moves is served, and felt as it moves; a soft body gives
     CHECK(still.code == 1);
     CHECK(still.text.find("join it against the clock") != std::string::npos);
     works(join + " --realtime --path " + in("rest.csv") + " --trace " + in("t.csv") + " --json " + in("j.json"));
-    // A hand at rest in the middle of the way is pressed half of the time, and as deep as the surface goes over it.
+    // A hand at rest in the middle of the path is pressed half of the time, as deep as the surface passes over it.
     std::ifstream trace(in("t.csv"));
     std::string line;
     std::getline(trace, line);
@@ -476,7 +475,7 @@ TEST_CASE(
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  // So fine and without weight that its sound is slower than a hand.
+  // So fine and weightless that its speed of sound is below the speed of the hand.
   std::ofstream(in("fine.json"))
       << R"({"matter": "water", "box_mm": [16, 16, 16], "fill_mm": [16, 16, 16], "spacing_mm": 2,
     "gravity_m_s2": [0, 0, 0]})";
@@ -488,7 +487,7 @@ TEST_CASE(
   beat("a.csv", 5);
   beat("b.csv", 11);
   Serving serving(in("fine.json") + " --name fine --backend cpu --threads 1", folder / "said");
-  // The window looks on from before until after.
+  // The window watches from before until after.
   std::ofstream(in("w.txt")) << "0.1 state " << in("v.json") << "\n0.2 await " << in("go") << "\n0.5 state "
                              << in("w.json") << "\n0.6 quit\n";
   std::future<int> window;
@@ -582,7 +581,7 @@ TEST_CASE("what joins and cannot be served says so, and so do options that do no
   refuses("serve " + model, "--name");
   CHECK(palpate("serve " + (folder / "none.ply").string() + " --name a").code == 1);
   CHECK(palpate("doctor --network --interface nowhere0").text.find("nowhere0") != std::string::npos);
-  // Killed, it serves nobody any more; its name is free.
+  // A killed server's name is free.
   {
     Serving killed(model + " --name short", folder / "said");
     CHECK(killed.program.wait(SIGKILL) != 0);

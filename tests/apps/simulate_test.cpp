@@ -1,4 +1,4 @@
-// Matter that moves by itself, as a user meets it.
+// Matter simulated without a hand, through the program.
 #include <cmath>
 
 #include "engine/core/processor.hpp"
@@ -106,7 +106,7 @@ TEST_CASE("a scan that is closed is soft: its points fall and bend, and keep the
         std::max(most, glm::length(DVec3(after.positions[i]) - scale * DVec3(before.positions[i]) - DVec3(50, 30, 50)));
   CHECK(most > 0.1);
   CHECK(most < 10);
-  // On a GPU they are where they are on the CPU.
+  // On a GPU the particles are at the same positions as on the CPU.
   const auto there = [&](const std::string& backend) {
     const std::string file = (folder / (backend + ".ply")).string();
     works("simulate " + scene + " --duration 0.005 --backend " + backend + " --save " + file + " --json " + json);
@@ -119,7 +119,7 @@ TEST_CASE("a scan that is closed is soft: its points fall and bend, and keep the
     REQUIRE(glm::length(onGpu.positions[i] - onCpu.positions[i]) < 1e-3f);
     REQUIRE(glm::length(onGpu.normals[i] - onCpu.normals[i]) < 1e-3f);
   }
-  // In water the same scan stands still, and keeps the water out.
+  // The same scan is fixed in water, and keeps the water out.
   works("simulate water --model " + (folder / "ball.ply").string() + " --duration 0.005 --backend cpu --json " + json);
   const auto inWater = jsonOf(json)["model"];
   CHECK(inWater["volume_cm3"] > 10);
@@ -130,7 +130,7 @@ TEST_CASE("a scan that is closed is soft: its points fall and bend, and keep the
 }
 
 TEST_CASE("matter that this machine has no memory for is refused before anything runs, and told of all the same") {
-  // Half of the machine's memory is for 1600 bytes a particle; of these there are more.
+  // Half of the machine's memory is allowed, at 1600 bytes a particle; this scene has more.
   const double particles = 1.2 * 0.5 * static_cast<double>(hostMemory_bytes()) / 1600;
   if (particles > 8e7) {
     MESSAGE("skipped: this machine has memory for more particles than can be numbered");

@@ -1,4 +1,4 @@
-// The program on GPUs that have no more than Vulkan promises, or less than palpate needs.
+// The program on GPUs with only the limits that Vulkan guarantees, or less than palpate requires.
 #include "tests/lost_gpu/lost_gpu.hpp"
 
 #include "tests/apps/program.hpp"

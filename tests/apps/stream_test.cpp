@@ -1,4 +1,4 @@
-// Depth cameras as models, as a user meets them: recorded folders, and raw frames on standard input.
+// Depth cameras as models, through the program: recorded folders, and raw frames on standard input.
 #include <array>
 #include <cmath>
 #include <set>
@@ -12,7 +12,7 @@ namespace palpate::stream_test {
 namespace {
 
 /// Towards the sphere of radius 0.5 around (0.1, 0, 2) from the camera's side, a tenth of a metre in, and there to the
-/// end: the mean of a few points of so round a thing lies well behind it.
+/// end: the averaged surface of few points on such a small sphere is well behind it.
 std::string pathInto(const std::filesystem::path& folder) {
   std::ofstream(folder / "path.csv") << "t_s,x,y,z\n0,0.1,0,1.2\n0.05,0.1,0,1.6\n0.15,0.1,0,1.6\n";
   return (folder / "path.csv").string();

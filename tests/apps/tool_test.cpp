@@ -1,4 +1,4 @@
-// Tools of many points, as a user meets them.
+// Tools of many points, through the program.
 #include "tests/apps/program.hpp"
 #include "tests/near.hpp"
 
@@ -28,7 +28,7 @@ std::vector<ToolRow> readToolTrace(const std::filesystem::path& file) {
   return rows;
 }
 
-// Straight down on the middle of a plane, 2 mm deep, and there. No tick is just at its height.
+// Straight down onto the centre of a plane, 2 mm deep, then at rest. No tick is exactly at its height.
 std::string writePress(const ScratchFolder& folder) {
   std::ofstream(folder / "press.csv") << "t_s,x,y,z\n0,0,0,3.013\n0.2,0,0,-2\n0.25,0,0,-2\n";
   return (folder / "press.csv").string();
@@ -86,7 +86,7 @@ TEST_CASE("tools are felt by both back ends alike, the same every time, and say 
       if (!gpu.contact) CHECK(glm::length(gpu.force_N) + glm::length(gpu.torque_mNm) == 0);
     }
     CHECK(touched > 50);
-    // At rest the proxy stands for all: 0.8 N/mm times its distance is the force.
+    // At rest the proxy represents all points: the force is 0.8 N/mm times its distance.
     const ToolRow& last = states[1].back();
     CHECK(glm::distance(0.8 * (last.proxy - last.hip), last.force_N) < 1e-3);
     CHECK(last.normal.z == near(1, 1e-4));

@@ -1,4 +1,4 @@
-// Two devices at once, as a user meets them.
+// Two devices at once, through the program.
 #include <algorithm>
 
 #include "tests/apps/program.hpp"
@@ -12,7 +12,7 @@ namespace {
 struct Scene {
   Scene() {
     works("make sphere -n 20000 --size 60 -o " + model);
-    // Down on the pole, 2 mm deep, and along there; and from the side, in and out, for longer.
+    // Down onto the pole, 2 mm deep, and along there; and from the side, in and out, for longer.
     std::ofstream(file("a.csv")) << "t_s,x,y,z\n0,0,0,33.013\n0.2,0,0,28\n0.3,3,0,27.8\n";
     std::ofstream(file("b.csv")) << "t_s,x,y,z\n0,33.013,0,0\n0.25,28.5,0,0\n0.35,28,3,0\n0.4,34,3,0\n";
   }
@@ -69,7 +69,7 @@ TEST_CASE("a simulated hand and a replayed one may be the second, and what the f
   CHECK(says(sim.text, "second hand           sim: "));
   CHECK(contentOf(scene.file("sim.ply")) == contentOf(scene.file("alone.ply")));
   CHECK(readTrace(scene.folder / "sim.csv").size() > 500);
-  // The same way again as the first hand: it feels the dent that the first one makes, and no more than that.
+  // The same path as the first hand: it feels the dent that the first one makes, and nothing else.
   works(scene.touch(edit + "--second-device replay:" + scene.file("alone.csv") + " --trace " + scene.file("first.csv") +
                     " --second-trace " + scene.file("second.csv")));
   CHECK(contentOf(scene.file("first.csv")) == contentOf(scene.file("alone.csv")));

@@ -1,5 +1,4 @@
-// The window as a person uses it, on a display without a screen (Xvfb): plays a script in it, and looks at what is
-// left.
+// The window on a virtual display (Xvfb): plays a script and reads the results.
 #pragma once
 
 #define STB_IMAGE_IMPLEMENTATION
@@ -24,7 +23,7 @@ inline bool hasDisplay() {
   return false;
 }
 
-/// What the script saw goes into its folder: %/name stands for a file there.
+/// The script's output is in its folder: %/name is a file there.
 struct Played {
   Outcome outcome;
   ScratchFolder folder;
@@ -71,7 +70,7 @@ struct Picture {
   std::vector<stbi_uc> rgb;
 };
 
-// Pixels of a square that satisfy a condition.
+// Number of pixels of a square that satisfy a condition.
 inline int count(int x, int y, int reach, auto&& holds) {
   int found = 0;
   for (int j = y - reach; j <= y + reach; ++j)

@@ -1,4 +1,4 @@
-// What goes over the loopback to programs of one domain of DDS while this lives, as whoever sits on the wire reads it.
+// Captures the loopback traffic of one DDS domain during its lifetime.
 #pragma once
 
 #include <arpa/inet.h>
@@ -32,9 +32,9 @@ class WireCapture {
   WireCapture(const WireCapture&) = delete;
   WireCapture& operator=(const WireCapture&) = delete;
 
-  /// False where this user may not listen.
+  /// False if this user may not listen.
   bool isListening() const { return socket_ >= 0; }
-  /// Ends it; all that has come, one after the other.
+  /// Ends the capture; returns all bytes in order.
   const std::string& end() {
     if (thread_.joinable()) {
       thread_.request_stop();
@@ -52,7 +52,7 @@ class WireCapture {
         heard_.append(frame.data(), static_cast<std::size_t>(size));
     }
   }
-  // UDP of IPv4, to a port of the domain. Others may be at theirs meanwhile.
+  // UDP of IPv4, to a port of the domain. Other tests use other domains meanwhile.
   bool isOurs(const std::array<char, 1 << 16>& frame, std::size_t size) const {
     const auto at = [&](std::size_t i) { return static_cast<unsigned char>(frame[i]); };
     constexpr std::size_t kIp = 14;
@@ -66,7 +66,7 @@ class WireCapture {
   unsigned firstPort_;
   int socket_;
   std::string heard_;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
 }  // namespace palpate

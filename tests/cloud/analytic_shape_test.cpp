@@ -136,7 +136,7 @@ TEST_CASE("the same seed gives the same bytes with any number of threads, anothe
     CAPTURE(std::string(name));
     const auto shape = makeShape(name);
     const PointCloud cloud = sampleShape(*shape, {.count = 5'000, .seed = 5, .noise = 0.3, .threads = 1});
-    // One that was never sampled with fewer.
+    // A shape that was never sampled with fewer points.
     CHECK(sameBytes(cloud, sampleShape(*makeShape(name), {.count = 5'000, .seed = 5, .noise = 0.3, .threads = 7})));
     CHECK(sameBytes(cloud, sampleShape(*shape, {.count = 5'000, .seed = 5, .noise = 0.3, .threads = 3})));
     CHECK_FALSE(sameBytes(cloud, sampleShape(*shape, {.count = 5'000, .seed = 6, .noise = 0.3})));
@@ -183,7 +183,7 @@ TEST_CASE("a wrong name or size is wrong usage that names the right ones") {
 }
 
 TEST_CASE("an area table sends equal shares to equal masses") {
-  // Density 1 + x + 2 y over the unit square; its mass below (x, y) is known.
+  // Density 1 + x + 2 y over the unit square, with a known mass below (x, y).
   const AreaTable table(
       8, 8, [](const DVec2& at) { return 1 + at.x + 2 * at.y; }, 1);
   for (const double share : {0.0, 0.1, 0.5, 0.77, 1.0}) {

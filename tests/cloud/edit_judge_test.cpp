@@ -14,7 +14,7 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-// A square grid, 1 apart, that looks up.
+// A square grid, 1 apart, that faces up.
 PointCloud grid(int side, double spacing = 1) {
   PointCloud cloud;
   for (int y = 0; y < side; ++y)
@@ -25,7 +25,7 @@ PointCloud grid(int side, double spacing = 1) {
   return cloud;
 }
 
-// A brush of radius 3 that stands at the middle, a carving one a little above it; support radius 4.
+// A brush of radius 3 at the centre, a carving one slightly above it; support radius 4.
 BrushPath middleTool(bool carves = false) {
   return {.centers = {DVec3(0, 0, carves ? 2 : 0)}, .radius = 3, .support = 4, .carves = carves};
 }
@@ -95,7 +95,7 @@ TEST_CASE("new points beyond the brush and a support radius are told") {
   Edited edited(grid(41));
   edited.insert({7.5, 0.5, 0}, 0);
   CHECK(edited.verdict().broken(false) == Words{"inserts far"});
-  // Where no brush acted, nothing may change at all.
+  // Without a brush stroke no change is allowed.
   CHECK(edited.verdict({.centers = {}, .radius = 3, .support = 4}).broken(false) == Words{"inserts far"});
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("without any allowance one point too near, one normal turned and a tho
   Edited edited(grid(41));
   edited.insert({0.35, 0, 0}, edited.at(0, 0));
   CHECK(edited.verdict().crowded == 1);
-  CHECK(edited.verdict().broken(false) == Words{});  // one of many places may be measured wrongly
+  CHECK(edited.verdict().broken(false) == Words{});  // one of many measured positions may be wrong
   CHECK(edited.verdict().broken(false, true) == Words{"crowds"});
 
   const EditVerdict turned{.moved = 1000, .sided = 1000, .turned = 1};
@@ -148,7 +148,7 @@ TEST_CASE("two new points on top of one another are told, whatever stands around
 TEST_CASE("the spacing of a place is that of its own sheet and density") {
   for (const double spacing : {0.1, 1.0, 20.0}) {
     const PointCloud even = grid(41, spacing);
-    // The discs are counted between those of a lattice and of points at random: 2.2 % wide here.
+    // Disc counts are between those of a lattice and of random points: 2.2 % wide here.
     CHECK(EditJudge(even).spacingAt({0.3 * spacing, 0, 0}, {0, 0, 1}) / spacing == near(1.022, 0.002));
   }
   const UnevenCloud patches = makeUnevenCloud("patches", 15'000);
@@ -156,7 +156,7 @@ TEST_CASE("the spacing of a place is that of its own sheet and density") {
   const DVec3 side = 8.0 * patches.towards;
   CHECK(judge.spacingAt(patches.place - side, patches.normal) == near(0.91, 0.06));
   CHECK(judge.spacingAt(patches.place + side, patches.normal) == near(4.1, 0.15));
-  // Two sheets do not count as one that is denser.
+  // Two sheets do not count as one denser sheet.
   const PointCloud plate = makePlate(20'000, 0.8);
   CHECK(EditJudge(plate).spacingAt({0, 0, 0.4}, {0, 0, 1}) == near(1, 0.03));
   // Coincident points count once.
@@ -179,9 +179,9 @@ TEST_CASE("height above a surface is that of the truth, on curves, on plates and
   const auto cube = makeShape("cube", 20);
   const PointCloud points = sampleShape(*cube, {.count = 2400});  // 1 apart
   const EditJudge onCube(points);
-  CHECK(onCube.heightAt({9.99, 0, 9.99}) < 0.1);    // on the edge, where a round fit falls short
-  CHECK(onCube.heightAt({12, 0.3, 10}) > 0.5);      // a fin that goes on along a face
-  CHECK(onCube.heightAt({10.7, 0.3, 10.7}) > 0.5);  // and one beyond the edge
+  CHECK(onCube.heightAt({9.99, 0, 9.99}) < 0.1);    // on the edge, where a round fit is too low
+  CHECK(onCube.heightAt({12, 0.3, 10}) > 0.5);      // a fin that continues along a face
+  CHECK(onCube.heightAt({10.7, 0.3, 10.7}) > 0.5);  // a fin beyond the edge
   CHECK(onCube.heightAt({0, 0, 0}) < -8);
 }
 
@@ -201,7 +201,7 @@ TEST_CASE("new points outside the old surface are growth where the brush carves,
   const EditVerdict verdict = edited.verdict(middleTool(true));
   CHECK(verdict.outside == 1);
   CHECK(verdict.farthestOutside == near(0.3, 1e-6));
-  CHECK(verdict.broken(true) == Words{});  // one is let be
+  CHECK(verdict.broken(true) == Words{});  // one is tolerated
   CHECK(verdict.broken(true, true) == Words{"grows"});
   edited.insert({1.5, 1.5, 1.2}, edited.at(0, 0));
   CHECK(edited.verdict(middleTool(true)).broken(true) == Words{"grows"});
@@ -209,7 +209,7 @@ TEST_CASE("new points outside the old surface are growth where the brush carves,
 }
 
 TEST_CASE("a wall under a roof and over a floor stands outside neither, and what grows from the roof does") {
-  // The floor is farther from the roof than its points are from one another: no way leads from one to the other.
+  // The floor is farther from the roof than the spacing: no path connects them.
   Edited edited(grid(41, 0.5));
   PointCloud& cloud = edited.cloud;
   const std::size_t roof = cloud.size();
@@ -242,13 +242,13 @@ TEST_CASE("normals are held against a fit of their own sheet, and those that loo
     edited.states[i].normal = Vec3(0, std::sin(0.5), edited.states[i].normal.z > 0 ? std::cos(0.5) : -std::cos(0.5));
   CHECK(edited.verdict().normal_deg == near(28.6, 0.1));
 
-  for (const std::uint32_t i : middle) edited.states[i].normal = Vec3(0, 0, 1);  // the lower sheet's look inwards
+  for (const std::uint32_t i : middle) edited.states[i].normal = Vec3(0, 0, 1);  // the lower sheet's face inwards
   CHECK(edited.verdict().turned == near(0.5 * static_cast<double>(middle.size()), 0.2));
   CHECK(edited.verdict().broken(false) == Words{"turns normals"});
 }
 
 TEST_CASE("a carved wall looks at the ball, wherever its sheet looked before") {
-  // A ball of radius 3 cut 5 deep into a block: the lower half of its wall hangs over what was the surface's side.
+  // A ball of radius 3 carved 5 deep into a block: the lower half of its wall is below the old surface's side.
   Edited edited(grid(61, 0.4));
   const DVec3 center(0, 0, -2);
   const PointCloud wall = sampleShape(*makeShape("sphere", 6, center), {.count = 700});
@@ -262,8 +262,8 @@ TEST_CASE("a carved wall looks at the ball, wherever its sheet looked before") {
 }
 
 TEST_CASE("a ball that goes in sideways lines its tunnel with the sheet before it, and lifts the one above it") {
-  // Straight down into a plane until it is under it, then along: the tunnel's ceiling hangs under the plane, which is
-  // pushed up by it.
+  // Straight down into a plane until the ball is below it, then along: the tunnel's ceiling is below the plane, which
+  // the ball pushes up.
   Edited edited(grid(61, 0.5));
   BrushPath way{.centers = {}, .radius = 3, .support = 2, .pushes = true};
   for (int k = 0; k <= 60; ++k) way.centers.push_back(DVec3(-8, 0, 3 - 0.1 * k));
@@ -286,7 +286,7 @@ TEST_CASE("a ball that goes in sideways lines its tunnel with the sheet before i
 }
 
 TEST_CASE("a sheet that a brush has bent over faces to where its bend has brought it") {
-  // What is on the right of the middle is rolled up around a cylinder of radius 1, by three quarters of a turn.
+  // The part to the right of the centre is rolled up around a cylinder of radius 1, by three quarters of a turn.
   Edited edited(grid(61, 0.1));
   const BrushPath way{.centers = {DVec3(0)}, .radius = 6, .support = 2};
   for (std::uint32_t i = 0; i < edited.cloud.size(); ++i) {

@@ -14,7 +14,7 @@ namespace palpate::edited_cloud_test {
 
 namespace {
 
-// Far from zero, with what a file may have besides.
+// Far from the origin, with optional properties of files.
 PointCloud richCloud() {
   PointCloud cloud;
   cloud.origin = {1e6, -2e6, 0};
@@ -43,7 +43,7 @@ TEST_CASE("a cloud whose points are as they were is written byte by byte as it w
   const ScratchFolder folder;
   const PointCloud cloud = richCloud();
   auto points = statesOf(cloud);
-  points.push_back({.id = 100 | PointState::kGone, .parent = 5});  // one that came and went
+  points.push_back({.id = 100 | PointState::kGone, .parent = 5});  // inserted and removed again
   CHECK(changedPoints(cloud, points) == 0);
   writePly(folder / "a.ply", cloud);
   writePly(folder / "b.ply", editedCloud(cloud, points));
@@ -67,7 +67,7 @@ TEST_CASE("points that are gone are left out, new ones stand behind with their p
   CHECK(edited.fileCoordinates(6) == cloud.origin + DVec3(points[7].position));
   CHECK(edited.normals[99] == Vec3(1, 0, 0));
   CHECK(edited.fileCoordinates(99) == cloud.origin + DVec3(1, 2, 3));
-  CHECK(qualityOf(edited, 99) == 1003);   // the parent is gone and its properties are not
+  CHECK(qualityOf(edited, 99) == 1003);   // the parent is removed, its properties remain
   CHECK(qualityOf(edited, 100) == 1050);  // the parent's parent
   CHECK(edited.storedAs.comments == cloud.storedAs.comments);
   CHECK_FALSE(edited.hasColors());

@@ -1,4 +1,4 @@
-// Places over the discs of Gaussians, and what is felt at them, against sums over all discs.
+// Positions on the discs of Gaussians, and the densities there, compared with sums over all discs.
 #include "engine/cloud/gaussian_seeds.hpp"
 
 #include <doctest/doctest.h>
@@ -15,7 +15,7 @@
 namespace palpate::test::gaussian_seeds_test {
 namespace {
 
-/// Discs along the axes, from tiny ones to some that are ten times as large as usual.
+/// Discs along the axes, from tiny ones to ten times the usual size.
 std::vector<GaussianDisc> someDiscs(std::size_t count) {
   SceneRandom random(11);
   std::vector<GaussianDisc> discs;
@@ -49,7 +49,7 @@ TEST_CASE("seeds are in the order of their voxels, one in each, on the discs tha
     REQUIRE(seed.voxel == mortonCode(mortonCell(seed.place, kSeedVoxel)));
     if (i > 0) REQUIRE(seeds[i - 1].voxel < seed.voxel);
     const GaussianDisc& disc = discs[seed.disc];
-    REQUIRE(densityAt(disc, seed.place) > 0.54 * static_cast<double>(disc.opacity));  // 1.1 deviations off at most
+    REQUIRE(densityAt(disc, seed.place) > 0.54 * static_cast<double>(disc.opacity));  // within 1.1 deviations
     REQUIRE(std::abs(seed.place.z - disc.center.z) < 1e-5f);
   }
   for (const unsigned threads : {2u, 5u}) {

@@ -1,5 +1,5 @@
-// The surface of Gaussians against the shape that they were put on: places, normals, what is covered, and what is not
-// there; and scenes that hardly are any.
+// The surface of Gaussians compared with the shape that they approximate: positions, normals, coverage, and no extra
+// surface; and degenerate scenes.
 #include "engine/cloud/gaussian_surface.hpp"
 
 #include <doctest/doctest.h>
@@ -35,7 +35,7 @@ KnownShape shapeNamed(std::string_view name, const DVec3& center = DVec3(0)) {
 }
 
 struct Share {
-  double mean = 0, most = 0;  ///< 95 % are no more than that
+  double mean = 0, most = 0;  ///< 95th percentile
 };
 
 Share shareOf(std::vector<double> values) {
@@ -48,10 +48,10 @@ Share shareOf(std::vector<double> values) {
 
 struct Judged {
   Share distance;           ///< to the true surface, spacings of the Gaussians
-  Share angle;              ///< to the true normal, degrees; of a plane, which has two faces, to its line
-  std::size_t inwards = 0;  ///< points whose normal looks away from the true one
-  double uncovered = 0;     ///< of places of the true surface, those with no point within 1.5 spacings
-  double farthest = 0;      ///< of all points from the surface, spacings of the Gaussians
+  Share angle;              ///< to the true normal, degrees; for a plane, which has two faces, to its line
+  std::size_t inwards = 0;  ///< points whose normal faces away from the true one
+  double uncovered = 0;     ///< fraction of the true surface without a point within 1.5 spacings
+  double farthest = 0;      ///< largest distance of a point from the surface, spacings of the Gaussians
 };
 
 Judged judge(const PointCloud& cloud, const KnownScene& known, const KnownShape& truth, bool twoFaces) {
@@ -61,7 +61,7 @@ Judged judge(const PointCloud& cloud, const KnownScene& known, const KnownShape&
     const DVec3 place = cloud.fileCoordinates(i);
     const SurfacePoint closest = truth.shape->closest(place);
     distances.push_back(glm::distance(place, closest.position) / known.spacing);
-    // On an edge of a cube the shape's own normal points to the place, from within, too.
+    // On an edge of a cube the shape's normal points to the position, also from inside.
     const double angle = angleBetween_deg(DVec3(cloud.normals[i]), closest.normal);
     angles.push_back(twoFaces ? std::min(angle, 180 - angle) : angle);
     judged.inwards += angle > 90;
@@ -88,7 +88,7 @@ bool sameBytes(const PointCloud& a, const PointCloud& b) {
   return a.origin == b.origin && a.positions == b.positions && a.normals == b.normals && a.colors == b.colors;
 }
 
-/// How far points lie off z = 0, at the rim of a square of `side` units and elsewhere.
+/// Distance of points from z = 0, at the rim of a square of `side` units and elsewhere.
 struct Flatness {
   double inside = 0, rim = 0;
 };
@@ -135,8 +135,8 @@ TEST_CASE("points lie on the shape that the Gaussians were put on, with its norm
     CHECK(judged.angle.mean < 7);
     CHECK(judged.angle.most < 12);
     CHECK(judged.uncovered == 0);
-    CHECK(judged.farthest < 1);  // the floaters are eight and more off
-    // Next to an edge of the cube, rounded as it is, a face may be judged by its neighbour.
+    CHECK(judged.farthest < 1);  // the floaters are at least eight away
+    // Next to a rounded edge of the cube, a face may be judged by its neighbour.
     if (!plane)
       CHECK(static_cast<double>(judged.inwards) <= (cube ? 0.01 : 0) * static_cast<double>(surface.cloud.size()));
     CHECK(surface.oversized == 5);
@@ -283,7 +283,7 @@ TEST_CASE("flat Gaussians and thick ones of a plane make the same plane") {
 TEST_CASE("a sheet whose Gaussians differ tenfold in size has no holes and no steps") {
   GaussianScene scene = square(40);
   SceneRandom random(5);
-  // Beside the fine square a coarse one, as of a wall.
+  // A coarse square, like a wall, beside the fine one.
   for (int i = 0; i < 100; ++i) {
     const Vec4 rotation = rotationTo({0, 0, 1}, random);
     addGaussian(scene, DVec3(42 + 6 * (i % 10), 6 * (i / 10), 0), {4.5, 4.5, 2.4}, rotation, 0.9, DVec3(0.5));

@@ -18,7 +18,7 @@ TEST_CASE("a coordinate is shown with all digits that are known, and none that a
   CHECK(coordinateText(4877754.178, 0) == "4877754.178");
   CHECK(coordinateText(637177.98, 0) == "637177.98");
   CHECK(coordinateText(-0.5, 0) == "-0.5");
-  // What float32 tells apart within a box of 300 around the origin.
+  // The resolution of float32 within a box of 300 around the origin.
   const double resolution = resolutionOf({DVec3(-150), DVec3(150)});
   CHECK(coordinateText(4877754.178, resolution) == "4877754.178");
   CHECK(coordinateText(4877754.1780001, resolution) == "4877754.178");

@@ -1,4 +1,4 @@
-// Cells by Morton codes: the order of sorting, what is found, and what is around.
+// Cells by Morton codes: sort order, lookup, and neighbourhood.
 #include "engine/cloud/morton_cells.hpp"
 
 #include <doctest/doctest.h>
@@ -14,7 +14,7 @@
 namespace palpate::morton_cells_test {
 namespace {
 
-/// Cells no farther than `reach` from the middle, to both sides of it.
+/// Cells within `reach` of the centre, on both sides of it.
 BareVector<std::uint64_t> someCodes(std::size_t count, std::int32_t reach) {
   BareVector<std::uint64_t> codes(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -68,7 +68,7 @@ TEST_CASE("around a cell all that are occupied are found, each once, with any nu
         const MortonCells cells(BareVector<std::uint64_t>(each.begin(), each.end()), threads);
         REQUIRE(cells.count() == each.size());
         bool same = true;
-        // Around what is occupied, and next to it.
+        // Around occupied cells, and next to them.
         for (std::uint64_t cell = 0; cell < std::min<std::size_t>(cells.count(), 3000); ++cell)
           for (const std::int32_t aside : {0, 1}) {
             const IVec3 at = mortonCellOf(cells.code(cell)) + IVec3(aside, 0, aside);

@@ -18,7 +18,7 @@ namespace {
 
 double measured(const PointCloud& cloud) { return spacingRange(cloud).noise; }
 
-/// Positions that are off by `noise` spacings in each direction.
+/// Positions with a deviation of `noise` spacings in each direction.
 PointCloud noisyCloud(const AnalyticShape& shape, double noise, std::size_t count) {
   constexpr std::size_t kFew = 20'000;
   const double spacing = meanSpacing(sampleShape(shape, {.count = std::min(kFew, count)})) *
@@ -66,7 +66,8 @@ TEST_CASE("noise is measured where folds are not much wider than the places that
 TEST_CASE("noise is told in spacings of the place where density changes") {
   const PointCloud clean = thinnedAlong(noisyCloud("sphere", 0), 10);
   CHECK(measured(clean) < 0.001);
-  // The dense half is noisy by a quarter of its spacing, the sparse one, three times as far apart, by a quarter of its.
+  // The dense half has a noise of a quarter of its spacing, the sparse half, three times as far apart, a quarter of its
+  // own.
   PointCloud cloud = noisyCloud("plane", 0.25, 40'000);
   for (const Vec3& p : noisyCloud("plane", 0.25, 40'000).positions)
     cloud.positions.push_back(3.0f * p + Vec3(0, 0, 100));
@@ -74,7 +75,7 @@ TEST_CASE("noise is told in spacings of the place where density changes") {
 }
 
 TEST_CASE("edges, coincident points and outliers are not taken for noise") {
-  // A twentieth of the points lies a spacing off: half of the places hold one of them.
+  // A twentieth of the points is a spacing off: half of the neighbourhoods contain one of them.
   PointCloud cloud = noisyCloud("cube", 0);
   const double spacing = meanSpacing(cloud);
   for (std::size_t i = 0; i < cloud.size(); i += 60)
@@ -117,14 +118,14 @@ TEST_CASE("the noise does not depend on the number of threads") {
 TEST_CASE("points off a quadric have the variance that they were given, in any unit") {
   const auto exact = varianceOffQuadric(quadricPoints(40, 0));
   REQUIRE(exact);
-  CHECK(*exact < 1e-4);  // tilted against the plane that fits, its terms of the third order are left
+  CHECK(*exact < 1e-4);  // third-order terms remain, because it is tilted against the fitted plane
   const std::vector<DVec3> noisy = quadricPoints(4000, 0.3);
   REQUIRE(varianceOffQuadric(noisy));
   CHECK(*varianceOffQuadric(noisy) == near(0.09, 0.06));
   std::vector<DVec3> small;
   for (const DVec3& p : noisy) small.push_back(1e-9 * p + DVec3(1e-3));
   CHECK(*varianceOffQuadric(small) == near(1e-18 * *varianceOffQuadric(noisy), 1e-3));
-  // Six coefficients fit six points, whatever they are.
+  // Six coefficients fit any six points.
   CHECK_FALSE(varianceOffQuadric(std::span(noisy).first(6)));
   CHECK_FALSE(varianceOffQuadric({}));
   CHECK_FALSE(varianceOffQuadric(std::vector<DVec3>(16, DVec3(1, 2, 3))));

@@ -10,7 +10,7 @@
 namespace palpate::test::normals_test {
 namespace {
 
-/// Cosine of the worst angle between the estimated normals and the true ones; below zero when any is turned round.
+/// Cosine of the worst angle between the estimated normals and the true ones; negative if any is reversed.
 float worstCosine(PointCloud cloud, unsigned threads = 0) {
   const std::vector<Vec3> truth = cloud.normals;
   estimateNormals(cloud, 16, threads);
@@ -86,7 +86,7 @@ TEST_CASE("degenerate clouds still get unit normals") {
     REQUIRE(cloud.normals.size() == positions.size());
     for (const Vec3& normal : cloud.normals) CHECK(std::abs(glm::length(normal) - 1) < 1e-5f);
   }
-  CHECK(std::abs(cloud.normals[50].x) < 1e-5f);  // across the line
+  CHECK(std::abs(cloud.normals[50].x) < 1e-5f);  // perpendicular to the line
 }
 
 }  // namespace palpate::test::normals_test

@@ -20,7 +20,7 @@ TEST_CASE("the sculpture is closed: the solid angle seen from any point is all o
     const SurfacePoint base = shape->closest(DVec3(cloud.positions[randomBits(1, i) % cloud.size()]));
     const DVec3 p = base.position + (i % 2 ? 4.0 : -4.0) * base.normal;
     const double distance = shape->signedDistance(p);
-    if (std::abs(distance) < 2) continue;  // came near another part
+    if (std::abs(distance) < 2) continue;  // near another part
     double flux = 0, area = 0;
     for (std::size_t k = 0; k < cloud.size(); ++k) {
       const DVec3 offset = DVec3(cloud.positions[k]) - p;

@@ -23,7 +23,7 @@ struct Mesh {
   }
 };
 
-// Every face has corners of its own, as many programs write them.
+// Every face has its own corners, as many programs write them.
 Mesh cubeMesh(double half) {
   Mesh mesh;
   for (int axis = 0; axis < 3; ++axis)
@@ -58,7 +58,7 @@ TEST_CASE("a fine mesh of a sphere says what the sphere says") {
   const Mesh mesh = sphereMesh(50, 200);
   const TriangleMesh sphere(mesh.vertices, mesh.triangles);
   const auto truth = makeShape("sphere");
-  const double sag = 50 * (1 - std::cos(std::numbers::pi / 400)) * 2.1;  // of a facet, along both of its directions
+  const double sag = 50 * (1 - std::cos(std::numbers::pi / 400)) * 2.1;  // of a facet, in both directions
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const DVec3 p = somewhere(i, 40);
     CHECK(sphere.signedDistance(p) == within(truth->signedDistance(p), sag));

@@ -17,7 +17,7 @@ std::size_t countWhere(const PointCloud& cloud, auto&& holds) {
       std::ranges::count_if(cloud.positions, [&](const Vec3& p) { return holds(DVec3(p)); }));
 }
 
-// From each point to its nearest other one, in order.
+// Sorted distances of each point to its nearest neighbour.
 std::vector<double> nearestDistances(const PointCloud& cloud) {
   const PointTree tree(cloud.positions);
   std::vector<double> distances;

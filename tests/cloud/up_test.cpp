@@ -1,4 +1,5 @@
-// Which way is up: on shapes whose way is known, turned to all six, and on real scans kept outside the repository.
+// Estimation of the up direction: on shapes with a known one, rotated to all six axes, and on real scans outside the
+// repository.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -19,7 +20,7 @@
 namespace palpate::test::up_test {
 namespace {
 
-/// Random numbers one after the other.
+/// A sequence of random numbers.
 struct Dice {
   std::uint64_t seed = 7, thrown = 0;
   double operator()(double from, double to) { return from + (to - from) * randomUnit(seed, thrown++); }
@@ -30,7 +31,7 @@ void add(PointCloud& cloud, const DVec3& place, const DVec3& normal) {
   cloud.normals.emplace_back(glm::normalize(normal));
 }
 
-/// A parallelogram of points, evenly at random.
+/// A parallelogram of uniformly random points.
 void addFace(PointCloud& cloud, Dice& dice, const DVec3& corner, const DVec3& a, const DVec3& b, double perArea) {
   const DVec3 across = glm::cross(a, b);
   const auto count = static_cast<int>(perArea * glm::length(across));
@@ -45,7 +46,7 @@ void addBall(PointCloud& cloud, Dice& dice, const DVec3& center, double radius, 
   }
 }
 
-// All stand with y up.
+// All shapes have y up.
 
 /// A cone without its tip, on a flat base.
 PointCloud statue() {
@@ -62,7 +63,7 @@ PointCloud statue() {
   return cloud;
 }
 
-/// A beast on four legs, with a head on a long neck before them.
+/// An animal on four legs, with a head on a long neck in front of them.
 PointCloud beast() {
   PointCloud cloud;
   Dice dice;
@@ -107,7 +108,7 @@ PointCloud terrain() {
   return cloud;
 }
 
-/// Walls and a gable roof; nobody has seen its floor.
+/// Walls and a gable roof; the floor was not scanned.
 PointCloud building() {
   PointCloud cloud;
   Dice dice;
@@ -120,7 +121,7 @@ PointCloud building() {
   return cloud;
 }
 
-/// A head, flat at its back and its sides, hollow, with an open neck in which there are a windpipe and a spine.
+/// A head, flat at its back and sides, hollow, with an open neck that contains a windpipe and a spine.
 PointCloud headCutAtNeck() {
   PointCloud cloud;
   Dice dice;
@@ -152,7 +153,7 @@ PointCloud headCutAtNeck() {
   return cloud;
 }
 
-/// Roofs of houses as high as they are far apart, trees, and the ground between them, from straight above.
+/// Roofs of houses as high as their distance, trees, and the ground between them, from straight above.
 PointCloud townFromTheAir(double width, double length) {
   PointCloud cloud;
   Dice dice;
@@ -168,7 +169,7 @@ PointCloud townFromTheAir(double width, double length) {
   return cloud;
 }
 
-/// A corner of a room with a cupboard, a bed and a lamp, as a camera at its other end sees it: y up, the camera at +z.
+/// A corner of a room with a cupboard, a bed and a lamp, seen by a camera at the opposite end: y up, the camera at +z.
 PointCloud roomFromOneSide() {
   PointCloud cloud;
   Dice dice;
@@ -182,7 +183,7 @@ PointCloud roomFromOneSide() {
   return cloud;
 }
 
-/// A room with its ceiling and four walls, a bed, a table and a shelf, all seen from within.
+/// A room with its ceiling and four walls, a bed, a table and a shelf, all seen from inside.
 PointCloud roomFromWithin() {
   PointCloud cloud;
   Dice dice;
@@ -213,7 +214,7 @@ const Named kStanding[] = {{"statue", statue},
                            {"terrain", terrain},
                            {"building", building}};
 
-/// What had y up and its front at +z.
+/// Rotates a cloud with y up and its front at +z.
 PointCloud turned(PointCloud cloud, UpAxis up) {
   const DVec3 y = directionOf(up), z = frontOf(up), x = glm::cross(y, z);
   const auto turn = [&](Vec3& v) { v = Vec3(double{v.x} * x + double{v.y} * y + double{v.z} * z); };
@@ -222,7 +223,7 @@ PointCloud turned(PointCloud cloud, UpAxis up) {
   return cloud;
 }
 
-/// Those between two shares of the longest side.
+/// The points between two fractions of the longest side.
 PointCloud sliceOf(const PointCloud& cloud, double from, double to) {
   const Bounds box = boundsOf(cloud);
   int axis = 0;
@@ -236,7 +237,7 @@ PointCloud sliceOf(const PointCloud& cloud, double from, double to) {
   return slice;
 }
 
-/// What a picture of depth shows, with the camera at the origin, y down and z ahead. Normals from neighbours in it.
+/// The points of a depth image, with the camera at the origin, y down and z ahead. Normals from neighbouring pixels.
 PointCloud viewOf(const DepthFrame& frame, const DepthCamera& camera, bool withNormals) {
   PointCloud cloud;
   const auto place = [&](unsigned x, unsigned y) {
@@ -286,7 +287,7 @@ TEST_CASE("what stands or lies is found, whichever way its file has it") {
       CHECK(nameOf(found.up) == upName);
       CHECK(!found.why.empty());
       cloud.normals.clear();
-      // Without normals nothing says from which side ground is seen, and that nobody has seen a floor.
+      // Without normals it is unknown from which side ground was seen, and that a floor was not.
       if (name != "terrain" && name != "building") CHECK(nameOf(findUp(cloud).up) == upName);
     }
 }
@@ -301,7 +302,7 @@ TEST_CASE("outliers and uneven sampling do not turn a model over") {
         PointCloud cloud = turned(make(), up);
         addOutliers(cloud, 0.01, far);
         CHECK(nameOf(findUp(cloud).up) == upName);
-        // A tenth of the points is left at one end, all of them at the other.
+        // The density falls to a tenth from one end to the other.
         const PointCloud all = cloud;
         const Bounds box = boundsOf(turned(make(), up));
         cloud.positions.clear();
@@ -418,9 +419,9 @@ TEST_CASE("a room from within stands on the floor, from which its furniture rise
 
 TEST_CASE("a view from the origin along z has y down") {
   PointCloud view;
-  const PointCloud room = turned(roomFromOneSide(), UpAxis::minusY);  // seen along z, as cameras see it
+  const PointCloud room = turned(roomFromOneSide(), UpAxis::minusY);  // seen along z, as by a camera
   for (const Vec3& p : room.positions) {
-    const Vec3 seen = p + Vec3(-2, 1.2f, 3.6f);  // the middle of the room onto the axis
+    const Vec3 seen = p + Vec3(-2, 1.2f, 3.6f);  // moves the centre of the room onto the axis
     if (std::abs(seen.x) < 0.8f * seen.z && std::abs(seen.y) < 0.6f * seen.z) view.positions.push_back(seen);
   }
   Upright found = findUp(view);
@@ -448,7 +449,7 @@ TEST_CASE("each picture of a real depth camera has y down") {
     Upright found = findUp(cloud);
     CAPTURE(found.why);
     CHECK(nameOf(found.up) == "-y");
-    // With normals a floor is enough, wherever the origin is.
+    // With normals a floor is sufficient, wherever the origin is.
     cloud = viewOf(frame, stream.camera(), true);
     for (Vec3& p : cloud.positions) p += Vec3(-5, 3, -2);
     found = findUp(cloud);
@@ -490,7 +491,7 @@ TEST_CASE("a few points far away do not widen what a picture shows") {
       CHECK(core.max[k] >= box.max[k]);
     }
   }
-  // What many points make is a part of the model.
+  // A group of many points is part of the model.
   PointCloud two = statue();
   const std::size_t count = two.size();
   for (std::size_t i = 0; i < count / 10; ++i) add(two, DVec3(two.positions[10 * i]) + DVec3(60, 0, 0), {0, 1, 0});
@@ -524,7 +525,7 @@ TEST_CASE("real scans stand upright, whichever way their file has them") {
     const Upright found = findUp(cloud);
     MESSAGE(file, ": ", nameOf(found.up), ", ", found.why, ", ", watch.elapsed_us() * 1e-3, " ms");
     CHECK(nameOf(found.up) == nameOf(up));
-    if (file == "wild/vtkdata__shark.ply") continue;  // it swims: y is what nothing speaks against
+    if (file == "wild/vtkdata__shark.ply") continue;  // it swims: nothing indicates up, so y is the default
     for (const auto& [name, to] : kUpAxes) {
       CAPTURE(name);
       const DVec3 expected = turned(PointCloud{.positions = {Vec3(directionOf(up))}}, to).positions.front();

@@ -1,4 +1,4 @@
-// Normals of points that cameras saw, against the shapes that the points were taken from.
+// Normals of points seen by cameras, compared with the shapes that the points were sampled from.
 #include "engine/cloud/view_normals.hpp"
 
 #include <doctest/doctest.h>
@@ -24,8 +24,8 @@ DVec3 direction(std::mt19937& random) {
   return glm::normalize(DVec3(x, y, z));
 }
 
-/// A sphere of radius 10 seen from `views` places each, all outside; `bad`: the share of points that are half a unit
-/// off and are known to be.
+/// A sphere of radius 10, each point seen from `views` positions outside; `bad`: fraction of points that are half a
+/// unit off and marked so.
 SeenShape seenSphere(std::size_t count, int views, double bad) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> share(0, 1);
@@ -37,7 +37,7 @@ SeenShape seenSphere(std::size_t count, int views, double bad) {
     const DVec3 place = (10 + (isBad ? 0.5 : 0.01) * noise(random)) * out;
     DVec3 towards(0);
     for (int v = 0; v < views; ++v) {
-      // From somewhere on a sphere three times as large from where the point can be seen.
+      // From a random position on a sphere three times as large from which the point is visible.
       DVec3 eye(0);
       while (glm::dot(eye - place, out) <= 0) eye = 30.0 * direction(random);
       towards += glm::normalize(eye - place);
@@ -49,7 +49,7 @@ SeenShape seenSphere(std::size_t count, int views, double bad) {
   return seen;
 }
 
-/// Root of the mean squared angle to the truth, degrees; and how many face inwards.
+/// RMS angle to the truth, degrees; number of normals that face inwards.
 struct Judged {
   double angle = 0;
   std::size_t inwards = 0;

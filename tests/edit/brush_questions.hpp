@@ -1,4 +1,4 @@
-// Questions to the laws of the brushes, and what double precision says to the answers.
+// Inputs for the laws of the brushes, and double-precision checks of the answers.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -22,7 +22,7 @@ struct BrushCase {
   shared::BrushQuestion asked;
 };
 
-// Points in and around the balls of every brush, from a brush far in the surface to one that does not touch it.
+// Points in and around the balls of every brush, from a brush deep in the surface to one that does not touch it.
 inline std::vector<BrushCase> randomQuestions(std::size_t count) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> share(0, 1);
@@ -58,10 +58,10 @@ inline std::vector<BrushCase> randomQuestions(std::size_t count) {
   return questions;
 }
 
-// How far single precision may be from double: rounding at 50 units from the origin.
+// Allowed difference between single and double precision: rounding at 50 units from the origin.
 inline constexpr double kRounding = 5e-5;
 
-// Every answer agrees with double precision; a point on the edge of a decision may fall on either side of it, which is
+// Every answer agrees with double precision. A point at the threshold of a decision may be on either side, which is
 // counted.
 inline void checkAgree(const std::vector<BrushCase>& questions, const std::vector<shared::BrushAnswer>& answers,
                        double signedDistance) {
@@ -88,7 +88,7 @@ inline void checkAgree(const std::vector<BrushCase>& questions, const std::vecto
     const shared::MeasuredPoint measured = brush.measured(found), said = answers[i].measured;
     says += measured.weight > 0;
     CHECK(std::abs(said.weight - measured.weight) <= 1);
-    CHECK(std::abs(said.height - measured.height) <= 1400);  // a step of the weight or of the height
+    CHECK(std::abs(said.height - measured.height) <= 1400);  // one step of the weight or of the height
     for (int k = 0; k < 3; ++k) CHECK(std::abs(said.normal[k] - measured.normal[k]) <= 600);
   }
   CHECK(otherSide < 3);

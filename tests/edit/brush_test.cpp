@@ -1,4 +1,4 @@
-// The laws of the brushes: single precision in C++ against double, and what each brush promises.
+// The laws of the brushes: single precision in C++ compared with double, and each brush's promises.
 #include "engine/edit/placed_brush.hpp"
 
 #include "shaders/shared/edit.h"
@@ -44,10 +44,10 @@ TEST_CASE("each brush does at the middle of the brush what its strength says") {
     const DVec3 motion = kind == BrushKind::grab ? DVec3(-0.1, 0, 0) : DVec3(0);
     return brushAt(options, kSupport, hip, spring, motion).brushed(place, normal, {place, normal});
   };
-  const DVec3 taken(0.1, 0, 0);  // where grab took hold
+  const DVec3 taken(0.1, 0, 0);  // where grab began
   CHECK(glm::distance(at(BrushKind::inflate, middle, up).position, DVec3(0, 0, 0.002)) < 1e-9);
   CHECK(glm::distance(at(BrushKind::grab, taken, up).position, taken - DVec3(0.05, 0, 0)) < 1e-12);
-  // Onto the plane of the surface, from either side of it, and not along it.
+  // Onto the plane of the surface from either side, and not along it.
   CHECK(glm::distance(at(BrushKind::flatten, {0, 0, 0.3}, up).position, DVec3(0, 0, 0.15)) < 2e-3);
   CHECK(glm::distance(at(BrushKind::flatten, {0, 0, -0.3}, up).position, DVec3(0, 0, -0.15)) < 2e-3);
   CHECK(at(BrushKind::flatten, {1, 2, 0}, up).position == DVec3(1, 2, 0));
@@ -56,16 +56,17 @@ TEST_CASE("each brush does at the middle of the brush what its strength says") {
   const PlacedBrush smooth = brushAt(smooths, kSupport, hip, spring);
   CHECK(glm::distance(smooth.smoothed(middle, {middle, up}, below), DVec3(0, 0, -0.1)) < 1e-12);
   CHECK(smooth.smoothed(middle, {middle, up}, {}) == middle);
-  // The ball reaches 0.9 below the surface: push takes a point its share of the way down, wherever it is over the ball.
+  // The ball reaches 0.9 below the surface: push moves a point by its fraction of the distance down, anywhere above the
+  // ball.
   CHECK(glm::distance(at(BrushKind::push, middle, up).position, DVec3(0, 0, -0.18)) < 1e-12);
   const double chord = std::sqrt(16 - 4);
   CHECK(glm::distance(at(BrushKind::push, {2, 0, 0}, up).position, DVec3(2, 0, -0.2 * (chord - 3.1))) < 1e-12);
-  // What faces carve goes half of the way to its wall, what faces away is gone.
+  // Carving moves a point that faces the ball half of the way to its wall, and removes one that faces away.
   const PlacedBrush::Point cut = at(BrushKind::carve, middle, up);
   CHECK_FALSE(cut.taken);
   CHECK(cut.position.z == near(-0.375, 1e-6));  // the longest move
   CHECK(at(BrushKind::carve, middle, -up).taken);
-  CHECK(at(BrushKind::carve, {0, 0, 3.1}, up).taken);  // as deep as no surface is that it has met slowly
+  CHECK(at(BrushKind::carve, {0, 0, 3.1}, up).taken);  // too deep for a surface that it met slowly
 }
 
 TEST_CASE("a side of the model that faces away from the tool is left alone by every brush but carve") {
@@ -85,7 +86,7 @@ TEST_CASE("a side of the model that faces away from the tool is left alone by ev
 
 TEST_CASE("what is turned away from the tool goes along the less the further it is, and no further in many edits") {
   const BrushOptions options{.kind = BrushKind::push, .tau = 0.1, .beta = 1, .radius = 4};
-  const PlacedBrush brush = brushAt(options, 1000, {0, 0, -1}, {0, 0, 1});  // as far as it means to in one edit
+  const PlacedBrush brush = brushAt(options, 1000, {0, 0, -1}, {0, 0, 1});  // its full intended distance in one edit
   const DVec3 began(0, 0, 0);
   const auto pressed = [&](double cosine, int edits) {
     const DVec3 normal(std::sqrt(1 - cosine * cosine), 0, cosine);

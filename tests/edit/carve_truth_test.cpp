@@ -1,4 +1,4 @@
-// What a ball has carved out of thin and thick solids, held against what is left of them by analytic truth.
+// Carving of thin and thick solids with a ball, compared with the analytic remainder.
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -19,13 +19,13 @@ constexpr double kRadius = 6, kTau = 0.5, kSpacing = 0.7, kSupport = 4 * kSpacin
 constexpr double kHalfLength = 30, kHalfWidth = 20;
 constexpr double kJudged = 25, kJudgedAside = 16;  // the ends of the solids are open
 
-// A solid under z = 0: how far a place is from its surface, negative inside, and points on it.
+// A solid below z = 0: signed distance to its surface, negative inside, and points on it.
 struct Solid {
   std::function<double(const DVec3&)> distance;
   PointCloud cloud;
 };
 
-// A sheet whose outside is where u x v points.
+// A sheet whose outside is towards u x v.
 void addSheet(Solid& solid, const DVec3& corner, const DVec3& u, const DVec3& v) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> jitter(-0.25, 0.25);
@@ -52,7 +52,7 @@ Solid slab(double thickness) {
   return solid;
 }
 
-// Its edge is at x = 0, its upper face is level.
+// Its edge is at x = 0, its upper face is horizontal.
 Solid blade(double angle) {
   const double s = std::sin(angle), c = std::cos(angle);
   Solid solid{.distance = [=](const DVec3& p) { return std::max(p.z, -p.z * c - p.x * s); }, .cloud = {}};
@@ -78,12 +78,12 @@ Solid rod(double radius) {
   return solid;
 }
 
-// Where the hand goes: down at the first place, to the second, up again.
+// Path of the hand: down at `from`, along to `to`, up again.
 struct Cut {
   DVec3 from, to;
 };
 
-// As long as the tool in the recorded edits was, and as a session would have placed it.
+// A brush shaft as long as in the recorded edits, placed as in a session.
 class Carving {
  public:
   Carving(const Solid& solid, double speed, int every)
@@ -106,7 +106,7 @@ class Carving {
   }
   const SculptedPoints& points() const { return sculpture_.points(); }
 
-  // From what the tool has cut out, negative inside.
+  // Signed distance to the carved volume, negative inside.
   double distance(const DVec3& place) const {
     double least = 1e9;
     for (const auto& tool : tools_) {
@@ -115,7 +115,7 @@ class Carving {
     }
     return least;
   }
-  // A place on the wall of one of them.
+  // A position on the wall of one of the brush's balls.
   DVec3 someWall(std::mt19937& random) const {
     std::uniform_int_distribution<std::size_t> which(0, tools_.size() - 1);
     std::uniform_real_distribution<double> share(0, 1);
@@ -155,8 +155,8 @@ class Carving {
 
 struct Left {
   std::size_t points = 0;
-  double outside = 0;    // how far the furthest point is outside of what is left, mm
-  double uncovered = 0;  // share of what is left that has no point within 1.3 spacings
+  double outside = 0;    // largest distance of a point outside the remainder, mm
+  double uncovered = 0;  // fraction of the remainder's surface without a point within 1.3 spacings
 };
 
 Left carve(const Solid& solid, const std::vector<Cut>& cuts, double speed = 100, int every = 1) {
@@ -173,7 +173,7 @@ Left carve(const Solid& solid, const std::vector<Cut>& cuts, double speed = 100,
     const DVec3 p(position);
     if (isJudged(p)) left.outside = std::max({left.outside, solid.distance(p), -carving.distance(p)});
   }
-  // The wall where it is deep in the solid, and the old surface that the tool has left.
+  // The wall where it is deep in the solid, and the old surface that remains.
   std::vector<DVec3> truth;
   std::mt19937 random(5);
   for (int k = 0; k < byTier(4'000, 20'000); ++k) {
@@ -207,8 +207,8 @@ TEST_CASE("what is carved out of a blade, a plate, a rod or a block leaves their
         CAPTURE(every);
         const Left left = carve(solid, cuts, speed, every);
         CHECK(left.points > 100);
-        // At a brisk pace to less than half a spacing; a fast hand, a slow machine, and a tool whose axis has no points
-        // left to go by, leave what the promise allows.
+        // At a moderate speed to less than half a spacing; a fast hand, a slow machine, or a brush whose axis has no
+        // points left to align with, may leave what the promise allows.
         const bool isFast = speed * every > 100;
         CHECK(left.outside < (isFast || deep > 6 ? 0.25 * (deep - kTau) + 0.4 : 0.4 * kSpacing));
         CHECK(left.uncovered < (isFast ? 0.01 : 1e-3));

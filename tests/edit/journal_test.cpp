@@ -24,7 +24,7 @@ PointCloud coloredCloud(std::size_t count) {
   return cloud;
 }
 
-/// Plays a back end that edits at random: moves, paints, takes away, puts back, adds.
+/// Acts as a back end with random edits: moves, paints, removes, restores, adds.
 class Editor {
  public:
   Editor(const PointCloud& cloud, std::uint32_t seed) : points_(statesOf(cloud)), random_(seed) {}
@@ -72,7 +72,7 @@ void append(EditBatch& batch, const std::vector<PointState>& states) {
 }
 void mark(EditBatch& batch, EditMark::Kind kind) { batch.marks.push_back({batch.points.size(), kind}); }
 
-// Points that are there must be the same in all they are; of others it is enough that they are not.
+// Existing points must be equal in every property; for others it is enough that they do not exist.
 std::size_t differences(std::span<const PointState> a, std::span<const PointState> b) {
   std::size_t different = 0;
   for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
@@ -101,7 +101,7 @@ TEST_CASE("undo and redo walk through random strokes of every kind and meet each
     Journal journal(cloud, 1 << 30);
     std::mt19937 random(seed + 100);
     std::vector<std::vector<PointState>> states{copyOf(editor.points())};   // after each stroke that is not undone
-    std::vector<std::optional<std::uint64_t>> versions{journal.version()};  // of these, where it was examined
+    std::vector<std::optional<std::uint64_t>> versions{journal.version()};  // where examined
     std::size_t at = 0, walked = 0, metAgain = 0;
     EditBatch batch;
     for (int step = 0; step < 400; ++step) {
@@ -111,7 +111,7 @@ TEST_CASE("undo and redo walk through random strokes of every kind and meet each
           const auto edited = editor.tick(40);
           any = any || !edited.empty();
           append(batch, edited);
-          if (random() % 3 == 0) {  // a reader comes by in the middle of a stroke
+          if (random() % 3 == 0) {  // a reader in the middle of a stroke
             journal.follow(batch);
             batch.clear();
           }
@@ -123,7 +123,7 @@ TEST_CASE("undo and redo walk through random strokes of every kind and meet each
           versions.resize(at);
           versions.emplace_back();
         }
-        if (random() % 2) continue;  // and sometimes only after several strokes
+        if (random() % 2) continue;  // sometimes only after several strokes
         journal.follow(batch);
         batch.clear();
       } else {
@@ -222,7 +222,7 @@ TEST_CASE("past the budget the oldest strokes go first, and are counted") {
   CHECK(journal.undo().front().to.number() == 8000);
   CHECK(journal.undo().empty());
   CHECK(journal.points()[7000].position.z == 8);
-  CHECK(journal.version() != Journal(cloud).version());  // the file's points cannot be met again
+  CHECK(journal.version() != Journal(cloud).version());  // the file's points cannot recur
 }
 
 TEST_CASE("a stroke larger than the budget cannot be undone, nor those before it; those after it can") {
@@ -320,7 +320,7 @@ TEST_CASE("what others do is in no stroke, and what they have made of a point st
   const std::uint64_t before = journal.version();
 
   const auto backs = journal.undo();
-  // Of 1 and 3 others have had the last word; 4 goes back to what they had made of it.
+  // Others changed points 1 and 3 last; point 4 returns to their state of it.
   REQUIRE(backs.size() == 3);
   CHECK(z(1) == 40);
   CHECK(z(2) == file[2].position.z);
@@ -330,7 +330,7 @@ TEST_CASE("what others do is in no stroke, and what they have made of a point st
   for (const PointChange& change : backs) CHECK(change.to == journal.points()[change.to.number()]);
   CHECK(journal.version() != before);
 
-  // And so between undo and redo.
+  // The same between undo and redo.
   batch.clear();
   append(batch, {moved(2, 50)});
   mark(batch, EditMark::Kind::received);
@@ -376,7 +376,7 @@ TEST_CASE("what others do amid random strokes: taken back, all but their points 
     Editor editor(cloud, seed);
     Journal journal(cloud, 1 << 30);
     std::mt19937 random(seed);
-    std::vector<PointState> expected = copyOf(journal.points());  // as the file has it, but what others did last
+    std::vector<PointState> expected = copyOf(journal.points());  // as in the file, except for others' last changes
     std::size_t received = 0;
     for (int step = 0; step < 200; ++step) {
       EditBatch batch;

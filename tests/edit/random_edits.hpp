@@ -1,4 +1,4 @@
-// Random edits of a scene, the same for the same seed, with a mirror of it on the host that follows the log alone.
+// Random edits of a scene, reproducible by seed, with a mirror on the host that follows only the log.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -10,14 +10,14 @@
 
 namespace palpate {
 
-/// Points that one edit changes at most: many, so that a bucket gets more at once than it takes.
+/// Maximum number of points per edit: enough that a bucket receives more at once than it can hold.
 inline constexpr std::uint32_t kManyAtOnce = 400;
-/// The same where each access is searched for (GPU-assisted validation). An update compares what arrives in a bucket
-/// with each other, and lavapipe ends the loops of an invocation after 65,535 rounds, searches included: beyond some
-/// 150 good addresses may be called bad, by where buffers happen to stand in memory.
+/// The same with GPU-assisted validation. An update compares all points that enter a bucket, and lavapipe ends an
+/// invocation's loops after 65,535 iterations, including those of address searches: beyond about 150 points valid
+/// addresses may be reported as invalid, depending on buffer addresses.
 inline constexpr std::uint32_t kFewAtOnce = 100;
 
-/// Edits of every kind, in random order, and what they must leave.
+/// Edits of every kind, in random order, and their expected results.
 class RandomEdits {
  public:
   RandomEdits(EditedScene& scene, std::uint32_t seed, std::uint32_t mostAtOnce)
@@ -33,7 +33,7 @@ class RandomEdits {
       change();
     else
       scene_.compact();
-    auto log = scene_.takeLog();  // within a tick in any order
+    auto log = scene_.takeLog();  // unordered within a tick
     std::ranges::sort(log, {}, &PointState::number);
     for (const PointState& state : log) apply(state);
   }
@@ -54,7 +54,7 @@ class RandomEdits {
       refuse();
   }
 
-  // Some points move near or far, some go, some come back and some are new; half the time all in one corner, so that
+  // Some points move near or far, some are removed, restored or new; half of the time all in one corner, so that
   // buckets grow.
   void change() {
     std::map<std::uint32_t, PointChange> changes;
@@ -90,7 +90,7 @@ class RandomEdits {
     CHECK(scene_.change(given, EditedScene::How::rebuild));
   }
 
-  // What was not carried out must have left everything as it was.
+  // A rejected edit must leave everything unchanged.
   void refuse() {
     ++refused_;
     CHECK(scene_.takeLog().empty());
@@ -100,7 +100,7 @@ class RandomEdits {
   }
 
   void apply(const PointState& state) {
-    nextId_ = std::max(nextId_, state.number() + 1);  // points also come by themselves
+    nextId_ = std::max(nextId_, state.number() + 1);  // resampling also adds points
     if (state.gone()) {
       mirror_.erase(state.number());
       gone_.push_back(state.number());

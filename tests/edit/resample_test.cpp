@@ -1,4 +1,4 @@
-// When points come and go: the decisions one by one, and what they make of whole surfaces.
+// Insertion and removal of points: individual decisions, and their effect on whole surfaces.
 #include "engine/edit/resampling.hpp"
 
 #include <doctest/doctest.h>
@@ -19,7 +19,7 @@ namespace {
 
 const DVec3 kUp(0, 0, 1);
 
-// Where it rested as loaded.
+// At its position as loaded.
 ResampleNeighbour pointAt(const DVec3& offset, std::uint32_t number, bool unsettled = false) {
   return {.offset = offset, .normal = kUp, .rest = offset, .spacing = 1, .number = number, .unsettled = unsettled};
 }
@@ -28,7 +28,7 @@ ResampleRequest requestOf(const ResampleNeighbour& self, std::span<const Resampl
   return resampleRequest(self, {.neighbours = neighbours});
 }
 
-// Six neighbours around, the first of which an edit has brought `far` times as far away as it was.
+// Six neighbours around, the first of which an edit has moved to `far` times its distance.
 std::vector<ResampleNeighbour> ring(double far) {
   std::vector<ResampleNeighbour> points;
   for (std::uint32_t k = 0; k < 6; ++k) {
@@ -40,7 +40,7 @@ std::vector<ResampleNeighbour> ring(double far) {
   return points;
 }
 
-// A flat sheet of points about a spacing of 1 apart, in a square of `half` points.
+// A flat square sheet of points about a spacing of 1 apart, `side` points along an edge.
 PointCloud sheet(int side, double uneven = 0, std::uint32_t seed = 3) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> offset(-uneven, uneven);
@@ -51,7 +51,7 @@ PointCloud sheet(int side, double uneven = 0, std::uint32_t seed = 3) {
   return cloud;
 }
 
-// Every other column of squares of five spacings eight times as dense in both directions.
+// Every other column of squares of five spacings is eight times as dense in both directions.
 PointCloud densePatches(int side) {
   PointCloud cloud = sheet(side, 0.3);
   std::mt19937 random(4);
@@ -64,19 +64,19 @@ PointCloud densePatches(int side) {
   return cloud;
 }
 
-// Moves everything a little, so that all is examined, and waits until nothing comes or goes.
+// Moves everything slightly, so that all points are examined, and waits until none is inserted or removed.
 int shakeUntilSettled(CpuSculpture& sculpture, double radius) {
   const BrushOptions everything{.kind = BrushKind::grab, .tau = 0, .radius = 1e4, .strength = 1, .falloff = 0};
   const DVec3 hip(0, 0, -1);
   sculpture.edit(brushAt(everything, radius, hip, kUp, {0, 0, 0.01}));
   const PlacedBrush nothing(everything, radius, {});
   int ticks = 1;
-  while (sculpture.someWait()) sculpture.edit(nothing);  // until all have had their turn
+  while (sculpture.someWait()) sculpture.edit(nothing);  // until all have been examined
   for (; !sculpture.settled() && ticks < 1000; ++ticks) sculpture.edit(nothing);
   return ticks;
 }
 
-// Cuts a sheet in two, whose halves then stand three spacings apart.
+// Cuts a sheet into halves three spacings apart.
 void tear(CpuSculpture& sculpture) {
   std::vector<PointChange> apart;
   for (std::uint32_t i = 0; i < sculpture.points().size(); ++i) {
@@ -140,7 +140,7 @@ TEST_CASE("no point is requested beyond a border, where one stands, or on the ot
   auto taken = ring(1.8);
   taken.push_back(pointAt(0.5 * taken[0].offset + DVec3(0, 0, 0.55), 30));
   CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), taken).inserts);
-  taken.back().normal = -kUp;  // stands on the back of the sheet
+  taken.back().normal = -kUp;  // on the back of the sheet
   CHECK(requestOf(pointAt(DVec3(0), 1), taken).inserts);
 
   auto back = ring(1.8);
@@ -164,7 +164,7 @@ TEST_CASE("of two crowded points one goes: the unsettled one, or the later one; 
   CHECK_FALSE(goes(at(3, true), at(7, true)));
   CHECK(goes(at(3, true), at(7, false)));
   CHECK_FALSE(goes(at(7, false), at(3, true)));
-  // In a chain the middle one goes for the first; the last waits to see whether it may stay.
+  // In a chain the middle point is removed for the first; the last waits to see whether it may stay.
   const ResampleRequest last =
       requestOf(at(9, true), std::vector{compressed({0.3, 0, 0}, 5), compressed({0.6, 0, 0}, 2)});
   CHECK_FALSE(last.goes);
@@ -181,7 +181,7 @@ TEST_CASE("what a point requests does not depend on the order in which its neigh
       neighbours.push_back(pointAt({place(random), place(random), 0.1 * place(random)}, k, k % 3 > 0));
       neighbours.back().rest = {place(random), place(random), 0};
     }
-    neighbours.push_back(neighbours[3]);  // two that are equally near
+    neighbours.push_back(neighbours[3]);  // two at equal distance
     neighbours.back().number = 40;
     const ResampleNeighbour self = pointAt(DVec3(0), 20, true);
     const ResampleRequest request = requestOf(self, neighbours);
@@ -212,7 +212,7 @@ TEST_CASE("of all claims near one place that of the smallest number stands, and 
     const auto stands = [&](std::size_t i) { return claims.stands(wanted[i].first, wanted[i].second); };
     CHECK_FALSE(stands(0));  // in the cell of the second
     CHECK(stands(1));
-    CHECK_FALSE(stands(2));  // too near to the second
+    CHECK_FALSE(stands(2));  // too close to the second
     CHECK_FALSE(stands(3));  // in the cell of the third
     CHECK(stands(4));
   }
@@ -305,7 +305,7 @@ TEST_CASE("who waits for another point to go waits only for one that is examined
 }
 
 TEST_CASE("while a ball carves, what stands outside the solid goes, and no point comes to where it would have to go") {
-  // The ends of a gap stand a little above a plane at rest, which is seen a little further off.
+  // The ends of a gap are slightly above a plane at rest, which is seen slightly farther away.
   auto gap = ring(1.8);
   const ResampleNeighbour self = pointAt(DVec3(0), 1);
   const auto raised = [&](double height) {
@@ -334,7 +334,7 @@ TEST_CASE("while a ball carves, what stands outside the solid goes, and no point
 
 namespace {
 
-/// Points that came into carved ground where no brush had moved anything since, and those of them that went again.
+/// Points inserted into carved ground without brush motion since, and how many of them were removed again.
 struct CameAndWent {
   std::size_t came = 0, went = 0;
 };
@@ -379,7 +379,7 @@ TEST_CASE("what a ball has carved into ground that has no one surface settles, a
     all.came += found.came;
     all.went += found.went;
   }
-  // Of 200 such grounds 19 of 986 points did: which, the last bit of a number decides.
+  // Over 200 such grounds, 19 of 986 points were removed again; rounding decides which.
   CHECK(all.came > 48);
   CHECK(20 * all.went <= all.came);
 }
@@ -448,7 +448,7 @@ TEST_CASE("a brush as wide as the whole cloud leaves a part of its points to the
   for (; ticks < 40 && sculpture.someWait(); ++ticks) sculpture.edit(none);
   CHECK(ticks >= 8);
   CHECK(ticks < 40);
-  // Each has the normal of where it has come to.
+  // Each normal matches the point's final position.
   double worst = 1;
   for (std::size_t i = 0; i < sculpture.points().size(); ++i)
     worst = std::min(

@@ -1,4 +1,4 @@
-// How evenly the points of a surface stand.
+// Evenness of the points of a surface.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +8,14 @@
 
 namespace palpate {
 
-/// Over a part of a cloud, in its spacings.
+/// For a part of a cloud, in its spacings.
 struct SurfaceGaps {
-  double widest = 0;   ///< radius of the largest empty circle on the surface that points stand around, up to 2.5
+  double widest = 0;   ///< radius of the largest empty circle on the surface that is surrounded by points, up to 2.5
   double closest = 0;  ///< distance of the two nearest points on the same side
   std::size_t points = 0;
 };
 
-/// Tries places about every point for which `counts(position)`.
+/// Tests positions around every point for which `counts(position)` is true.
 class SurfaceGapFinder {
  public:
   SurfaceGapFinder(const PointCloud& cloud, double radius, double spacing)
@@ -63,7 +63,7 @@ class SurfaceGapFinder {
     return {true, x, sample.normal};
   }
 
-  // Of the points that face the same way as `facing` (all of them for zero), in spacings.
+  // Distance to the nearest point that faces the same way as `facing` (any, for zero), in spacings.
   double nearest(const DVec3& x, const DVec3& facing, std::uint32_t but) const {
     double best = kReach;
     hash_.forEachNear(x, kReach * spacing_, [&](std::uint32_t j) {
@@ -73,7 +73,7 @@ class SurfaceGapFinder {
     return best;
   }
 
-  // Not beyond a border: the points of the same sheet leave no angle free that is wider than at the side of a hole.
+  // Not beyond a border: the points of the same sheet leave no angle wider than at the side of a hole.
   bool isSurrounded(const DVec3& x, const DVec3& normal) const {
     constexpr double kWidestAngle = 2.2;
     const Frame3 frame = frameAround(normal);

@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// The tool of a stroke that begins with one tick, in which the proxy is `spring` from the HIP; `motion`: of the hand
-/// since it took hold.
+/// The brush's tool in a stroke that begins with one tick, with the proxy `spring` from the HIP; `motion`: of the hand
+/// since the stroke began.
 inline BrushStroke::Tool toolAt(const BrushOptions& options, double support, const DVec3& hip, const DVec3& spring,
                                 const DVec3& motion = DVec3(0)) {
   BrushStroke stroke(support);

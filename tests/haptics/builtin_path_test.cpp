@@ -30,7 +30,7 @@ struct Deviation {
   double lowest = 1e9, highest = -1e9;
 };
 
-/// Signed distances of the slide from where it is down to its end.
+/// Signed distances along the slide, from the end of its descent.
 Deviation alongSlide(const Model& model, const Path& path) {
   constexpr double kDown_s = 4.0 / 25;
   Deviation result;
@@ -49,7 +49,7 @@ void checkPress(const Model& model, double penetration_mm, double tolerance_mm) 
   CHECK(model.height_mm(path.at(0)) == within(3, tolerance_mm));
   CHECK(model.height_mm(path.at(path.duration_s())) == within(-penetration_mm, tolerance_mm));
   CHECK(path.at(path.duration_s() - 0.24) == path.at(path.duration_s()));
-  // It comes down steadily: nothing else is in the way.
+  // It descends steadily: nothing else is in the way.
   for (double t = 0.01; t < 0.2; t += 0.01)
     CHECK(model.height_mm(path.at(t)) <= model.height_mm(path.at(t - 0.01)) + 1e-9);
 }
@@ -75,7 +75,7 @@ TEST_CASE("press, slide and orbit find their way on shapes of any size and place
     DVec3 center;
     double tolerance_mm;
   };
-  // The averaged surface lies inside of a curved one by about reach^2 / (10 radius).
+  // The averaged surface is inside a curved one by about reach^2 / (10 radius).
   const Case cases[] = {
       {"plane", 100, DVec3(0), 0.01},   {"cube", 100, DVec3(0), 0.01},
       {"sphere", 100, DVec3(0), 0.1},   {"torus", 100, DVec3(0), 0.1},
@@ -94,7 +94,7 @@ TEST_CASE("press, slide and orbit find their way on shapes of any size and place
     CHECK(deviation.highest < -1 + example.tolerance_mm);
     const double length_mm = model.scale.toMm(glm::distance(slide.at(4.0 / 25), slide.at(slide.duration_s())));
     CHECK(length_mm > 15);
-    CHECK(length_mm < 20.5);  // the HIP's way is longer than the surface's in a hollow
+    CHECK(length_mm < 20.5);  // in a hollow the HIP's path is longer than that on the surface
   }
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("on the sculpture press and slide stay near their depth in spite of it
   checkPress(model, 2, 0.15);
   const Deviation deviation = alongSlide(model, builtinPath("slide", model.cloud, model.scale));
   CHECK(deviation.lowest > -1.2);
-  CHECK(deviation.highest < -0.4);  // under the step of a scale the nearest surface is that of the step
+  CHECK(deviation.highest < -0.4);  // under the step of a scale the nearest surface is the step's
   checkOrbit(model);
 }
 

@@ -1,4 +1,4 @@
-// A surface that somebody else raises under a hand: what the hand is given then is their work, and comes slowly.
+// A surface that another hand raises under a hand: the resulting force is the other hand's work, and rises slowly.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace palpate::changed_surface_test {
 namespace {
 
-/// The plane z = 0, which rises by a jump each tenth of a second from 1.5 s to 3 s.
+/// The plane z = 0, which rises in steps every tenth of a second from 1.5 s to 3 s.
 class RisingPlane final : public OneHandQuery {
  public:
   explicit RisingPlane(double jump, bool isLate = false) : jump_(jump), isLate_(isLate) {}
@@ -19,7 +19,7 @@ class RisingPlane final : public OneHandQuery {
   Contact answerTo(const Pose& pose, double) noexcept override {
     const double height = heightAt(pose.time_s);
     const bool touching = pose.hip.z < height;
-    // From old data now and then, which let go of the hand: the proxy comes towards it.
+    // Sometimes old data let go of the hand: the proxy moves towards it.
     const double late = isLate_ ? std::clamp(std::fmod(pose.time_s, 0.2) - 0.182, 0.0, 0.018) / 0.02 : 0;
     return {.proxy = touching ? DVec3(pose.hip.x, pose.hip.y, glm::mix(height, pose.hip.z, late)) : pose.hip,
             .normal = {0, 0, 1},
@@ -62,15 +62,15 @@ double fastest_mm_per_s(const ServoResult& result, double from_s) {
 
 TEST_CASE("what others raise under a hand comes slowly, and is not taken for energy that the loop makes") {
   InformationAge still, changing;
-  changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));  // however long the test takes
+  changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));  // longer than the test takes
   const ServoResult own = pressed(0.5, &still), others = pressed(0.5, &changing), rest = pressed(0, &changing);
-  // It is lifted by what is raised.
+  // The hand is lifted by the raised surface.
   CHECK(others.trace().rows.back().hip.z > rest.trace().rows.back().hip.z + 0.5);
   CHECK(*own.counts().leastEnergy_mJ < -1);
   CHECK(*others.counts().leastEnergy_mJ > -1);
   CHECK(steepest_N(own, 1.5) > 0.15);
   CHECK(steepest_N(others, 1.5) < 0.065);
-  // On a surface at rest nothing differs but how fast the first press may rise.
+  // On a surface at rest only the rise of the first press differs.
   CHECK(*rest.counts().leastEnergy_mJ > -1);
   CHECK(glm::length(rest.trace().rows.back().force_N) ==
         near(glm::length(pressed(0, &still).trace().rows.back().force_N), 1e-6));
@@ -87,7 +87,7 @@ TEST_CASE("however others raise a surface, the hand gets no more than it has put
       const ServoResult limited = pressed(jump, &changing, isLate, {}, PassivityMode::on);
       CHECK(*limited.counts().leastEnergy_mJ > -Passivity::kLent_mJ);
       CHECK(steepest_N(limited, 1.5) < 0.065);
-      // It is held nevertheless, and comes to rest but for some steps of the encoders.
+      // It is held nevertheless, and comes to rest within a few encoder steps.
       CHECK(glm::length(limited.trace().rows.back().force_N) > 0.5);
       CHECK(fastest_mm_per_s(limited, 4.2) < 15);
       if (isLate) {
@@ -101,7 +101,7 @@ TEST_CASE("however others raise a surface, the hand gets no more than it has put
 TEST_CASE("a surface whose answers are late now and then goes nowhere by that") {
   InformationAge still, changing;
   changing.changed(InformationAge::Clock::now() + std::chrono::hours(1));
-  // With the same rise of the force the same energy.
+  // The same limit of the force's rise gives the same energy.
   const ServoResult slow = pressed(0, &still, true, {.maxRise_N_per_s = 60}), others = pressed(0, &changing, true);
   CHECK(slow.trace().rows.back().hip == others.trace().rows.back().hip);
   CHECK(*others.counts().leastEnergy_mJ == near(*slow.counts().leastEnergy_mJ, 1e-6));

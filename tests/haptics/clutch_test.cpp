@@ -9,7 +9,7 @@
 namespace palpate::clutch_test {
 namespace {
 
-/// Goes to the right at 100 mm/s, 1 mm deep in a plane, with buttons pressed as told.
+/// Moves to the right at 100 mm/s, 1 mm deep in a plane, with the buttons that the test sets.
 class Gliding final : public HapticDevice {
  public:
   std::string_view name() const override { return "gliding"; }
@@ -32,7 +32,7 @@ class Gliding final : public HapticDevice {
   std::vector<DVec3> forces;
 };
 
-/// A floor at y = 1, which may be entered at once; notes whether the hand means to sculpt.
+/// A floor at y = 1, felt from 0.02 s on; records whether the hand sculpts.
 class Floor final : public OneHandQuery {
  public:
   Contact answerTo(const Pose& pose, double) noexcept override {

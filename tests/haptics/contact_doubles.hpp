@@ -1,4 +1,4 @@
-// Surfaces with closed formulas behind the ContactQuery seam.
+// Surfaces with closed formulas as ContactQuery.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +10,12 @@
 
 namespace palpate {
 
-/// A god-object on a sphere; faults on demand.
+/// A god-object on a sphere, with faults on demand.
 class SphereContact : public OneHandQuery {
  public:
   explicit SphereContact(double radius, const DVec3& center = DVec3(0)) : radius_(radius), center_(center) {}
 
-  /// From `from_s` until before `to_s` every answer is a fault: not valid, or valid with a proxy that is no number.
+  /// From `from_s` until before `to_s` every answer is a fault: invalid, or valid with a proxy that is NaN.
   void failBetween(double from_s, double to_s, bool withNaN) {
     from_s_ = from_s;
     to_s_ = to_s;
@@ -53,7 +53,7 @@ class SphereContact : public OneHandQuery {
   bool withNaN_ = false;
 };
 
-/// A sphere that all hands feel; counts who is put down.
+/// A sphere that all hands feel; counts put-downs.
 class SharedSphere final : public ContactQuery {
  public:
   explicit SharedSphere(std::size_t hands, double radius = 50) : putDown(hands), sphere_(radius), answers_(hands) {}
@@ -73,7 +73,7 @@ class SharedSphere final : public ContactQuery {
   std::vector<Contact> answers_;
 };
 
-/// A point of a tool that is pressed so deep into a plane at its proxy.
+/// A point of a tool that is pressed `depth` deep into a plane at its proxy.
 inline PointContact pressedPoint(const DVec3& hip, double depth, double share, const DVec3& normal = {0, 0, 1}) {
   return {.hip = hip,
           .share = share,

@@ -22,7 +22,7 @@
 namespace palpate::crash_stop_test {
 namespace {
 
-/// What a device felt, in memory that outlives the process that wrote it.
+/// Records of a device, in memory that outlives the process that wrote them.
 class SharedNote {
  public:
   SharedNote() {
@@ -47,7 +47,7 @@ void writeWhereNoneMay() {
 
 std::atomic<bool> stopAsked = false;
 
-/// The status with which a child ends whose session meets `doom`.
+/// Exit status of a child whose session runs `doom`.
 int statusOfSession(
     FakeNote& note, const std::function<void()>& doom, const std::function<void()>& before = [] {}) {
   const pid_t child = ::fork();

@@ -1,5 +1,5 @@
-// Programs that crash in the middle of a touch: each is this one again, which finds in its
-// environment what to do, and notes in a file that is mapped into memory what its device felt.
+// Programs that crash during touch: each is this program started again, which reads its task from the environment, and
+// writes its device's record to a mapped file.
 #include <windows.h>
 
 #include <doctest/doctest.h>
@@ -29,7 +29,7 @@ struct End {
   FakeNote note;
 };
 
-/// How a program ends that meets `doom`.
+/// Exit of a program that runs `doom`.
 End endOfProgram(const std::string& doom) {
   const ScratchFolder folder;
   const Variable what(kDoom, doom), where(kRecord, (folder / "note").string());
@@ -56,7 +56,7 @@ TEST_CASE("a doomed program" * doctest::skip()) {
   const char *doom = std::getenv(kDoom), *record = std::getenv(kRecord);
   REQUIRE(doom);
   REQUIRE(record);
-  // Neither that of the test program nor the system's, which asks a person.
+  // Replaces the handlers of the test program and of the system, which opens a dialog.
   ::SetUnhandledExceptionFilter([](EXCEPTION_POINTERS*) -> LONG {
     ::TerminateProcess(::GetCurrentProcess(), kCrashed);
     return EXCEPTION_EXECUTE_HANDLER;

@@ -1,5 +1,5 @@
-// A session that meets something bad in the middle of a touch, for programs that are to end by it; what its device felt
-// stands in memory that outlives them.
+// A session that crashes during touch, for programs that must end by it; its device's record is in memory that outlives
+// them.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// A hand that goes 2 mm into the sphere within 0.7 s and stays; its motors keep the last force until told otherwise.
+/// A hand that moves 2 mm into the sphere within 0.7 s and stays; its motors keep the last force until the next one.
 class RecordingDevice final : public HapticDevice {
  public:
   explicit RecordingDevice(FakeNote& note) : note_(note) {}
@@ -34,7 +34,7 @@ class RecordingDevice final : public HapticDevice {
   FakeNote& note_;
 };
 
-/// Does something bad 0.9 s into the session, in the middle of a tick.
+/// Runs `doom` 0.9 s into the session, in the middle of a tick.
 class DoomedSphere final : public ContactQuery {
  public:
   explicit DoomedSphere(std::function<void()> doom, std::size_t hands = 1) : sphere_(hands), doom_(std::move(doom)) {}
@@ -53,7 +53,7 @@ class DoomedSphere final : public ContactQuery {
   bool done_ = false;
 };
 
-/// Felt, and taken away once, when the program ended.
+/// The force was felt, and removed once when the program ended.
 inline void checkStopped(const FakeNote& note) {
   CHECK(note.mostForce_N > 1);
   CHECK(note.force_N[2] == 0);

@@ -1,4 +1,4 @@
-// HID devices that are not there: what is plugged in, what they report and what they were sent is up to the test.
+// Simulated HID devices: the test sets what is plugged in and what they report, and reads what they were sent.
 #pragma once
 
 #include <algorithm>
@@ -49,7 +49,7 @@ class FakeHid final : public HidTransport {
     const std::scoped_lock lock(lock_);
     plugged_.push_back(info);
   }
-  /// Who reads it or writes to it learns that it is gone.
+  /// Readers and writers of the device get an error.
   void unplug(const std::string& path) {
     const std::scoped_lock lock(lock_);
     std::erase_if(plugged_, [&](const HidInfo& info) { return info.path == path; });
@@ -62,14 +62,14 @@ class FakeHid final : public HidTransport {
     std::erase(denied_, path);
     if (denied) denied_.push_back(path);
   }
-  /// To every one who has it open.
+  /// Sends a report to every open handle.
   void report(const std::string& path, const Report& bytes) {
     const std::scoped_lock lock(lock_);
     for (Node* node : open_)
       if (node->path == path) node->reports.push_back(bytes);
     changed_.notify_all();
   }
-  /// What was sent to it so far, and what came from a signal handler apart.
+  /// Reports sent so far, separately for those from a signal handler.
   std::vector<Report> sent(const std::string& path, bool fromSignal = false) {
     const std::scoped_lock lock(lock_);
     std::vector<Report> all;
@@ -145,7 +145,7 @@ class FakeHid final : public HidTransport {
   std::vector<Sent> sent_;
 };
 
-/// What devices remarked, from any thread.
+/// Remarks of devices, from any thread.
 class Remarks {
  public:
   auto sink() {
@@ -169,7 +169,7 @@ class Remarks {
   std::vector<std::string> all_;
 };
 
-/// Gives other threads the time that a loaded machine may take; whether it came true.
+/// Waits for other threads, as long as a loaded machine may take; returns whether the condition became true.
 inline bool comesTrue(const auto& condition, double within_s = 20) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
   while (!condition()) {

@@ -13,7 +13,7 @@ namespace {
 constexpr double kTick_s = 0.001;
 const DVec3 kPush(0, 0, 0.8);
 
-/// Ticks of a gate with a wanted force of 0.8 N.
+/// Ticks of a gate with a desired force of 0.8 N.
 struct Gate {
   ForceGate gate{DeviceLimits{}, kTick_s};
 
@@ -21,7 +21,7 @@ struct Gate {
     signs.demand_N = std::isfinite(wanted_N.z) ? glm::length(wanted_N) : 0;
     return glm::length(gate.pass(wanted_N, signs, kTick_s));
   }
-  /// The force at the end of `time_s`.
+  /// The force after `time_s`.
   double after(double time_s, TickSigns signs = {}, const DVec3& wanted_N = kPush) {
     double last = 0;
     for (int i = 0; i < std::lround(time_s / kTick_s); ++i) last = tick(signs, wanted_N);
@@ -58,7 +58,7 @@ TEST_CASE("forces ramp up over half a second after they are enabled, and not aga
 TEST_CASE("a session that starts inside gives no force until the hand has come out once") {
   Gate gate;
   CHECK(gate.after(2) == 0);
-  CHECK(gate.after(kTick_s, {}, DVec3(0, 0, 0.05)) > 0);  // a demand below 0.1 N is as good as outside
+  CHECK(gate.after(kTick_s, {}, DVec3(0, 0, 0.05)) > 0);  // a demand below 0.1 N counts as outside
   CHECK(gate.tick() < 0.01);
   CHECK(gate.after(0.6) == near(0.8, 1e-6));
 }
@@ -132,7 +132,7 @@ TEST_CASE("answers that say how old they are keep their force while that is litt
   Gate gate = engaged();
   CHECK(gate.after(1, {.fresh = false, .age_s = 0.0004}) == near(0.8, 1e-6));
   CHECK(gate.gate.counts().stale == 0);
-  CHECK(gate.after(0.05, {.fresh = false, .age_s = 0.5}) < 0.5);  // it cannot grow faster than time, but it ages
+  CHECK(gate.after(0.05, {.fresh = false, .age_s = 0.5}) < 0.5);  // the age grows at most as fast as time
   CHECK(gate.after(0.1, {.fresh = false, .age_s = 0.5}) == within(0, 1e-6));
 }
 
@@ -140,14 +140,14 @@ TEST_CASE("forces switched off are zero at once and come back only through a sma
   Gate gate = engaged();
   CHECK(gate.tick({.on = false}) == 0);
   CHECK(gate.after(0.3, {.on = false}, DVec3(0)) == 0);
-  CHECK(gate.after(1) == 0);  // switched on in the middle of a contact
+  CHECK(gate.after(1) == 0);  // switched on during contact
   gate.free(kTick_s);
   CHECK(gate.after(0.25) == near(0.4, 0.01));
 }
 
 TEST_CASE("a force fades with what is known, rises no faster than the ramp, and once gone waits for a small demand") {
   Gate gate = engaged();
-  // Even where the knowledge ends at once the force does not.
+  // Even if the knowledge ends at once, the force fades.
   double last = 0.8;
   for (int i = 0; i < 50; ++i) {
     const double now = gate.tick({.known = 0});
@@ -160,12 +160,12 @@ TEST_CASE("a force fades with what is known, rises no faster than the ramp, and 
   CHECK(gate.after(1) == 0);  // known again, and the hand is still inside
   gate.free(kTick_s);
   CHECK(gate.after(0.25) == near(0.4, 0.01));
-  // Half known is half a force, and comes back through the ramp without a wait.
+  // Half of the knowledge gives half of the force, which returns through the ramp without a wait.
   Gate other = engaged();
   CHECK(other.after(0.2, {.known = 0.5}) == near(0.4, 1e-6));
   CHECK(other.after(0.1) == near(0.56, 0.01));
   CHECK(other.after(0.2) == near(0.8, 1e-6));
-  // While nothing is known a small demand ends no wait.
+  // While nothing is known a small demand does not end the wait.
   Gate blind = engaged();
   blind.after(0.2, {.known = 0});
   blind.after(0.2, {.known = 0}, DVec3(0));

@@ -58,10 +58,10 @@ TEST_CASE("a damper brakes what hand and surface do, and not what another frame 
     return law.update(contact, pose, kTick_s);
   };
   at(0, 5);
-  // The hand rests: the surface comes with 5 mm/s, and no frame pulls at the hand with 300.
+  // The hand rests: the surface approaches at 5 mm/s, and the frame's jump does not count as 300 mm/s.
   const DVec3 leapt_N = at(0.3, 5);
   CHECK(glm::distance(leapt_N, 0.8 * DVec3(0.3, 0, 3)) <= 0.002 * 5 * (1 + 1e-9));
-  // Nothing is known to move: the proxy goes because the hand does.
+  // Without a known surface velocity, a jump of the proxy counts as motion of the hand.
   law.reset();
   at(0, 0);
   CHECK(at(0.3, 0).x == near(0.8 * 0.3 + 0.002 * 300, 1e-6));
@@ -84,7 +84,7 @@ TEST_CASE("where a surface is lost under a loaded hand the force falls as fast a
     const DVec3 force_N = law.update(free, pose, kTick_s);
     CHECK(force_N.z == near(last_N - 0.6, 1e-9));
     last_N = force_N.z;
-    free.isWithin = false;  // it is out by now
+    free.isWithin = false;  // it is outside now
   }
   CHECK(law.update(free, pose, kTick_s).z == within(0.0, 1e-9));
   CHECK(law.update(free, pose, kTick_s) == DVec3(0));
@@ -105,7 +105,7 @@ TEST_CASE("a pose or a time that is no number gives no force, and the next good 
     CHECK(law.update(onPlane(below(1)), broken, kTick_s) == DVec3(0));
   }
   SUBCASE("time") { CHECK(law.update(onPlane(broken), broken, kNaN) == DVec3(0)); }
-  CHECK(pushed_N(law, 1) == near(0.6, 1e-6));  // the slew limit counts from zero again
+  CHECK(pushed_N(law, 1) == near(0.6, 1e-6));  // the slew limit starts at zero again
 }
 
 TEST_CASE("the magnitude is clamped and the direction kept") {
@@ -161,10 +161,10 @@ TEST_CASE("at 10 kHz the steps of an encoder do not become knocks") {
   double least = 1e9, most = -1e9, sum = 0;
   int count = 0;
   for (int i = 0; i < 1000; ++i) {
-    const double depth_mm = 3 - kSpeed_mm_per_s * kFast_s * i;  // on the way out
+    const double depth_mm = 3 - kSpeed_mm_per_s * kFast_s * i;  // moving out
     const Pose pose = below(kStep_mm * std::round(depth_mm / kStep_mm));
     const double excess_N = law.update(onPlane(pose), pose, kFast_s).z - (0.8 * depth_mm - 0.002 * kSpeed_mm_per_s);
-    if (i < 100) continue;  // the force still grows
+    if (i < 100) continue;  // the force is still rising
     least = std::min(least, excess_N);
     most = std::max(most, excess_N);
     sum += excess_N;
@@ -198,7 +198,7 @@ TEST_CASE("a force turns no faster than it may grow") {
   DVec3 last(0);
   for (int i = 0; i < 10; ++i) last = pushed({0, 0, 1});
   CHECK(last.z == near(2, 1e-6));
-  // The surface turns by a right angle from one tick to the next.
+  // The surface rotates by a right angle between two ticks.
   int ticks = 0;
   while (glm::distance(last, DVec3(2, 0, 0)) > 1e-9 && ++ticks < 100) {
     const DVec3 next = pushed({1, 0, 0});
@@ -219,12 +219,12 @@ TEST_CASE("what a surface that moves does to the hand in a second is limited, an
     contact.velocity = velocity;
     return law.update(contact, below(0.25), kTick_s);
   };
-  // 2 N; ten millimetres to the unit.
+  // 2 N; a unit is ten millimetres.
   CHECK(felt_N({0, 0, 0}) == DVec3(0, 0, 2));
   CHECK(felt_N({0, 0, 20}) == DVec3(0, 0, 2));  // 0.4 W
   CHECK(felt_N({0, 0, 50}).z == near(1, 1e-6));
   CHECK(felt_N({0, 0, 500}).z == near(0.1, 1e-6));
-  CHECK(felt_N({0, 0, -500}) == DVec3(0, 0, 2));  // it leaves: the hand works on it
+  CHECK(felt_N({0, 0, -500}) == DVec3(0, 0, 2));  // it recedes: the hand does the work
   CHECK(felt_N({500, -500, 0}) == DVec3(0, 0, 2));
   options.maxSurfacePower_W = 0;
   CHECK(felt_N({0, 0, 1e-3}) == DVec3(0));
@@ -241,11 +241,11 @@ TEST_CASE("a force that is given is felt as it is, pulls included, within the sa
   CHECK(felt_N({0, 0, -0.4}) == DVec3(0, 0, -0.4));  // the plane's own spring would push
   CHECK(felt_N({0, 0.3, -0.4}) == DVec3(0, 0.3, -0.4));
   CHECK(law.demand_N() == near(0.5, 1e-6));
-  CHECK(glm::distance(felt_N({5, 0.3, -0.4}), DVec3(0, 0.3, -0.4)) <= 0.5 + 1e-12);  // rises no faster than it may
+  CHECK(glm::distance(felt_N({5, 0.3, -0.4}), DVec3(0, 0.3, -0.4)) <= 0.5 + 1e-12);  // within the limit of its rise
   DVec3 last(0);
   for (int i = 0; i < 20; ++i) last = felt_N({5, 0, 0});
   CHECK(glm::distance(last, DVec3(2, 0, 0)) < 1e-9);
-  CHECK(felt_N({0.1, 0, 0}) == DVec3(0.1, 0, 0));                  // and falls at once
+  CHECK(felt_N({0.1, 0, 0}) == DVec3(0.1, 0, 0));                  // it may fall at once
   CHECK(felt_N({0.1, 0, 0}, {2000, 0, 0}).x == near(0.05, 1e-6));  // 1 W at 20 m/s
   CHECK(felt_N({kNaN, 0, 0}) == DVec3(0));
   CHECK(felt_N({0, kInfinity, 0}) == DVec3(0));
@@ -268,7 +268,7 @@ TEST_CASE("a torque that is given goes with its force, less where a limit takes 
   CHECK(law.torque_mNm() == DVec3(0));
   contact.torque_mNm.x = 3;
   law.update(contact, below(1), kTick_s);
-  contact.force_N.reset();  // the plane's own spring
+  contact.force_N.reset();  // back to the plane's own spring
   law.update(contact, below(1), kTick_s);
   CHECK(law.torque_mNm() == DVec3(0));
 }
@@ -288,7 +288,7 @@ TEST_CASE("a law of another program's has the say in contact, knows the usual fo
                  },
                  &seen});
   const auto felt_N = [&] { return law.update(onPlane(below(1)), below(1), kTick_s); };
-  CHECK(felt_N() == DVec3(0.1, 0, -0.2));                      // pulls as well
+  CHECK(felt_N() == DVec3(0.1, 0, -0.2));                      // pulls are allowed
   CHECK(glm::distance(seen.usual_N, DVec3(0, 0, 5)) < 1e-12);  // 10 mm at 0.5 N/mm
   seen.force_N = {0, 9, 0};
   CHECK(glm::distance(felt_N(), DVec3(0.1, 0, -0.2)) <= 0.5 + 1e-12);
@@ -297,7 +297,7 @@ TEST_CASE("a law of another program's has the say in contact, knows the usual fo
   seen.force_N = {0, kNaN, 0};
   CHECK(felt_N() == DVec3(0));
   const int calls = seen.calls;
-  CHECK(law.update({.proxy = {1, 2, 0}, .valid = true}, below(1), kTick_s) == DVec3(0));  // nothing is touched
+  CHECK(law.update({.proxy = {1, 2, 0}, .valid = true}, below(1), kTick_s) == DVec3(0));  // no contact
   CHECK(law.update({.touching = true}, below(1), kTick_s) == DVec3(0));                   // a fault
   CHECK(seen.calls == calls);
 }

@@ -1,4 +1,4 @@
-// Four hands in one session: each as it would be alone, and no force on any once one device fails.
+// Four hands in one session: each behaves as if alone, and all forces stop once one device fails.
 #include <deque>
 
 #include "tests/haptics/troubled_hands.hpp"
@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kHands = 4;
 
-/// Down to the sphere from four sides, each at its own time and as deep as no other.
+/// Onto the sphere from four sides, each at its own time and depth.
 Path wayOf(std::size_t hand) {
   const DVec3 sides[kHands]{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-0.6, -0.8, 0}};
   const double begin_s = 0.55 + 0.03 * static_cast<double>(hand), depth = 1 + 0.2 * static_cast<double>(hand);
@@ -18,7 +18,7 @@ Path wayOf(std::size_t hand) {
                {1, (kRadius - depth) * sides[hand]}});
 }
 
-/// Four devices that a test may trouble, and what became of them together.
+/// Four devices with faults controlled by a test, and their common session.
 struct Four {
   std::deque<TroubledDevice> devices;
   Four() {

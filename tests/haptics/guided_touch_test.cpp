@@ -16,7 +16,7 @@ namespace {
 
 const DVec3 kParked(0, 0, 300);
 
-/// Counts how often touch began anew.
+/// Counts restarts of touch.
 class CountingContact final : public SphereContact {
  public:
   using SphereContact::SphereContact;
@@ -46,7 +46,7 @@ TEST_CASE("a lifted stylus is parked, and is put down where the hand first aims"
   CHECK(glm::distance(down.position, DVec3(10, 20, 30)) < 0.01);
   CHECK(!device.read(0.003).putDown);
   device.aim({11, 20, 30});
-  CHECK(!device.read(0.004).putDown);  // that is a motion
+  CHECK(!device.read(0.004).putDown);  // a motion
   device.lift();
   const DeviceState lifted = device.read(0.005);
   CHECK(lifted.putDown);
@@ -87,7 +87,7 @@ TEST_CASE("the surface holds the stylus back while the aim sinks in") {
   Recorder recorder;
   std::atomic<bool> stop = false;
   ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 2.0, .recorder = &recorder});
-  // In virtual time the aim has to change while the loop runs: from the observer.
+  // In virtual time the observer must change the aim, while the loop runs.
   const ServoResult result = loop.run([&](const TraceRow& row) {
     if (row.time_s > 0.5) device.aim({0, 0, 46});
   });

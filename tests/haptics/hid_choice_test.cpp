@@ -74,7 +74,7 @@ TEST_CASE("who finds nothing says what was looked for and what is there") {
   const std::string none = complaint(hid, "");
   CHECK(has(none, "no 3D mouse (usage 1/8) and no DualSense;"));
   CHECK(has(none, "Keyboard (046d:c31c) with usage 1/6 at /dev/hidraw0"));
-  CHECK(has(complaint(hid, "046d:c31c"), "that is '046d:c31c'"));  // a keyboard steers nothing, even if it is asked for
+  CHECK(has(complaint(hid, "046d:c31c"), "that is '046d:c31c'"));  // a keyboard cannot steer, even if it is named
   CHECK_THROWS_AS(chooseDualSense(hid), Error);
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("a device that may not be opened is told with the command that mends i
   CHECK(has(denied, hidPermissionMend("/dev/hidraw3", true)));
 
   HidInfo stranger = spaceMouse("/dev/hidraw9");
-  stranger.vendorId = 0x1234;  // no rule knows it
+  stranger.vendorId = 0x1234;  // no permission rule includes it
   hid.plug(stranger);
   hid.deny("/dev/hidraw9");
   CHECK(has(complaint(hid, "/dev/hidraw9"), hidPermissionMend("/dev/hidraw9", false)));
@@ -117,7 +117,7 @@ TEST_CASE("the doctor's list has each device that serves once, usable or with th
   CHECK(list[2].kind == HidKind::hapticStylus);
   CHECK(has(list[2].whyNot, "Permission denied"));
   CHECK(list[2].mend == hidPermissionMend("/dev/hidraw7", true));
-  CHECK(hid.opened() == 0);  // looking leaves nothing open
+  CHECK(hid.opened() == 0);  // no device stays open
 }
 
 }  // namespace palpate::hid_choice_test

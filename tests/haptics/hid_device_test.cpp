@@ -15,7 +15,7 @@ namespace {
 const std::string kPath = "/dev/hidraw3";
 constexpr double kTick_s = 1e-3;
 
-/// Report 1 for a push in our axes, -1 to 1.
+/// Report 1 for a push in palpate's axes, -1 to 1.
 Report pushed(const DVec3& push) {
   Report report{1};
   for (const double part : {push.x, push.z, -push.y}) {
@@ -26,7 +26,7 @@ Report pushed(const DVec3& push) {
   return report;
 }
 
-/// A 3D mouse, the stylus that it steers, and virtual time.
+/// A 3D mouse, its stylus, and virtual time.
 struct Scene {
   std::shared_ptr<FakeHid> hid = std::make_shared<FakeHid>();
   Remarks remarks;
@@ -43,13 +43,13 @@ struct Scene {
     for (int i = 0; i < 510; ++i) go(1);
   }
   DeviceState read() { return device->read(tick * kTick_s); }
-  /// Sends reports, and waits until all of them have arrived: a button behind them says so.
+  /// Sends reports, followed by a button report as a marker, and waits for the marker.
   void send(const std::vector<Report>& reports) {
     for (const Report& report : reports) hid->report(kPath, report);
     hid->report(kPath, {3, ++marks});
     REQUIRE(comesTrue([&] { return read().buttons == marks; }));
   }
-  /// With a surface of 1 N/mm below z = `surface_mm`, unless that is far away. What the stylus did last.
+  /// Runs ticks over a surface of 1 N/mm below z = `surface_mm`, if that is near. Returns the last state of the stylus.
   DeviceState go(int ticks, double surface_mm = -1000) {
     DeviceState state;
     for (int i = 0; i < ticks; ++i) {
@@ -94,7 +94,7 @@ TEST_CASE("a push is a velocity: the hand goes that way until the cap is let go,
   Scene scene;
   scene.send({pushed({1, 0, 0})});
   const double half_s = scene.go(500).position.x;
-  CHECK(half_s > 45);  // 120 mm/s, and a moment to get there
+  CHECK(half_s > 45);  // 120 mm/s, after a short acceleration
   CHECK(half_s < 60);
   CHECK(scene.fastest_mm_per_s < 150);
   scene.send({pushed({0, 0, 0})});
@@ -147,12 +147,12 @@ TEST_CASE("the surface holds the stylus back, and the harder the push the harder
   CHECK(soft_N > 0.3);
   CHECK(hard_N > 1.4 * soft_N);
   CHECK(hard_N < 3.2);
-  // Let go, the cap presses no more than lightly, however long it was pushed before.
+  // A released cap presses only lightly, however long it was pushed before.
   scene.send({pushed({0, 0, 0})});
   scene.go(800, 0);
   CHECK(scene.force_N.z < 0.4);
   CHECK(scene.force_N.z > 0.1);
-  // And to leave the surface takes no time for unwinding.
+  // It leaves the surface without delay.
   scene.send({pushed({0, 0, 0.6})});
   CHECK(scene.go(100, 0).position.z > 0);
 }
@@ -174,11 +174,11 @@ TEST_CASE(
   REQUIRE(comesTrue([&] { return scene.remarks.size() == 1; }));
   CHECK(scene.remarks.count("SpaceMouse Compact (256f:c635) was unplugged: the stylus stays where it is") == 1);
 
-  scene.hid->plug(spaceMouse("/dev/hidraw6", "B2"));  // another one of the kind
+  scene.hid->plug(spaceMouse("/dev/hidraw6", "B2"));  // another device of the same model
   scene.hid->plug(keyboard());
   std::this_thread::sleep_for(std::chrono::milliseconds(800));
   CHECK(!scene.read().rendersForce);
-  scene.hid->plug(spaceMouse("/dev/hidraw8", "A1"));  // the same one under another name
+  scene.hid->plug(spaceMouse("/dev/hidraw8", "A1"));  // the same device under another name
   REQUIRE(comesTrue([&] { return scene.read().rendersForce; }));
   CHECK(scene.read().position == left);
   CHECK(!scene.read().putDown);  // it has not moved
@@ -186,7 +186,7 @@ TEST_CASE(
   CHECK(scene.remarks.size() == 2);
   scene.fastest_mm_per_s = 0;
   scene.go(600, 0);
-  CHECK(scene.fastest_mm_per_s < 500);  // the surface puts it out, no leap
+  CHECK(scene.fastest_mm_per_s < 500);  // the surface pushes it out without a jump
   scene.hid->report("/dev/hidraw8", pushed({1, 0, 0}));
   scene.hid->report("/dev/hidraw8", {3, 0x55});
   REQUIRE(comesTrue([&] { return scene.read().buttons == 0x55; }));
@@ -213,7 +213,7 @@ TEST_CASE("a device that comes back and may not be opened is complained of once,
   REQUIRE(comesTrue([&] { return !scene.read().rendersForce; }));
   scene.hid->plug(spaceMouse());
   REQUIRE(comesTrue([&] { return scene.remarks.count("cannot be opened: Permission denied") == 1; }));
-  CHECK(watch.elapsed_s() > 2.5);  // the system is given time to set permissions
+  CHECK(watch.elapsed_s() > 2.5);  // the system has time to set permissions
   std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   CHECK(scene.remarks.size() == 2);
   scene.hid->deny(kPath, false);
@@ -225,7 +225,7 @@ TEST_CASE("a device that falls silent while it is pushed stops the hand") {
   scene.send({pushed({1, 0, 0})});
   scene.go(50);
   REQUIRE(comesTrue([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(4));  // it goes slowly, so as not to come to a stop meanwhile
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));  // slow, so that it does not reach a stop meanwhile
     const DVec3 before = scene.read().position;
     return glm::distance(scene.go(2).position, before) < 1e-4;
   }));
@@ -246,7 +246,7 @@ TEST_CASE("the sticks of a DualSense steer, too") {
   scene.hid->report(pad, report);
   REQUIRE(comesTrue([&] { return scene.read().buttons == 1; }));
   CHECK(glm::length(scene.go(300).position) < 0.01);
-  report[4] = 0;  // the right stick, away
+  report[4] = 0;  // the right stick, pushed away
   report[8] = 0x48;
   scene.hid->report(pad, report);
   REQUIRE(comesTrue([&] { return scene.read().buttons == 2; }));
@@ -287,7 +287,7 @@ TEST_CASE("in a session a steady push comes to rest on the surface, at low rates
   double largest_N = 0, smallest_N = 10, earlier_s = -1;
   std::uint8_t mark = 0;
   const ServoResult result = loop.run([&](const TraceRow& row) {
-    // The push has to be heard again and again, by a thread that has its own pace: a button behind it says that it was.
+    // The push must be repeated, and is received by another thread: a button report after it is the marker.
     if (row.time_s - earlier_s > 0.05) {
       earlier_s = row.time_s;
       mark ^= 1;
@@ -308,7 +308,7 @@ TEST_CASE("a session with a 3D mouse runs through an unplugging without a missed
   const auto hid = std::make_shared<FakeHid>();
   Remarks remarks;
   hid->plug(spaceMouse());
-  HidDevice device(hid, spaceMouse(), {0, 0, 20.1}, remarks.sink());  // a slow machine gets to the sphere, too
+  HidDevice device(hid, spaceMouse(), {0, 0, 20.1}, remarks.sink());  // near enough for a slow machine
   SphereContact sphere(20);
   ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 2, .realtime = true});
   std::jthread hand([&](const std::stop_token& stop) {

@@ -15,12 +15,12 @@ using Report = std::vector<std::uint8_t>;
 
 bool isNear(const DVec3& a, const DVec3& b, double within = 1e-12) { return glm::distance(a, b) <= within; }
 
-/// As a DualSense at rest sends it over USB.
+/// The report of a DualSense at rest over USB.
 Report restingDualSense() {
   Report report(64, 0);
   report[0] = 1;
   report[1] = report[2] = report[3] = report[4] = 128;
-  report[8] = 8;  // the cross of directions is not pressed
+  report[8] = 8;  // the directional pad is not pressed
   return report;
 }
 
@@ -109,7 +109,7 @@ TEST_CASE("the sticks of a DualSense: the left one right and up, the right one a
   CHECK(takeDualSenseReport(report, motion));
   CHECK(isNear(motion.push, {1, 1, -1}));
   CHECK(motion.buttons == 0x21);
-  report[0] = 0x31;  // by Bluetooth everything is elsewhere
+  report[0] = 0x31;  // over Bluetooth the layout differs
   CHECK(!takeDualSenseReport(report, motion));
 }
 
@@ -125,7 +125,7 @@ TEST_CASE("the rumble report turns two motors and touches nothing else") {
   CHECK(edge[1] == 0x02);
   CHECK(edge[39] == 0x04);
   CHECK(edge[3] == 200);
-  CHECK(dualSenseRumble({}, kDualSense)[1] == 0x03);  // silence has to be said, too
+  CHECK(dualSenseRumble({}, kDualSense)[1] == 0x03);  // silence must be sent, too
 }
 
 TEST_CASE("what a push does has a dead zone, grows progressively and keeps the direction of the push") {

@@ -1,4 +1,4 @@
-// The real transport: through hidapi and the kernel to a device that the kernel believes in.
+// The real transport: through hidapi and the kernel to a virtual device.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ std::optional<HidInfo> find(HidTransport& transport) {
   return std::nullopt;
 }
 
-/// A virtual 3D mouse that hidapi can open; null, having said why, where this machine has none.
+/// A virtual 3D mouse that hidapi can open; null, with a message, if this machine cannot provide one.
 std::unique_ptr<UhidMouse> plugIn(HidTransport& transport) {
   std::string why;
   auto mouse = UhidMouse::plugIn(kSerial, why);

@@ -39,7 +39,7 @@ TEST_CASE("how much of a force passes at which age and round trip") {
     CAPTURE(age_s);
     CHECK(shareAt(age_s, ageLimits(roundTrip_s)) == within(share, 1e-9));
   }
-  // Whole and nothing are exactly that, and there is no jump in between.
+  // The limits 1 and 0 are exact, without a jump in between.
   CHECK(shareAt(1, ageLimits(0)) == 1);
   CHECK(shareAt(2, ageLimits(0)) == 0);
   for (double age_s = 0; age_s < 3; age_s += 0.001) {
@@ -52,7 +52,7 @@ TEST_CASE("how much of a force passes at which age and round trip") {
 TEST_CASE("what is heard was said half a round trip ago, and nothing that is known becomes older by what is heard") {
   InformationAge known(at(0));
   CHECK(known.age_s(at(0)) == 0);
-  CHECK(known.share(at(3.4)) == 1);  // nobody knows the round trip yet: a second
+  CHECK(known.share(at(3.4)) == 1);  // the round trip is still unknown: one second is assumed
   CHECK(known.share(at(4)) == near(0.5, 1e-6));
   known.setRoundTrip(0.2);
   CHECK(known.limits().full_s == near(1.5, 1e-6));
@@ -63,7 +63,7 @@ TEST_CASE("what is heard was said half a round trip ago, and nothing that is kno
   known.setRoundTrip(1.8);
   known.heard(at(4.1));
   CHECK(known.age_s(at(4.1)) == near(0.2, 1e-6));
-  CHECK(known.age_s(at(3)) == 0);  // a clock that seems to go back
+  CHECK(known.age_s(at(3)) == 0);  // a clock that seems to run backwards
 }
 
 TEST_CASE("a fault takes the force away for good, and a change is remembered for a moment") {
@@ -80,7 +80,7 @@ TEST_CASE("a fault takes the force away for good, and a change is remembered for
 }
 
 TEST_CASE("a hand that nobody tells how the surface is loses its force smoothly, and gets it back from outside alone") {
-  // As a link that fell silent would leave it, since the wall clock does not wait for a test.
+  // As a silent link would leave it; the wall clock is not simulated.
   const auto ago = [](double age_s) {
     return InformationAge::Clock::now() -
            std::chrono::duration_cast<InformationAge::Clock::duration>(std::chrono::duration<double>(age_s));

@@ -1,4 +1,4 @@
-// A made-up session, written into a log and held against what is read again.
+// A synthetic session, written to a log and compared with what is read back.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -47,7 +47,7 @@ inline void writeSession(const std::filesystem::path& file, std::uint32_t ticks,
 
 inline bool sameTick(const LoggedTick& a, const LoggedTick& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-// That what was read is writeSession()'s, gaps apart.
+// Checks that the record is writeSession()'s, except for gaps.
 inline void checkPieces(const SessionRecord& record) {
   std::size_t wrong = 0;
   double last_s = -1;
@@ -64,7 +64,7 @@ inline void checkPieces(const SessionRecord& record) {
   CHECK(wrong == 0);
 }
 
-// That what was read is a beginning of writeSession()'s.
+// Checks that the record is a prefix of writeSession()'s.
 inline void checkBeginning(const SessionRecord& record) {
   checkPieces(record);
   const auto& [ticks, edits] = std::tie(record.ticks, record.edits);
@@ -73,7 +73,7 @@ inline void checkBeginning(const SessionRecord& record) {
   for (std::size_t i = 0; i < edits.marks.size(); ++i) CHECK(edits.marks[i].at == 30 * (i + 1));
 }
 
-// What the gaps say is missing.
+// Amount that the gaps report as missing.
 inline std::uint64_t missing(const SessionRecord& record, std::optional<std::uint64_t> LogGap::*what) {
   std::uint64_t sum = 0;
   for (const LogGap& gap : record.gaps) sum += (gap.*what).value_or(0);

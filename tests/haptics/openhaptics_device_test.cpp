@@ -1,4 +1,4 @@
-// The adapter through the real dynamic loader, against a driver that is not there.
+// The adapter through the real dynamic loader, with a simulated driver.
 #include "haptics/devices/openhaptics_device.hpp"
 
 #include <atomic>
@@ -24,7 +24,7 @@ struct Felt {
   DeviceLimits limits;
 };
 
-// A tick of the session is one of the driver, however seldom that comes to one.
+// Ticks of the session equal ticks of the driver, however rarely the driver runs.
 Felt feel(const OpenHapticsOptions& options = {}, double duration_s = 0.6) {
   OpenHapticsDevice device(options);
   SphereContact sphere(kRadius);
@@ -66,7 +66,7 @@ TEST_CASE("a stylus presses on a sphere, on the driver's scheduler and on ours")
   CHECK(note.mostForce_N > 0.2);
   CHECK(driver.lastForce_N() == DVec3(0));
   REQUIRE(felt.result.trace().rows.size() > 300);
-  // The force is that of the surface at where the stylus was, and up.
+  // The force is that of the surface at the stylus's position, and points up.
   const TraceRow& last = felt.result.trace().rows.back();
   REQUIRE(last.contact);
   CHECK(last.force_N.y > 0.2);
@@ -175,7 +175,7 @@ TEST_CASE("an error of the driver in mid-touch does to the force what it means")
     }
     CHECK(before_N > 0.1);
     CHECK(held >= 1);
-    CHECK(after_N > 0.01);  // on its way up
+    CHECK(after_N > 0.01);  // ramping up
     CHECK(after_N < before_N);
   }
   SUBCASE("warm motors: no force until they have cooled down") {
@@ -283,7 +283,7 @@ TEST_CASE("an emergency stop from another thread waits for the driver to send th
   device.emergencyStop();
   const double waited_us = watch.elapsed_us();
   if (driver.lastForce_N() != DVec3(0)) {
-    // It may wait for some ticks, not for ever.
+    // It may wait for some ticks, but not endlessly.
     MESSAGE("this machine is too busy: no tick of the driver in " << waited_us << " us");
     CHECK(waited_us >= 5000);
   }
@@ -312,7 +312,7 @@ TEST_CASE("every error of the interface has a meaning and an advice") {
   }
   CHECK(hdapi::meaningOf(0x0200).severity == Severity::pause);
   CHECK(hdapi::meaningOf(0x0202).severity == Severity::rampBack);
-  CHECK(hdapi::meaningOf(0x7777).severity == Severity::end);  // what is not known is not trusted
+  CHECK(hdapi::meaningOf(0x7777).severity == Severity::end);  // unknown codes are not trusted
   CHECK(hdapi::meaningOf(0).severity == Severity::none);
 }
 

@@ -1,4 +1,4 @@
-// The waiting of the servo loop alone.
+// The waiting of the servo loop, without work.
 #include "haptics/pace_check.hpp"
 
 #include <doctest/doctest.h>
@@ -14,7 +14,7 @@ namespace palpate::pace_check_test {
 TEST_CASE("every tick comes or is counted as missed, in the time that was asked for") {
   const Stopwatch watch;
   const PaceCheck check = checkPace(500, 0.2);
-  CHECK(watch.elapsed_s() >= 0.198);  // the last of them is due then
+  CHECK(watch.elapsed_s() >= 0.198);  // the last tick is due then
   CHECK(check.ticks + check.missed == 100);
   CHECK(check.late_us.count() == check.ticks);
   CHECK_THROWS_AS(checkPace(0, 1), UsageError);

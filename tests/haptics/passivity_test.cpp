@@ -15,7 +15,7 @@ namespace {
 constexpr double kTick_s = 0.001;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A spring of 1 N/mm above z = 0, pressed from above; its force is that of some ticks ago.
+/// A spring of 1 N/mm above z = 0, pressed from above; its force is `lateTicks` ticks old.
 class Spring {
  public:
   explicit Spring(PassivityMode mode, std::size_t lateTicks = 0)
@@ -46,7 +46,7 @@ TEST_CASE("pressing a spring adds its energy, and being pushed out takes it away
   for (int i = 0; i <= 1000; ++i) spring.tick(2e-3 * i);
   CHECK(spring.passivity.energy_mJ() == near(0.5 * 2 * 2, 0.002));
   for (int i = 1000; i >= 1; --i) spring.tick(2e-3 * i);
-  // The held force of a sampled spring gives a little more than it took: stiffness times step times depth.
+  // The held force of a sampled spring returns slightly more than it took: stiffness times step times depth.
   CHECK(spring.passivity.energy_mJ() == near(-2e-3 * 2, 0.01));
   CHECK(spring.passivity.leastEnergy_mJ() == spring.passivity.energy_mJ());
 }
@@ -57,7 +57,7 @@ TEST_CASE("a hand that draws back fast is given no more than what is left") {
     Spring spring(PassivityMode::on);
     const int ticks = static_cast<int>(std::lround(5 / way_mm));
     for (int i = 0; i <= ticks; ++i) spring.tick(way_mm * i);
-    // Halfway out it still has all of the spring, but where it turned around faster than any hand.
+    // Halfway out it still has the spring's full force, except after a reversal faster than any hand's.
     for (int i = ticks - 1; i >= 0; --i) {
       const double force_N = spring.tick(way_mm * i);
       if (2 * i > ticks && way_mm < 0.5) CHECK(force_N == spring.wanted_N());
@@ -118,17 +118,17 @@ TEST_CASE("what a contact owes from before others change its surface is not held
   DVec3 position(0);
   for (int i = 0; i < 30; ++i) {
     passivity.acted(passivity.damped({0, 0, 1}, position, kTick_s));
-    position.z += 0.15;  // pushed out by what the hand's own brush has raised
+    position.z += 0.15;  // pushed out by the surface that the hand's own brush raised
   }
   const double owed_mJ = passivity.energy_mJ();
   REQUIRE(owed_mJ < -2);
   passivity.changed();
-  // A spring of 1 N/mm that holds half a millijoule.
+  // A spring of 1 N/mm that stores half a millijoule.
   const DVec3 force = passivity.damped({0, 0, 1}, position - DVec3(0, 0, 0.15), kTick_s);
   CHECK(force.z == near(1, 1e-6));
   passivity.acted(force);
   CHECK(passivity.leastEnergy_mJ() == owed_mJ);
-  // And once only: what it gives from then on it owes.
+  // Only once: energy that it gives from then on counts.
   for (int i = 0; i < 100; ++i) {
     passivity.changed();
     position.z += 0.1;
@@ -143,7 +143,7 @@ TEST_CASE("the damping stays within what the device renders calmly") {
   double strongest_N_s_per_mm = 0;
   for (int i = 0; i < 100; ++i) {
     const double step_mm = i % 2 ? 0.02 : 0.03;
-    position.z += step_mm;  // pushed out without end
+    position.z += step_mm;  // pushed out endlessly
     const DVec3 wanted(0, 0, 3);
     const DVec3 force = passivity.damped(wanted, position, kTick_s);
     strongest_N_s_per_mm = std::max(strongest_N_s_per_mm, (wanted.z - force.z) / (step_mm / kTick_s));
@@ -156,7 +156,7 @@ TEST_CASE("a force that comes a tick late is counted when it acts") {
   Passivity late(PassivityMode::observe, {.forceDelay_ticks = 1}, 1);
   late.damped(DVec3(0), DVec3(0), kTick_s);
   late.acted({1, 0, 0});
-  late.damped({1, 0, 0}, {1, 0, 0}, kTick_s);  // not there yet
+  late.damped({1, 0, 0}, {1, 0, 0}, kTick_s);  // not received yet
   late.acted({1, 0, 0});
   CHECK(late.energy_mJ() == 0);
   late.damped({1, 0, 0}, {3, 0, 0}, kTick_s);
@@ -201,7 +201,7 @@ TEST_CASE(
           steepest_N = std::max(steepest_N, force_N.z - last_N);
           last_N = force_N.z;
           passivity.acted(force_N);
-          // In at first, then out without end, or between two steps of an encoder.
+          // In at first, then out endlessly, or between two encoder steps.
           const double way_mm = i < 100 ? -0.01 : flickers ? (i % 2 ? step_mm : -step_mm) : i % 7 ? 0 : step_mm;
           position.z += way_mm;
         }
@@ -209,7 +209,7 @@ TEST_CASE(
         CHECK(steepest_N < 0.0601);
         CHECK(passivity.leastEnergy_mJ() > -1.2 * Passivity::kLent_mJ);
         if (!flickers) CHECK(last_N == 0);
-        // In free space it is forgotten, and the next contact is whole.
+        // In free space the energy is reset, and the next contact has its full force.
         for (int i = 0; i <= delay; ++i) passivity.acted(passivity.damped(DVec3(0), position, kTick_s));
         CHECK(passivity.energy_mJ() == 0);
         CHECK(passivity.damped({0, 0, 3}, position, kTick_s).z == 3);
@@ -237,7 +237,7 @@ TEST_CASE("where the surface moves, what counts is the way of the hand relative 
   Passivity carried(PassivityMode::observe, DeviceLimits{}, 1), pressed(PassivityMode::observe, DeviceLimits{}, 1);
   const DVec3 velocity_mm_per_s(30, 0, 200);
   for (int i = 0; i <= 500; ++i) {
-    // One hand is pressed in by 2 mm on a surface that rests, the other on one that takes it along meanwhile.
+    // One hand presses 2 mm into a surface at rest, the other into one that carries it along.
     const double depth_mm = 2 * std::sin(0.01 * i);
     const DVec3 force_N(0, 0, std::max(0.0, depth_mm));
     for (const bool moves : {false, true}) {

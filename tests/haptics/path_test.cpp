@@ -17,7 +17,7 @@ class CsvFile {
     std::ofstream(file_, std::ios::binary) << text;
   }
   Path read() const { return readPathCsv(file_); }
-  /// The error's text from the file's name on.
+  /// The error's text, starting at the file's name.
   std::string error() const {
     try {
       read();

@@ -29,7 +29,7 @@ struct Scene {
     hid->plug(dualSense());
     rumble = std::make_unique<Rumble>(hid, dualSense(), remarks.sink());
   }
-  /// As a servo loop would, until something has come true.
+  /// Repeats the force like a servo loop, until `condition` is true.
   bool telling(const DVec3& force_N, const auto& condition) {
     return comesTrue([&] {
       rumble->setForce(force_N);
@@ -46,7 +46,7 @@ struct Scene {
   }
 };
 
-/// A device that says whether its force reaches the hand.
+/// A device that reports whether its force reaches the hand.
 class FlakyDevice final : public HapticDevice {
  public:
   std::string_view name() const override { return "flaky"; }
@@ -78,20 +78,20 @@ TEST_CASE("a contact begins with a tap, and the hum grows with the force") {
   CHECK(shape.at(0.4, 1, 1).strong == 200);
   CHECK(shape.at(0.5, 7, 1).strong == 200);
   CHECK(shape.at(0.6, 0, 1) == RumbleMotors{});
-  CHECK(shape.at(0.7, 1, 2).weak == 255);  // a hard knock
+  CHECK(shape.at(0.7, 1, 2).weak == 255);  // a hard impact
 }
 
 TEST_CASE("a tap that was over before anyone looked is felt all the same, and a rattle is one tap at a time") {
   RumbleShape shape;
   CHECK(shape.at(0, 0, 3).weak > 0);
   CHECK(shape.at(0.03, 0, 4).weak > 0);
-  CHECK(shape.at(0.06, 0, 4).weak == 0);  // the one in between did not prolong it
+  CHECK(shape.at(0.06, 0, 4).weak == 0);  // the touch in between did not prolong it
 }
 
 TEST_CASE("the motors run with the force and stop with it") {
   Scene scene;
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  CHECK(scene.hid->sent(kPad).empty());  // no touch, no report
+  CHECK(scene.hid->sent(kPad).empty());  // without touch there are no reports
   REQUIRE(scene.telling({0, 2, 0}, [&] { return scene.runs(); }));
   const auto first = scene.hid->sent(kPad).front();
   CHECK(first.size() == 48);
@@ -112,7 +112,7 @@ TEST_CASE("the strongest hum is for the strongest force of the device, or of a T
   hid->plug(dualSense());
   Remarks remarks;
   double full_N = 8;
-  std::uint8_t expected = 64;  // of 24 to 200, in steps of 8
+  std::uint8_t expected = 64;  // between 24 and 200, in steps of 8
   SUBCASE("a stronger device") {}
   SUBCASE("a script, which bears any force") {
     full_N = std::numeric_limits<double>::infinity();

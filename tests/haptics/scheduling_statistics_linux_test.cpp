@@ -1,4 +1,4 @@
-// What the kernel takes from a thread.
+// The kernel's statistics of a preempted thread.
 #include "haptics/scheduling_statistics.hpp"
 
 #include <doctest/doctest.h>
@@ -27,9 +27,9 @@ TEST_CASE("a thread whose core goes to another one sees that in its account, and
     std::thread rival([&] {
       while (!stop.load(std::memory_order_relaxed)) {
       }
-    });  // it inherits the core
+    });  // inherits the core
     const SchedulingStatistics before = schedulingOfThisThread();
-    // A core of a busy machine is given to others for long, so this is not done in a time of its own.
+    // A busy machine may give the core to others for long, so that the measurement has no fixed duration.
     for (const Stopwatch watch; watch.elapsed_s() < 20;) {
       shared = schedulingOfThisThread() - before;
       if (shared.preemptions >= 3 && (!isCounted || shared.waited_us > kWaited_us)) break;

@@ -10,7 +10,7 @@
 namespace palpate::servo_allocation_test {
 namespace {
 
-/// Counts from the first read to the last write, with everything that happens between ticks.
+/// Counts from the first read to the last write, including everything between ticks.
 class CountingDevice final : public HapticDevice {
  public:
   CountingDevice(Path path, double lastTick_s) : touch_(std::move(path), {}), lastTick_s_(lastTick_s) {}
@@ -63,7 +63,7 @@ TEST_CASE("no tick allocates memory") {
     if (!realtime) CHECK(summarize(hand.trace).contactTicks > 0);  // a busy machine may miss them
 
   counting = true;
-  int* volatile kept = new int(7);  // volatile, so that no compiler leaves it out
+  int* volatile kept = new int(7);  // volatile, so that no compiler removes it
   delete kept;
   counting = false;
   CHECK(allocations == 1);  // the counter counts

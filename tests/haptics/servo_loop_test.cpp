@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kRadius = 50;
 
-/// Down onto the sphere's pole, along its surface 1 unit deep, and out again.
+/// Onto the sphere's pole, along its surface 1 unit deep, and out again.
 Path touchAndGo() {
   return Path({{0, {0, 0, 53}}, {0.1, {0, 0, 49}}, {0.3, {5, 3, 48.7}}, {0.4, {5, 3, 49.3}}, {0.5, {5, 3, 53}}});
 }
@@ -181,7 +181,7 @@ TEST_CASE("a fault of the query means zero force at its ticks, and the session g
     if (faulty) CHECK(row.force_N == DVec3(0));
   }
   CHECK(glm::length(result.trace().rows[199].force_N) > 0.5);
-  // A hand feels the surface come back slowly.
+  // The surface's force returns slowly.
   CHECK((glm::length(result.trace().rows[299].force_N) > 0.05) == (until_s < 0.3));
   CHECK(glm::length(result.trace().rows[299].force_N) < 0.15);
   CHECK(result.counts().withheld.errors == 1);
@@ -230,7 +230,7 @@ TEST_CASE("real time follows the wall clock, gives the query a budget and the sc
   CHECK_FALSE(result.trace().virtualTime);
   const std::size_t ticks = result.trace().rows.size();
   REQUIRE(ticks > 0);
-  CHECK(ticks + result.trace().missedTicks == 500);  // how many a busy machine misses is held in tick_pacer_test.cpp
+  CHECK(ticks + result.trace().missedTicks == 500);  // tick_pacer_test.cpp checks how many a busy machine misses
   for (std::size_t i = 1; i < ticks; ++i) CHECK(result.trace().rows[i].time_s > result.trace().rows[i - 1].time_s);
   CHECK(sphere.smallestBudget_us >= 20);
   CHECK(sphere.largestBudget_us <= 1000 - 200 + 1);
@@ -300,8 +300,8 @@ TEST_CASE("a clock that is held gives another thread the pace, tick by tick") {
   stop = true;
   clock.letGo();
   session.join();
-  CHECK(ticks == 52);  // that it waited for
-  clock.goOnTo(1);     // nobody ticks any more
+  CHECK(ticks == 52);  // the tick that it was waiting for
+  clock.goOnTo(1);     // no more ticks follow
 }
 
 TEST_CASE("a tick that takes too long is not made up for in a burst") {

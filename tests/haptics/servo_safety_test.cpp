@@ -1,4 +1,4 @@
-// The safety list through the whole loop, with a device that a hand holds.
+// The safety list through the whole loop, with a hand-held device.
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -12,7 +12,7 @@
 namespace palpate::servo_safety_test {
 namespace {
 
-/// A hand that goes where a path says and cannot be pushed, on a device that has the Touch's limits.
+/// A hand that follows a path and cannot be pushed, on a device with the Touch's limits.
 class HeldDevice final : public HapticDevice {
  public:
   explicit HeldDevice(Path path) : path_(std::move(path)) {}
@@ -32,7 +32,7 @@ class HeldDevice final : public HapticDevice {
   Path path_;
 };
 
-/// A sphere whose answers a test may spoil.
+/// A sphere whose answers a test can change.
 class SpoiltSphere final : public OneHandQuery {
  public:
   explicit SpoiltSphere(std::function<void(const Pose&, Contact&)> spoil) : spoil_(std::move(spoil)) {}
@@ -106,7 +106,7 @@ TEST_CASE("a device that jumps farther than a hand can throw it gives no force u
     return Path({{0, {0, 0, 60}}, {0.8, {0, 0, 60}}, {0.801, {0, 0, to}}, {3, {0, 0, to}}});
   };
   HeldDevice thrown(jumping(56)), lost(jumping(48.5));
-  CHECK(played(thrown).counts().withheld.errors == 0);  // 4 mm in a tick: fast, but a hand can
+  CHECK(played(thrown).counts().withheld.errors == 0);  // 4 mm in a tick: fast, but possible for a hand
   const ServoResult result = played(lost);
   CHECK(result.counts().withheld.errors == 1);
   for (const TraceRow& row : result.trace().rows) REQUIRE(row.force_N == DVec3(0));
@@ -183,7 +183,7 @@ TEST_CASE("a controller that brakes needs a device that yields") {
   CHECK_THROWS_AS(made(PassivityMode::on), UsageError);
   const ServoResult result = made(PassivityMode::observe).run();
   REQUIRE(result.counts().leastEnergy_mJ);
-  CHECK(*result.counts().leastEnergy_mJ == 0);  // it only ever pressed
+  CHECK(*result.counts().leastEnergy_mJ == 0);  // it only pressed
 }
 
 }  // namespace palpate::servo_safety_test

@@ -1,4 +1,4 @@
-// What is read of a log that was killed, or met a full disk; and that it says what is missing.
+// Reading a log after a kill or a full disk; it reports what is missing.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -46,7 +46,7 @@ TEST_CASE("a killed process leaves all but the last moments of its session") {
 
 namespace {
 
-// What `act` gives in a process whose files may have `limit` bytes.
+// Result of `act` in a process whose files are limited to `limit` bytes.
 int inProcessWithSmallFiles(rlim_t limit, const std::function<int()>& act) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -70,8 +70,8 @@ void makeRoom() {
   ::setrlimit(RLIMIT_FSIZE, &allowed);
 }
 
-// A session of `ticks`, edits with each, on a disk with room for `limit` bytes; from tick `freed` on there is more.
-// Gives how often the writer told that it could not write, and 20 more where the end said nothing of it.
+// A session of `ticks` with edits in each, on a disk with room for `limit` bytes; more from tick `freed` on. Returns
+// how often the writer reported a write error, plus 20 if the end does not report it.
 int writeOnFullDisk(const std::filesystem::path& file, rlim_t limit, std::uint32_t ticks, std::uint32_t freed) {
   return inProcessWithSmallFiles(limit, [&] {
     std::atomic<int> told = 0;
@@ -104,10 +104,10 @@ TEST_CASE("on a full disk the session goes on, is told once, and what fits is in
   checkPieces(record);
   CHECK(record.fileBytes <= 614'400);
   CHECK(record.wholeBytes == record.fileBytes);
-  CHECK(record.wholeBytes > 590'000);  // a block less at most
-  CHECK(record.ticks.size() > 2300);   // of 2,600 that fit at all, with three edits each
+  CHECK(record.wholeBytes > 590'000);  // at most a block less
+  CHECK(record.ticks.size() > 2300);   // of the 2,600 that fit without edits; each has three edits
   CHECK(record.edits.points.size() > 2300 * 3);
-  REQUIRE(record.end);  // for which there was room once the torn block was gone
+  REQUIRE(record.end);  // it fits after the torn block was removed
   CHECK(record.ticks.size() + missing(record, &LogGap::ticks) == kTicks);
   CHECK(record.edits.points.size() + missing(record, &LogGap::states) == 3 * kTicks);
   CHECK(saysOneOf(whatIsMissing(record), "they were not written"));
@@ -131,7 +131,7 @@ TEST_CASE("of many edits that come at once a full disk leaves all but the last b
   });
   CHECK(told == 1);
   const SessionRecord record = readSessionLog(folder / "log");
-  REQUIRE(record.edits.points.size() > 16'000);  // of 17,000 that there is room for
+  REQUIRE(record.edits.points.size() > 16'000);  // of 17,000 that fit
   CHECK(record.edits.points.back().number() == record.edits.points.size() - 1);
   CHECK(record.ticks.size() == 1);
   CHECK(missing(record, &LogGap::states) == kEdits - record.edits.points.size());

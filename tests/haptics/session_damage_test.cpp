@@ -1,4 +1,4 @@
-// What is read of a log that was cut off or damaged; and that it says what is missing.
+// Reading a truncated or damaged log; it reports what is missing.
 #include <atomic>
 #include <csignal>
 #include <functional>
@@ -26,7 +26,7 @@ TEST_CASE("cut off anywhere, a log is read up to its last whole block") {
     CHECK(record.fileBytes == size);
     CHECK(record.wholeBytes <= size);
     most = std::max(most, record.ticks.size());
-    // What is whole stays whole when the rest goes.
+    // Complete blocks stay readable after the rest is cut off.
     write(folder / "cut", whole.substr(0, record.wholeBytes));
     CHECK(readSessionLog(folder / "cut").ticks.size() == record.ticks.size());
   }
@@ -68,7 +68,7 @@ TEST_CASE("a byte that changed costs the block that it is in, and that is said; 
       CHECK(*gap.ticks + *gap.states > 0);
       CHECK(saysOneOf(whatIsMissing(record), fmt::format("bytes {} to {} of {} are damaged: {} ticks and {} edits",
                                                          gap.begin, gap.end, whole.size(), *gap.ticks, *gap.states)));
-    } else {  // it was the last one, which says how the session ended
+    } else {  // it was the last block, which contains the session's end
       CHECK(record.ticks.size() == 700);
       CHECK(record.edits.points.size() == 3 * 700);
       CHECK(saysOneOf(whatIsMissing(record), "torn at byte"));
@@ -123,7 +123,7 @@ TEST_CASE("several gaps are told one by one, and only the ticks before the first
 
 namespace {
 
-// A log as version 2 wrote it: one header, blocks of ticks and edits together.
+// A log in the format of version 2: one header, blocks of ticks and edits together.
 void writeVersion2(const std::filesystem::path& file, std::uint32_t blocks) {
   std::ofstream out(file, std::ios::binary);
   const auto put = [&](const auto& bytes) {
@@ -196,7 +196,7 @@ TEST_CASE("a log of version 2 is read, and a byte that changed costs its block t
     CHECK(saysOneOf(whatIsMissing(record), record.end ? "are damaged: ticks and edits" : "torn at byte"));
   }
   std::string changed = whole;
-  changed[20] ^= 1;  // the only header there is
+  changed[20] ^= 1;  // the only header
   write(folder / "changed", changed);
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "changed"), doctest::Contains("header"), FileError);
 }

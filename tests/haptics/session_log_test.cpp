@@ -75,7 +75,7 @@ TEST_CASE("edits that come faster than the disk takes them are merged, and give 
   std::uint64_t told = 0;
   SessionWriter writer(folder / "log", "");
   std::mt19937 random(3);
-  // Handed over in one go, so that no disk is fast enough.
+  // Passed at once, so that no disk is fast enough.
   EditBatch all;
   for (std::uint32_t stroke = 1; stroke <= 3; ++stroke) {
     for (int i = 0; i < 1'000'000; ++i) {

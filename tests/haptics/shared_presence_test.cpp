@@ -19,7 +19,7 @@ TEST_CASE("a camera's pyramid has its angle, its aspect and its turn") {
   CHECK(straight.centre == DVec3(1, 2, 3));
   const DVec3 corners[4] = {{-1.5, -1, 1}, {1.5, -1, 1}, {1.5, 1, 1}, {-1.5, 1, 1}};
   for (std::size_t k = 0; k < 4; ++k) CHECK(glm::distance(straight.corners[k], corners[k]) < 1e-12);
-  // A quarter about y: what was to the right lies behind, and it looks along x.
+  // Rotated by a quarter about y: the former right side is behind, and it looks along x.
   CameraPlace turned = squareCamera();
   turned.turn = DQuat(std::sqrt(0.5), 0, std::sqrt(0.5), 0);
   CHECK(glm::distance(frustumOf(turned).corners[1], DVec3(1, -1, -1.5)) < 1e-12);

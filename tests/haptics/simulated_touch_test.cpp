@@ -20,7 +20,7 @@ SimulatedTouch resting(const SimulatedTouchOptions& options = kNoHand) {
   return SimulatedTouch(Path({{0, DVec3(0)}}), {}, options);
 }
 
-/// Ticks of 1 ms under a constant force; where the stylus is after them.
+/// Ticks of 1 ms under a constant force; returns the final position of the stylus.
 double pushed(SimulatedTouch& touch, double force_N, int from, int to) {
   for (int i = from; i < to; ++i) {
     touch.read(1e-3 * i);
@@ -40,7 +40,7 @@ TEST_CASE("friction holds what is weaker than it, without the smallest motion") 
 
 TEST_CASE("a free mass is accelerated by what friction leaves, up to where viscosity holds it") {
   SimulatedTouch touch = resting();
-  // 1 N less 0.26 N on 45 g for the 19 ms that the force has been there; viscosity takes a tenth of that.
+  // 1 N minus 0.26 N on 45 g over the 19 ms of force; viscosity reduces it by a tenth.
   const double exact_mm = 0.5 * (0.74 / 0.045) * 1e3 * 0.019 * 0.019;
   CHECK(pushed(touch, 1, 0, 20) == near(exact_mm, 0.12));
   const SimulatedTouchOptions thick{
@@ -150,7 +150,7 @@ TEST_CASE("in a session the hand presses a sphere and feels it; the trace is the
     REQUIRE(result.trace().rows.size() == 1100);
     CHECK(glm::distance(result.trace().rows.front().hip, DVec3(0, 0, 53)) < 0.055);
     const TraceRow& last = result.trace().rows.back();
-    // At rest the spring of the surface, the hand's and friction hold each other.
+    // At rest the springs of the surface and the hand, and friction, are in balance.
     CHECK(last.force_N.z == near(0.8 * last.penetration_mm, 1e-6));
     CHECK(std::abs(last.force_N.z - 0.4 * (2 - last.penetration_mm)) <= 0.26 + 0.03);
     CHECK(last.force_N.z > 0.3);

@@ -13,7 +13,7 @@ namespace {
 constexpr double kTick_s = 0.001;
 constexpr double kPeak_N = 3.3, kContinuous_N = 0.88;
 
-/// Gives the most that is allowed for `time_s` and says how much that was at the end.
+/// Gives the maximum allowed force for `time_s`; returns the final one.
 double drive(ThermalBudget& motors, double demand_N, double time_s) {
   double given_N = 0;
   for (int i = 0; i < std::lround(time_s / kTick_s); ++i) {

@@ -1,5 +1,5 @@
-// Which ticks are done, how late, and what time a query has, by a clock of the test's own: a machine that is busy
-// changes none of it.
+// Which ticks are done, how late, and a query's time budget, on the test's own clock, independent of the machine's
+// load.
 #include "haptics/tick_pacer.hpp"
 
 #include <doctest/doctest.h>
@@ -9,7 +9,7 @@
 namespace palpate::tick_pacer_test {
 namespace {
 
-/// Wakes a sleeper so much later than it asked for.
+/// Wakes a sleeper with a given delay.
 class LateClock final : public SessionClock {
  public:
   std::int64_t now_ns() const noexcept override { return now_ns_; }
@@ -33,7 +33,7 @@ TEST_CASE("each tick is due whole periods after the first, however long the tick
     const std::int64_t start_ns = clock.now_ns();
     const TickPacer pacer(rate_Hz, false, &clock);
     for (std::uint64_t index = 0; index < 1000; ++index) {
-      REQUIRE(pacer.waitFor(index) == index);  // none is missed
+      REQUIRE(pacer.waitFor(index) == index);  // no tick is missed
       REQUIRE(static_cast<double>(clock.now_ns() - start_ns) == within(1e9 * static_cast<double>(index) / rate_Hz, 1));
       clock.pass((0.1 + 0.8 * static_cast<double>(index % 2)) * 1e6 / rate_Hz);  // a short tick, then a long one
     }
@@ -73,7 +73,7 @@ TEST_CASE("a query has a tick less the reserve for the force, which takes a fift
   CHECK(slow.budget_us(0, 200) == within(770, 1e-3));
   CHECK(fast.budget_us(0, 200) == within(50, 1e-3));
   clock.pass(45);
-  CHECK(fast.budget_us(0, 200) == 20);  // never 0, which would be as long as it takes
+  CHECK(fast.budget_us(0, 200) == 20);  // never 0, which would mean no limit
   clock.pass(5000);
   CHECK(slow.budget_us(0, 200) == 20);
 }

@@ -85,7 +85,7 @@ TEST_CASE("a point that would pull is left out, the others are not") {
   options.damping_N_s_per_mm = 0.01;
   ForceLaw law(options, {});
   forceOf(law, std::array{pressedPoint({2, 0, 0}, 1, 0.5), pressedPoint({-2, 0, 0}, 1, 0.5)});
-  // The first leaves at 100 mm/s, against 0.9 mm of spring.
+  // The first point moves out at 100 mm/s, against 0.9 mm of spring.
   const DVec3 force_N = forceOf(law, std::array{pressedPoint({2, 0, 0}, 0.9, 0.5), pressedPoint({-2, 0, 0}, 1, 0.5)});
   CHECK(glm::distance(force_N, {0, 0, 0.25}) < 1e-12);
   CHECK(glm::distance(law.torque_mNm(), {0, 0.5, 0}) < 1e-12);

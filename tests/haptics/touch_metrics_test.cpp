@@ -1,4 +1,4 @@
-// Every measure on a trace whose answer is known; an error of two per cent fails.
+// Every metric on a trace with a known answer; an error of two per cent fails.
 #include "haptics/touch_metrics.hpp"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ constexpr double kStiffness = 0.4;
 constexpr double kRate_Hz = 1000;
 constexpr ModelScale kScale{2};  // one unit is two millimetres
 
-// A slide below a sphere of 50 units, answered by a god-object on a sphere of another size, with the force given.
+// A slide below a sphere of 50 units, answered by a god-object on a sphere of another size, with a given force.
 class Slide {
  public:
   explicit Slide(double speed_mm_per_s = 50) : shape_(makeShape("sphere")), truth_(truthOf(*shape_)) {
@@ -33,7 +33,7 @@ class Slide {
     }
   }
 
-  // Only the way along.
+  // Only the slide itself.
   std::vector<JudgedTick> judged() const {
     const auto all = judgedWhole();
     const auto part = between(all, path_->from_s, path_->to_s);
@@ -141,7 +141,7 @@ TEST_CASE("M1: a force tilted by ten degrees, and one that is tilted at one tick
     row.force_N = turned(row.force_N, frameAround(row.normal).u, 30);
   }
   const AngleError error = angleError(seldom.judged());
-  CHECK(error.mean_deg == near(3, 0.015));  // the count is no multiple of ten
+  CHECK(error.mean_deg == near(3, 0.015));  // the count is not a multiple of ten
   CHECK(error.p95_deg == near(30, 0.005));
   CHECK(error.max_deg == near(30, 0.005));
 }

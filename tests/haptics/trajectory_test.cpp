@@ -18,7 +18,7 @@ class TextFile {
     std::ofstream(file_, std::ios::binary) << text;
   }
   Trajectory read() const { return readTrajectory(file_); }
-  /// The error's text from the file's name on.
+  /// The error's text, starting at the file's name.
   std::string error() const {
     try {
       read();

@@ -1,4 +1,4 @@
-// Hands on a sphere whose devices fail, are lifted and clutched when a test says so.
+// Hands on a sphere whose devices fail, are lifted and clutched at a test's command.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ inline Path right() {
   return Path({{0, {54, 0, 0}}, {0.6, {54, 0, 0}}, {0.75, {49, 0, 0}}, {0.9, {48, 5, 0}}, {1, {54, 5, 0}}});
 }
 
-/// A hand that goes where a path says, on a device with the limits and the troubles that a test gives it.
+/// A hand that follows a path, on a device with limits and faults set by the test.
 class TroubledDevice final : public HapticDevice {
  public:
   explicit TroubledDevice(Path path) : path_(std::move(path)) {}
@@ -79,7 +79,7 @@ inline ServoResult together(const std::vector<HapticDevice*>& devices, ServoOpti
   ServoResult result = ServoLoop(sphere, hands, options).run();
   REQUIRE(result.hands.size() == devices.size());
   CHECK(static_cast<std::size_t>(sphere.queries) >= result.trace().rows.size() - 1);
-  CHECK(static_cast<std::size_t>(sphere.queries) <= result.trace().rows.size());  // one for all
+  CHECK(static_cast<std::size_t>(sphere.queries) <= result.trace().rows.size());  // one for all hands
   return result;
 }
 

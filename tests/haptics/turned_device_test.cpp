@@ -30,18 +30,18 @@ TEST_CASE("a device goes where its user looks, and its forces come back the same
   CHECK(device.read(0).position == DVec3(1, 2, 3));
   CHECK_FALSE(device.read(0).putDown);
 
-  // Looked at along -x: right is -z, up is y, towards the eye is x.
+  // Viewed along -x: right is -z, up is y, towards the eye is x.
   const glm::dmat3 fromRight(DVec3(0, 0, -1), DVec3(0, 1, 0), DVec3(1, 0, 0));
   device.setAxes(fromRight);
   const DeviceState turned = device.read(0);
   CHECK(turned.position == DVec3(3, 2, -1));
-  CHECK(turned.putDown);  // there was no motion from the old place to the new one
+  CHECK(turned.putDown);  // no motion from the old position to the new one
   CHECK(glm::distance(turned.turn * DVec3(0, 0, 1), DVec3(1, 0, 0)) < 1e-12);
   CHECK_FALSE(device.read(0).putDown);
   device.setAxes(fromRight);
   CHECK_FALSE(device.read(0).putDown);
 
-  CHECK(device.write({0.5, 0.1, 0.2}));  // towards the eye is the device's z
+  CHECK(device.write({0.5, 0.1, 0.2}));  // the device's z points to the eye
   CHECK(inner.last_N == DVec3(-0.2, 0.1, 0.5));
 }
 

@@ -1,4 +1,4 @@
-// Two hands in one session: each as it would be alone, and no force on either once one device fails.
+// Two hands in one session: each behaves as if alone, and both forces stop once one device fails.
 #include <doctest/doctest.h>
 
 #include <thread>
@@ -73,7 +73,7 @@ TEST_CASE("a fault of either device takes both forces away and ends the session 
 }
 
 TEST_CASE("neither device keeps a force until a session has died down: both are at zero within the tick of the fault") {
-  /// Looks after the first device's last tick, before the session has ended.
+  /// Reads both forces after the first device's last tick, before the session has ended.
   class Pacing final : public HapticDevice {
    public:
     explicit Pacing(TroubledDevice& inner, TroubledDevice& other) : inner_(inner), other_(other) {}
@@ -173,7 +173,7 @@ TEST_CASE("a second device may not pace the ticks, nor be braked where it yields
   second.pacesItself = true;
   ServoOptions options = kSession;
   const auto made = [&](const SessionHand& hand) { ServoLoop(sphere, {handOf(first), hand}, options); };
-  CHECK_NOTHROW(made(handOf(second)));  // in virtual time nobody paces
+  CHECK_NOTHROW(made(handOf(second)));  // in virtual time no device paces
   options.realtime = true;
   CHECK_THROWS_WITH_AS(made(handOf(second)), doctest::Contains("only the first one may"), UsageError);
   PathDevice script(right());

@@ -1,4 +1,4 @@
-// A 3D mouse that the kernel takes for a real one: through /dev/uhid, with a report descriptor as such devices have.
+// A virtual 3D mouse in the kernel: through /dev/uhid, with the report descriptor of such devices.
 #pragma once
 
 #include <fcntl.h>
@@ -18,8 +18,8 @@
 
 namespace palpate {
 
-/// HID 1.11, section 6.2.2: a multi-axis controller; reports 1 (X, Y, Z), 2 (Rx, Ry, Rz), 3 (two buttons), and 4, which
-/// goes out and lights a lamp.
+/// HID 1.11, section 6.2.2: a multi-axis controller; reports 1 (X, Y, Z), 2 (Rx, Ry, Rz), 3 (two buttons), and 4, an
+/// output report for a lamp.
 inline constexpr auto kSpaceMouseDescriptor = std::to_array<std::uint8_t>(
     {0x05, 0x01, 0x09, 0x08, 0xa1, 0x01,                          // Generic Desktop, Multi-axis Controller, application
      0xa1, 0x00, 0x85, 0x01, 0x16, 0xa2, 0xfe, 0x26, 0x5e, 0x01,  // report 1, -350 to 350
@@ -39,7 +39,7 @@ inline constexpr auto kSpaceMouseDescriptor = std::to_array<std::uint8_t>(
 
 class UhidMouse {
  public:
-  /// Null with the reason where this machine has no uhid for us.
+  /// Null with the reason if uhid is not available to this user.
   static std::unique_ptr<UhidMouse> plugIn(const std::string& serial, std::string& why) {
     const int file = ::open("/dev/uhid", O_RDWR | O_CLOEXEC);
     if (file < 0) {
@@ -73,7 +73,7 @@ class UhidMouse {
     return send(event);
   }
 
-  /// The next report that was sent to the device; nothing when none comes within a second.
+  /// The next report sent to the device; empty if none arrives within a second.
   std::optional<std::vector<std::uint8_t>> received() {
     for (pollfd ready{.fd = file_, .events = POLLIN}; ::poll(&ready, 1, 1000) > 0;) {
       uhid_event event{};

@@ -1,4 +1,4 @@
-// What the loader says of libraries that are not there, or of no use.
+// The loader's messages for missing or unusable libraries.
 #include <fstream>
 #include <iterator>
 

@@ -1,5 +1,5 @@
-// A hand in matter that is simulated elsewhere, over a link whose delay is a number: the simulation there, what goes to
-// and fro, and the pond that the hand feels.
+// A hand in matter that is simulated elsewhere, over a link with a given delay: the remote simulation, the messages in
+// both directions, and the pond that the hand feels.
 #pragma once
 
 #include <algorithm>
@@ -14,13 +14,13 @@ namespace palpate {
 
 class FarMatter {
  public:
-  /// `delay_s`: of each way.
+  /// `delay_s`: in each direction.
   FarMatter(const MatterScene& scene, double delay_s)
       : delay_s_(delay_s),
         there_(scene, {.threads = 1, .tools = 1}),
         here_(scene, {.threads = 1, .tools = 1}, [this](KnownMatter& known) { return takeNews(known); }) {}
 
-  /// A step of both. The hand is heard there sixty times a second, and frames go as often.
+  /// A step of both simulations. The hand's pose and the frames are sent every 16 steps.
   void step(const HandPose& hand) {
     const double now_s = static_cast<double>(steps_) * kMatterStep_s;
     if (steps_ % kApart == 0) heard_.push_back({now_s + delay_s_, hand});
@@ -35,9 +35,9 @@ class FarMatter {
     here_.step({&hand, 1});
     ++steps_;
   }
-  /// All there is elsewhere at once, as where a simulation begins anew: its particles have changed their places.
+  /// Reverses the order of the remote particles from the next news on, as after a restart of the simulation.
   void collapse() { isTurned_ = !isTurned_; }
-  /// Nothing comes from there.
+  /// Stops receiving news.
   void hold(bool held) { isHeld_ = held; }
 
   MatterWorld& there() { return there_; }
@@ -79,7 +79,7 @@ class FarMatter {
   double delay_s_;
   std::uint64_t steps_ = 0;
   std::deque<Heard> heard_;
-  std::optional<HandPose> known_;  // there
+  std::optional<HandPose> known_;  // the hand's last pose received there
   HandPose at_{.place_m = DVec3(0, 100, 0)};
   std::deque<Sent> sent_;
   bool isHeld_ = false, isTurned_ = false;

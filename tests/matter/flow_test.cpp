@@ -1,4 +1,4 @@
-// Water that flows: between plates, and against what was measured of a dam that breaks.
+// Flowing water: between plates, and a breaking dam against published measurements.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -17,7 +17,7 @@ struct Front {
   double time, place;  // t sqrt(2 g / a), Z / a; a is the width of the column
 };
 
-// By the names of the series: tests/matter/dam_break.csv says whose they are.
+// By series name; tests/matter/dam_break.csv names the sources.
 std::map<std::string, std::vector<Front>> publishedFronts() {
   std::map<std::string, std::vector<Front>> fronts;
   std::ifstream in(sourceFolder() / "tests/matter/dam_break.csv");
@@ -46,7 +46,7 @@ double frontAt(const std::vector<Front>& way, double time) {
 
 TEST_CASE("a dam that breaks sends its front as far as experiments and another method have it") {
   MatterScene scene = matterSceneNamed("dam");
-  scene.box_mm.x = 1600;  // so that no wall is met
+  scene.box_mm.x = 1600;  // long enough that the front meets no wall
   const double width_m = scene.fill_mm.x * 1e-3;
   REQUIRE(scene.fill_mm.y == 2 * scene.fill_mm.x);
   MatterWorld world(scene, {.threads = 2});
@@ -55,8 +55,8 @@ TEST_CASE("a dam that breaks sends its front as far as experiments and another m
     run(world, 1);
     way.push_back({world.time_s() * std::sqrt(2 * kGravity_m_s2 / width_m), world.observe().front_m / width_m});
   }
-  // In an experiment a gate has to be drawn first, and the floor rubs, so that water without either is ahead of it, in
-  // the beginning the most. The other method has neither.
+  // In an experiment a gate is drawn first, and the floor has friction, so that water without either is ahead of it,
+  // most at the beginning. The other method has neither.
   const std::map<std::string, double> bounds{
       {"koshizuka_mps", 0.06}, {"koshizuka_oka", 0.17}, {"martin_moyce_1", 0.17}, {"martin_moyce_2", 0.15}};
   const auto fronts = publishedFronts();

@@ -1,4 +1,4 @@
-// What water that flows has to be true to.
+// Required accuracy of flowing water.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kLayers = 12;
 constexpr double kAcross_m = 0.012, kLayer_m = kAcross_m / kLayers;
 
-// Between two plates, and endless along them.
+// Between two plates, and periodic along them.
 MatterScene channel(double viscosity_Pa_s, const DVec3& pull_m_s2) {
   return {.box_mm = {8, 12, 8},
           .fill_mm = {8, 12, 8},
@@ -25,7 +25,7 @@ MatterScene channel(double viscosity_Pa_s, const DVec3& pull_m_s2) {
 
 std::size_t layerOf(double y) { return std::min(static_cast<std::size_t>(y / kLayer_m), kLayers - 1); }
 
-// Means over the particles of each layer of how much faster they are than they should be, m/s.
+// Mean excess of the particles' velocity over the expected one, per layer, m/s.
 std::array<double, kLayers> beyond(const MatterSimulation& world, const std::function<double(double)>& velocityAt) {
   std::array<double, kLayers> means{}, counts{};
   const std::vector<Vec3> positions = world.positionsById(), velocities = world.velocitiesById();
@@ -41,7 +41,7 @@ std::array<double, kLayers> beyond(const MatterSimulation& world, const std::fun
   return means;
 }
 
-// The same of the first ones, by the highest velocity, %.
+// Largest excess of the first `layers` layers relative to the highest velocity, %.
 double worstOf(const MatterSimulation& world, const std::function<double(double)>& velocityAt, std::size_t layers,
                double most_m_s) {
   const auto means = beyond(world, velocityAt);
@@ -69,7 +69,7 @@ void checkCouette(const MatterMaker& make, double viscosity_Pa_s) {
   constexpr double kPlate_m = kBelow * kLayer_m, kSpeed_m_s = 0.1;
   const MatterScene scene = channel(viscosity_Pa_s, DVec3(0));
   const auto world = make(scene, 0, placesAtRest(scene));
-  // The time in which motion spreads from one plate to the other.
+  // Diffusion time of momentum from one plate to the other.
   const double spread_s = kPlate_m * kPlate_m * scene.density_kg_m3 / viscosity_Pa_s;
   const auto velocityAt = [&](double y) {
     const double high = y / kPlate_m;
@@ -84,7 +84,7 @@ void checkCouette(const MatterMaker& make, double viscosity_Pa_s) {
     while (world->time_s() < time_s) {
       const std::vector<Vec3> positions = world->positionsById();
       std::vector<Vec3> velocities = world->velocitiesById();
-      // What is above the plate moves as what is below it, mirrored, so that the plate has its velocity between them.
+      // The water above the plate mirrors the motion below it, so that the velocity between them is the plate's.
       const auto means = beyond(*world, [](double) { return 0; });
       for (std::size_t i = 0; i < positions.size(); ++i)
         if (const std::size_t layer = layerOf(positions[i].y); layer >= kBelow)
@@ -102,7 +102,7 @@ void checkCouette(const MatterMaker& make, double viscosity_Pa_s) {
 
 namespace {
 
-// A pressure in water that stands, Pa, and how far a dam that breaks has come, m.
+// A pressure in water at rest, Pa, and the position of a dam break's front, m.
 struct BySubsteps {
   double pressure_Pa = 0, front_m = 0;
 };

@@ -1,4 +1,4 @@
-// States that nobody wants to simulate.
+// Extreme states.
 #include "tests/matter/matter_truths.hpp"
 
 namespace palpate::hostile_test {

@@ -1,4 +1,4 @@
-// What a scene may say.
+// Valid and invalid scenes.
 #include <cmath>
 #include <limits>
 
@@ -81,14 +81,14 @@ TEST_CASE("water and sand are as much as was asked for, in layers that are no fa
         CHECK(plan.lattice[k] * plan.apart_m[k] == near(1e-3 * fill_mm[k], 1e-12));
         CHECK(plan.apart_m[k] <= 0.01);
       }
-      if (matter == Matter::sand) continue;  // whose grains begin a little beside
+      if (matter == Matter::sand) continue;  // grains are slightly displaced at the beginning
       const auto places = placesAtRest(scene);
       for (int k = 0; k < 3; ++k) {
         CHECK(places.front()[k] == near(plan.apart_m[k] / 2, 1e-6));
         CHECK(places.back()[k] == near(1e-3 * fill_mm[k] - plan.apart_m[k] / 2, 1e-6));
       }
     }
-  // What is a whole number of spacings is as it always was, to the bit.
+  // Whole numbers of spacings are not adjusted, to the bit.
   const MatterPlan whole = planOf({.box_mm = DVec3(100), .fill_mm = {70, 30, 100}, .spacing_mm = 10});
   CHECK(whole.lattice == UVec3(7, 3, 10));
   CHECK(whole.spacing_m == 10 * 1e-3);
@@ -97,7 +97,7 @@ TEST_CASE("water and sand are as much as was asked for, in layers that are no fa
 
 TEST_CASE("a scene is refused for the memory of the machine that it is to run on, and for no other") {
   const MatterScene large{.box_mm = DVec3(2000), .fill_mm = DVec3(1000), .spacing_mm = 5};
-  CHECK(planOf(large).bytes > std::uint64_t{4} << 30);  // of a machine that is not known
+  CHECK(planOf(large).bytes > std::uint64_t{4} << 30);  // on an unknown machine
   CHECK(refusal(large, std::uint64_t{64} << 30) == "taken");
   CHECK(refusal(large, std::uint64_t{4} << 30).find("8000000 particles, which take about") != std::string::npos);
   MatterScene beyond = large;

@@ -1,4 +1,4 @@
-// Which way the surface of matter looks.
+// Normals of the surface of matter.
 #include "engine/matter/matter_surface.hpp"
 
 #include "tests/matter/matter_scenes.hpp"

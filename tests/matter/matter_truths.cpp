@@ -8,7 +8,7 @@ namespace palpate {
 
 namespace {
 
-constexpr DVec3 kTipping{80, 120, 80};  // of a tank of 20 spacings: a column that falls to the side, mm
+constexpr DVec3 kTipping{80, 120, 80};  // in a tank of 20 spacings: a column that falls sideways, mm
 
 MatterScene tippingTank() {
   MatterScene scene = tank({20, 16, 8}, 12);
@@ -28,7 +28,7 @@ void checkWaterAtRest(const MatterMaker& make, int settling, int steps) {
   }
   checkAtMost("compression of water at rest, %", 100 * mostCompression, 1);
   CHECK(mostCompression > 0.001);
-  // Means, as waves go on.
+  // Means, because waves persist.
   constexpr std::array kHeights_m{0.03, 0.05, 0.07, 0.09};
   std::array<double, kHeights_m.size()> pressures{};
   const DVec3 before = world->impulses().onWalls;
@@ -187,7 +187,7 @@ MatterScene floatingBlock(double cohesion_N_m) {
 namespace {
 
 struct Spread {
-  DVec3 middle{0}, width{0}, spin{0};  // root mean squares about the middle; spin: the sum of arms times velocities
+  DVec3 middle{0}, width{0}, spin{0};  // width: RMS about the middle; spin: mean of arms times velocities
 };
 
 Spread spreadOf(const MatterSimulation& world) {
@@ -208,7 +208,7 @@ Spread spreadOf(const MatterSimulation& world) {
 
 void checkCohesion(const MatterMaker& make, int steps, double ratio) {
   MatterScene slippery = floatingBlock(0.0728);
-  slippery.viscosity_Pa_s = 0;  // which takes spin, as it takes relative velocities whichever way they go
+  slippery.viscosity_Pa_s = 0;  // without viscosity, which reduces spin because it damps all relative velocities
   const auto block = atRest(make, floatingBlock(0.0728)), without = atRest(make, floatingBlock(0)),
              turning = atRest(make, slippery);
   constexpr double kTurn_rad_s = 2;
@@ -224,12 +224,12 @@ void checkCohesion(const MatterMaker& make, int steps, double ratio) {
               is.width.x / std::max(is.width.y, is.width.z), ratio);
   CHECK(is.width.x / std::max(is.width.y, is.width.z) > 0.9);
   CHECK(glm::length(is.middle - begin.middle) < 1e-7);
-  // A substep moves by what it changes velocities by, which keeps spin but for the length of the substep.
+  // A substep moves particles by their changed velocities, which preserves spin except for an error of the step size.
   CHECK(glm::length(spreadOf(*turning).spin - spin) <= 1e-2 * glm::length(spin));
   CHECK(block->impulses().onWalls == DVec3(0));
   double farthest = 0;
   for (const Vec3& place : block->positionsById()) farthest = std::max(farthest, glm::length(DVec3(place) - is.middle));
-  CHECK(farthest < 0.0102);  // a corner in the beginning
+  CHECK(farthest < 0.0102);  // the distance of a corner at the beginning
   for (int axis = 0; axis < 3; ++axis) CHECK(isWithin(1e-3, spreadOf(*without).width[axis], begin.width[axis]));
 }
 

@@ -1,4 +1,4 @@
-// A closed cloud that stands still in water or sand.
+// A closed, fixed cloud in water or sand.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -13,7 +13,7 @@ namespace palpate::model_test {
 
 namespace {
 
-// A sphere whose points are some ten times denser on one side, with normals, in its own unit.
+// A sphere with about ten times denser points on one side, with normals, in its own unit.
 PointCloud unevenSphere() {
   PointCloud cloud = sampleShape(*makeShape("sphere", 2), {.count = 12000});
   std::size_t kept = 0;
@@ -108,7 +108,7 @@ TEST_CASE("the field of a model says how far its surface is, and how much of it 
     CHECK(isWithin(0.02, here.slope.x, slope));
   }
   CHECK(at(0.04).share > 0.4f);
-  CHECK(at(0.04).share < 0.5f);  // of a ball less than of a plane
+  CHECK(at(0.04).share < 0.5f);  // less for a ball than for a plane
   CHECK(at(0.0).share == near(1, 1e-6));
   CHECK(at(0.0401 + 0.02).share < 1e-3f);
   CHECK(at(0.5).share == 0);

@@ -1,4 +1,4 @@
-// What a model that stands in matter, and a ball that begins in it, have to be true to.
+// Required accuracy of a model in matter, and of a ball that starts inside matter.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-constexpr DVec3 kMiddle_m{0.07, 0.06, 0.07};  // of the model
+constexpr DVec3 kMiddle_m{0.07, 0.06, 0.07};  // centre of the model
 
 double farthestOut(const MatterSimulation& world) {
   double out = 0;
@@ -61,7 +61,7 @@ void checkModelDisplaces(const MatterMaker& make, int settling, int steps) {
 }
 
 void checkModelKeepsOut(const MatterMaker& make, const MatterScene& scene, int steps) {
-  // Water that falls upon the model in a tank that is empty otherwise.
+  // Water that falls onto the model in an otherwise empty tank.
   std::vector<Vec3> places;
   for (int z = 0; z < 12; ++z)
     for (int y = 0; y < 7; ++y)
@@ -83,7 +83,7 @@ void checkBallBeginsInside(const MatterMaker& make, Matter matter, int steps) {
   scene.matter = matter;
   const double radius_m = 0.03;
   scene.tool = {.radius_mm = radius_m * 1e3, .mass_kg = 4 * std::numbers::pi / 3 * 1000 * std::pow(radius_m, 3)};
-  const HandPose hand{.place_m = {0.055, 0.055, 0.065}};  // a particle begins in its very middle
+  const HandPose hand{.place_m = {0.055, 0.055, 0.065}};  // a particle starts at its centre
   const auto world = atRest(make, scene, 1);
   const std::size_t within = withinBall(*world, hand.place_m, radius_m + 0.25 * 0.01);
   REQUIRE(within > 100);
@@ -96,12 +96,12 @@ void checkBallBeginsInside(const MatterMaker& make, Matter matter, int steps) {
   }
   CHECK(world->pushedOut(0) == within);
   CHECK(world->particles() == 12 * 12 * 12);
-  // Water is left in it nowhere; grains, which hold each other, are not deeper in than half of themselves.
+  // No water is left inside; grains, which hold each other, may be inside by up to half of their size.
   CHECK(withinBall(*world, world->answers()[0].place_m, radius_m - (matter == Matter::sand ? 0.005 : 0)) == 0);
   CHECK(missingMomentum(*world) <= 1e-5);
   CHECK(world->portEnergy_J(0) >= -1e-3);
   if (matter == Matter::sand) return;
-  CHECK(most_J < 0.1);  // of 17 J that the ball would have if it were as fast as sound
+  CHECK(most_J < 0.1);  // of the 17 J of the ball at the speed of sound
   const double expected = scene.tool.mass_kg * kGravity_m_s2;
   CHECK(mostForce_N < 3 * expected);
   CHECK(isWithin(0.1, world->answers()[0].reaction_N.y, expected));
@@ -127,11 +127,11 @@ void checkBallStopsAtModel(const MatterMaker& make) {
       world->step({&hand, 1});
       least_J = std::min(least_J, world->portEnergy_J(0));
     };
-    for (int k = 0; k < 100; ++k) step(2.5e-4 * way);  // to 35 mm from the middle, and stays there
+    for (int k = 0; k < 100; ++k) step(2.5e-4 * way);  // to 35 mm from the centre, then stays
     for (int k = 0; k < 300; ++k) step(DVec3(0));
     REQUIRE(world->state() == MatterState::running);
     const ToolAnswer& answer = world->answers()[0];
-    if (way == DVec3(0)) {  // beside it a ball feels nothing
+    if (way == DVec3(0)) {  // beside the sphere a ball feels nothing
       CHECK(answer.byModel_N == DVec3(0));
       CHECK(glm::length(answer.force_N) == 0);
       continue;
@@ -140,11 +140,11 @@ void checkBallStopsAtModel(const MatterMaker& make) {
     checkTruth("how near a ball comes to a sphere that stands, mm", 1e3 * glm::length(out), 1e3 * (kSphere_m + kBall_m),
                0.03);
     CHECK(glm::dot(glm::normalize(out), -way) > 0.999);
-    // At rest the spring holds what the model does.
+    // At rest the spring balances the model's force.
     CHECK(glm::length(answer.force_N) > 5);
     CHECK(glm::dot(glm::normalize(answer.force_N), -way) > 0.99);
     CHECK(glm::length(answer.byModel_N - answer.force_N) <= 0.01 * glm::length(answer.force_N));
-    // Sideways nothing holds it, and it stays on the surface.
+    // Nothing holds it sideways, and it stays on the surface.
     const DVec3 side = glm::normalize(glm::cross(way, DVec3(0.3, 0.2, 1)));
     for (int k = 0; k < 100; ++k) {
       step(1e-4 * side);

@@ -1,4 +1,4 @@
-// Cells and lists against all pairs, and the formulas against what they are of.
+// Cells and lists compared with all pairs, and formulas compared with numerical integrals.
 #include <algorithm>
 #include <random>
 #include <set>

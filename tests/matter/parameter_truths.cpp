@@ -1,4 +1,4 @@
-// What parameters that change while a simulation runs have to be true to.
+// Required behaviour of parameters that change during a simulation.
 #include "engine/matter/matter_parameters.hpp"
 #include "tests/matter/matter_truths.hpp"
 #include "tests/matter/soft_truths.hpp"
@@ -12,7 +12,7 @@ MatterScene with(MatterScene scene, std::string_view name, double value) {
   return scene;
 }
 
-// One that begins with a parameter, and one that is given it: the same from there on.
+// A simulation that begins with a parameter and one that receives it are identical from then on.
 void checkTaken(const MatterMaker& make, const MatterScene& scene, std::string_view name, double value, int steps) {
   CAPTURE(name);
   const MatterScene changed = with(scene, name, value);
@@ -51,9 +51,9 @@ void checkParametersKeepMotion(const MatterMaker& make, int steps) {
   CHECK(world->positionsById() == places);
   CHECK(world->velocitiesById() == velocities);
   run(*world, steps);
-  CHECK(missingMomentum(*world) <= 1e-5);  // of all that was since the beginning
+  CHECK(missingMomentum(*world) <= 1e-5);  // over everything since the beginning
   CHECK(glm::length(world->impulses().gravity) > 1.5 * glm::length(before.gravity));
-  // Nothing falls where nothing pulls; what is refused changes nothing.
+  // Without gravity nothing falls; a rejected scene changes nothing.
   world->change(with(world->scene(), "gravity_y_m_s2", 0));
   const MatterScene had = world->scene();
   MatterScene absurd = had;
@@ -63,7 +63,7 @@ void checkParametersKeepMotion(const MatterMaker& make, int steps) {
   const DVec3 given = world->impulses().gravity;
   run(*world, 10);
   CHECK(world->impulses().gravity == given);
-  world->reset();  // with what was set last
+  world->reset();  // keeps the last parameters
   run(*world, 10);
   CHECK(world->impulses().gravity == DVec3(0));
 }
@@ -81,7 +81,7 @@ void checkSoftParameters(const SoftMaker& make, int steps) {
                                     {"friction", 0.0},
                                     {"gravity_x_m_s2", 4.0}}) {
     CAPTURE(name);
-    // It stands on its floor, and slides where something pulls it sideways.
+    // It stands on its floor, and slides under a sideways force.
     MatterScene begins = soft;
     begins.gravity_m_s2.z = 5;
     const MatterScene changed = with(begins, name, value);
@@ -89,7 +89,7 @@ void checkSoftParameters(const SoftMaker& make, int steps) {
                stays = make(begins, 0, nullptr, {});
     becomes->change(changed);
     for (MatterSimulation* world : {is.get(), becomes.get(), stays.get()}) run(*world, steps);
-    // The skin is as stiff but for rounding.
+    // The skin is equally stiff except for rounding.
     double apart = 0, moved = 0;
     for (std::size_t i = 0; i < is->particles(); ++i) {
       const Vec3 place = is->positionsById()[i];

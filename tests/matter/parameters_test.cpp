@@ -1,4 +1,4 @@
-// Numbers of a scene that change while it runs.
+// Parameters of a scene that change while it runs.
 #include "engine/matter/matter_parameters.hpp"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// Matter that is simulated elsewhere, as a hand feels it here: over links whose delay is a number, and without any
-// network.
+// Matter simulated elsewhere, as a hand feels it here: over links with a given delay, without a network.
 #include <doctest/doctest.h>
 
 #include <optional>
@@ -26,7 +25,7 @@ double buoyancy_N(const MatterScene& scene) {
   return scene.density_kg_m3 * kGravity_m_s2 * 4 * 3.14159265358979 / 3 * radius_m * radius_m * radius_m;
 }
 
-/// The same hand, there and, where that is compared, in the same matter here.
+/// The same hand in remote matter and, for comparison, in the same matter here.
 class Both {
  public:
   Both(const MatterScene& scene, double delay_s, bool compares = true) : far_(scene, delay_s) {
@@ -35,9 +34,9 @@ class Both {
 
   struct Felt {
     DVec3 local{0}, far{0};  // means, N
-    double trembles_N = 0;   // of the far one, root of the mean square about its mean
+    double trembles_N = 0;   // RMS of the far force about its mean
   };
-  /// So many steps at that velocity, of which the first ones do not count.
+  /// Takes `steps` steps at that velocity; the first `settling` ones do not count.
   Felt go(int steps, const DVec3& velocity_m_s, int settling) {
     Felt felt;
     double square = 0;
@@ -59,9 +58,9 @@ class Both {
   FarMatter& far() { return far_; }
   double least_J() const { return least_J_; }
   double most_N() const { return most_N_; }
-  double mostHere_N() const { return mostHere_N_; }  // of the same matter here
+  double mostHere_N() const { return mostHere_N_; }  // in the same matter here
   HandPose& hand() { return hand_; }
-  /// Until what is there is known here, with the ball at that place.
+  /// Steps until the remote state is known here, with the ball at that position.
   void meet(const DVec3& place_m, double delay_s) {
     hand_.place_m = place_m;
     go(static_cast<int>(2e3 * delay_s) + 200, DVec3(0), 0);
@@ -92,7 +91,7 @@ TEST_CASE("a ball in water far away floats as one in the same water here, and is
         both.most_N(), 1e3 * both.least_J()));
     CHECK(std::abs(held.far.y - held.local.y) < 0.15 * expected_N);
     CHECK(std::hypot(held.far.x, held.far.z) < 0.1 * expected_N);
-    // At the end of a long way it comes to rest later: the ball there is still under way.
+    // With a long delay it comes to rest later: the remote ball is still moving.
     CHECK(held.trembles_N < (delay_s < 0.1 ? 0.2 : 1) * expected_N);
     CHECK(both.most_N() < 1.5 * both.mostHere_N());
     CHECK(drag_N > 0.6 * localDrag_N);
@@ -117,7 +116,7 @@ TEST_CASE("a ball in sand far away is held by it as here" * kFull) {
                     "energy {:.3f} mJ",
                     1e3 * delay_s, into.local.y, into.far.y, held.local.y, held.far.y, along.local.x, along.far.x,
                     held.trembles_N, both.mostHere_N(), both.most_N(), 1e3 * both.least_J()));
-    // A second later it is pushed against sand that is known to have given way nowhere yet.
+    // With a delay of a second it is pushed against sand that is not yet known to have yielded.
     const double less = delay_s < 0.1 ? 0.8 : 0.6, more = delay_s < 0.1 ? 1.2 : 1.75;
     const auto isAlike = [&](double far_N, double local_N) { return far_N / local_N > less && far_N / local_N < more; };
     CHECK(isAlike(into.far.y, into.local.y));
@@ -136,7 +135,7 @@ TEST_CASE("sand far away bears a ball as here at a wall, at the bottom and half 
   struct Place {
     const char* name;
     DVec3 above_m;
-    int steps;  // down at 100 mm/s
+    int steps;  // of the descent at 100 mm/s
   };
   for (const Place& place :
        {Place{"at a wall", {0.03, 0.15, 0.06}, 700}, Place{"in a corner", {0.03, 0.15, 0.03}, 600},
@@ -152,7 +151,7 @@ TEST_CASE("sand far away bears a ball as here at a wall, at the bottom and half 
         place.name, into.local.y, into.far.y, held.local.y, held.far.y, out.local.y, out.far.y, both.mostHere_N(),
         both.most_N(), 1e3 * both.least_J()));
     CHECK(into.far.y > 0.7 * into.local.y);
-    // What is to give way in front of a ball that moves is known later than it should.
+    // In front of a moving ball the yielding is known late.
     CHECK(into.far.y < 1.7 * into.local.y);
     CHECK(held.far.y > 0.6 * held.local.y);
     CHECK(held.far.y < 1.4 * held.local.y);
@@ -204,7 +203,7 @@ TEST_CASE("who joins with his ball under water feels it float, and is not carrie
 }
 
 TEST_CASE("water that flows elsewhere carries along a ball that is held still here") {
-  MatterScene scene = tank({20, 20, 20}, 11);  // so wide that what is here reaches no wall
+  MatterScene scene = tank({20, 20, 20}, 11);  // so wide that the local part reaches no wall
   scene.tool = {.radius_mm = 25, .mass_kg = 0.065};
   const float speed_m_s = 0.1f;
   const int rests = 300, flows = 250;
@@ -280,7 +279,7 @@ TEST_CASE(
             known.positions[i] = somewhere();
             break;
           case 1:
-            known.positions[i] = Vec3(0.06f, 0.03f, 0.02f);  // all in one place
+            known.positions[i] = Vec3(0.06f, 0.03f, 0.02f);  // all at the same position
             break;
           case 2:
             known.positions[i] += 0.4f * somewhere();
@@ -317,8 +316,8 @@ TEST_CASE("news of moving sand that was held up and comes with the next one knoc
   const MatterScene scene = smallTank(Matter::sand);
   const std::vector<Vec3> rest = placesAtRest(scene);
   constexpr int kApart = 16;
-  // The bed goes to and fro at 100 mm/s. Of news each 16 steps every fourth one is late by as much, so that two come in
-  // two steps.
+  // The bed oscillates at up to 100 mm/s. News is due every 16 steps; if held up, every fourth one is 15 steps late, so
+  // that two are received in two steps.
   const auto mostChange_N = [&](bool isHeldUp) {
     int times = 0;
     MatterPond pond(scene, {.threads = 1, .tools = 1}, [&](KnownMatter& known) {
@@ -373,7 +372,7 @@ TEST_CASE("nobody is within a ball, none comes where another one is, and who is 
   }
   CHECK(members.size() == expected);
   REQUIRE(members.size() > 200);
-  // One beside the ball goes half a spacing along it; another one is known to have come into its old place.
+  // A member beside the ball moves half a spacing; another particle is then known at its old position.
   const auto own = std::ranges::find_if(
       members, [&](const PondMember& member) { return PondMembers::distance(member.place, balls) < space.reach.free; });
   REQUIRE(own != members.end());
@@ -387,7 +386,7 @@ TEST_CASE("nobody is within a ball, none comes where another one is, and who is 
   CHECK(std::ranges::is_sorted(members, {}, &PondMember::id));
   CHECK(rules.held(static_cast<float>(space.reach.free)) == 0);
   CHECK(rules.held(static_cast<float>(space.reach.held)) == 1);
-  // As many in one place as there are nowhere.
+  // More particles at one position than there can be.
   for (Vec3& position : known.positions) position = Vec3(0.06f, 0.02f, 0.02f);
   KnownMatter crowd = known;
   for (int k = 0; k < 4; ++k)

@@ -8,7 +8,7 @@ namespace palpate {
 
 namespace {
 
-// 30 x 20 x 30 mm in the middle of a box of 60 mm.
+// 30 x 20 x 30 mm in the centre of a box of 60 mm.
 MatterScene smallBlock() {
   return {.matter = Matter::soft,
           .box_mm = {60, 60, 60},
@@ -18,7 +18,7 @@ MatterScene smallBlock() {
           .young_Pa = 2e4};
 }
 
-// So soft that a step is one substep; in no gravity.
+// So soft that a step is one substep; without gravity.
 MatterScene slowScene(const DVec3& fill_mm) {
   return {.matter = Matter::soft,
           .box_mm = DVec3(200, 100, 200),
@@ -84,7 +84,7 @@ void checkPressMomentum(const SoftMaker& make, int steps) {
     CHECK(felt.x < -1e-5);
     CHECK(glm::distance(world->impulses().onTools, felt) <= 1e-9 * glm::length(felt));
     CHECK(glm::length(world->impulses().onWalls) > 1e-4);
-    // Who is not asked again presses no more.
+    // A press lasts one step only.
     world->step();
     CHECK(world->pressed().empty());
     CHECK(glm::distance(world->impulses().onTools, felt) <= 1e-9 * glm::length(felt));
@@ -153,7 +153,7 @@ void checkPressLocality(const SoftMaker& make) {
   world->press(presses);
   world->step();
   alone->step();
-  // Not to the last digit at rest.
+  // At rest velocities are zero only up to rounding.
   const std::vector<Vec3> velocities = world->velocitiesById(), still = alone->velocitiesById();
   const double spacing = scene.spacing_mm * 1e-3;
   int moved = 0;
@@ -173,7 +173,7 @@ void checkMostOfHand(const SoftMaker& make, int steps) {
   scene.pinned_mm = {DVec3(0), DVec3(60, 0.1, 60)};
   const auto world = make(scene, 0, nullptr, {});
   std::vector<PressingHand> hands;
-  // A tool of three points, whose nodes are partly the same, and another hand.
+  // A tool of three points with shared nodes, and another hand.
   for (int i = 0; i < 4; ++i) {
     hands.emplace_back(topOf(scene) + DVec3(0.004 * i - 0.008, 0, 0), 0.006, i < 3 ? 3 : 7);
     hands.back().press().most_N = i < 3 ? 0.3 : 0.9;
@@ -232,7 +232,7 @@ void checkHostilePresses(const SoftMaker& make) {
     }
   }
   CHECK(sameBytes(*world, *alone));
-  // Far from all surface, and with no radius, the nearest place is pressed.
+  // Far from any surface, and with radius 0, the nearest position is pressed.
   for (const double radius : {0.0, 1e-6, 0.006}) {
     CAPTURE(radius);
     PressingHand far(topOf(scene) + DVec3(0.0003, 0.03, 0.0001), radius);
@@ -257,7 +257,7 @@ void checkCompliance(const SoftMaker& make) {
   scene.pinned_mm = {DVec3(0), DVec3(200, 0.1, 200)};
   scene.poisson = 0.3;
   const auto deep = make(scene, 0, nullptr, {});
-  // Mean displacement under an even pressure on a circle (Love 1929), less that of what would lie below the block
+  // Mean displacement under a uniform pressure on a circle (Love 1929), minus that of the half-space below the block
   // (Boussinesq 1885).
   constexpr double kRadius_m = 0.0125;
   const double expected =
@@ -270,7 +270,7 @@ void checkCompliance(const SoftMaker& make) {
   const auto floating = make(free, 0, nullptr, {});
   const double byMass = 1 / (16 * 0.05 * 0.04 * 0.05 * 1000);
   CHECK(isWithin(0.03, floating->localCompliance_m_N({0.05, 0.04, 0.05}, 1, {0, -1, 0}), byMass));
-  // Where the floor holds it, it gives way no more than a little; asked in between, it goes on as if it were not.
+  // On the floor it gives way only slightly; the query does not change its motion.
   const auto standing = make(softBlock(), 0, nullptr, {}), unasked = make(softBlock(), 0, nullptr, {});
   run(*standing, 60);
   run(*unasked, 60);

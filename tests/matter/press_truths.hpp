@@ -1,17 +1,17 @@
-// What hands that press on the surface of a soft body have to be true to, whoever simulates it.
+// Required accuracy of hands that press on the surface of a soft body, for any implementation.
 #pragma once
 
 #include "tests/matter/soft_truths.hpp"
 
 namespace palpate {
 
-/// A hand that presses down on a block's top from above its middle.
+/// A hand that presses down on the centre of a block's top from above.
 class PressingHand {
  public:
-  /// `place_m`: of the surface.
+  /// `place_m`: position on the surface.
   PressingHand(const DVec3& place_m, double radius_m, std::uint32_t hand = 0);
 
-  /// Goes to a place within the next step.
+  /// Moves to a position within the next step.
   SurfacePress goTo(const DVec3& place_m);
   void heard(const PressReport& report) {
     press_.place_m = report.place_m;
@@ -26,22 +26,22 @@ class PressingHand {
   double work_J_ = 0;
 };
 
-/// Momentum after each of so many steps in which hands press, and pins hold: to 1e-5. What hands got is what the
-/// reports say.
+/// Momentum after each of `steps` steps with pressing hands, with and without pins, is accounted for to 1e-5. The
+/// hands' impulses are those of the reports.
 void checkPressMomentum(const SoftMaker& make, int steps);
-/// Random hands get less than a millijoule out, with friction and without.
+/// Random hands extract less than a millijoule, with and without friction.
 void checkPressEnergy(const SoftMaker& make, int steps);
-/// Of a sheet only the side that faces the press.
+/// On a thin sheet only the side that faces the press moves.
 void checkPressedSide(const SoftMaker& make);
-/// After a substep all nodes but those within a press's reach are to the bit as without it, and those of the surface
-/// within its radius are not.
+/// After a substep nodes beyond a press's reach equal those without it, to the bit, and surface nodes within its radius
+/// do not.
 void checkPressLocality(const SoftMaker& make);
-/// The presses of a hand together are never more than it bears.
+/// The forces of a hand's presses together stay within its maximum.
 void checkMostOfHand(const SoftMaker& make, int steps);
-/// What is no number, or presses nowhere, does nothing.
+/// A press that is not a number, or on no surface, has no effect.
 void checkHostilePresses(const SoftMaker& make);
-/// How a surface gives way is that of a half-space (Love 1929), within 5 %; of a body that nothing holds, that of its
-/// mass. Asking changes nothing.
+/// Compliance of a surface equals that of a half-space (Love 1929) within 5 %, and for a free body that of its mass.
+/// Queries change nothing.
 void checkCompliance(const SoftMaker& make);
 /// The same bytes, and again after a reset.
 void checkSamePressedBytes(const SoftMaker& one, const SoftMaker& other, int steps);

@@ -1,5 +1,4 @@
-// A dam that breaks, against another program that has nothing in common with this one: PySPH, where this machine has
-// it.
+// A dam break compared with an independent program, PySPH, if it is installed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

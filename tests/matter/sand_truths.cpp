@@ -1,4 +1,4 @@
-// What sand has to be true to.
+// Required accuracy of sand.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,7 +33,7 @@ void checkSlope(const MatterMaker& make, double friction) {
   run(*world, 200);
   const double acceleration = (world->velocitiesById()[0].x - before) / 0.2;
   if (friction > down / across) {
-    run(*world, 500);  // it swings on what friction gives in before it stands
+    run(*world, 500);  // it oscillates on the contact's compliance before it stops
     const float place = world->positionsById()[0].x;
     run(*world, 200);
     CHECK(std::abs(world->velocitiesById()[0].x) < 1e-5);

@@ -1,4 +1,4 @@
-// Shape matching: no force from what is rigid, none that the body has by itself, and no energy out of nothing.
+// Shape matching: no force from rigid motion, no net force from the body itself, and no energy from nothing.
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
@@ -35,7 +35,7 @@ struct MatchedBody {
       sum += static_cast<double>(body.masses()[i]) * glm::cross(placeOf(i), DVec3(body.velocities()[i]));
     return sum;
   }
-  // Every node somewhere else, by up to that many spacings, and as fast, in spacings a step.
+  // Moves every node randomly by up to `far` spacings, at up to `fast` spacings a step.
   void scatter(float far, float fast, unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> to(-1, 1);
@@ -65,7 +65,7 @@ TEST_CASE("a body whose shapes are matched has no force from a turn and a way, n
     }
     double most = 0;
     for (const DVec3& force : matched.body.forces(matched.team)) most = std::max(most, glm::length(force));
-    // Of the force that a node gets for a way of a spacing.
+    // Force on a node displaced by a spacing.
     const double whole = 0.5 / (kStep_s * kStep_s) * kSoftSpacing_m * 1000 * std::pow(kSoftSpacing_m, 3);
     CHECK(most < 1e-5 * whole);
     CHECK(matched.body.strainEnergy_J() < 1e-9 * whole * kSoftSpacing_m);
@@ -118,7 +118,7 @@ TEST_CASE("energy never grows, whatever the substep is, and everything returns t
           REQUIRE(now <= last + 1e-3 * first);
           last = now;
         }
-        // What is left is the motion as a whole.
+        // Only rigid motion remains.
         CHECK(matched.body.strainEnergy_J() < 1e-5 * first);
       }
 }

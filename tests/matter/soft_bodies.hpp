@@ -1,4 +1,4 @@
-// Soft bodies for the tests, and how they come to rest.
+// Soft bodies for the tests, and their relaxation to rest.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct TestBody {
 
   SoftSums substep(const DVec3& gravity_m_s2 = DVec3(0)) { return body.substep(gravity_m_s2, step_s, team); }
 
-  /// Where it comes to rest under loads: damped as the slowest motion, of that angular frequency, is critically.
+  /// Relaxes to rest under loads, critically damped for the slowest motion, given by its angular frequency.
   void relax(double slowest_rad_s, const std::function<void(std::span<Vec3>)>& load,
              const DVec3& gravity_m_s2 = DVec3(0)) {
     const double perSubstep = slowest_rad_s * step_s;
@@ -42,7 +42,7 @@ struct TestBody {
   }
 };
 
-/// The nodes at rest in a box.
+/// Nodes whose rest position is in a box.
 inline std::vector<std::size_t> nodesIn(const SoftLattice& lattice, const PlaceBox& box) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < lattice.nodes(); ++i)
@@ -50,10 +50,10 @@ inline std::vector<std::size_t> nodesIn(const SoftLattice& lattice, const PlaceB
   return found;
 }
 
-/// Everywhere within a thickness of x (m).
+/// A thin sheet at x (m), unbounded in y and z.
 inline PlaceBox sheetAt(double x_m) { return {DVec3(x_m - 1e-6, -1e3, -1e3), DVec3(x_m + 1e-6, 1e3, 1e3)}; }
 
-/// Share of a face's load that each of its nodes takes: corners a quarter and edges a half of the others.
+/// Fraction of a face's load for each of its nodes: a quarter of the others at corners and half at edges.
 inline std::vector<double> faceShares(const SoftLattice& lattice, std::span<const std::size_t> face) {
   std::vector<double> shares;
   double all = 0;

@@ -1,4 +1,4 @@
-// Balls and walls that press on soft bodies: Hertz, and how stiff the floor is.
+// Balls and walls that press on soft bodies: Hertz, and the stiffness of the floor.
 #include <cmath>
 
 #include "engine/matter/soft_contact.hpp"
@@ -9,7 +9,7 @@ namespace palpate::soft_contact_test {
 
 namespace {
 
-// A ball that is held above a block, and pressed into it as deep as it says; the force on it when all is at rest.
+// A ball held above a block and pressed into it to a given depth; its force after everything is at rest.
 struct Indentation {
   TestBody body;
   SoftContact contact;
@@ -69,7 +69,7 @@ TEST_CASE("a ball that is pressed into a deep block is pushed back as Hertz says
   for (const double poisson : {0.3, 0.45}) checkHertz(poisson, 32, 24, 8, {0.05, 0.1}, 0.08);
 }
 
-// A block is too stiff the less deep it is, so that this bound is wider.
+// The shallower a block, the stiffer it is, so that this bound is wider.
 TEST_CASE("a ball that is pressed into a block of few cells is pushed back nearly as Hertz says") {
   for (const double poisson : {0.3, 0.45}) checkHertz(poisson, 16, 12, 5, {0.1}, 0.12);
 }

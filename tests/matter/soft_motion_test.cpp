@@ -14,7 +14,7 @@ constexpr SoftMaterial kJelly{.young_Pa = 5e4, .poisson = 0.4, .density_kg_m3 = 
 
 SoftSolid block(const DVec3& spacings) { return boxSolid(DVec3(0), spacings * kSoftSpacing_m, kSoftSpacing_m); }
 
-// In double precision, and from the rest on: what stress a deformation gradient has.
+// Stress of a deformation gradient, relative to rest, in double precision.
 glm::dmat3 stressOf(const glm::dmat3& f, const SoftMaterial& material) {
   const shared::SoftRules rules = softRules(material, kSoftSpacing_m);
   const shared::SoftRulesOf<double> precise{.shear = rules.shear,
@@ -84,7 +84,8 @@ TEST_CASE("viscosity has the stress of the rate of Green's strain, and none of a
 
 TEST_CASE("what a cell does not see in its middle has the energy of bending, and viscosity takes that as well") {
   const double h = kSoftSpacing_m, volume = h * h * h;
-  // u_x = x y strains by y, as a beam; u_x = x y z by y z. Their mean squares over the cell are h^2 / 12 and h^4 / 144.
+  // u_x = x y strains by y, as in a beam; u_x = x y z by y z. Their mean squares over the cell are h^2 / 12 and h^4 /
+  // 144.
   const auto bent = [&](bool twisted, TestBody& cell) {
     for (std::size_t i = 0; i < 8; ++i) {
       const DVec3 arm = DVec3(cell.solid.lattice.rest()[i]) - h / 2;
@@ -95,7 +96,7 @@ TEST_CASE("what a cell does not see in its middle has the energy of bending, and
   TestBody cell(block({1, 1, 1}), kJelly);
   CHECK(isWithin(0.01, bent(false, cell), volume * kJelly.young_Pa * h * h / 24));
   CHECK(isWithin(0.01, bent(true, cell), volume * kJelly.young_Pa * h * h / 288));
-  // By a viscosity n energy is taken at the rate at which Young's modulus 3 n would store it: a decay of 4 n / rho h^2.
+  // A viscosity n dissipates energy at the rate at which Young's modulus 3 n would store it: a decay of 4 n / rho h^2.
   SoftMaterial syrup = kJelly;
   syrup.viscosity_Pa_s = 0.5;
   TestBody damped(block({1, 1, 1}), syrup);
@@ -119,7 +120,7 @@ TEST_CASE("a body that is turned has no stress, and a turn that goes on is not d
       turned.body.displacements()[i] = turn * arm - arm;
       turned.body.velocities()[i] = glm::cross(spin, turn * arm);
     }
-    // In unit of the force that a strain of 1 has on a node.
+    // In units of the force on a node at a strain of 1.
     const double unit = kJelly.young_Pa * kSoftSpacing_m * kSoftSpacing_m;
     for (const DVec3& force : turned.body.forces(turned.team)) REQUIRE(glm::length(force) <= 1e-5 * unit);
     CHECK(std::abs(turned.body.strainEnergy_J()) <= 1e-5 * kJelly.young_Pa * turned.solid.lattice.volume_m3());
@@ -189,7 +190,7 @@ TEST_CASE("what is strained and let go keeps its energy and its turn, and viscos
 
 TEST_CASE("a bar that is let go swings along itself with the frequency of its wave, and a beam across with its own") {
   const double length = 20 * kSoftSpacing_m, height = 3 * kSoftSpacing_m;
-  // Rounds in a second by the times at which the end goes through its rest upwards.
+  // Oscillations per second, from the times at which the end passes its rest position upwards.
   const auto frequency = [&](double poisson, int axis, double begin) {
     SoftMaterial material = kJelly;
     material.poisson = poisson;
@@ -200,7 +201,7 @@ TEST_CASE("a bar that is let go swings along itself with the frequency of its wa
         bar.body.displacements()[i].x = static_cast<float>(begin * std::sin(1.5708 * x));
         continue;
       }
-      // As under an even load, with sections that stay straight across.
+      // As under a uniform load, with cross sections perpendicular to the axis.
       const double slope = begin * x * (12 - 12 * x + 4 * x * x) / 3 / length;
       const double above = static_cast<double>(bar.solid.lattice.rest()[i].y) - height / 2;
       bar.body.displacements()[i] = DVec3(-above * slope, begin * x * x * (6 - 4 * x + x * x) / 3, 0);
@@ -222,7 +223,7 @@ TEST_CASE("a bar that is let go swings along itself with the frequency of its wa
   };
   const double wave = std::sqrt(kJelly.young_Pa / kJelly.density_kg_m3);
   checkTruth("frequency of a bar along itself, Hz", frequency(0.0, 0, 1e-3), wave / (4 * length), 0.01);
-  // Of Euler and Bernoulli, less what shear and turning take of it in a beam of this length (Timoshenko 1921).
+  // Euler and Bernoulli, minus shear and rotary inertia for a beam of this length (Timoshenko 1921).
   const double slender = 3.516 / 6.2832 * wave * height / std::sqrt(12.0) / (length * length);
   checkTruth("frequency of a beam across, Hz", frequency(0.0, 1, 1e-3), slender, 0.03);
 }

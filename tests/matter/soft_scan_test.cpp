@@ -1,4 +1,4 @@
-// Scans that are filled, and the points that bend with them.
+// Filled scans, and the points that deform with them.
 #include <cmath>
 #include <cstdio>
 #include <glm/gtc/quaternion.hpp>
@@ -37,7 +37,7 @@ std::string fillRefusal(const PointCloud& cloud, const MatterScene& scene = scan
   return "taken";
 }
 
-// The points that a test keeps.
+// The points for which `goes` is false.
 PointCloud without(const PointCloud& cloud, auto goes) {
   PointCloud left;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -81,7 +81,7 @@ TEST_CASE("a closed scan is filled with as much as it holds") {
     const auto points = placeScan(shapeCloud(one.shape), scanScene());
     const SoftSolid solid = scanSolid(points, 0.005, 0, team);
     CHECK(isWithin(one.share, solid.lattice.volume_m3(), one.volume_m3));
-    // What is stiff is hardly more than that.
+    // The stiff volume is hardly larger.
     double stiff_m3 = 0;
     for (const float filled : solid.lattice.filled()) stiff_m3 += std::pow(0.005, 3) * static_cast<double>(filled);
     CHECK(isWithin(0.1, stiff_m3, one.volume_m3));
@@ -129,7 +129,7 @@ TEST_CASE("a scan that is not closed is refused with where it is open, and how w
 }
 
 TEST_CASE("a sheet of few, uneven points is refused as open, and a closed scan of as few is taken") {
-  // Terrain as an aeroplane measures it: its points stand up and down by more than they are apart.
+  // Terrain as measured from an aeroplane: height differences exceed the spacing.
   std::mt19937 random(5);
   std::uniform_real_distribution<float> side(0, 100), height(0, 12);
   PointCloud sheet;
@@ -146,7 +146,7 @@ TEST_CASE("a sheet of few, uneven points is refused as open, and a closed scan o
   CHECK(says(fillRefusal(sheet), "model: is not closed"));
   CHECK(fillRefusal(shapeCloud("sphere", 1000)) == "taken");
   CHECK(fillRefusal(shapeCloud("torus", 1000)) == "taken");
-  // Half of a sphere, for whoever wants it closed by a film.
+  // Half of a sphere, closed by a film on request.
   MatterScene scene = scanScene();
   scene.hole_mm = 200;
   CHECK(fillRefusal(without(shapeCloud("sphere"), [](const Vec3& place) { return place.y > 0; }), scene) == "taken");
@@ -240,7 +240,7 @@ TEST_CASE("a scan that stands on its foot is pressed by a hand, and takes its po
   world.makeFrame(frame);
   REQUIRE(frame.size() == points.size());
   CHECK(frame.time_s == near(0.6, 1e-6));
-  // No point is deep in the ball, nor below the floor.
+  // No point is deep inside the ball or below the floor.
   for (const Vec3& position : frame.positions) {
     REQUIRE(glm::length(DVec3(position) - world.answers()[0].place_m) > 0.013);
     REQUIRE(position.y > -1e-3f);

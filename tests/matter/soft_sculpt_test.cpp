@@ -1,4 +1,4 @@
-// Soft bodies whose rest shape was sculpted: what yields, what does not, and what the body is like then.
+// Soft bodies with a sculpted rest shape: what yields, what does not, and the body's behaviour afterwards.
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
@@ -16,7 +16,7 @@ constexpr SoftMaterial kJelly{.young_Pa = 5e4, .poisson = 0.4, .density_kg_m3 = 
 
 SoftSolid block(const DVec3& spacings) { return boxSolid(DVec3(0), spacings * kSoftSpacing_m, kSoftSpacing_m); }
 
-// Every node rests somewhere else, by up to that share of a spacing along each axis.
+// Every node's rest position is displaced by up to that fraction of a spacing along each axis.
 std::vector<RestPlace> scattered(const SoftLattice& lattice, float share, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> to(-share, share);
@@ -28,7 +28,7 @@ std::vector<RestPlace> scattered(const SoftLattice& lattice, float share, unsign
   return places;
 }
 
-// Of all nodes a linear motion of the lattice.
+// A linear map of all nodes.
 std::vector<RestPlace> stretched(const SoftLattice& lattice, const DVec3& scales) {
   std::vector<RestPlace> places;
   for (std::uint32_t i = 0; i < lattice.nodes(); ++i)
@@ -42,7 +42,7 @@ double largest(const std::vector<DVec3>& forces) {
   return most;
 }
 
-// That of a strain of 1 over the face of a cell.
+// The force of a strain of 1 over the face of a cell.
 double faceForce() { return kJelly.young_Pa * kSoftSpacing_m * kSoftSpacing_m; }
 
 // A sculptor of a body.
@@ -52,7 +52,7 @@ struct Sculptor {
 
   explicit Sculptor(TestBody& body) : surface(body.solid.lattice, body.solid.surface), sculpture(body.body, surface) {}
 
-  // All places within a distance of one now go the same way.
+  // Displaces all surface points that are now within a radius of `middle` by `way`.
   std::vector<PlaceWay> around(const SoftBody& body, const DVec3& middle, double radius, const DVec3& way) const {
     std::vector<PlaceWay> ways;
     for (std::uint32_t i = 0; i < surface.size(); ++i)
@@ -124,7 +124,7 @@ TEST_CASE("a bar that was drawn out or pressed together is as stiff as E A / L o
     const double force = 0.002 * material.young_Pa * area;
     const auto face = nodesIn(bar.solid.lattice, sheetAt(24 * kSoftSpacing_m));
     const auto shares = faceShares(bar.solid.lattice, face);
-    // Of as much mass as before.
+    // The mass is unchanged.
     const double slowest = 1.571 * std::sqrt(material.young_Pa / (1000 / scale)) / length;
     bar.relax(slowest, [&](std::span<Vec3> loads) {
       for (std::size_t k = 0; k < face.size(); ++k) loads[face[k]] = Vec3(shares[k] * force, 0, 0);
@@ -172,7 +172,7 @@ TEST_CASE(
   }
   CHECK(most > 0.5 * 5 * 4e-4);
   CHECK(most < 5 * 4e-4);
-  // It fades into the depth.
+  // It fades with depth.
   const auto lowered = [&](double depth) {
     const DVec3 place = top - DVec3(0, depth, 0);
     const auto node = nodesIn(body.solid.lattice, {place - 1e-6, place + 1e-6}).front();
@@ -189,7 +189,7 @@ TEST_CASE(
   sculptor.sculpture.endStroke();
   const std::vector<Vec3> second = copyOf(body.body.rest().displacements());
   CHECK(second != first);
-  sculptor.sculpture.endStroke();  // there is none
+  sculptor.sculpture.endStroke();  // no stroke is in progress
   CHECK(sculptor.sculpture.strokes() == 2);
   CHECK(sculptor.sculpture.undo());
   CHECK(copyOf(body.body.rest().displacements()) == first);
@@ -204,7 +204,7 @@ TEST_CASE(
   CHECK(sculptor.sculpture.redo());
   CHECK(copyOf(body.body.rest().displacements()) == second);
   CHECK_FALSE(sculptor.sculpture.redo());
-  // A new stroke takes the place of those that were taken back.
+  // A new stroke replaces the undone ones.
   sculptor.sculpture.undo();
   sculptor.sculpture.yield(sculptor.around(body.body, kSoftSpacing_m * DVec3(8, 0, 4), radius, {0, -2e-4, 0}));
   sculptor.sculpture.endStroke();
@@ -240,7 +240,7 @@ TEST_CASE("a bar that was sculpted at its end is as stiff everywhere else as it 
   for (int tick = 0; tick < 6; ++tick)
     sculptor.sculpture.yield(sculptor.around(bar.body, kSoftSpacing_m * DVec3(20, 4, 2), 0.006, {0, -3e-4, 0}));
   sculptor.sculpture.endStroke();
-  // The same strain does the same to nodes that are farther than a brush reaches.
+  // The same strain has the same effect on nodes beyond the reach of a brush.
   const float reach =
       static_cast<float>(kSoftSpacing_m * 20 - 0.006 - (SoftSculpture::kReach_spacings + 1) * kSoftSpacing_m);
   for (const RestPlace& more : scattered(bar.solid.lattice, 0.1f, 7)) {
@@ -295,7 +295,7 @@ TEST_CASE("a body that is turned yields as one that is not, and one that is stra
     most = std::max(most, static_cast<double>(glm::length(expected)));
   }
   CHECK(most > 5e-4);
-  // Where nothing but the nodes had gone along, the strain of the way would have come to it.
+  // Without the change of the rest shape, the displacement would have added its strain energy.
   TestBody other(block({6, 6, 6}), kJelly);
   for (std::size_t i = 0; i < other.body.size(); ++i) other.body.displacements()[i] = still.body.displacements()[i];
   const double changed_J = std::abs(still.body.strainEnergy_J() - before_J);
@@ -345,7 +345,7 @@ TEST_CASE("no cell is turned inside out, however long a brush goes on, and the b
   for (const std::uint32_t place : {sculpture.surface().nearest(world.body(), top - DVec3(0, 0.01, 0))})
     deepest = std::min(deepest, sculpture.surface().placeOf(world.body(), place).y);
   CHECK(static_cast<double>(deepest) < top.y - 0.004);
-  // Begun anew it has that shape.
+  // It keeps that shape after a reset.
   const std::vector<Vec3> shape = copyOf(world.body().rest().displacements());
   world.reset();
   CHECK(copyOf(world.body().rest().displacements()) == shape);

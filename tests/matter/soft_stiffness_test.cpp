@@ -1,4 +1,4 @@
-// Soft bodies at rest under loads, against what elasticity says of bars and beams.
+// Soft bodies at rest under loads, compared with the theory of elasticity for bars and beams.
 #include <cmath>
 
 #include "tests/matter/soft_bodies.hpp"
@@ -11,18 +11,18 @@ constexpr double kYoung_Pa = 5e4;
 
 SoftMaterial material(double poisson) { return {.young_Pa = kYoung_Pa, .poisson = poisson, .density_kg_m3 = 1000}; }
 
-// A beam along x from 0, of so many spacings, held at its end.
+// A beam along x from 0, sized in spacings, held at its end.
 TestBody beam(const DVec3& spacings, double poisson, double spacing_m = kSoftSpacing_m) {
   return {boxSolid(DVec3(0), spacings * spacing_m, spacing_m), material(poisson), std::array{sheetAt(0)}};
 }
 
-// Of a bar along itself and of a beam across itself, both held at one end, rad/s.
+// Longitudinal frequency of a bar, and bending frequency of a beam, both held at one end, rad/s.
 double stretchFrequency(double length_m) { return 1.571 * std::sqrt(kYoung_Pa / 1000) / length_m; }
 double bendFrequency(double length_m, double height_m) {
   return 3.516 * std::sqrt(kYoung_Pa / 12000) * height_m / (length_m * length_m);
 }
 
-// Where the free end of a beam goes under a force, m.
+// Displacement of the free end of a beam under a force, m.
 DVec3 endUnder(TestBody& beam, const DVec3& force_N, double length_m, double slowest_rad_s) {
   const auto face = nodesIn(beam.solid.lattice, sheetAt(length_m));
   const auto shares = faceShares(beam.solid.lattice, face);

@@ -13,14 +13,14 @@ namespace {
 
 constexpr double kSpacing_m = 0.005, kYoung_Pa = 5e4;
 
-// Momentum that nobody has given, of all that was given.
+// Momentum that is not accounted for, relative to all that was given.
 double missingShare(const MatterSimulation& world, const DVec3& before) {
   const MatterImpulses& given = world.impulses();
   const DVec3 missing = world.totals().momentum - (before + given.gravity - given.onWalls - given.onTools);
   return glm::length(missing) / (glm::length(before) + glm::length(given.gravity) + glm::length(given.onTools));
 }
 
-// Comes to rest, damped as the slowest motion, of that angular frequency, is critically.
+// Relaxes to rest, critically damped for the slowest motion, given by its angular frequency.
 void relax(MatterSimulation& world, double slowest_rad_s) {
   const double perStep = slowest_rad_s * kMatterStep_s;
   const auto kept = static_cast<float>(std::exp(-2 * perStep));
@@ -33,7 +33,7 @@ void relax(MatterSimulation& world, double slowest_rad_s) {
   REQUIRE(world.state() == MatterState::running);
 }
 
-// The nodes farthest along x, and how far they have gone since they were at `rest`.
+// The nodes farthest along x, and their mean displacement from `rest`.
 std::vector<std::size_t> endOf(const std::vector<Vec3>& rest) {
   float far = 0;
   for (const Vec3& place : rest) far = std::max(far, place.x);
@@ -79,7 +79,7 @@ MatterScene softBlock() {
 }
 
 MatterScene softBar(const DVec3& spacings) {
-  // It stands in the middle of its box, on the floor, which does nothing to what does not sink into it.
+  // It stands in the centre of its box on the floor, which acts only on what penetrates it.
   const DVec3 fill_mm = spacings * kSpacing_m * 1e3;
   return {.matter = Matter::soft,
           .box_mm = {2 * fill_mm.x, 1000, 1000},
@@ -96,7 +96,7 @@ void checkHangingBar(const SoftMaker& make, const DVec3& spacings, double poisso
   MatterScene scene = softBar(spacings);
   scene.poisson = poisson;
   const double length = spacings.x * kSpacing_m, strain = 0.004;
-  // Along x it is weighed, sideways it is not.
+  // Gravity acts along x only.
   scene.gravity_m_s2 = {2 * strain * kYoung_Pa / (1000 * length), 0, 0};
   const auto world = make(scene, 0, nullptr, {});
   const std::vector<Vec3> rest = world->positionsById();
@@ -129,11 +129,11 @@ void checkStretchFrequency(const SoftMaker& make, const DVec3& spacings, int rou
   const std::size_t end = endOf(rest).front();
   std::vector<Vec3> velocities;
   for (const Vec3& place : rest) {
-    const double along = static_cast<double>(place.x) / length - 0.5;  // the body is in the middle of its box
+    const double along = static_cast<double>(place.x) / length - 0.5;  // the body is in the centre of its box
     velocities.emplace_back(0.01 * std::sin(1.5708 * along), 0, 0);
   }
   world->setVelocities(velocities);
-  // The times at which the end goes through its rest upwards, between two steps by where it is.
+  // Times at which the end passes its rest position upwards, interpolated between two steps.
   double before = 0, first = 0, last = 0;
   int done = -1;
   for (int k = 1; done < rounds; ++k) {
@@ -176,7 +176,7 @@ void checkHertz(const SoftMaker& make, const HertzCase& one) {
     world->setVelocities(velocities);
   }
   REQUIRE(world->state() == MatterState::running);
-  // What holds the ball gives way, too.
+  // The spring that holds the ball gives way, too.
   const double deep_m = above_m - world->answers()[0].place_m.y;
   CHECK(deep_m > 0.07 * ball_m);
   const double stiffness = 4.0 / 3 * kYoung_Pa / (1 - one.poisson * one.poisson) * std::sqrt(ball_m);
@@ -203,7 +203,7 @@ void checkTurned(const SoftMaker& make, const SoftBend& bend) {
     }
     bend(*world, displacements);
     world->step();
-    // In unit of the speed that the stress of a strain of 1 would give in that time to a node at a corner.
+    // In units of the speed that a corner node would get in that time from the stress at a strain of 1.
     const double unit = 3e4 * kSpacing_m * kSpacing_m / (1000 * std::pow(kSpacing_m, 3) / 8) * kMatterStep_s;
     for (const Vec3& velocity : world->velocitiesById()) most = std::max(most, double(glm::length(velocity)) / unit);
   }
@@ -221,7 +221,7 @@ void checkSoftMomentum(const SoftMaker& make, int steps) {
   for (int k = 0; k < steps; ++k) {
     run(*world, 1);
     const MatterImpulses& given = world->impulses();
-    // The ball is not to the last digit as large as it should be: its weight says what it weighs.
+    // The ball's actual mass, which rounding changes, is measured by its weight.
     const double weighs = glm::length(given.gravity) / (kGravity_m_s2 * kMatterStep_s * (k + 1));
     CHECK(isWithin(0.01, weighs, mass));
     REQUIRE(missingShare(*world, before * (weighs / mass)) <= 1e-5);

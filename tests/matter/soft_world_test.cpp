@@ -80,7 +80,7 @@ TEST_CASE("a ball in a hand is pushed back as Hertz says" * kMoreInFull) {
 TEST_CASE("a turn makes no stress") { checkTurned(softOnCpu(), bendOnCpu()); }
 
 TEST_CASE("a body is as stiff with more substeps" * kMoreInFull) {
-  // Force over the depth to the power of Hertz: what holds the ball gives way by the substep (tool_body.cpp).
+  // Force over the depth to the power of Hertz: the spring that holds the ball yields per substep (tool_body.cpp).
   MatterScene block = softBlock();
   block.fill_mm = {30, 40, 30};
   block.gravity_m_s2 = DVec3(0);

@@ -1,4 +1,4 @@
-// A hand that stirs for long.
+// A hand that stirs for a long time.
 #include <unistd.h>
 
 #include <cmath>
@@ -8,14 +8,14 @@
 #include "tests/matter/matter_truths.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
-extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // whose header not every compiler brings
+extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // not every compiler provides its header
 #endif
 
 namespace palpate::stirring_test {
 
 namespace {
 
-// Of this process. A sanitizer keeps for long what was given back: there, what was asked for and not given back.
+// Memory of this process. A sanitizer keeps freed memory for long: there, memory allocated and not freed.
 std::size_t memoryBytes() {
 #if defined(__SANITIZE_ADDRESS__)
   return __sanitizer_get_current_allocated_bytes();

@@ -1,4 +1,4 @@
-// What a tool in water has to be true to.
+// Required accuracy of a tool in water.
 #include <array>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
@@ -22,7 +22,7 @@ MatterScene tankForBall(double radius_mm, double side_spacings, double filled_sp
   return scene;
 }
 
-// At rest around a ball that is there already.
+// Positions at rest around a ball that is already there.
 std::vector<Vec3> placesAround(const DVec3& ball_m, const MatterScene& scene) {
   std::vector<Vec3> places = placesAtRest(scene);
   std::erase_if(places, [&](const Vec3& place) {
@@ -106,8 +106,8 @@ void checkPortEnergy(const MatterMaker& make, int steps, double share) {
 
 namespace {
 
-// What turns a ball that goes round in a tank full of so viscous water, of 8 pi mu R^3 omega, and how much turning the
-// water has after ten steps, before it comes to walls, of what the ball gave.
+// Torque on a ball that rotates in a tank of viscous water, relative to 8 pi mu R^3 omega, and the water's angular
+// momentum after ten steps, before it reaches walls, relative to what the ball gave.
 struct Turned {
   double share = 0, got = 0;
 };
@@ -142,7 +142,8 @@ Turned turned(const MatterMaker& make, double viscosity_Pa_s, double spin_rad_s,
 
 void checkTorque(const MatterMaker& make, int steps, double least, double most) {
   const Turned slow = turned(make, 1, 0.5, steps), swift = turned(make, 1, 1, steps), thick = turned(make, 5, 1, steps);
-  // Coarse as it is, a ball drags only what its points meet; and what they give acts on the water a little farther out.
+  // At this resolution a ball drags only the water that its points meet, and their reaction acts on water slightly
+  // farther out.
   for (const Turned& each : {slow, swift, thick}) {
     MESSAGE(fmt::format("torque on a turning ball of 4 spacings: {:.2f} of 8 pi mu R^3 omega; water gets {:.2f} of it",
                         each.share, each.got));

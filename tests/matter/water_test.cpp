@@ -1,4 +1,4 @@
-// Water against hydrostatics, conservation, and itself.
+// Water compared with hydrostatics, conservation laws, and itself.
 #include <algorithm>
 #include <cmath>
 
@@ -27,7 +27,7 @@ TEST_CASE("water that stands in a tank comes to rest, and does not grow") {
   run(world, 4500);
   const MatterObservation late = world.observe();
   CHECK(late.kinetic_J <= early_J);
-  // A thousandth of what it would take to lift all of it by its own height.
+  // A thousandth of the energy to lift all of it by its own height.
   CHECK(late.kinetic_J <= 1e-3 * massOf(world) * kGravity_m_s2 * 0.24);
   float top = 0;
   for (const Vec3& place : world.positionsById()) top = std::max(top, place.y);
@@ -35,7 +35,7 @@ TEST_CASE("water that stands in a tank comes to rest, and does not grow") {
 }
 
 TEST_CASE("a tank that is filled to no whole number of spacings stands as high as was asked for") {
-  // A column in a tank of 80 by 80 mm: the mean height of its particles is half of its own.
+  // A column in a tank of 80 by 80 mm: the mean height of its particles is half of its height.
   for (const double fill_mm : {45.0, 32.0}) {
     CAPTURE(fill_mm);
     const MatterScene scene{.box_mm = {80, 80, 80}, .fill_mm = {80, fill_mm, 80}, .spacing_mm = 10};

@@ -39,7 +39,7 @@ TEST_CASE("an orbit never tips over, however far the hand goes") {
   Camera camera = someCamera();
   for (int i = 0; i < 50; ++i) camera = orbited(camera, camera.target, {3, 100}, kSize_px);
   CHECK(camera.axes().up.y > 0);
-  CHECK(camera.axes().forward.y < -0.99);  // the hand goes down, the eye goes up
+  CHECK(camera.axes().forward.y < -0.99);  // the hand moves down, the eye up
   for (int i = 0; i < 50; ++i) camera = orbited(camera, camera.target, {0, -100}, kSize_px);
   CHECK(camera.axes().up.y > 0);
   CHECK(camera.axes().forward.y > 0.99);
@@ -65,7 +65,7 @@ TEST_CASE("zooming goes to the point, which stays on screen, and not past the li
   for (int i = 0; i < 100; ++i) camera = zoomed(camera, point, 3, 0.1, 100);
   CHECK(glm::distance(camera.eye, point) == near(100, 1e-6));
   camera.eye = point;
-  CHECK(zoomed(camera, point, 0.5, 0.1, 100).eye == point);  // there is no way to go
+  CHECK(zoomed(camera, point, 0.5, 0.1, 100).eye == point);  // no distance left to move
 }
 
 TEST_CASE("a new centre keeps direction and distance, an axis the distance") {
@@ -112,7 +112,7 @@ TEST_CASE("the front is the front and the top the top, whichever way is up") {
     CHECK(glm::dot(from(ModelSide::back, up).axes().forward, front) > 0.999);
     CHECK(glm::dot(from(ModelSide::top, up).axes().forward, -top) > 0.98);
     CHECK(glm::dot(from(ModelSide::bottom, up).axes().forward, top) > 0.98);
-    // Who looks at the front has the right side on the right.
+    // Seen from the front, the right side is on the right.
     const DVec3 right = from(ModelSide::front, up).axes().right;
     CHECK(glm::dot(from(ModelSide::right, up).axes().forward, -right) > 0.999);
     CHECK(glm::dot(from(ModelSide::left, up).axes().forward, right) > 0.999);

@@ -95,7 +95,7 @@ TEST_CASE("discs of a few points have room in the picture") {
           CHECK(place->x <= size.x);
           CHECK(place->y <= size.y);
         }
-    // And not more than that.
+    // But not much farther than necessary.
     CHECK(glm::distance(camera.eye, camera.target) < 20 * margin);
   }
 }

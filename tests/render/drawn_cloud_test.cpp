@@ -16,7 +16,7 @@ TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
-/// Plays the touch side: writes entries into the ring and publishes them; keeps what the cloud should be.
+/// Acts as the touch side: writes entries into the ring and publishes them; keeps the expected cloud.
 class Writer {
  public:
   Writer(Device& device, const PointCloud& cloud)
@@ -57,8 +57,7 @@ class Writer {
   std::uniform_real_distribution<float> unit_{-1, 1};
 };
 
-/// What may be done to points: moves, colours, points that go, come back, come new, or have no place in the drawn
-/// cloud.
+/// Random edits of points: moved, recoloured, removed, restored, new, or without a slot in the drawn cloud.
 class RandomStates {
  public:
   explicit RandomStates(std::uint32_t places) : places_(places) {}
@@ -85,7 +84,7 @@ class RandomStates {
 
 class DrawnCloudFixture : public GpuFixture {
  protected:
-  /// All that a frame reads of it, bit by bit: a place without a point is no number.
+  /// All data that a frame reads, bit by bit: an empty slot is NaN.
   std::vector<std::uint32_t> bits(const DrawnCloud& drawn) {
     std::vector<std::uint32_t> all;
     for (const Buffer* buffer : {&drawn.positions(), &drawn.normals(), &drawn.colors(), &drawn.clips()}) {
@@ -94,7 +93,7 @@ class DrawnCloudFixture : public GpuFixture {
     }
     return all;
   }
-  /// An empty submission; its ticket tells how many there were before.
+  /// An empty submission; its ticket counts the earlier ones.
   Queue::Ticket ticketOfTouch() {
     CommandList nothing(device, device.latencyQueue(), "nothing");
     nothing.begin();
@@ -261,7 +260,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are pa
   CHECK(std::isnan(positions[7].x));
   CHECK(Vec3(positions[8]) == place);
   CHECK(colors[8] == 5);
-  CHECK(std::isnan(positions[301].x));  // nobody has come there
+  CHECK(std::isnan(positions[301].x));  // an empty slot
   CHECK(Vec3(positions[302]) == place);
   CHECK(colors[302] == 0xff00ff00);
   CHECK(colors[0] == shared::kUnpainted);
@@ -298,13 +297,13 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
 
 TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame that changes little each disc is as if all were measured") {
   PointCloud cloud = strewnCloud(3000);
-  cloud.positions[2] = Vec3(-1.5f);  // two that stay keep the grid what it is
+  cloud.positions[2] = Vec3(-1.5f);  // two fixed points keep the grid unchanged
   cloud.positions[3] = Vec3(1.5f);
   const DrawnOptions options{.spacing = 0.1, .edited = true};
   PointCloud left;
   CloudFrame frame;
   for (std::uint32_t id = 0; id < cloud.size(); ++id) {
-    if (id % 31 == 5) continue;  // it goes
+    if (id % 31 == 5) continue;  // removed
     const bool moves = id % 97 == 0, turns = id % 89 == 1;
     const Vec3 normal = cloud.normals[id];
     left.positions.push_back(cloud.positions[id] + (moves ? Vec3(0.4f, -0.35f, 0.5f) : Vec3(0)));
@@ -315,7 +314,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame that changes little each dis
   frame.normals = left.normals;
   DrawnCloud drawn(device, cloud, options), measured(device, left, options);
   const auto whole = bits(drawn);
-  // Of the first frame all discs are measured; what counts is the second.
+  // The first frame measures all discs; the second is under test.
   drawn.place(CloudFrame{.positions = cloud.positions, .normals = cloud.normals});
   drawn.closeSurface();
   CHECK(bits(drawn) == whole);
@@ -336,7 +335,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame that changes little each dis
   CHECK(wrong == 0);
   CHECK(there == frame.ids.size());
   CHECK(drawn.largestRadius() > 0);
-  // All come back, and stand as they did.
+  // All points are restored at their old positions.
   drawn.place(CloudFrame{.positions = cloud.positions, .normals = cloud.normals});
   drawn.closeSurface();
   CHECK(bits(drawn) == whole);
@@ -344,7 +343,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame that changes little each dis
 
 TEST_CASE_FIXTURE(DrawnCloudFixture, "where a single point was, and where it has come to, discs are measured again") {
   PointCloud cloud = strewnCloud(3000);
-  cloud.positions[2] = Vec3(-1.5f);  // two that stay keep the grid what it is
+  cloud.positions[2] = Vec3(-1.5f);  // two fixed points keep the grid unchanged
   cloud.positions[3] = Vec3(1.5f);
   const DrawnOptions options{.spacing = 0.1, .edited = true};
   DrawnCloud drawn(device, cloud, options);
@@ -386,7 +385,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
   const auto measured = placed(0);
   CHECK(differing(placed(0.001f), measured) == 0);
   CHECK(differing(placed(0.002f), measured) == 0);
-  // In small steps, too: what counts is how far it has come.
+  // The same in small steps: the total displacement counts.
   CHECK(differing(placed(0.003f), measured) == 0);
   CHECK(differing(placed(0.005f), measured) > cloud.size() / 2);
 }

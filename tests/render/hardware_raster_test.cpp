@@ -1,4 +1,4 @@
-// The graphics pipeline against the compute passes: the same picture.
+// The graphics pipeline compared with the compute passes: the same picture.
 #include "engine/render/hardware_raster.hpp"
 
 #include <algorithm>
@@ -16,12 +16,12 @@ namespace {
 
 constexpr std::uint32_t kWidth = 160, kHeight = 120;
 
-/// Shares of all pixels of two pictures.
+/// Fractions of all pixels of two pictures.
 struct Difference {
-  double silhouette = 0;  ///< that only one of them covers
-  double depth = 0;       ///< of other depths, past rounding
-  double color = 0;       ///< of colours that are off by more than two units of 255 in a channel
-  double covered = 0;     ///< by the first
+  double silhouette = 0;  ///< covered in only one of them
+  double depth = 0;       ///< different depths, beyond rounding
+  double color = 0;       ///< colours that differ by more than two units of 255 in a channel
+  double covered = 0;     ///< covered in the first
 };
 
 Difference difference(const Image& color, const DepthImage& depth, const Image& otherColor,
@@ -44,7 +44,7 @@ PointCloud shapeCloud(const char* name, std::size_t count = 20'000) {
   return sampleShape(*makeShape(name, 2.0), {.count = count});
 }
 
-/// Coloured by place.
+/// Coloured by position.
 PointCloud colored(PointCloud cloud) {
   cloud.colors.clear();
   const auto encoded = [](float x) { return static_cast<std::uint8_t>(std::clamp(127.5f + 100 * x, 0.0f, 255.0f)); };
@@ -62,9 +62,9 @@ class HardwareRasterFixture : public PictureFixture {
     return device.draws();
   }
 
-  static constexpr double kFew = 2e-3;  // a rim that rounds the other way, here and there
+  static constexpr double kFew = 2e-3;  // rim pixels that round differently
 
-  /// Says which share of the pixels the cloud covers.
+  /// Returns the fraction of the pixels that the cloud covers.
   double checkSame(const DrawnCloud& cloud, const Camera& camera, FrameOptions options = {},
                    std::uint32_t width = kWidth, std::uint32_t height = kHeight, std::uint32_t supersample = 2) {
     Frame& frame = frameOf(width, height, supersample);
@@ -124,7 +124,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "so they do from inside, with radii giv
 TEST_CASE_FIXTURE(HardwareRasterFixture, "discs wider than the GPU's points are drawn in full, beside small ones") {
   if (!drawsHere()) return;
   PointCloud cloud = colored(shapeCloud("sphere", 200));
-  // Right before the eye, oblique. Two blend there: a sample that is drawn twice shows in the colour.
+  // Close to the eye, oblique. Two of them blend: a sample that is drawn twice shows in the colour.
   for (const Vec3& p : {Vec3(0.1f, 0.05f, 2.6f), Vec3(0.17f, 0.02f, 2.5f), Vec3(0.9f, -0.4f, 2.4f)}) {
     cloud.positions.push_back(p);
     cloud.normals.push_back(glm::normalize(p.x < 0.5f ? Vec3(0.3f, 0.2f, 1) : Vec3(1, 0.2f, 0.4f)));
@@ -135,7 +135,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "discs wider than the GPU's points are 
   const DrawnCloud drawn(device, cloud);
   constexpr std::uint32_t kLargeWidth = 640, kLargeHeight = 480;
   const double disc_px = 2 * 0.2 * camera.focal_px(kLargeHeight) / 0.4;
-  REQUIRE(disc_px > 300);  // more than lavapipe's points can be
+  REQUIRE(disc_px > 300);  // larger than lavapipe's maximum point size
   FrameOptions options{.pass = ImagePass::color, .splatRadius = 0.2, .closeHoles = false};
   CHECK(checkSame(drawn, camera, options, kLargeWidth, kLargeHeight, 1) > 0.4);
 }
@@ -178,7 +178,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "points that are no numbers, without no
   cloud.positions[8] = Vec3(0, infinite, 0);
   cloud.positions[9] = Vec3(1e30f, 0, 0);
   Camera camera;
-  camera.eye = {0, 0, 0.2};  // amid the points
+  camera.eye = {0, 0, 0.2};  // among the points
   camera.target = {0.3, 0.1, -1};
   camera.nearDepth = 0.05;
   FrameOptions options{.splatRadius = 0.05};
@@ -247,7 +247,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "a frame names its passes, and its reco
   CHECK(names == std::vector<std::string>{"frame/splat: render_hardware_depth", "frame/splat: render_hardware_normals",
                                           "frame/splat: render_hardware_sums", "frame/holes: render_close_holes",
                                           "frame/shade: render_shade", "frame/shade: render_resolve"});
-  CHECK(list.passes()[0].threads == 1024);  // vertices, in whole groups
+  CHECK(list.passes()[0].threads == 1024);  // vertices, in whole workgroups
 }
 
 TEST_CASE_FIXTURE(HardwareRasterFixture, "a picture larger than the GPU's images is refused with what to do instead") {

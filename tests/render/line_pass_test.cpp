@@ -1,4 +1,4 @@
-// Lines in space: they lie where their ends are seen, shine through from behind, and without them nothing changes.
+// Lines in space: drawn between their projected ends, visible through surfaces, and without effect elsewhere.
 #include "engine/render/line_pass.hpp"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ Camera fromFront() {
   return camera;
 }
 
-/// Where that camera sees a place, by its definition: the height of the picture is 45 degrees.
+/// Projection of a position by that camera's definition: a vertical field of view of 45 degrees.
 DVec2 seenAt(const DVec3& place) {
   const double focal_px = 0.5 * kHeight / std::tan(22.5 / 57.29577951308232), depth = 4 - place.z;
   return {0.5 * kWidth + focal_px * place.x / depth, 0.5 * kHeight - focal_px * place.y / depth};
@@ -45,7 +45,7 @@ class LineFixture : public PictureFixture {
   static std::array<std::uint8_t, 4> at(const Image& image, const DVec2& place_px) {
     return image.at(static_cast<std::uint32_t>(place_px.x), static_cast<std::uint32_t>(place_px.y));
   }
-  /// Redness beyond that of the picture without lines.
+  /// Excess redness relative to the picture without lines.
   static int redder(const Image& image, const Image& without, const DVec2& place_px) {
     const auto now = at(image, place_px), before = at(without, place_px);
     return (now[0] - now[1]) - (before[0] - before[1]);

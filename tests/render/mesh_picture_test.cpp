@@ -1,4 +1,4 @@
-// Pictures of triangles: where they are, how they are lit, and that nothing falls between them.
+// Pictures of triangles: their position, their lighting, and no gaps between them.
 #include <algorithm>
 #include <numbers>
 
@@ -13,7 +13,7 @@ TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
-// A sphere of radius 1 in triangles between meridians and circles of latitude; the radius is that of the vertices.
+// A sphere of triangles between meridians and circles of latitude; its vertices have radius 1.
 struct SphereMesh {
   std::vector<shared::MeshVertex> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -40,7 +40,7 @@ SphereMesh sphereMesh(std::uint32_t rings) {
 
 class MeshPictureFixture : public PictureFixture {
  protected:
-  // Colour and depth of the mesh as a camera in front of it sees it.
+  // Colour and depth of the mesh, seen by a camera in front of it.
   struct Picture {
     Image color;
     DepthImage depth;
@@ -77,7 +77,7 @@ TEST_CASE_FIXTURE(MeshPictureFixture, "every sample of a closed mesh is covered,
     std::size_t inside = 0;
     for (std::uint32_t y = 0; y < 200; ++y)
       for (std::uint32_t x = 0; x < 200; ++x) {
-        // The ray of the pixel and the unit sphere.
+        // Intersection of the pixel's ray with the unit sphere.
         const double focal = camera_.focal_px(200);
         const DVec3 ray = axes.forward + (x + 0.5 - 100) / focal * axes.right - (y + 0.5 - 100) / focal * axes.up;
         const double b = glm::dot(camera_.eye, ray) / glm::dot(ray, ray);
@@ -101,7 +101,7 @@ TEST_CASE_FIXTURE(MeshPictureFixture,
   before.target = DVec3(0);
   before.setDepthRange({DVec3(-1), DVec3(1)});
   const Picture outside = draw(sphereMesh(40), before, {.pass = ImagePass::normal});
-  // In the middle of the picture the sphere looks at the eye.
+  // In the centre of the picture the sphere faces the eye.
   CHECK(outside.color.at(100, 100)[0] == within(128, 3));
   CHECK(outside.color.at(100, 100)[1] == within(128, 3));
   CHECK(outside.color.at(100, 100)[2] > 250);

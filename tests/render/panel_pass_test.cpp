@@ -42,7 +42,7 @@ double area(const Vec2& a, const Vec2& b, const DVec2& p) {
 
 struct Reference {
   std::vector<Color> pixels;
-  std::vector<bool> close;  // a pixel's middle lies so close to an edge that rounding decides
+  std::vector<bool> close;  // a pixel's centre so close to an edge that rounding decides
 };
 
 Reference reference(const Scene& scene, const UVec2& size_px, const std::vector<Color>& picture) {
@@ -158,9 +158,9 @@ TEST_CASE_FIXTURE(GpuFixture, "two triangles that share an edge leave no gap and
   Scene scene;
   scene.texture_px = {1, 1};
   scene.texture = {255};
-  const std::uint32_t half = 0x80ffffffu;  // white, and what lies below by halves
+  const std::uint32_t half = 0x80ffffffu;  // white, blended with the background by halves
   const Vec4 all(0, 0, 64, 64);
-  // A fan about a pixel's middle: edges in all directions, some of them through the middles of pixels.
+  // A fan around a pixel's centre: edges in all directions, some through the centres of pixels.
   const Vec2 center(32.5f, 32.5f);
   constexpr int kParts = 16;
   const auto corner = [&](int i) {
@@ -170,7 +170,7 @@ TEST_CASE_FIXTURE(GpuFixture, "two triangles that share an edge leave no gap and
   for (int i = 0; i < kParts; ++i) {
     std::array<shared::PanelVertex, 3> corners{
         {{center, {0, 0}, half}, {corner(i), {0, 0}, half}, {corner(i + 1), {0, 0}, half}}};
-    if (i % 2 == 0) std::swap(corners[1], corners[2]);  // wound either way
+    if (i % 2 == 0) std::swap(corners[1], corners[2]);  // both winding orders
     scene.add(all, corners);
   }
   const auto got = drawn(device, scene, size_px, {}, 1, false, 0xff000000u);
@@ -219,7 +219,7 @@ TEST_CASE_FIXTURE(GpuFixture, "of what is shown again only the tiles are made th
   CHECK(threads == 15 * kTile);
   same(scene, size_px);
   CHECK(threads == 0);
-  picture.assign(picture.size(), 0xff998877u);  // below, the panels are what they were
+  picture.assign(picture.size(), 0xff998877u);  // the panels above it are unchanged
   same(scene, size_px);
   CHECK(threads == 0);
 
@@ -238,7 +238,7 @@ TEST_CASE_FIXTURE(GpuFixture, "of what is shown again only the tiles are made th
   same(scene, size_px);
   CHECK(threads == kTile);
   for (std::size_t k = 1; k <= 3; ++k)
-    scene.vertices[scene.vertices.size() - k].place_px.x += 16;  // and out of its clip
+    scene.vertices[scene.vertices.size() - k].place_px.x += 16;  // out of its clip rectangle
   same(scene, size_px);
   CHECK(threads == kTile);
   scene.clips.back() = all;
@@ -248,7 +248,7 @@ TEST_CASE_FIXTURE(GpuFixture, "of what is shown again only the tiles are made th
   scene.add(all, small(2, 0x80ff0000u));
   same(scene, size_px);
   CHECK(threads == kTile);
-  std::swap(scene.triangles.back(), scene.triangles[scene.triangles.size() - 2]);  // which of them is above the other
+  std::swap(scene.triangles.back(), scene.triangles[scene.triangles.size() - 2]);  // changes the drawing order
   same(scene, size_px);
   CHECK(threads == kTile);
 
@@ -265,7 +265,7 @@ TEST_CASE("a triangle stands in the tiles that it reaches, not in all those arou
   const auto vertex = [](float x, float y) { return shared::PanelVertex{{x, y}, {0, 0}, 0}; };
   const Vec4 all(0, 0, 160, 160);
   scene.add(all, {vertex(4, 2), vertex(158, 156), vertex(156, 158)});
-  scene.add(all, {vertex(4, 2), vertex(156, 158), vertex(158, 156)});  // the other way round
+  scene.add(all, {vertex(4, 2), vertex(156, 158), vertex(158, 156)});  // opposite winding order
   const PanelTiles tiles = tilesOf(scene.shapes(), {160, 160});
   for (std::size_t row = 0; row < 10; ++row)
     for (std::size_t column = 0; column < 10; ++column) {

@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Draws clouds on the test GPU. A frame of each size serves all tests of a device: under validation its pipelines take
+/// Draws clouds on the test GPU. Each device has one frame per size for all tests: under validation its pipelines take
 /// seconds.
 class PictureFixture : public GpuFixture {
  public:
@@ -17,7 +17,7 @@ class PictureFixture : public GpuFixture {
 
  protected:
   Frame& frameOf(std::uint32_t width, std::uint32_t height, std::uint32_t supersample) {
-    using Frames = std::map<std::array<std::uint32_t, 3>, Frame>;  // each goes before the device that it is of
+    using Frames = std::map<std::array<std::uint32_t, 3>, Frame>;  // each must be destroyed before its device
     static std::map<const Device*, Frames*> ofDevices;
     Frames*& frames = ofDevices[&device];
     if (!frames) frames = &makeUntilEnd<Frames>();
@@ -38,7 +38,7 @@ class PictureFixture : public GpuFixture {
   }
 };
 
-/// One point at zero whose back is seen from +z, and a crowd of them beside the picture.
+/// One point at the origin whose back is seen from +z, and many points beside the picture.
 inline PointCloud backBesideCrowd() {
   PointCloud cloud;
   cloud.positions.assign(400'000, Vec3(100, 0, 0));
@@ -48,7 +48,7 @@ inline PointCloud backBesideCrowd() {
   return cloud;
 }
 
-/// Points strewn in a cube of side 2 around `center`, with random normals; every fifth has none.
+/// Random points in a cube of side 2 around `center`, with random normals; every fifth has none.
 inline PointCloud strewnCloud(std::size_t count, const Vec3& center = Vec3(0), std::uint32_t seed = 1) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(-1, 1);

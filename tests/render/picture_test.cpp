@@ -62,7 +62,7 @@ TEST_CASE_FIXTURE(PictureFixture, "a sphere has no holes, true depths and true n
       const DVec3 hit = camera.eye + (along - std::sqrt(1 - offset * offset)) * ray;
       const double depth = glm::dot(hit - camera.eye, camera.axes().forward);
       holes += depths.at(x, y) == 0;
-      // Half a pixel of a slope, and the height of a disc's rim over the sphere.
+      // Half a pixel of slope, plus the height of a disc's rim above the sphere.
       wrongDepths += std::abs(depths.at(x, y) - depth) > pixel * std::sqrt(1 / (1 - offset * offset)) + 0.002;
       const double angle_deg =
           glm::degrees(std::acos(std::clamp(glm::dot(decodedNormal(image.at(x, y)), glm::normalize(hit)), -1.0, 1.0)));
@@ -135,7 +135,7 @@ TEST_CASE_FIXTURE(PictureFixture, "smoothed depth gives normals, keeps steps and
   CHECK(moved == 0);
   CHECK(wrongNormals < inside / 50);
 
-  // Two sheets, one far behind the other: no depth between them appears.
+  // Two sheets, one far behind the other: no depth between them may appear.
   cloud.positions.clear();
   for (int y = -60; y <= 60; ++y)
     for (int x = -60; x <= 60; ++x)

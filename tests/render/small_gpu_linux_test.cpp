@@ -1,4 +1,4 @@
-// Pictures on a GPU whose workgroups are small.
+// Pictures on a GPU with small workgroups.
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "tests/labels.hpp"

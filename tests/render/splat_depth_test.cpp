@@ -1,4 +1,4 @@
-// The depth image against a reference in double precision.
+// The depth image compared with a reference in double precision.
 #include <algorithm>
 #include <limits>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
-/// What a pixel may show: the nearest fragment that rounding cannot remove, and the nearest one that it can add.
+/// Range of a pixel: the nearest fragment that rounding cannot remove, and the nearest one that it can add.
 struct Pixel {
   double sure = kNothing, possible = kNothing;
 };
@@ -28,12 +28,12 @@ class Reference {
     if (c.z < camera_.nearDepth) return;
     const DVec3 n = glm::length(normal) < 0.5 ? -glm::normalize(c) : toEye(normal);
     const DVec2 center = DVec2(size_) / 2.0 + focal() / c.z * DVec2(c.x, -c.y);
-    // Every pixel is tried: no bounding box to get wrong.
+    // Tests every pixel, without a bounding box that could be wrong.
     for (std::uint32_t y = 0; y < size_.y; ++y)
       for (std::uint32_t x = 0; x < size_.x; ++x) addFragment(c, n, center, x, y);
   }
 
-  /// Pixels of `image` that show what they may not.
+  /// Pixels of `image` outside their range.
   std::size_t wrongPixels(const DepthImage& image) const {
     constexpr double kTolerance = 1e-3;
     std::size_t wrong = 0;
@@ -87,7 +87,7 @@ class Reference {
 
 class SplatDepthFixture : public PictureFixture {
  protected:
-  /// Whoever draws it. Says how many pixels the cloud covers.
+  /// For both rasterisers. Returns the number of pixels that the cloud covers.
   std::size_t checkDepth(const PointCloud& cloud, const Camera& camera, double radius, std::uint32_t width,
                          std::uint32_t height) {
     CAPTURE(width);
@@ -137,7 +137,7 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "no points, one point, and a thousand equal
   cloud.positions = {Vec3(-3, -2, -1)};
   camera = Camera::fitting(cloud, 4.0 / 3);
   CHECK(checkDepth(cloud, camera, 0.1, 160, 120) > 0);
-  camera.eye += DVec3(0.001, 0.001, 0);  // no longer where four pixels meet
+  camera.eye += DVec3(0.001, 0.001, 0);  // off the corner of four pixels
   camera.target += DVec3(0.001, 0.001, 0);
   CHECK(checkDepth(cloud, camera, 0, 160, 120) == 1);
   cloud.positions.assign(1000, Vec3(-3, -2, -1));
@@ -147,7 +147,7 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "no points, one point, and a thousand equal
 TEST_CASE_FIXTURE(SplatDepthFixture, "points beside, behind and on the near plane") {
   const PointCloud cloud = strewnCloud(300);
   Camera camera;
-  camera.eye = {0, 0, 0.2};  // amid the points
+  camera.eye = {0, 0, 0.2};  // among the points
   camera.target = {0.3, 0.1, -1};
   camera.nearDepth = 0.05;
   CHECK(checkDepth(cloud, camera, 0.1, 160, 120) > 0);

@@ -1,4 +1,4 @@
-// Which discs are drawn, and by whom: the level of detail, large discs, crowds of them, and both widths of atomics.
+// Selection of the drawn discs and their paths: the level of detail, large discs, crowds, and both widths of atomics.
 #include <algorithm>
 #include <cmath>
 
@@ -16,10 +16,10 @@ namespace {
 constexpr std::uint32_t kWidth = 96, kHeight = 72;
 
 struct Difference {
-  std::size_t covered = 0;     // pixels that the first shows
-  std::size_t silhouette = 0;  // pixels that only one of them shows
-  double depthRms = 0;         // over the pixels that both show
-  double largestColor = 0;     // of a channel, 0 to 255
+  std::size_t covered = 0;     // pixels covered in the first
+  std::size_t silhouette = 0;  // pixels covered in only one
+  double depthRms = 0;         // over the pixels covered in both
+  double largestColor = 0;     // largest difference of a channel, 0 to 255
 };
 
 class SplatPickFixture : public PictureFixture {
@@ -83,7 +83,7 @@ TEST_CASE_FIXTURE(SplatPickFixture, "a share of the points shows what all of the
     CHECK(frame.readDiscs() == cloud.size());
     const Difference difference = compare(all, some);
     CHECK(difference.covered > 100);
-    // Discs of a sample's radius reach over the outline by up to that.
+    // Discs of a sample's radius extend beyond the outline by up to that radius.
     CHECK(double(difference.silhouette) <= 8 * std::sqrt(double(difference.covered)));
     CHECK(difference.depthRms < 0.6 * pixel);
     std::size_t wrong = 0, inside = 0;
@@ -105,7 +105,7 @@ TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "nothing pops while the camer
   const PointCloud cloud = sampleShape(*makeShape("bumpy-sphere", 2.0), {.count = 100'000});
   const DrawnCloud drawn(device, cloud, {.spacing = meanSpacing(cloud)});
   Frame& frame = frameOf(kWidth, kHeight, 2);
-  // Over the distance where the first points are left out, and one where most are.
+  // Around the distance where the first points are skipped, and one where most are.
   for (const double from : {2.9, 8.0}) {
     Shot last = shoot(frame, drawn, cameraAt(from), {.pass = ImagePass::normal});
     FrameOptions every{.pass = ImagePass::normal, .everyPoint = true};
@@ -123,7 +123,7 @@ TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "nothing pops while the camer
       CAPTURE(from);
       CAPTURE(moved);
       CAPTURE(movedEvery);
-      // In all it changes as little as a picture of all points.
+      // Overall it changes as little as a picture of all points.
       CHECK(moved < 1.5 * movedEvery + 0.02 * double(shot.image.rgba.size()));
       last = shot;
       lastEvery = shotEvery;
@@ -150,7 +150,7 @@ TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "both widths of atomics leave
 }
 
 TEST_CASE_FIXTURE(SplatPickFixture, "a heap of discs that fill the picture is cut off, all alike") {
-  // 2,100 discs of 512 tiles each are more shares than there is room for.
+  // 2,100 discs of 512 tiles each exceed the capacity for shares.
   constexpr std::uint32_t kSide = 256;
   PointCloud cloud;
   cloud.positions.assign(2100, Vec3(0));

@@ -1,4 +1,5 @@
-// Discs as wide as closes the surface around each point: against the reference, against the surface, and under edits.
+// Discs wide enough to close the surface around each point: compared with the reference, with the surface, and under
+// edits.
 #include "engine/render/splat_radii.hpp"
 
 #include <algorithm>
@@ -18,7 +19,7 @@ namespace palpate::splat_radii_test {
 
 namespace {
 
-constexpr double kWidestShare = 0.1;  // of the box (SplatRadii)
+constexpr double kWidestShare = 0.1;  // of the bounding box (SplatRadii)
 
 class SplatRadiiFixture : public GpuFixture {
  protected:
@@ -30,7 +31,7 @@ class SplatRadiiFixture : public GpuFixture {
   std::vector<float> radiiOf(const PointCloud& cloud, double spacing) {
     return radiiOf(DrawnCloud(device, cloud, {.spacing = spacing}));
   }
-  /// How many are not what double precision says.
+  /// Number of radii that differ from double precision.
   std::size_t wrong(const PointCloud& cloud, double spacing) {
     const double widest =
         std::min(static_cast<double>(shared::kSplatWidest) * spacing, kWidestShare * boundsOf(cloud).longestSide());
@@ -49,7 +50,7 @@ PointCloud shapeCloud(std::string_view name, std::size_t count, const DVec3& cen
   return sampleShape(*makeShape(name, 100.0, center), {.count = count, .noise = noise});
 }
 
-/// Places on the surface, spread at random, that no disc of their sheet covers.
+/// Random positions on the surface that no disc of their sheet covers.
 std::size_t bare(std::string_view shape, const PointCloud& cloud, const std::vector<float>& radii, double within) {
   constexpr std::size_t kPlaces = 20'000;
   const auto surface = makeShape(shape, 100.0);
@@ -103,7 +104,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "discs close even and uneven surfaces witho
     const PointCloud uneven = thinnedAlong(shapeCloud(shape, 40'000), 10);
     const double wide = meanSpacing(uneven);
     const auto unevenRadii = radiiOf(uneven, wide);
-    // Thinned at random, a place here and there is as empty as a hole, above all beside an edge.
+    // Random thinning leaves a few positions as empty as a hole, mostly near an edge.
     CHECK(bare(shape, uneven, unevenRadii, 10 * wide) <= 8);
     CHECK(meanOf(unevenRadii) < 1.6 * wide);
   }
@@ -116,7 +117,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc beside an edge ends at the edge, ot
   const auto clips = download<std::uint32_t>(device, drawn.clips(), drawn.count());
   std::size_t clipped = 0, wrong = 0;
   for (std::size_t i = 0; i < cube.size(); ++i) {
-    // How far the nearest edge is.
+    // Distance of the nearest edge.
     Vec3 away = 50.0f - glm::abs(cube.positions[i]);
     std::sort(&away[0], &away[0] + 3);
     const Vec2 clip = glm::unpackHalf2x16(clips[i]);
@@ -125,7 +126,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc beside an edge ends at the edge, ot
     wrong += std::abs(line - std::min(away.y, radii[i])) > 0.01f * radii[i];
   }
   CHECK(clipped > 200);
-  CHECK(wrong <= clipped / 50);  // of few the other side is farther than they look
+  CHECK(wrong <= clipped / 50);  // for a few points the other side is farther than it appears
   const PointCloud sphere = shapeCloud("sphere", 6000);
   const DrawnCloud round(device, sphere, {.spacing = meanSpacing(sphere)});
   CHECK(std::ranges::count(download<std::uint32_t>(device, round.clips(), round.count()), 0u) == 6000);
@@ -137,7 +138,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "borders stay where they are") {
     for (int x = 0; x < 40; ++x) grid.positions.emplace_back(x, y, 0);
   grid.normals.assign(grid.size(), Vec3(0, 0, 1));
   const auto radii = radiiOf(grid, 1);
-  CHECK(*std::ranges::max_element(radii) < 1.45f);  // beside a border discs are a little wider
+  CHECK(*std::ranges::max_element(radii) < 1.45f);  // near a border discs are slightly wider
   CHECK(*std::ranges::min_element(radii) > 0.7071f);
 }
 
@@ -173,14 +174,14 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "after edits every radius is that of a clou
   EditLog::Reader reader(log);
   std::mt19937 random(3);
   std::uniform_real_distribution<float> share(-1, 1);
-  // As many places as the edited cloud has, in the box of the loaded one.
+  // The slots of the edited cloud, in the box of the loaded one.
   cloud.positions.resize(loaded + 200, Vec3(0));
   cloud.normals.resize(loaded + 200, Vec3(0));
   std::vector<bool> there(cloud.size());
   std::fill_n(there.begin(), loaded, true);
   std::uint32_t head = 0;
   for (int tick = 0; tick < 4; ++tick) {
-    // A dent: the points around one move, some go, some come.
+    // A dent: the points around one move, some are removed, some inserted.
     std::vector<shared::EditEntry> ring(log.capacity());
     const auto write = [&](std::uint32_t id, bool gone) {
       ring[head++ % log.capacity()] = {.position = cloud.positions[id],

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kDirections = 2 * shared::kSplatDirectionPairs;
 constexpr double kTolerance = 1e-3;
-using Closeness = std::array<double, kDirections>;  // one over the distance to the nearest border; 0: none
+using Closeness = std::array<double, kDirections>;  // reciprocal of the distance to the nearest border; 0: no border
 
 Closeness closenessAbout(const PointCloud& cloud, std::size_t self, std::span<const std::uint32_t> others,
                          double ahead) {
@@ -37,7 +37,7 @@ Closeness closenessAbout(const PointCloud& cloud, std::size_t self, std::span<co
   return closeness;
 }
 
-/// Borders closer than `open` (one over a distance) bound the disc.
+/// Borders closer than `open` (a reciprocal distance) bound the disc.
 double radiusOf(const Closeness& closeness, double open, double alone) {
   double least = std::numeric_limits<double>::infinity();
   for (const double c : closeness)
@@ -55,7 +55,7 @@ std::vector<RadiusRange> referenceSplatRadii(const PointCloud& cloud, double spa
     found.clear();
     tree.within(DVec3(cloud.positions[i]), 2 * widest, found);
     RadiusRange range{std::numeric_limits<double>::infinity(), 0};
-    // Both thresholds, as single precision may see them.
+    // Both thresholds, within single precision.
     for (const double slack : {-1e-5, 0.0, 1e-5}) {
       const Closeness closeness = closenessAbout(cloud, i, found, static_cast<double>(shared::kSplatAhead) + slack);
       Closeness sorted = closeness;

@@ -7,12 +7,12 @@
 
 namespace palpate {
 
-/// What single precision may make of a radius, model units: whether a border is open is decided at a threshold.
+/// Possible radii in single precision, model units: a threshold decides whether a border is open.
 struct RadiusRange {
   double least = 0, most = 0;
 };
 
-/// For each point; all must have normals. `spacing`: mean; `widest`: border that is believed; model units.
+/// For each point; all must have normals. `spacing`: mean; `widest`: largest accepted border distance; model units.
 std::vector<RadiusRange> referenceSplatRadii(const PointCloud& cloud, double spacing, double widest);
 
 }  // namespace palpate

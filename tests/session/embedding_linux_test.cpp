@@ -1,4 +1,4 @@
-// The program of ten lines that the README shows.
+// The ten-line program in the README.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 

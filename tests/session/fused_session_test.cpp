@@ -1,4 +1,4 @@
-// Sessions whose depth frames fuse into a map, which is held, sculpted and handed on, on the CPU.
+// Sessions whose depth frames are fused into a map that is held, sculpted and handed over, on the CPU.
 #include <thread>
 
 #include "engine/motion/fused_source.hpp"
@@ -9,7 +9,7 @@ namespace palpate::fused_session_test {
 
 namespace {
 
-/// A wall without a feature does not say where it was seen from.
+/// Poses are required, since a featureless wall does not determine them.
 void writePoses(const std::filesystem::path& folder) {
   std::string log;
   for (int i = 0; i < kFrames; ++i) log += fmt::format("{0} {0} {1}\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", i, i + 1);
@@ -18,12 +18,12 @@ void writePoses(const std::filesystem::path& folder) {
 
 const DVec3 kBeforeWall(0, 0, kRest_m - 0.01), kInWall(0, 0, kRest_m + 0.0005);
 
-/// Into the wall, and at rest there until the end.
+/// Into the wall, then at rest there until the end.
 Path intoWall(double duration_s) {
   return Path({{0, kBeforeWall}, {0.3 * duration_s, kInWall}, {duration_s, kInWall}});
 }
 
-/// Nine points on a plane that no camera looks at, one metre beside the wall.
+/// Nine points on a plane outside every view, one metre beside the wall.
 constexpr std::size_t kBeside = 9;
 void addBeside(PointCloud& cloud) {
   for (std::size_t i = 0; i < kBeside; ++i) {
@@ -70,12 +70,12 @@ TEST_CASE("a stream that is held goes from one session to the next, with the poi
                        doctest::Contains("is played by another session"), Error);
   REQUIRE(other.player() != nullptr);
   CHECK(other.player()->isPaused());
-  // Held: the map is the one that it began with.
+  // Held: the map is the initial one.
   runAlone(other, intoWall(0.05));
   other.finish();
   CHECK(other.playCounts()->played == 8);
   CHECK(other.sculpted().cloud.positions == next.cloud.positions);
-  // It goes on behind the eighth frame, and what no camera sees stays.
+  // It continues after the eighth frame, and points outside every view stay.
   other.player()->play(0.06);
   runAlone(other, intoWall(0.05), {.begin_s = 0.06});
   other.finish();
@@ -84,8 +84,8 @@ TEST_CASE("a stream that is held goes from one session to the next, with the poi
   const PointCloud end = other.sculpted().cloud;
   CHECK(end.positions != next.cloud.positions);
   CHECK(hasBeside(end));
-  CHECK(session.sculpted().cloud.positions == held.positions);  // which has no more frames
-  // Against the clock as well.
+  CHECK(session.sculpted().cloud.positions == held.positions);  // it has no more frames
+  // The same in real time.
   Model live = other.model();
   live.cloud = end;
   live.stream = other.releaseStream(0.12);
@@ -242,8 +242,7 @@ TEST_CASE("a live camera whose frames fuse goes on behind the one that was the m
       session.tickUntil(until_s += 0.05);
     CHECK(session.playCounts()->played == 1 + k);
   }
-  stream->give(
-      {.time_s = 0.2, .number = 4, .depth_m = wall(kRest_m)});  // a wall says nothing of where it was seen from
+  stream->give({.time_s = 0.2, .number = 4, .depth_m = wall(kRest_m)});  // a wall does not determine the camera's pose
   for (int guard = 0; guard < 200 && session.playCounts()->lost == 0; ++guard) session.tickUntil(until_s += 0.05);
   CHECK(session.playCounts()->lost == 1);
   CHECK(session.playCounts()->played == 4);
@@ -264,7 +263,7 @@ TEST_CASE("frames that fuse are felt as the map that they make, and a session wi
   const Model model = load(config);
   CHECK(model.cloud.size() > 1'000);
   CHECK(model.upright.up == UpAxis::minusY);
-  // On the wall, and half a millimetre into it, where its noise is twice as much: the map follows it by a part.
+  // On the wall, and half a millimetre into it, twice its noise: the map follows it partially.
   const DVec3 before(0, 0, kRest_m - 0.01), in(0, 0, kRest_m + 0.0005);
   const auto play = [&](const SessionConfig& played) {
     Session session(played, load(played), {.backend = *cpu, .threads = 1});

@@ -1,4 +1,4 @@
-// Sessions with a model that moves, on the CPU, in virtual time.
+// Sessions with a moving model, on the CPU, in virtual time.
 #include <doctest/doctest.h>
 
 #include <random>
@@ -25,7 +25,7 @@ SessionConfig still() {
   return config;
 }
 
-/// Where the top of the sphere of radius 50 rests, nearly.
+/// At rest, just above the top of the sphere of radius 50.
 Path atRest() {
   const DVec3 hip(0, 0, 50.2);
   return Path({{0, hip}, {0.25, hip}});
@@ -79,7 +79,7 @@ TEST_CASE("whatever a hand does to a surface that moves, the port gives no more 
       config.force.damping_N_s_per_mm = 0.002;
       config.duration_s = 1;
       Session session(config, sphereModel(), {.backend = *cpu, .threads = 1});
-      // To somewhere else on the sphere, up to 3 mm in it or out of it, every 20 ms.
+      // A random position over the sphere, up to 3 mm inside or outside, every 20 ms.
       std::mt19937 random(7);
       std::uniform_real_distribution<double> aside(-0.06, 0.06), height(47, 53);
       std::vector<PathKey> way;

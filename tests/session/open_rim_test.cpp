@@ -1,4 +1,4 @@
-// A hand that goes off the open rim of a sheet under load, in sessions on the CPU.
+// A hand that slides off the open rim of a sheet under load, in sessions on the CPU.
 #include "tests/session/session_scene.hpp"
 #include "tests/touch/rim_scene.hpp"
 

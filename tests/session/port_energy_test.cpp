@@ -1,5 +1,4 @@
-// What a hand has put into water: counted against the forces that reached its device, and not those that were held
-// back.
+// Energy that a hand puts into water: counted from the forces that reached its device, not from withheld ones.
 #include <doctest/doctest.h>
 
 #include "tests/near.hpp"
@@ -9,15 +8,15 @@ namespace palpate::port_energy_test {
 
 namespace {
 
-/// Down into a small tank and out again.
+/// Down into a small tank, and partly out again.
 Path dive() {
   return Path(
       {{0, {40, 100, 40}}, {0.15, {40, 100, 40}}, {0.4, {40, 35, 40}}, {0.5, {45, 35, 40}}, {0.6, {45, 50, 40}}});
 }
 
 struct Dive {
-  double said_mJ = 0;   ///< by the simulation
-  double given_mJ = 0;  ///< by the trace: the way against the forces that were written
+  double said_mJ = 0;   ///< reported by the simulation
+  double given_mJ = 0;  ///< from the trace: displacement times written force
   double most_N = 0;
 };
 

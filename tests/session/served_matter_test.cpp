@@ -1,4 +1,4 @@
-// Water and sand as a server moves them for hands on other machines, and what goes to these; no network is in it.
+// Water and sand that a server simulates for hands on other machines, and the data sent to them, without a network.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -28,7 +28,7 @@ class Lines final : public LogListener {
   std::vector<std::string> lines;
 };
 
-/// A model that is stepped by a clock of its own, which no machine is too slow for.
+/// A model stepped by its own clock, so that no machine is too slow.
 class Served {
  public:
   explicit Served(const MatterScene& scene) {
@@ -39,7 +39,7 @@ class Served {
     model_ = std::make_shared<const Model>(loadModel(config, {.log = log_, .threads = 1}));
     stepped_.emplace(config, model_, SteppedModel::Parts{.backend = *cpu_, .threads = 1, .log = &log_});
   }
-  /// Until it holds of a frame, at most so long by the wall's clock.
+  /// Steps until `holds` is true of a frame, for at most `seconds` of real time.
   bool until(double seconds, const std::vector<SeenHand>& hands, const std::function<bool(const CloudFrame&)>& holds) {
     CloudFrame frame;
     for (const Stopwatch since; since.elapsed_s() < seconds;) {
@@ -86,7 +86,7 @@ TEST_CASE("each hand that is heard has a ball in the water, from where it is put
   CHECK(served.until(120, {handAt(1, a)}, [&](const CloudFrame& frame) { return within(frame, a, 17) == 0; }));
   CHECK(served.until(120, {handAt(7, b)},
                      [&](const CloudFrame& frame) { return within(frame, b, 17) == 0 && within(frame, a, 15) > 5; }));
-  // One that leaps is put down elsewhere: what lies between stays where it is.
+  // A hand that jumps is put down at its new position: matter between the positions is not moved.
   CHECK(served.until(120, {handAt(7, a)},
                      [&](const CloudFrame& frame) { return within(frame, a, 17) == 0 && within(frame, b, 15) > 5; }));
   CHECK(served.said().empty());
@@ -107,13 +107,13 @@ TEST_CASE("more hands than there are balls for do no harm, and hands that are th
       return ++frames == 3;
     }));
   }
-  // It goes on, whether or not it has begun anew.
+  // It continues, whether or not it has restarted.
   CHECK(served.until(120, {}, [&](const CloudFrame& frame) { return within(frame, DVec3(40, 20, 40), 15) > 5; }));
 }
 
 TEST_CASE("water that fails begins anew, and that is counted and said each time, with why") {
-  // So fine and without weight that its sound is slower than a hand that beats about. A machine that is too slow for it
-  // has less of it in a frame, so that the hand stays longer on either side, the longer it takes.
+  // So fine and weightless that its speed of sound is below the speed of the hand. On a slow machine a frame covers
+  // less time, so that the hand stays longer on each side, the longer it takes.
   MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};
   scene.tool = usualTool(scene);
   Served served(scene);
@@ -146,13 +146,13 @@ TEST_CASE("what stands in water is in no frame") {
 
 namespace {
 
-/// Somebody elsewhere has the water, and it rests.
+/// Water simulated elsewhere, at rest.
 class RestingFar final : public FarCloud {
  public:
   explicit RestingFar(const MatterScene& scene)
       : source_({.edge = 4 * scene.spacing_mm, .points = 1 << 14, .moves = true}) {
     std::map<BrickKey, std::shared_ptr<Brick>> bricks;
-    // What is empty is known, too: all of the box, and beyond.
+    // Empty bricks are known, too: all of the box, and beyond.
     source_.grid().boxOf(-DVec3(100), scene.box_mm + 100.0).forEach([&](const IVec3& brick) {
       bricks[BrickGrid::keyOf(brick)] = std::make_shared<Brick>();
     });
@@ -181,7 +181,7 @@ class RestingFar final : public FarCloud {
   InformationAge known_;
 };
 
-/// As it is joined.
+/// The model of a client that has joined.
 Model joinedPool(const std::string& matter, std::uint64_t standing = 0) {
   SessionConfig config{.model = {.file = "pool"}, .backend = {.name = "cpu"}};
   config.join = JoinConfig{};
@@ -223,7 +223,7 @@ TEST_CASE("what is joined as water is felt as water, seen as particles, and not 
   double mean_N = 0;
   int answers = 0, old = 0, ticks = 0;
   const auto ask = [&](const DVec3& place) {
-    const Pose pose{.time_s = 1e-3 * ++ticks, .hip = place};  // by a clock that no machine is too slow for
+    const Pose pose{.time_s = 1e-3 * ++ticks, .hip = place};  // on a clock for which no machine is too slow
     return session.backend().query(pose, 20'000);
   };
   while (since.elapsed_s() < 90 && answers < 500) {
@@ -262,7 +262,7 @@ TEST_CASE("particles come out of bricks by their numbers in all of the matter, i
   RestingFar far(scene);
   const MatterNews news = newsOf(far.source());
   KnownMatter known;
-  CHECK_FALSE(news(known));  // no hand has asked
+  CHECK_FALSE(news(known));  // no hand has asked yet
   HandReaches hands{.time_s = 1, .steady_s = steadyNow_s(), .count = 1};
   far.source().ask(hands);
   REQUIRE(news(known));

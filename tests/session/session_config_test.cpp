@@ -10,7 +10,7 @@ namespace palpate::session_config_test {
 
 namespace {
 
-// Nothing of it is at its default.
+// No value is the default.
 SessionConfig unusual() {
   return {.model = {.file = "a \"model\".ply", .mm_per_unit = 0.25, .normals = NormalSource::face},
           .backend = {.name = "vulkan",

@@ -18,7 +18,7 @@ inline Model sphereModel(std::size_t points = 4'000) {
   return {.cloud = scene.cloud, .scale = {1}, .spacing = scene.spacing, .wideSpacing = scene.spacing};
 }
 
-/// Down onto the sphere of radius 50 from a direction, `depth` into it, along it for a while, and away.
+/// Onto the sphere of radius 50 from a direction, `depth` into it, along it for a while, and away.
 inline Path strokeFrom(const DVec3& direction, double depth, double duration_s = 0.2) {
   const DVec3 out = glm::normalize(direction), along = glm::normalize(glm::cross(out, DVec3(0.3, 0.5, 0.9)));
   const auto at = [&](double r, double turn) { return r * glm::normalize(out + turn * along); };
@@ -28,7 +28,7 @@ inline Path strokeFrom(const DVec3& direction, double depth, double duration_s =
                {duration_s, at(53, 0.22)}});
 }
 
-/// A device that follows a path, as a session's hand.
+/// A path as a session's device and hand.
 class PathHand {
  public:
   explicit PathHand(Path path)
@@ -46,7 +46,7 @@ inline ServoResult runAlone(Session& session, Path path, const RunOptions& optio
   return session.run({&open, 1}, options);
 }
 
-/// To its end, with its log.
+/// Runs to the end and records a log.
 inline ServoResult runRecorded(Session& session, const std::string& log, Path path) {
   const PathHand hand(std::move(path));
   const OpenHand open = hand.hand();
@@ -57,7 +57,7 @@ inline ServoResult runRecorded(Session& session, const std::string& log, Path pa
   return result;
 }
 
-/// What a log holds, by the hand that was recorded.
+/// Replays a log with the recorded hand.
 inline ServoResult runAgain(Session& session, SessionRecord record, const RecordedSession& recorded) {
   const double duration_s = record.ticks.back().time_s;
   ReplayDevice device(std::move(record.ticks), recorded.limits);

@@ -1,4 +1,4 @@
-// One session for every program, on the CPU, in virtual time.
+// The session shared by all programs, on the CPU, in virtual time.
 #include <doctest/doctest.h>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -22,7 +22,7 @@ SessionConfig carving() {
   return config;
 }
 
-/// Keeps all that it is given.
+/// Keeps all edits that it receives.
 class Collector final : public EditFollower {
  public:
   explicit Collector(EditBatch& all) : all_(all) {}
@@ -48,7 +48,7 @@ TEST_CASE("what is felt is the force law's spring on the surface, and nothing is
   const TraceSummary summary = summarize(result.trace());
   CHECK(summary.contactTicks > 80);
   CHECK(summary.faultTicks == 0);
-  CHECK(summary.peakForce_N == near(0.8, 0.15));  // 1 mm deep at 0.8 N/mm, less what the average sinks
+  CHECK(summary.peakForce_N == near(0.8, 0.15));  // 1 mm deep at 0.8 N/mm, minus the average's bias
   CHECK(session.sculpted().edited == 0);
   CHECK(samePoints(session.sculpted().cloud, session.model().cloud));
 }
@@ -123,8 +123,8 @@ TEST_CASE("a recorded session says how it runs again, and does so with the same 
 }
 
 TEST_CASE("logs that carried options of the command line run again as they did") {
-  // A sphere of 2,000 points that was carved in half a second; the first log is of version 2, the other of version 3
-  // from before logs carried the configuration.
+  // A sphere of 2,000 points carved for half a second; the first log has version 2, the other version 3 without a
+  // configuration.
   for (const char* name : {"version2.session", "version3.session"}) {
     CAPTURE(name);
     const std::filesystem::path log = sourceFolder() / "tests/session" / name;
@@ -163,7 +163,7 @@ TEST_CASE("logs that carried options of the command line run again as they did")
     session.finish();
     CHECK(session.undo(1, 0).undone == 1);
     REQUIRE(result.trace().rows.size() == before.size());
-    // Up to the first edit, since brushes have learned since then.
+    // Only up to the first edit, since the brushes have changed since then.
     const double edited_s = session.backend().firstEditTime_s().value();
     std::size_t contacts = 0, same = 0;
     double worst_N = 0;
@@ -175,7 +175,7 @@ TEST_CASE("logs that carried options of the command line run again as they did")
     }
     CHECK(contacts > 50);
     CHECK(same > 0);
-    CHECK(worst_N < 1e-9);  // another compiler may round otherwise
+    CHECK(worst_N < 1e-9);  // another compiler may round differently
   }
 }
 

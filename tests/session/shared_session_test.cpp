@@ -1,6 +1,5 @@
 // ctest: waits
-// A session that others have, too, as a session sees it: what it does when they are silent, and when their part is
-// over.
+// A shared session as seen by a session: its behaviour while the others are silent, and at its end.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,14 +19,14 @@ namespace palpate::shared_session_test {
 
 namespace {
 
-/// The others, as a test wants them.
+/// The others, controlled by a test.
 class Others final : public SharedFollower {
  public:
   struct State {
     std::optional<InformationAge> known{std::in_place};
     SharedCounts counts{.delivered = true, .atRest = true, .same = true};
-    bool inEffectEachTime = false;  // that it is asked
-    bool answers = true;            // the server, when it is asked how far it is
+    bool inEffectEachTime = false;  // at each query of the counts
+    bool answers = true;            // whether the server answers queries of its state
     bool isHeardEachTime = false;
     std::optional<double> takesAfter_s;  // from the first look on
     Stopwatch since;
@@ -58,7 +57,7 @@ class Others final : public SharedFollower {
   State& state_;
 };
 
-/// Who is told where the hands are.
+/// Receives the hands' positions.
 class Told final : public SharedPresence {
  public:
   void moved(const HandPlaces& hands) noexcept override {
@@ -80,7 +79,7 @@ Model sharedSphere(Others::State& others) {
 
 SessionConfig joined() { return {.model = {.file = "shared"}, .backend = {.name = "cpu"}, .join = JoinConfig{}}; }
 
-/// Ticks of 1 ms at a distance from the middle of the sphere; the last force, N.
+/// Ticks of 1 ms at a distance from the sphere's centre; returns the last force, N.
 class Puller {
  public:
   explicit Puller(Session& session) : hands_(session, {}) {}
@@ -112,13 +111,13 @@ TEST_CASE("a pulled hand has no force while the others are silent, and it comes 
   const HandPlace& place = others.places.hands[0];
   CHECK(place.touching);
   CHECK(place.position == DVec3(0, 0, 49));
-  CHECK(glm::length(place.proxy) == within(49.82, 0.01));  // the averaged surface of so few points lies 0.18 deep
+  CHECK(glm::length(place.proxy) == within(49.82, 0.01));  // with so few points the averaged surface is 0.18 deep
   CHECK_FALSE(place.sculpts);
   others.known.emplace(InformationAge::Clock::now() - std::chrono::minutes(1));
-  CHECK(hand.at(49, 1) > 0);  // it goes no faster than a hand bears
+  CHECK(hand.at(49, 1) > 0);  // it fades at a limited rate
   CHECK(hand.at(49, 100) == 0);
   others.known.emplace();
-  CHECK(hand.at(49, 1000) == 0);  // a surface that would push at once
+  CHECK(hand.at(49, 1000) == 0);  // the surface would push at once
   hand.at(52, 10);
   const double soon_N = hand.at(49, 30), later_N = hand.at(49, 1000);
   CHECK(soon_N > 0);
@@ -192,7 +191,7 @@ TEST_CASE("a session whose last news says that it is settled asks the server bef
   Others::State others;
   const auto cpu = cpuBackend();
   Session session(joined(), sharedSphere(others), {.backend = *cpu});
-  CHECK(session.settleShared(60));  // as it was heard last
+  CHECK(session.settleShared(60));  // according to the last result
   CHECK(others.asked == 0);
   CHECK(session.settleShared(60, Session::Settling::all));
   CHECK(others.asked == 1);
@@ -220,7 +219,7 @@ TEST_CASE("a session that ends waits for a server that is slow and heard, and sa
   CHECK(session.deliver(60, 0.1));
   CHECK(others.since.elapsed_s() >= 0.5);
   CHECK(heard.lines.empty());
-  // Not for longer than it was told, and not for one that is silent.
+  // Not longer than its limit, and not if the server is silent.
   others.takesAfter_s = 1e9;
   const Stopwatch patient;
   CHECK_FALSE(session.deliver(0.3, 0.1));
@@ -241,7 +240,7 @@ TEST_CASE("others who go on are not waited for, but for what they have done so f
   const auto cpu = cpuBackend();
   Session session(joined(), sharedSphere(others), {.backend = *cpu});
   const Stopwatch unheard;
-  CHECK_FALSE(session.settleShared(2));  // nothing of theirs is here yet
+  CHECK_FALSE(session.settleShared(2));  // no edits of the others are known yet
   CHECK(unheard.elapsed_s() >= 2);
   others.inEffectEachTime = true;
   others.answers = false;

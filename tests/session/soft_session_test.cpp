@@ -47,7 +47,7 @@ TEST_CASE("a soft body is touched, dented and recorded, and a replay gives the s
     most_N = std::max(most_N, row.force_N.y);
   }
   CHECK(most_N > 0.3);
-  CHECK(most_N < 0.5 * 5);  // it gives way
+  CHECK(most_N < 0.5 * 5);  // it yields
   const SculptedCloud dented = session.sculpted();
   CHECK(dented.edited > 100);
   CHECK(dented.cloud.size() == session.model().cloud.size());
@@ -138,9 +138,9 @@ TEST_CASE("what a hand is given is what its body gets, whatever a millimetre of 
     const ServoResult result = runAlone(session, pressed());
     const TraceRow& last = result.trace().rows.back();
     CHECK(last.contact);
-    // At rest the surface is pushed as deep as the force makes a softer or stiffer hand stretch.
+    // At rest the force is the hand's stiffness, in file units, times the spring's stretch.
     CHECK(last.force_N.y == near(0.5 * mm_per_unit * (last.proxy.y - last.hip.y), 0.01));
-    // A body of that stiffness: half the spring goes farther in than all of it.
+    // Displacement of a body of that stiffness, less with half the spring.
     CHECK(30 - last.proxy.y > (mm_per_unit < 1 ? 0.5 : 1.0));
     CHECK(30 - last.proxy.y < (mm_per_unit < 1 ? 3.0 : 4.5));
   }

@@ -1,4 +1,4 @@
-// A hand held in a plane that moves before a depth camera, in sessions on the CPU: no frame knocks on it.
+// A hand held in a moving plane in front of a depth camera, in sessions on the CPU: no frame causes a step of force.
 #include "engine/motion/depth_points.hpp"
 #include "engine/motion/frame_fusion.hpp"
 #include "tests/labels.hpp"
@@ -33,13 +33,13 @@ Model planeModel(const SeenPlane& seen, bool fused) {
 }
 
 struct Felt {
-  double knock_N = 0;     ///< largest change of the force from tick to tick
-  double stretch_mm = 0;  ///< likewise, of the way from hand to proxy
+  double knock_N = 0;     ///< largest change of the force between ticks
+  double stretch_mm = 0;  ///< largest change of the vector from hand to proxy between ticks
   double mean_N = 0;
   std::size_t free = 0;  ///< ticks without contact
 };
 
-/// From the time on at which the hand is there.
+/// Evaluates the ticks after the hand has arrived.
 Felt feel(const SeenPlane& seen, bool fused, double duration_s) {
   const auto cpu = cpuBackend();
   const SessionConfig config{.model = {.file = "plane", .mm_per_unit = 1000},
@@ -84,7 +84,7 @@ void check(const Depths& depths, double tilt_rad, bool fused, double duration_s)
             fused ? " rad, fused: " : " rad: ", felt.knock_N, " N and ", felt.stretch_mm, " mm in a tick, mean ",
             felt.mean_N, " N, ", felt.free, " ticks free");
   CHECK(felt.knock_N < (fused ? 0.06 : depths.mostKnock_N));
-  // A map follows a plane that moves with a delay of its own.
+  // A map follows a moving plane with some delay.
   if (!fused) CHECK(felt.free == 0);
   if (!fused) CHECK(felt.mean_N == near(kForce_N, 0.03));
 }

@@ -41,7 +41,7 @@ TEST_CASE("the first frame of a recording is the model, in metres, with what is 
   SessionConfig config = playing(colored.path());
   const Model second = load(config);
   CHECK(second.cloud.hasColors());
-  CHECK(second.cloud.colors[0][2] == 1);  // the first frame that could be read
+  CHECK(second.cloud.colors[0][2] == 1);  // the first readable frame
   const CameraFrustum frustum = frustumOf(recordedCamera(), recordedPose(1.0 / 30));
   REQUIRE(second.cameras.size() == 1);
   CHECK(glm::distance(second.cameras[0].centre, frustum.centre) < 1e-6);
@@ -97,7 +97,7 @@ TEST_CASE(
     REQUIRE(counts.has_value());
     CHECK(counts->played == kFrames);
     CHECK(counts->lost == 0);
-    // Points are where they set out, until no other frame has come for a while.
+    // Points are at the start of their motion, until no new frame has arrived for a while.
     const int last = speed > 1 ? 15 : 14;
     CHECK(session.sculpted().cloud.positions[7].z == within(kRest_m - 1e-3 * nearer_mm(last), 0.51e-3 * kRounded_mm));
   }
@@ -127,7 +127,7 @@ TEST_CASE("a lost frame leaves the one before, and the session goes on") {
   Session session(config, load(config), {.backend = *cpu, .threads = 1});
   const ServoResult result = runAlone(session, atRest());
   const auto& rows = result.trace().rows;
-  // The next one is known to be due at 90 ms: until then the surface goes where frame 7 has it.
+  // The next frame is due at 90 ms: until then the surface moves towards frame 7.
   for (std::size_t tick = 74; tick < 89; ++tick) {
     const double share = (static_cast<double>(tick) - 70) / 20;
     const double depth_mm = nearer_mm(6) + share * (nearer_mm(7) - nearer_mm(6)) - kHand_mm;
@@ -211,7 +211,7 @@ TEST_CASE("what cannot be a model says what it is") {
   live.model.file = "-";
   live.stream->intrinsics = "camera.json";
   CHECK(says(refusal([&] { load(live); }), "stream.intrinsics: raw frames say them in their first line"));
-  for (int i = 0; i < kFrames; ++i)  // specks, of which none has a neighbour
+  for (int i = 0; i < kFrames; ++i)  // isolated pixels without neighbours
     writeBytes(folder / "depth" / fmt::format("{:04}.png", i), [] {
       std::vector<float> depth_m(std::size_t{kCamera.width} * kCamera.height);
       depth_m[500] = 1;
@@ -243,7 +243,7 @@ TEST_CASE("frames of a recording are held, stepped and let go on under a hand") 
   CHECK(isTouched());
   CHECK(session.holdFrames() == false);
   for (int guard = 0; guard < 50 && isTouched(); ++guard) session.tickUntil(until_s += 0.1);
-  CHECK_FALSE(isTouched());  // the last frame has the wall back where it was
+  CHECK_FALSE(isTouched());  // in the last frame the wall is back at its old position
   LiveSession still({.model = {}, .backend = {.name = "cpu"}}, sphereModel(), {.backend = *cpu, .threads = 1}, {});
   CHECK_FALSE(still.holdFrames().has_value());
   still.stepFrame();
@@ -263,9 +263,9 @@ TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that
   const auto cpu = cpuBackend();
   const auto clock = std::make_shared<SteppedClock>();
   LiveSession session(config, model, {.backend = *cpu, .threads = 1}, {.clock = clock});
-  CHECK_THROWS_WITH_AS(session.record((folder / "log").string()),
-                       doctest::Contains("live frames cannot be played again"), Error);
-  CHECK_THROWS_AS(Session(config, model, {.backend = *cpu, .threads = 1}), Error);  // it is taken
+  CHECK_THROWS_WITH_AS(session.record((folder / "log").string()), doctest::Contains("live frames cannot be played again"),
+                       Error);
+  CHECK_THROWS_AS(Session(config, model, {.backend = *cpu, .threads = 1}), Error);  // the stream is in use
   session.aim({0, 0, kRest_m - 1e-3 * kHand_mm});
   session.tickUntil(0.3);
   const auto touched = [&] {

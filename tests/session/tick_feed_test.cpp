@@ -1,4 +1,4 @@
-// Ticks of several hands on their way to who shows them: whole, in step, and left out whole where nobody takes them.
+// Ticks of several hands on their way to a display: complete, in step, and dropped as a whole if they are not read.
 #include "haptics/session/tick_feed.hpp"
 
 #include <doctest/doctest.h>
@@ -39,7 +39,7 @@ TEST_CASE("what nobody takes is left out with all its hands, and what comes late
   constexpr std::uint64_t kMore = (1 << 15) + 1000;
   TickFeed feed(2);
   for (std::uint64_t i = 0; i < kMore; ++i) tick(feed, i, 2);
-  // The second hand finds no room, and somebody takes all before the first hand comes.
+  // The second hand finds no room, and the reader takes all rows before the first hand's row is written.
   std::vector<TraceRow> rows;
   feed.tickedToo(1, {.time_s = -1, .neighbours = 1});
   feed.take(rows);

@@ -1,4 +1,4 @@
-// Strokes that are in no file yet: what a program that has ended leaves of them, and who may have it.
+// Strokes that are not saved yet: what a program leaves of them at its end, and which program may take them over.
 #include <doctest/doctest.h>
 
 #include <fstream>
@@ -24,7 +24,7 @@ struct Sculpted {
     journal.follow(batch);
     unsaved.follow(batch, journal);
   }
-  // Moves points of the cloud, or adds one behind them.
+  // Moves points of the cloud, or appends one.
   void stroke(const std::vector<std::uint32_t>& points, float to) {
     EditBatch batch;
     for (const std::uint32_t id : points)
@@ -32,7 +32,7 @@ struct Sculpted {
     batch.marks.push_back({batch.points.size(), EditMark::Kind::stroke});
     take(std::move(batch));
   }
-  // As a back end reports what was undone.
+  // A back end's report of an undo.
   void change(const std::vector<PointChange>& changes) {
     EditBatch batch;
     for (const PointChange& each : changes) batch.points.push_back(each.to);

@@ -1,4 +1,4 @@
-// A wall before a depth camera that comes nearer and goes again, as a recording of 16 frames, and sessions with it on
+// A wall in front of a depth camera that approaches and recedes, as a recording of 16 frames, and sessions with it on
 // the CPU.
 #pragma once
 
@@ -16,13 +16,13 @@ namespace palpate {
 
 inline constexpr DepthCamera kCamera{.width = 40, .height = 30, .fx = 100, .fy = 100, .cx = 19.5, .cy = 14.5};
 inline constexpr double kRest_m = 0.5, kRate_Hz = 100, kDuration_s = 0.16, kHand_mm = 0.2;
-inline constexpr double kRounded_mm = 0.02;  // depths
+inline constexpr double kRounded_mm = 0.02;  // resolution of the depths
 inline constexpr int kFrames = 16;
 
-/// How far a wall has come towards the camera in a frame.
+/// Displacement of the wall towards the camera in a frame.
 inline double nearer_mm(int frame) { return 1 - std::cos(2 * 3.14159265358979 * frame / kFrames); }
 
-/// And as it is felt, that many frames after the first one: it goes from frame to frame, one behind.
+/// The displacement felt at that frame number: the surface moves from frame to frame, one behind.
 inline double felt_mm(double place) {
   const int frame = std::min(kFrames - 1, static_cast<int>(std::floor(place + 1e-9)));
   if (frame == 0) return 0;
@@ -33,7 +33,7 @@ inline std::vector<float> wall(double depth_m) {
   return std::vector<float>(std::size_t{kCamera.width} * kCamera.height, static_cast<float>(depth_m));
 }
 
-/// A wall before a camera that stands still in the middle of the world, in fiftieths of a millimetre.
+/// A wall in front of a camera that stands at the origin; depths in fiftieths of a millimetre.
 inline void writeWall(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder / "depth");
   for (int i = 0; i < kFrames; ++i)
@@ -50,7 +50,7 @@ inline SessionConfig playing(const std::filesystem::path& folder) {
           .duration_s = kDuration_s};
 }
 
-/// Just before the wall where it rests.
+/// Just in front of the wall's rest position.
 inline Path atRest(double duration_s = kDuration_s) {
   const DVec3 hip(0, 0, kRest_m - 1e-3 * kHand_mm);
   return Path({{0, hip}, {duration_s, hip}});

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# How long a message is on its way within this machine: poses of `palpate touch --ros`, the pings of `palpate doctor
-# --network`, and, as a measure of what DDS itself needs, those of Cyclone DDS's own ddsperf (as it counts them), on the
-# same loopback, one after another. Exit code 77 where there is no ddsperf (cyclonedds-tools).
+# Latency of messages within this machine: poses of `palpate touch --ros`, pings of `palpate doctor --network`, and, for
+# DDS alone, those of Cyclone DDS's own ddsperf (by its own count), on the same loopback, one after another. Exit code
+# 77 without ddsperf (cyclonedds-tools).
 #   tests/sharing/beside_ddsperf.sh PALPATE ROS_LISTENER [SECONDS]
 set -euo pipefail
 [ -z "${PALPATE_TESTS_ONLY:-}" ] || { echo "beside_ddsperf: skipped: it has no label $PALPATE_TESTS_ONLY"; exit 77; }
@@ -33,14 +33,14 @@ until grep -q serving "$folder/serve"; do kill -0 $! || fail 'nothing is served'
 pings=$("$palpate" doctor --network --domain "$domain" | sed -n 's/.*\(round trip .*\)/\1/p')
 [ -n "$pings" ] || fail 'doctor has found no session'
 
-# The network as palpate uses it: the loopback, without multicast.
+# The network as palpate configures it: the loopback, without multicast.
 loopback='<Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces><AllowMulticast>false</AllowMulticast>'
 peers='<ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/></Peers>'
 domains="<Domain id=\"any\"><General>$loopback</General><Discovery>$peers</Discovery></Domain>"
 export CYCLONEDDS_URI="<CycloneDDS>$domains</CycloneDDS>"
 ddsperf -i "$domain" -D $((seconds + 2)) pong > "$folder/pong" 2>&1 &
 running+=($!)
-ddsperf -i "$domain" -D "$seconds" ping 100Hz size 128 > "$folder/ping" 2>&1 || true  # it complains of the end
+ddsperf -i "$domain" -D "$seconds" ping 100Hz size 128 > "$folder/ping" 2>&1 || true  # it reports its end as an error
 theirs=$(sed -n 's/.*\(size 128 mean.*\)/\1/p' "$folder/ping" | tail -1)
 [ -n "$theirs" ] || fail 'ddsperf has measured nothing'
 echo "poses of touch --ros:      $poses"

@@ -1,6 +1,6 @@
 // ctest: waits
-// Copies of strokes and results: how many there are, that they count by their numbers whichever way they come, and what
-// they are good for over links that lose.
+// Copies of strokes and results: how many are sent, that numbers order them whichever path they take, and their benefit
+// over lossy links.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -74,13 +74,13 @@ TEST_CASE("there are no more bytes of copies than the budget has, and hardly any
     }
     return said;
   };
-  // A tenth of the budget: all of it four times.
+  // A tenth of the budget: four copies of everything.
   CHECK(copiesOf(100, 0.01) == near(4 * 100e3, 0.02));
-  // Half of it: as much as is left.
+  // Half of it: as much as the rest of the budget allows.
   const double some = copiesOf(500, 0.01);
   CHECK(some > 300e3);
   CHECK(some <= 100e3 * 10 + 20e3 - 500e3);
-  // Ten times as much.
+  // Ten times the budget.
   CHECK(copiesOf(2000, 0.002) < 30e3);
 }
 
@@ -96,7 +96,7 @@ TEST_CASE("copies that come early wait for those before them, as many as follow 
   CHECK(early.takeAfter(1) == 20);
   CHECK(early.takeAfter(2) == 30);
   CHECK_FALSE(early.takeAfter(3));
-  // What has come meanwhile another way is forgotten.
+  // Numbers that were received on another path in the meantime are forgotten.
   for (std::uint64_t number = 5; number < 1000; ++number) early.keep(number, 3, 1);
   CHECK(early.size() == 63);
   CHECK_FALSE(early.takeAfter(100));
@@ -119,7 +119,7 @@ TEST_CASE("a piece that comes as a copy alone is taken, once, after the one befo
   };
   REQUIRE(isHeard(copies));
   REQUIRE(isHeard(strokes));
-  // It follows, so that a copy that is early waits.
+  // It follows, so that early copies are kept.
   const Writer<ResumeRequest> resumes(session.participant, session.topics.resumes, reliableQos(false));
   std::uint8_t own[16];
   set(own, session.client);
@@ -131,7 +131,7 @@ TEST_CASE("a piece that comes as a copy alone is taken, once, after the one befo
     return results.take([](const Result&) {}) > 0;
   }));
   State state = stateOf(statesOf(cloud)[7]);
-  state.position[2] = 5000;  // farther than the hand goes
+  state.position[2] = 5000;  // beyond the reach of the hand
   Stroke stroke{};
   set(stroke.session, session.session);
   set(stroke.client, session.client);
@@ -147,9 +147,9 @@ TEST_CASE("a piece that comes as a copy alone is taken, once, after the one befo
   state.position[2] = 6000;
   for (int i = 0; i < 3; ++i) say(copies, 1);
   CHECK(within(10, [&] { return hand.counts().received >= 1; }));
-  say(strokes, 1);  // which the copies have brought
+  say(strokes, 1);  // already received as a copy
   say(strokes, 2);
-  say(strokes, 2);  // what no client of ours does: again, the reliable way
+  say(strokes, 2);  // sent twice on the reliable path, which no client of palpate does
   CHECK(hand.end().same);
   const ServedCounts counts = served.end();
   CHECK(counts.sculptors == 2);
@@ -193,7 +193,7 @@ TEST_CASE(
   CAPTURE(reliable.size());
   CHECK(copiedWell > 15);
 
-  // One from far ahead, in the server's name, to the hand that is honest.
+  // A result from far ahead, forged in the server's name, sent to the honest hand.
   const std::uint64_t resumed = hand.counts().resumed;
   std::optional<Id> victim;
   const Reader<sharing::HandSample> hands(session.participant, session.topics.hands, bestEffortQos());
@@ -219,8 +219,8 @@ TEST_CASE(
 
 namespace {
 
-/// One way of a link, in virtual time: a reliable stream, in order, whose lost messages come again a round trip later,
-/// and a best-effort one. Each loses frames on its own.
+/// One direction of a link in virtual time: an ordered reliable stream, whose lost messages are sent again a round trip
+/// later, and a best-effort stream. Frames of each are lost independently.
 template <class Message>
 class LossyWay {
  public:
@@ -258,8 +258,8 @@ struct Told {
   std::vector<PointState> states;
 };
 
-/// From the moment at which one hand changes a point to that at which another one, as far from the server, is offered
-/// it, s; sorted. A change each 10 ms for a second, and then another second without.
+/// Sorted delays, s, from one hand's change of a point until it is offered to another hand, equally far from the
+/// server. One change each 10 ms for a second, then a second without changes.
 std::vector<double> delaysOver(double trip_s, double loss, bool withCopies) {
   std::mt19937 dice(3);
   std::vector<PointState> points;

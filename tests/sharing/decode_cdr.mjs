@@ -1,5 +1,5 @@
 // Decodes CDR of ROS messages with the packages @foxglove/rosmsg2-serialization and @foxglove/cdr and the definitions
-// of @foxglove/rosmsg-msgs-common: reads lines {"type": …, "bytes": HEX}, writes the message of each as a line.
+// of @foxglove/rosmsg-msgs-common: reads lines {"type": …, "bytes": HEX} and writes each message as a line.
 import { createRequire } from "node:module";
 import { readFileSync } from "node:fs";
 
@@ -9,7 +9,7 @@ const { MessageReader } = load("@foxglove/rosmsg2-serialization");
 const { ros2jazzy, ros2iron, ros2humble } = load("@foxglove/rosmsg-msgs-common");
 const definitions = ros2jazzy ?? ros2iron ?? ros2humble;
 
-// The message's own definition first, and those that it names.
+// The message's own definition first, then those that it refers to.
 function definitionsOf(type) {
   const found = [];
   const add = (name) => {

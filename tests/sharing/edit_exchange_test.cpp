@@ -1,5 +1,5 @@
 // Many hands, a server and links that delay, break and lose, all in one thread and from one seed: in the end every
-// point is everywhere as it was changed last, and nothing that one hand alone has done was ever taken from it.
+// point is everywhere as it was changed last, and no hand lost what it alone has done.
 #include "haptics/sharing/edit_exchange.hpp"
 
 #include <doctest/doctest.h>
@@ -28,11 +28,11 @@ std::vector<PointState> pointsOf(std::uint32_t count) {
   return points;
 }
 
-/// What answers a hand: its brush moves points, offers are done some time later.
+/// A back end's answers: its brush moves points, offers are applied some time later.
 class Answering {
  public:
-  /// `cells`: a point that the brush took out of its cell stays; otherwise only one that stands exactly as it was
-  /// moves.
+  /// `cells`: a point that the brush moved out of its cell is not moved by an offer; otherwise only a point in exactly
+  /// the stated position is moved.
   Answering(std::vector<PointState> points, bool cells) : points_(std::move(points)), cells_(cells) {}
 
   void brush(std::mt19937& dice) {
@@ -84,13 +84,13 @@ class Answering {
 
 std::vector<PointState> copyOf(std::span<const PointState> points) { return {points.begin(), points.end()}; }
 
-// Of points that are not there no more than that.
+// Removed points are equal if their ids are.
 bool same(const std::vector<PointState>& a, std::span<const PointState> b) {
   return std::ranges::equal(
       a, b, [](const PointState& p, const PointState& q) { return p.gone() && q.gone() ? p.id == q.id : p == q; });
 }
 
-/// One way of a link: in order, each message some steps later; broken, all that is under way is lost.
+/// One direction of a link: ordered, each message some steps later; a cut loses all messages in flight.
 template <class T>
 class Way {
  public:
@@ -237,7 +237,7 @@ class World {
     }
   }
 
-  // Another server, from the journal; who follows has to ask again.
+  // Another server, restored from the journal; followers must request again.
   void restart() {
     ++restarts_;
     points_ = SharedPoints(served_);
@@ -263,7 +263,7 @@ class World {
 
 void settle(World& world) {
   int steps = 0;
-  // All that was made is taken in before it can be at rest.
+  // All edits must be received before it can be at rest.
   for (; steps < 200 || !world.isAtRest(); ++steps) {
     REQUIRE(steps < 20'000);
     world.step(false, false);
@@ -286,7 +286,7 @@ TEST_CASE("in the end every point is everywhere as it was changed last, whatever
       received += world.client(i).exchange.receivedStates();
     }
   }
-  // What it is about did happen.
+  // The simulated faults did occur.
   CHECK(restarts > 50);
   CHECK(resent > 100);
   CHECK(received > 10'000);
@@ -296,7 +296,7 @@ TEST_CASE("a hand that is alone is never taken anything from, and each of its pi
   World world(7, 2, true);
   std::vector<PointState> made;
   for (int i = 0; i < 1500; ++i) {
-    // The second one only follows.
+    // The second client only follows.
     if (i < 1000 && i % 4 == 0) {
       std::mt19937 dice(static_cast<unsigned>(i));
       world.client(0).answering.brush(dice);
@@ -356,13 +356,13 @@ TEST_CASE("a client that asks is at rest once the server has answered, and not b
   const Resume first = exchange.resume();
   REQUIRE(exchange.hear(answer(first, place, 1, states)) == EditExchange::Heard::taken);
   REQUIRE(exchange.isAtRest());
-  // The server takes a stroke of another hand and tells that hand so; its word to this one is still under way.
+  // The server takes a stroke of another hand and reports it to that hand; its result for this one is still in flight.
   PointState moved = points[1];
   moved.position.z = 1;
   REQUIRE(server.take(other, 1, {&moved, 1}) == SharedPoints::Taken::taken);
   std::vector<PointState> late;
   const Results underWay = answer(first, place, 2, late);
-  CHECK(exchange.isAtRest());  // as it was heard last
+  CHECK(exchange.isAtRest());  // according to the last result
   const Resume asked = exchange.ask();
   CHECK_FALSE(exchange.isInEffect());
   CHECK_FALSE(exchange.isAtRest());
@@ -409,7 +409,7 @@ TEST_CASE("of a point that changes faster than a link carries only the last stat
   REQUIRE(states.size() == 1);
   CHECK(states[0].position.y == 1000);
   CHECK_FALSE(points.isBehind(place));
-  // Who made it hears nothing of it, unless it begins anew.
+  // Its maker does not receive it, unless it restarts.
   place = {};
   states.clear();
   points.collect(place, maker, 100, states);
@@ -425,7 +425,7 @@ TEST_CASE("who comes long after the order that is kept gets every point that was
   const Id maker{1}, follower{2};
   std::vector<PointState> piece;
   std::uint64_t number = 0;
-  // Two and a half million states: more than are kept in order.
+  // Two and a half million states: more than the history keeps in order.
   for (std::uint32_t k = 0; k < 2'500'000; ++k) {
     const std::uint32_t point = (k * 7919U) % (count / 2);
     piece.push_back({.position = Vec3(static_cast<float>(k), 1, 0), .id = point, .normal = {0, 0, 1}, .parent = point});
@@ -472,7 +472,7 @@ TEST_CASE("pieces that are no client's of ours change nothing") {
   CHECK(take(good) == SharedPoints::Taken::taken);
   CHECK(take(good) == SharedPoints::Taken::known);
   CHECK(points.head() == 1);
-  // So many may sculpt, and not one more.
+  // At most 4096 clients may sculpt.
   for (std::uint32_t i = 2; i <= 5000; ++i)
     points.take(Id{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8)}, 1, {&good, 1});
   CHECK(points.clients() == 4096);

@@ -1,6 +1,6 @@
 // ctest: waits
-// The points around hands over a network of this machine: still, sculpted by others, moving; and what becomes of a
-// server that dies, or is none of ours.
+// The points around hands over a network of this machine: still, sculpted by others, moving; and a server that dies or
+// is not palpate's.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ class ServedSquare {
     if (thread_.joinable()) thread_.join();
     return server_.counts();
   }
-  /// Behind end().
+  /// Valid after end().
   std::span<const PointState> points() const { return server_.points(); }
 
  private:
@@ -76,7 +76,7 @@ HandReaches handAt(const DVec3& hip) {
   return hands;
 }
 
-/// The points of the newest frame within 3 of the hand.
+/// Number of points of the newest frame within 3 of the hand.
 std::size_t around(BrickSource& source, const DVec3& hip, CloudFrame& frame) {
   source.makeFrame(steadyNow_s(), frame);
   std::size_t found = 0;
@@ -84,7 +84,7 @@ std::size_t around(BrickSource& source, const DVec3& hip, CloudFrame& frame) {
   return found;
 }
 
-/// What was said, and that was said of what has begun anew.
+/// The logged lines, and those about restarts.
 class Lines final : public LogListener {
  public:
   void said(std::string_view line) override {
@@ -118,7 +118,7 @@ TEST_CASE("who joins near a hand has the points around it, follows it, and few o
     CHECK(joined.facts->extent.points == 40'000);
     CHECK(joined.facts->extent.bounds == boundsOf(cloud));
     CHECK_FALSE(joined.facts->moves);
-    CHECK(joined.cloud.size() == 8000);  // each fifth one
+    CHECK(joined.cloud.size() == 8000);  // every fifth point
     CHECK(joined.cloud.positions[1] == cloud.positions[5]);
     BrickSource& source = joined.far->source();
     CloudFrame frame;
@@ -171,7 +171,7 @@ TEST_CASE("requests that no client makes are counted, and change nothing") {
       send({{.center = {0, 0, 0}, .radius = nan}});
       send({{.center = {0, 0, 0}, .radius = -1}});
       send({{.center = {1e300, 0, 0}, .radius = 1}});
-      send({{.center = {0, 0, 1e29}, .radius = 1e29}});  // far too much of nothing
+      send({{.center = {0, 0, 1e29}, .radius = 1e29}});  // far too much empty space
     }
   }
   const HandReaches hands = handAt(DVec3(50, 50, 1));
@@ -187,7 +187,7 @@ TEST_CASE(
   const PointCloud cloud = square();
   std::mutex lock;
   std::vector<SeenHand> seen;
-  double serverBegan_s = std::numeric_limits<double>::infinity();  // by the clock here, which is the server's, too
+  double serverBegan_s = std::numeric_limits<double>::infinity();  // on this machine's clock, also the server's
   ServedSquare served(cloud, "moving", [&](double time_s, std::span<const SeenHand> hands, CloudFrame& frame) {
     const double called_s = steadyNow_s();
     frame.time_s = time_s;
@@ -202,7 +202,7 @@ TEST_CASE(
   });
   const JoinedCloud joined = joinCloud("moving", {.network = ownNetwork()});
   const auto presence = sharePresence(joined.session, "a test's", joined.cloud);
-  REQUIRE(joined.far);  // without being asked for
+  REQUIRE(joined.far);  // without a request for it
   CHECK(joined.facts->moves);
   CHECK_FALSE(joined.sculptable);
   BrickSource& source = joined.far->source();
@@ -228,8 +228,7 @@ TEST_CASE(
     ++frames;
     CHECK(height >= last);
     last = height;
-    // The height is the server's time: a frame has the time at which its points were there, and as long a time after it
-    // as the fastest of all had been on its way.
+    // The height is the server's time: a frame's time is when its points were there, plus the shortest latency so far.
     fastest_s = std::min(fastest_s, steadyNow_s() - height);
     const double there_s = frame.time_s + begin_s - height;
     const double began_s = [&] {
@@ -237,7 +236,7 @@ TEST_CASE(
       return serverBegan_s;
     }();
     constexpr double kRounding_s = 1e-5;
-    // A frame whose time would not be after that of the one before has the next time there is.
+    // A frame that would not be later than the previous one gets the next possible time.
     const bool isNext = frame.time_s < before_s + 1e-9;
     before_s = frame.time_s;
     placed += !isNext;
@@ -253,7 +252,7 @@ TEST_CASE(
   CHECK(joined.far->counts().mostKnown <= 1 << 13);
   {
     const std::scoped_lock hold(lock);
-    // All that the client has.
+    // All hands of the client.
     REQUIRE(seen.size() == 3);
     const std::array<const char*, 3> names{"a test's", "a test's, hand 2", "a test's, hand 3"};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -287,7 +286,7 @@ TEST_CASE(
     joined[i] = joinNear("begins anew", &logs[i]);
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  for (std::size_t i = 0; i < 2; ++i) CHECK(lines[i].restarts().empty());  // it was so when they came
+  for (std::size_t i = 0; i < 2; ++i) CHECK(lines[i].restarts().empty());  // it was so when they joined
   restarted(4, "has diverged\033[2J");
   const auto areTold = [&](std::size_t times) {
     return std::ranges::all_of(lines, [&](const Lines& each) { return each.restarts().size() == times; });
@@ -311,7 +310,7 @@ TEST_CASE(
   }
   CHECK(late.restarts().empty());
   CHECK(areTold(2));  // not again
-  // One that says so a thousand times a second is not passed on as often.
+  // A server that reports a thousand restarts a second is not forwarded at that rate.
   const Stopwatch since;
   for (std::uint32_t count = 7; since.elapsed_s() < 2; ++count) {
     restarted(count, "is in a hurry");
@@ -388,7 +387,7 @@ TEST_CASE(
   REQUIRE(source.await(handAt(DVec3(30, 30, 0)), 30));
   served.reset();
   CHECK(within(30, [&] { return joined.far->known().share() == 0; }));
-  // What is known is still there.
+  // Known points are still there.
   CHECK(source.await(handAt(DVec3(30, 30, 0)), 0));
   CHECK_FALSE(source.await(handAt(DVec3(190, 190, 0)), 0));
   served.emplace(cloud, "again");
@@ -422,7 +421,7 @@ TEST_CASE("who was near his hand before a server was started again with its jour
     return source.await(handAt(hip), 30);
   };
   for (const double x : {20.0, 100.0, 180.0}) REQUIRE(comesTo(DVec3(x, 20, 0)));
-  CHECK(within(30, [&] { return joined.far->counts().samples > 256; }));  // more than the new one sends at once
+  CHECK(within(30, [&] { return joined.far->counts().samples > 256; }));  // more than the new server sends at once
   served.reset();
   served.emplace(cloud, "journal", ServedMotion{}, folder / "strokes");
   CHECK(comesTo(DVec3(100, 180, 0)));
@@ -435,13 +434,12 @@ TEST_CASE("who was near his hand before a server was started again with its jour
 
 namespace {
 
-/// One on the network who says in the server's name what it does not: the next sample that who is near his hand waits
-/// for.
+/// A participant that forges the server's next sample for a client near its hand.
 class Forger {
  public:
   Forger() : participant_(ownNetwork()), topics_(participant_), nears_(participant_, topics_.nears, bestEffortQos()) {}
 
-  /// Samples that are none, as many as come to be waited for until it holds.
+  /// Sends an invalid sample for each expected one until `holds` is true.
   bool forge(double seconds, const std::function<bool()>& holds) {
     return within(seconds, [&] {
       nears_.take([&](const Near& near) { heard_ = near; });
@@ -466,11 +464,11 @@ class Forger {
   Participant participant_;
   Topics topics_;
   Reader<Near> nears_;
-  std::optional<Near> heard_;  // but for its balls, which are not ours
+  std::optional<Near> heard_;  // without its balls, whose memory DDS owns
   std::optional<Writer<Bricks>> bricks_;
 };
 
-/// Asks, each time that something is said, how it goes: on a thread of its own, and waits for the answer.
+/// At each message, queries the connection's state on another thread and waits for the answer.
 class AskingListener final : public LogListener {
  public:
   void said(std::string_view) override {
@@ -487,14 +485,14 @@ class AskingListener final : public LogListener {
   }
   void progressed(std::string_view, double) override {}
   void about(const FarCloud* far) { far_ = far; }
-  void wait() { asking_.clear(); }  // nothing is said any more
+  void wait() { asking_.clear(); }  // no more messages follow
   int asked() const { return asked_; }
   int answered() const { return answered_; }
 
  private:
   std::atomic<const FarCloud*> far_ = nullptr;
   std::atomic<int> asked_ = 0, answered_ = 0;
-  std::vector<std::jthread> asking_;  // which ends after what is said
+  std::vector<std::jthread> asking_;  // each ends after its message
 };
 
 }  // namespace
@@ -551,9 +549,9 @@ TEST_CASE("who listens to what is said of a silent server may ask meanwhile how 
 
 namespace {
 
-constexpr double kRoom = 12;  // of the place where hands meet, along both sides
+constexpr double kRoom = 12;  // of the area where hands meet, along both sides
 
-/// A hand near its points, which changes those around it.
+/// A hand near its points that edits those around it.
 class NearSculptor {
  public:
   explicit NearSculptor(const std::string& name, unsigned seed) : joined_(joinNear(name)), random_(seed) {
@@ -569,14 +567,14 @@ class NearSculptor {
     source().ask(hands);
     return source().await(hands, 30);
   }
-  /// Those that stand within the room.
+  /// Points within the room.
   std::vector<PointState> points() const {
     std::vector<PointState> points;
     source().pointsIn(hip_ - kRoom / 2, hip_ + kRoom / 2, points);
     std::ranges::sort(points, {}, [](const PointState& point) { return point.id; });
     return points;
   }
-  /// Some are moved, a few taken away, as one edit does.
+  /// Some points are moved, a few removed, in one edit.
   void edit() {
     std::vector<PointChange> changes;
     std::uniform_real_distribution<float> by(-0.4f, 0.4f);
@@ -620,7 +618,7 @@ TEST_CASE("what several hands near their points make of them is the server's and
       if (turn % 2 == 0) second.edit();
       std::this_thread::sleep_for(std::chrono::milliseconds(7));
     }
-    // Away and back: what was made far away is as it was made.
+    // Away and back: the edit made far away is unchanged.
     REQUIRE(first.comesTo(DVec3(20, 20, 0)));
     first.edit();
     REQUIRE(first.comesTo(place));
@@ -643,7 +641,7 @@ TEST_CASE("what several hands near their points make of them is the server's and
   CHECK(counts.states == sent);
   CHECK(counts.again == 0);
   CHECK(counts.refused == 0);
-  // The server's points are those that the hands have seen, and all others stand where they did.
+  // The server's points equal those that the hands have seen, and all others are unchanged.
   const std::vector<PointState> before = statesOf(cloud);
   std::size_t changed = 0, wrong = 0;
   std::map<std::uint32_t, PointState> there;
@@ -668,7 +666,7 @@ TEST_CASE("a hand near its points that goes on and on in one place is heard all 
   ServedSquare served(cloud, "on and on");
   NearSculptor hand("on and on", 4);
   REQUIRE(hand.comesTo(DVec3(100, 100, 0)));
-  // Each point is made again before the server has said that it has it.
+  // Each point is edited again before the server has acknowledged it.
   const std::vector<PointState> points = hand.points();
   std::vector<PointState> now = points;
   for (const Stopwatch since; since.elapsed_s() < 7; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
@@ -714,7 +712,7 @@ TEST_CASE(
   for (const PointState& point : made) wrong += !isSamePoint(served->points()[point.number()], point);
   CHECK(wrong == 0);
   CHECK(served->end().states == sent);
-  // One that begins without it has nothing for this hand's part to go to.
+  // A server that restarts without the journal cannot accept this hand's edits.
   served.reset();
   served.emplace(cloud, "away", ServedMotion{});
   CHECK(within(20, [&] {

@@ -1,10 +1,10 @@
-"""Other people's programs on the wire of ROS's messages: what palpate sends and hears, as they see it.
+"""Third-party programs check the ROS messages that palpate sends and receives.
 
-    foreign_programs.py fastdds PALPATE [PEER]      another maker's DDS hears a hand and a cloud, and sends points
+    foreign_programs.py fastdds PALPATE [PEER]      another DDS receives a hand and a cloud, and sends points
     foreign_programs.py dissected PALPATE LISTENER  tshark reads all packets on the loopback, and finds none malformed
     foreign_programs.py decoded PALPATE LISTENER    messages that tshark has captured, decoded by npm's @foxglove/cdr
 
-Exit code 77, with the reason, where such a program is not here.
+Exit code 77, with the reason, if such a program is not installed.
 """
 
 import csv
@@ -31,7 +31,7 @@ POSE, WRENCH, CLOUD = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/Wrench
 TF = "tf2_msgs/msg/TFMessage"
 TOPICS = {"rt/lab/pose": POSE, "rt/lab/proxy": POSE, "rt/lab/wrench": WRENCH, "rt/lab/cloud": CLOUD, "rt/tf": TF,
           "rt/tf_static": TF}  # fmt: skip
-STANDS = [1, 2, 3, 0, 0, 1, 0]  # where the served cloud's frame does, in the frame map
+STANDS = [1, 2, 3, 0, 0, 1, 0]  # pose of the served cloud's frame in the frame map
 CLOUD_FIELDS = [("x", 0), ("y", 4), ("z", 8), ("normal_x", 12), ("normal_y", 16), ("normal_z", 20), ("rgb", 24)]
 PACKAGES = ["@foxglove/cdr@3", "@foxglove/rosmsg@5", "@foxglove/rosmsg2-serialization@3",
             "@foxglove/rosmsg-msgs-common@3"]  # fmt: skip
@@ -55,7 +55,7 @@ def wait_for(is_there, what, most_s=20):
 
 
 class Running:
-    """A program that is ended with the test."""
+    """A program that ends with the test."""
 
     def __init__(self, arguments, output, end=signal.SIGINT):
         self.output, self.end = pathlib.Path(output), end
@@ -80,7 +80,7 @@ def run(palpate, *arguments):
 
 
 def points_of(palpate, source, folder, *options):
-    """x, y and z of all points, as a file of text has them, with all digits."""
+    """x, y and z of all points, read from a text file with all digits."""
     run(palpate, "convert", source, folder / "points.ply", "--ascii", "--force", *options)
     lines = (folder / "points.ply").read_text().splitlines()
     return [tuple(map(float, line.split()[:3])) for line in lines[lines.index("end_header") + 1 :]]
@@ -91,7 +91,7 @@ def single(number):
 
 
 def hand_and_cloud(palpate, folder, hears, listening):
-    """A cloud that is served and a hand that touches, while `listening` hears both until it ends."""
+    """Serves a cloud and runs a hand while the program `hears` receives both until it ends."""
     run(palpate, "make", "sphere", "-n", POINTS, "-o", folder / "model.ply")
     common = ["--domain", DOMAIN, "--ros", "lab", "--mm-per-unit", MM_PER_UNIT]
     serve = [palpate, "serve", folder / "model.ply", "--name", f"clay{DOMAIN}", *common,
@@ -116,7 +116,7 @@ def is_near(heard, expected, off):
 
 
 def check_hand(heard, rows, frames=False):
-    """Each message of a topic is a row of the trace, in their order, in metres and newtons. `frames` adds tf."""
+    """Each message of a topic equals a row of the trace, in order, in metres and newtons. `frames` adds tf."""
     metres = MM_PER_UNIT * 1e-3
     of_row = {
         "pose": lambda row: [metres * number for number in numbers_of(row, "hip")],
@@ -172,7 +172,7 @@ def fastdds(palpate, folder, peer=None):
 
 
 def check_square(palpate, folder):
-    """What the peer sends, as a still cloud, and felt frame by frame: 41 x 31 points on z = 2 + x / 4."""
+    """The peer's points, read as a still cloud and felt frame by frame: 41 x 31 points on z = 2 + x / 4."""
     expected = [(single(0.005) * (i % 41), single(0.005) * (i // 41)) for i in range(31 * 41)]
     points = points_of(palpate, "ros:/square", folder, "--domain", DOMAIN)
     require(len(points) == 31 * 41, f"{len(points)} points have come")
@@ -191,7 +191,7 @@ def check_square(palpate, folder):
 
 
 def captured(palpate, folder, listener):
-    """Where tshark has put what went over the loopback, and the trace of the hand."""
+    """The file of tshark's capture of the loopback, and the trace of the hand."""
     if shutil.which("tshark") is None:
         skip("there is no tshark")
     first = 7400 + 250 * DOMAIN
@@ -205,7 +205,7 @@ def captured(palpate, folder, listener):
             time.sleep(0.02)
         rows, _ = hand_and_cloud(palpate, folder, [listener, DOMAIN, "lab", 2.5],
                                  lambda hearing: "listening" in hearing.said())  # fmt: skip
-        time.sleep(0.3)  # what is on its way into the file
+        time.sleep(0.3)  # until tshark has written the last packets
     return wire, rows
 
 
@@ -231,7 +231,7 @@ def dissected(palpate, folder, listener):
     severities = [[int(severity) for severity in packet[2].split(",") if severity] for packet in packets]
     wrong = [packet for packet, all_of in zip(packets, severities) if packet[1] or max(all_of, default=0) >= warning]
     require(not wrong, f"malformed packets: {wrong}")
-    # Samples that palpate alone writes, whole or in pieces, by what it has said of its writers before.
+    # Samples that only palpate writes, whole or in fragments, identified by the earlier discovery of its writers.
     samples = "(rtps.sm.id == 0x15 || rtps.sm.id == 0x16) && rtps.sm.wrEntityId.entityKind == 0x03"
     seen = set()
     for line in tshark_reads(wire, "-Y", samples, *columns("rtps.param.topicName", "rtps.param.typeName")).splitlines():
@@ -245,7 +245,7 @@ def dissected(palpate, folder, listener):
 
 
 def payloads(wire):
-    """Topic and bytes of each sample, its encapsulation before it, as tshark finds them in the packets."""
+    """Topic and bytes of each sample, including its encapsulation, as tshark finds them in the packets."""
     text = tshark_reads(wire, "-Y", "rtps.sm.id == 0x15 || rtps.sm.id == 0x16", "-T", "pdml")
     fragments = {}
     for part in ElementTree.fromstring(text).iter("field"):
@@ -253,10 +253,10 @@ def payloads(wire):
             continue
         shown = {field.get("name"): field.get("show") for field in part.iter("field")}
         topic = shown.get("rtps.param.topicName")
-        whole = part.find(".//field[@show='serializedData']")  # with the encapsulation, which issueData is without
+        whole = part.find(".//field[@show='serializedData']")  # includes the encapsulation, unlike issueData
         if topic not in TOPICS:
             continue
-        if shown["rtps.sm.id"] == "0x15" and "rtps.issueData" in shown:  # and no discovery
+        if shown["rtps.sm.id"] == "0x15" and "rtps.issueData" in shown:  # excludes discovery
             yield topic, whole.get("value")
         elif shown["rtps.sm.id"] == "0x16":
             sample = fragments.setdefault((topic, shown["rtps.sm.seqNumber"]), {})
@@ -271,7 +271,7 @@ def payloads(wire):
 
 
 def installing(folder):
-    """npm, which fetches the packages meanwhile."""
+    """Starts npm, which fetches the packages in the background."""
     if shutil.which("node") is None or shutil.which("npm") is None:
         skip("there is no node with npm")
     command = ["npm", "install", "--prefix", folder, "--no-audit", "--no-fund", "--ignore-scripts", *PACKAGES]

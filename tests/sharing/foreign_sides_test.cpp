@@ -1,6 +1,6 @@
 // ctest: waits
-// Servers and clients that are none of ours: what they say is refused in words, and nothing grows or ends because of
-// it.
+// Servers and clients that are not palpate's: their messages are refused with a reason, and cause neither growth nor an
+// exit.
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -16,7 +16,7 @@ using namespace sharing;
 
 namespace {
 
-/// Announces what it is told to, and answers the first requests with the blocks that it is told to.
+/// Announces what the test sets, and answers the first requests with the blocks that the test sets.
 class ForeignServer {
  public:
   explicit ForeignServer(const std::string& name, std::uint64_t points = 3000)
@@ -39,7 +39,7 @@ class ForeignServer {
     facts_.write(facts);
   }
 
-  /// Joins its own session, and answers it block by block; what joinCloud() said.
+  /// Joins its own session and answers it block by block. Returns the outcome of joinCloud().
   std::string joined(const std::function<void(Block&, std::vector<Point>&)>& spoil, std::uint32_t most = 1000) {
     announce();
     std::string said;
@@ -124,7 +124,7 @@ TEST_CASE("points that are none, too few or too many, and others than were annou
   CHECK(has(ForeignServer("spikes").joined([](Block&, std::vector<Point>& points) { points[0].normal[0] = 1e20f; }),
             "no normal"));
   CHECK(has(ForeignServer("others").joined(leave), "not those that were announced"));
-  // Blocks of other sessions and beyond the end are nobody's.
+  // Blocks of other sessions and beyond the end are ignored.
   CHECK(has(ForeignServer("strange").joined([](Block& block, std::vector<Point>&) { block.number += 1'000'000; }),
             "nothing has come"));
   CHECK(has(ForeignServer("mixed").joined([](Block& block, std::vector<Point>&) { block.session[3] ^= 1; }),
@@ -143,7 +143,7 @@ TEST_CASE("a server that ends in the middle is said, with how far it came") {
 TEST_CASE("what stands in names goes to no terminal as it is") {
   ForeignServer server("bell\x07 \x1b[31m");
   CHECK(has(server.joined(leave), "bell? ?[31m"));
-  // Nor what is no UTF-8, which no JSON can hold, nor commands that are.
+  // The same for invalid UTF-8, which JSON cannot hold, and for control characters.
   const auto shown = [](const char* text) { return printable(text); };
   CHECK(shown("Z\u00fcrich \u20ac \U0001F600") == "Z\u00fcrich \u20ac \U0001F600");
   CHECK(shown("\xff\xfe a\x80") == "?? a?");
@@ -153,7 +153,7 @@ TEST_CASE("what stands in names goes to no terminal as it is") {
   CHECK(shown("\xe2\x82") == "??");
   std::string full(199, 'x');
   full.append("\u20ac");
-  CHECK(shown(full.c_str()).size() == 199);  // cut before a character, and not in it
+  CHECK(shown(full.c_str()).size() == 199);  // cut before a character, and not inside it
 }
 
 TEST_CASE("requests that no client of ours makes are counted, and the server goes on") {

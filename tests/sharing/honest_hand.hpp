@@ -1,5 +1,5 @@
-// A hand that has joined a session of this test's own network, sculpts it and follows what others do, without what a
-// device and a back end would need.
+// A hand that has joined a session on this test's own network, sculpts it and follows others' edits, without a device
+// or a full back end.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -30,7 +30,7 @@ inline PointCloud flatCloud(std::size_t points) {
   return cloud;
 }
 
-/// Takes at once what others have done, and does what it is told to.
+/// Applies others' changes at once, and the edits that the test requests.
 class PlainBackend final : public TouchBackend {
  public:
   std::span<const Contact> ask(std::span<const Pose>, double) noexcept override { return {}; }
@@ -51,7 +51,7 @@ class PlainBackend final : public TouchBackend {
   IndexWork indexWork() const override { return {}; }
   double cell() const override { return 1; }
 
-  /// All that was done since the last time, and at its end these.
+  /// All edits since the last call, followed by these.
   EditBatch edit(std::span<const PointState> states) {
     const std::scoped_lock hold(lock_);
     batch_.points.insert(batch_.points.end(), states.begin(), states.end());
@@ -66,7 +66,7 @@ class PlainBackend final : public TouchBackend {
   TouchShortfalls shortfalls_;
 };
 
-/// A hand that is honest: moves a point each few milliseconds, and shows where it is.
+/// An honest hand: moves a point every few milliseconds, and shows its position.
 class HonestHand {
  public:
   explicit HonestHand(const std::string& name)
@@ -75,7 +75,7 @@ class HonestHand {
         presence_(sharePresence(joined_.session, "honest", joined_.cloud)),
         thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-  /// Moves no more, and waits until all is where it belongs.
+  /// Stops moving points, and waits until every edit has arrived.
   SharedCounts end() {
     sculpts_ = false;
     for (const Stopwatch since; since.elapsed_s() < 10 && !follower_->counts().same;)
@@ -114,7 +114,7 @@ class HonestHand {
   std::shared_ptr<SharedPresence> presence_;
   std::string fault_;
   std::atomic<bool> sculpts_ = true;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // ctest: waits
-// A session amid others that mean it no good: another process says as fast as it can what no palpate says, and
-// meanwhile nothing ends, nothing grows without a bound, and whoever is honest goes on.
+// A session under attack: another process sends invalid messages as fast as it can. Meanwhile nothing ends, nothing
+// grows without a bound, and honest participants continue.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 #include <malloc.h>
@@ -19,7 +19,7 @@
 #include "tests/sharing/honest_hand.hpp"
 
 #if defined(__SANITIZE_ADDRESS__)
-extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // whose header not every compiler brings
+extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // not every compiler provides its header
 #endif
 
 namespace palpate::hostile_network_test {
@@ -28,10 +28,10 @@ namespace {
 
 constexpr double kMB = 1e6;
 
-/// How long somebody attacks.
+/// Duration of an attack.
 double attack_s() { return byTier(0.4, 1.5); }
 
-/// What this process has of memory that it has asked for and not given back.
+/// Memory of this process that is allocated and not freed.
 double allocated_MB() {
 #if defined(__SANITIZE_ADDRESS__)
   return static_cast<double>(__sanitizer_get_current_allocated_bytes()) / kMB;
@@ -78,12 +78,12 @@ class HostileSide {
 };
 
 struct Outcome {
-  double grown_MB = 0;  ///< at most, while it went on
+  double grown_MB = 0;  ///< maximum during the attack
   SharedCounts hand;
   ServedCounts served;
 };
 
-/// A session with an honest hand while somebody attacks it for so long.
+/// A session with an honest hand during an attack.
 Outcome attacked(const std::string& attack, double seconds) {
   CAPTURE(attack);
   const PointCloud cloud = flatCloud(20'000);
@@ -93,20 +93,20 @@ Outcome attacked(const std::string& attack, double seconds) {
   Outcome outcome;
   const double before_MB = allocated_MB();
   HostileSide side(attack, seconds);
-  double stood_s = 0, last_s = 0;  // the machine itself, at most
+  double stood_s = 0, last_s = 0;  // longest time for which the machine itself stopped
   for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 30;
        std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     stood_s = std::max(stood_s, since.elapsed_s() - last_s);
     last_s = since.elapsed_s();
     outcome.grown_MB = std::max(outcome.grown_MB, allocated_MB() - before_MB);
     for (const SeenHand& other : hand.others()) {
-      CHECK(glm::length(other.place.position) < 1e12);  // no hand that nothing could draw
+      CHECK(glm::length(other.place.position) < 1e12);  // every hand can be drawn
       CHECK(glm::length(other.place.proxy) < 1e12);
     }
   }
-  CHECK(side.end(SIGKILL) == 0);  // it has found the session and has said something
+  CHECK(side.end(SIGKILL) == 0);  // it has found the session and sent something
   outcome.hand = hand.end();
-  // Whoever comes later has what there is.
+  // A later client gets all points.
   CHECK(joinCloud("attacked", {.network = ownNetwork()}).cloud.positions == cloud.positions);
   outcome.served = served.end();
   MESSAGE(fmt::format(
@@ -118,7 +118,7 @@ Outcome attacked(const std::string& attack, double seconds) {
   CHECK(outcome.hand.delivered);
   CHECK(outcome.hand.same);
   CHECK(outcome.hand.sent > 50);
-  CHECK(outcome.hand.longestSilent_s < 2.9 + stood_s);  // beyond which the force would fade
+  CHECK(outcome.hand.longestSilent_s < 2.9 + stood_s);  // beyond this the force would fade
   CHECK(outcome.grown_MB < 60);
   return outcome;
 }
@@ -163,7 +163,7 @@ struct NearOutcome {
   ServedCounts served;
 };
 
-/// One who is near his hand, and wanders, while somebody attacks for so long.
+/// A wandering client near its hand during an attack.
 NearOutcome attackedNear(const std::string& attack, double seconds) {
   CAPTURE(attack);
   const PointCloud cloud = flatCloud(20'000);
@@ -176,11 +176,11 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
     hands.hands[0] = {.low = hip - 3.0, .high = hip + 3.0, .hip = hip, .proxy = hip};
     source.ask(hands);
     return source.await(
-        hands, 30);  // up to 64 have their turn first, each of them some milliseconds, ten times that with sanitizers
+        hands, 30);  // up to 64 others are served first, each for some milliseconds, ten times that with sanitizers
   };
   REQUIRE(comesTo(20));
   HostileSide side(attack, seconds);
-  double stood_s = 0, last_s = 0;  // the machine itself, at most
+  double stood_s = 0, last_s = 0;  // longest time for which the machine itself stopped
   for (const Stopwatch since; !side.ended() && since.elapsed_s() < seconds + 30;
        std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     stood_s = std::max(stood_s, since.elapsed_s() - last_s);

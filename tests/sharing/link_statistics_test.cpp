@@ -16,7 +16,7 @@ TEST_CASE("nothing is said of a link before a ping has come back, or is late") {
   counts = link.counts(12.5);
   CHECK(counts.lost == 1);
   CHECK(*counts.lost_percent == 100);
-  // Late is not never.
+  // A late answer is not lost.
   link.answered(1, 12.6);
   counts = link.counts(13);
   CHECK(counts.lost == 0);
@@ -53,7 +53,7 @@ TEST_CASE("echoes that come twice, of pings that never went, or before they went
   CHECK(link.counts(2).answered == 1);
   CHECK(*link.counts(2).roundTrip_ms == near(100, 1e-6));
   for (int i = 0; i < 200; ++i) link.sent(2 + 0.01 * i);
-  link.answered(number + 1, 9);  // too long ago to be known
+  link.answered(number + 1, 9);  // sent too long ago
   CHECK(link.counts(9).answered == 1);
   CHECK(link.counts(9).lost == 200);
 }

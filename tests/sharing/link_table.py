@@ -34,7 +34,7 @@ def skip(why):
 
 
 class Cell:
-    """A link, a server at its far end, and what is run at either end."""
+    """A link, a server at its far end, and programs at either end."""
 
     def __init__(self, palpate, folder, trip_ms, loss, jitter_ms):
         self.palpate, self.folder, self.trip_s = palpate, folder, trip_ms / 1000
@@ -82,11 +82,11 @@ class Cell:
             if process.poll() is None:
                 process.kill()
         self.link.terminate()
-        return self.link.communicate()[0].strip()  # what it has lost, and let overtake
+        return self.link.communicate()[0].strip()  # counts of lost and overtaken frames
 
 
 def worst_difference_N(first, second):
-    """Between the forces of two traces; infinite where they have other ticks."""
+    """Largest difference between the forces of two traces; infinite if their ticks differ."""
     with open(first, encoding="utf-8") as a, open(second, encoding="utf-8") as b:
         rows = list(csv.DictReader(a)), list(csv.DictReader(b))
     if len(rows[0]) != len(rows[1]):
@@ -107,13 +107,13 @@ def measure(palpate, folder, trip_ms, loss, jitter_ms, presses, duration_s):
         server.send_signal(signal.SIGINT)
         server.wait()
         cell.serve()  # without the dents
-        # However long the other one takes to begin, the hand is there before it, and until it has ended.
+        # The hand starts before the other one, and ends after it, however long that takes to start.
         hand = cell.start("near", "touch", "--join", "far", "--backend", "cpu", "--device", "sim", "--realtime",
                           "--duration", "60", "--json", folder / "hand.json", said="hand.log")
         cell.wait_for("hand.log", r"^touch: [1-9]", hand)
         cell.run("far", "touch", "--join", "far", "--backend", "cpu", "--realtime", "--edit", "inflate", "--strength",
                  "0.1", "--duration", str(duration_s + 4 * cell.trip_s), said="other.log")
-        time.sleep(1 + 2 * cell.trip_s)  # the last of it is on its way
+        time.sleep(1 + 2 * cell.trip_s)  # the last edits are in flight
         hand.send_signal(signal.SIGINT)
         code, said = hand.wait(), (folder / "hand.log").read_text(encoding="utf-8")
         if code != 128 + signal.SIGINT or "interrupted after" not in said:
@@ -175,7 +175,7 @@ def main():
         skip("there is no /dev/net/tun")
     named = [tuple(int(number) for number in word.split(",")) for word in sys.argv[2:] if word != "--short"]
     cells = named or [(delay, loss) for delay in DELAYS_MS for loss in LOSSES]
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # whoever ends it ends what it has started
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # ends the programs that it has started
     failed = False
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)

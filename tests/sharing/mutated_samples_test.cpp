@@ -1,7 +1,6 @@
 // ctest: waits
-// Samples of each of our types, and ROS's clouds, with bytes that are not as they were: lengths, counts, numbers, bits.
-// DDS refuses those that cannot be, and the others come to a session that is served and to one that is joined, as if
-// sent.
+// Mutated samples of each of palpate's types and of ROS's clouds: lengths, counts, numbers, bits. DDS refuses
+// impossible ones; the others are delivered to a served and to a joined session as if they had been sent.
 #include <dds/ddsi/ddsi_serdata.h>
 #include <doctest/doctest.h>
 
@@ -24,11 +23,11 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// One to four things that are wrong with a sample; of its first bytes fewer, so that it is still somebody's.
+/// Makes one to four changes to a sample, fewer among its first bytes, so that it is still addressed to somebody.
 void mutate(Bytes& bytes, std::mt19937& dice) {
   constexpr std::array<std::uint32_t, 12> kEdges{0,  1,    2,          36,         37,         64,
                                                  65, 4096, 0x7fc00000, 0x7f800000, 0xffffffff, 0x80000000};
-  constexpr std::size_t kHead = 20;  // of the encapsulation, and of the session
+  constexpr std::size_t kHead = 20;  // encapsulation and session
   for (std::size_t left = 1 + dice() % 4; left > 0 && !bytes.empty(); --left) {
     const std::size_t from = bytes.size() > kHead && dice() % 16 ? kHead : 0,
                       at = from + dice() % (bytes.size() - from);
@@ -59,11 +58,11 @@ struct Tried {
   int accepted = 0, refused = 0;
 };
 
-/// Samples of one type as they are on the wire.
+/// Samples of one type in wire format.
 template <class T>
 class Wire {
  public:
-  /// How DDS has the type is seen at any sample of it, of a topic that nobody else has.
+  /// Reads DDS's type description from any sample of it, on a private topic.
   Wire(dds_entity_t participant, const dds_topic_descriptor_t& type, const T& any)
       : topic_(participant, type, "nobody/" + lastPart(type.m_typename)) {
     const Reader<T> reader(participant, topic_, reliableQos(false));
@@ -72,7 +71,7 @@ class Wire {
     ddsi_serdata* one = nullptr;
     dds_sample_info_t about;
     REQUIRE(dds_takecdr(reader, &one, 1, &about, DDS_ANY_STATE) == 1);
-    type_ = one->type;  // which the topic keeps
+    type_ = one->type;  // owned by the topic
     ddsi_serdata_unref(one);
   }
 
@@ -84,12 +83,12 @@ class Wire {
     ddsi_serdata_unref(made);
     return bytes;
   }
-  /// What DDS makes of bytes that have come; null where it refuses them.
+  /// DDS's interpretation of received bytes; null if DDS refuses them.
   ddsi_serdata* read(Bytes& bytes) const {
     const ddsrt_iovec_t whole{.iov_base = bytes.data(), .iov_len = bytes.size()};
     return bytes.size() < 4 ? nullptr : ddsi_serdata_from_ser_iov(type_, SDK_DATA, 1, &whole, bytes.size());
   }
-  /// Writes one that is not as it was.
+  /// Writes a mutated copy of a sample.
   void write(const Writer<T>& writer, const T& sample, std::mt19937& dice, Tried& tried) const {
     Bytes bytes = bytesOf(sample);
     mutate(bytes, dice);
@@ -99,7 +98,7 @@ class Wire {
       return;
     }
     ++tried.accepted;
-    dds_writecdr(writer, made);  // which has it from here on
+    dds_writecdr(writer, made);  // takes ownership
   }
 
  private:
@@ -109,7 +108,7 @@ class Wire {
   const ddsi_sertype* type_ = nullptr;
 };
 
-/// One on the network of a session who writes samples of it that are not as they were.
+/// A participant that writes mutated samples to a session.
 class Mutant {
  public:
   explicit Mutant(unsigned seed) : participant_(ownNetwork()), topics_(participant_), dice_(seed) {
@@ -176,7 +175,7 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
                         });
   const auto change = [&](Stroke& stroke) {
     id(stroke.client);
-    stroke.number = mutant.roll() % 50;  // in any order, and again
+    stroke.number = mutant.roll() % 50;  // in any order, with duplicates
     fillStates(mutant, states, 5000);
     stroke.states._buffer = states.data();
     stroke.states._length = stroke.states._maximum = static_cast<std::uint32_t>(states.size());
@@ -204,12 +203,12 @@ TEST_CASE("a session that is served and sculpted goes on amid samples of it that
     camera.orientation[3] = camera.fov_y = camera.aspect = 1;
     camera.number = mutant.roll();
     if (mutant.roll() % 64) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(8));  // in which some are heard
+    std::this_thread::sleep_for(std::chrono::milliseconds(8));  // time to receive some
     const std::vector<SeenCamera> others = onlooker->cameras();
     cameras += others.size();
     for (const SeenCamera& other : others) {
       CHECK(isCamera(other.place));
-      CHECK(glm::length(other.place.position) < 1e12);  // none that nothing could draw
+      CHECK(glm::length(other.place.position) < 1e12);  // every camera can be drawn
     }
   });
   CHECK(cameras > 0);
@@ -291,7 +290,7 @@ TEST_CASE("whoever joins amid blocks that are not as they were gets the points a
   joining.join();
   CHECK(other == 0);
   CHECK(whole + told > 0);
-  MESSAGE(whole, " times as announced, ", told, " times it was told why not");  // who comes first is by chance
+  MESSAGE(whole, " times as announced, ", told, " times it was told why not");  // the proportion is random
 }
 
 TEST_CASE("who is near his hand goes on amid questions, facts and bricks that are not as they were") {

@@ -1,6 +1,5 @@
-// The points around hands, without a network: hands that wander over a cloud that is sculpted meanwhile, over links
-// that are slow. Whatever a hand may feel is there, point by point as in the whole cloud, or the tick is known to lack
-// some.
+// The points around hands, without a network: hands that wander over a cloud that is sculpted meanwhile, over slow
+// links. Every point that a hand may feel is present as in the whole cloud, or the tick is known to lack some.
 #include <doctest/doctest.h>
 
 #include <deque>
@@ -20,7 +19,7 @@ namespace {
 
 constexpr double kSupport = 2;  // with points one apart
 
-/// A bumpy sheet, one point in each square of one.
+/// A bumpy sheet, one point in each unit square.
 std::vector<PointState> sheet(int side, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> jitter(-0.4f, 0.4f);
@@ -38,7 +37,7 @@ std::vector<PointState> sheet(int side, unsigned seed) {
   return points;
 }
 
-/// By number. Points are moved up and down alone, so that none is farther than one from its place in the lattice.
+/// By id. Points are only moved up and down, so that each is within one of its lattice position.
 std::vector<std::uint32_t> near(const std::vector<PointState>& points, int side, const DVec3& hip) {
   std::vector<std::uint32_t> found;
   const auto first = [&](double at) { return std::max(static_cast<int>(std::floor(at - kSupport)) - 1, 0); };
@@ -64,7 +63,7 @@ struct Walked {
   std::size_t mostKnown = 0;
 };
 
-/// Ticks of 1 ms; questions and answers are half a trip on their way.
+/// Ticks of 1 ms; questions and answers take half a round trip.
 Walked walk(const Walk& how, int ticks) {
   constexpr int kSide = 150;
   constexpr double kEdge = 8, kTick_s = 1e-3;
@@ -102,7 +101,7 @@ Walked walk(const Walk& how, int ticks) {
     HandReaches reaches{.time_s = now_s, .steady_s = now_s, .count = 1};
     reaches.hands[0] = {.low = hip - kSupport, .high = hip + kSupport, .hip = hip, .proxy = hip};
     asked.push_back({now_s + 0.5 * how.trip_s, hand.around(reaches, how.trip_s)});
-    // The server, each 5 ms.
+    // The server, every 5 ms.
     while (!asked.empty() && asked.front().at_s <= now_s) {
       const std::vector<Ball> balls = asked.front().balls;
       asked.pop_front();
@@ -130,10 +129,10 @@ Walked walk(const Walk& how, int ticks) {
       ++walked.without;
       continue;
     }
-    // Beside a stroke that is on its way nothing can be said.
+    // While a stroke is in flight the result is undefined.
     if (how.sculpts && tick < ticks / 2 + 4 * how.trip_s / kTick_s) continue;
     std::vector<Vec3> is, should;
-    for (const Vec3& position : frame.positions)  // nearly all are far away, and known to be by one coordinate
+    for (const Vec3& position : frame.positions)  // one coordinate excludes nearly all points
       if (std::abs(position.x - hip.x) < kSupport && glm::distance(DVec3(position), hip) < kSupport)
         is.push_back(position);
     for (const std::uint32_t id : near(points, kSide, hip)) should.push_back(points[id].position);
@@ -170,7 +169,7 @@ TEST_CASE(
       const Walked walked = walk({.seed = seed, .speed = 25, .trip_s = trip_s}, 4000);
       CHECK(walked.wrong == 0);
       CHECK(walked.felt > 500);
-      // Until the first ones are there.
+      // Until the first points arrive.
       CHECK(static_cast<double>(walked.without) < 1000 * trip_s + 40);
       CHECK(walked.without > 0);
     }
@@ -218,7 +217,7 @@ TEST_CASE("of points that move a client has those of one time alone, after each 
       frame.normals.emplace_back(0, 0, 1);
       frame.velocities.emplace_back(0, 0, turn);
     }
-    // Every other time somebody wants what the last frame was not looked through for: it comes with the next one.
+    // Every other time bricks are requested that the last frame was not searched for: they are sent with the next one.
     if (turn % 2 == 0) {
       shown = {wanted.begin(), wanted.end()};
       served.show(frame, {wanted.begin(), wanted.end()});
@@ -226,7 +225,7 @@ TEST_CASE("of points that move a client has those of one time alone, after each 
     const BrickLedger::Step step = ledger.next(balls, wanted, served, {.known = 1 << 14, .atOnce = 1 << 14});
     for (const BrickKey key : step.dropped) CHECK(known.erase(key) == 1);
     for (const auto& [key, brick] : step.bricks) {
-      CHECK(shown.contains(key));  // of others nobody knows whether they are empty
+      CHECK(shown.contains(key));  // whether other bricks are empty is unknown
       known[key] = brick;
     }
     for (const auto& [key, brick] : known)
@@ -238,7 +237,7 @@ TEST_CASE("of points that move a client has those of one time alone, after each 
 
 namespace {
 
-/// A sample of two points in one brick, and what it is made of.
+/// A sample of two points in one brick, and its parts.
 struct OneSample {
   OneSample() {
     sample.epoch = 1;
@@ -295,7 +294,7 @@ TEST_CASE("a step is put together from its samples; one that is missing is found
   CHECK(update->bricks[0].second->ids == std::vector<std::uint32_t>{3, 8});
   CHECK(update->bricks[0].second->colors[0] == 0x030201);
   CHECK(update->bricks[1].second->size() == 0);
-  // Anew: what has come stays until it comes again; what has not come with the rest is gone then.
+  // After a restart received bricks stay until they are received again; those not received with the rest are dropped.
   CHECK(assembly.begin() == 2);
   OneSample again;
   CHECK(again.hear(assembly) == BrickAssembly::Heard::old);

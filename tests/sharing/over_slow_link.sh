@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# A cloud is served in one network namespace and joined in another one, over a link that delays and loses as it is told:
-# the trace is that of the file byte by byte, through a cable that is out for seconds, too; a killed server is reported;
-# hands at both ends sculpt at once, and have the same points in the end. Exit code 77, with the reason, where this
-# machine allows no such link.
+# Serves a cloud in one network namespace and joins it in another, over a link with given delay and loss: the trace
+# equals the file's byte by byte, also through a cable that is disconnected for seconds; a killed server is reported;
+# hands at both ends sculpt at once and end with the same points. Exit code 77, with the reason, if this machine cannot
+# make such a link.
 #   tests/sharing/over_slow_link.sh PALPATE
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -49,27 +49,27 @@ end_server() {  # SIGNAL
   server=''
 }
 lines_of() { grep -c "$2" "$1" || true; }  # FILE PATTERN
-await_line() {  # FILE PATTERN COUNT PROCESS: until so many lines have it, for as long as the process lives
+await_line() {  # FILE PATTERN COUNT PROCESS: until COUNT lines match, while the process lives
   until [ "$(lines_of "$1" "$2")" -ge "$3" ]; do
     kill -0 "$4" 2> /dev/null || fail "ended without '$2'"
     sleep 0.02
   done
 }
-joined() {  # OUT [OPTIONS...]: the trace of what is joined
+joined() {  # OUT [OPTIONS...]: the trace of the joined cloud
   local out=$1
   shift
   ip netns exec "$near" "$palpate" --quiet touch --join far --interface a --backend cpu --duration 0.2 \
     --trace "$out" "$@" > "$folder/touch.log" 2>&1
 }
 
-touched() {  # NAMESPACE INTERFACE NAME OPTIONS...: a hand, with the points as it has them in the end
+touched() {  # NAMESPACE INTERFACE NAME OPTIONS...: a hand that saves its final points
   local at=$1 interface=$2 name=$3
   shift 3
   : > "$folder/$name.log"
   ip netns exec "$at" "$palpate" touch --join far --interface "$interface" --backend cpu --save "$folder/$name.ply" \
     --json "$folder/$name.json" "$@" > "$folder/$name.log" 2>&1 || fail "the hand '$name' has ended"
 }
-# How much a hand sculpts against the clock depends on the processors: five tries for that alone.
+# How much a hand sculpts in real time depends on the processors: this is tried up to five times.
 sculpted() {  # ROUND_TRIP LOSS
   local status=75 try=0
   while [ "$status" = 75 ] && [ "$try" -lt 5 ]; do
@@ -78,7 +78,7 @@ sculpted() {  # ROUND_TRIP LOSS
   done
   [ "$status" = 0 ] || fail "hands that sculpt at once fail at $1 ms and $2 % loss"
 }
-# Hands at both ends sculpt at once, in one place and across it, while the cable is out for a while.
+# Hands at both ends sculpt at once, at the same position and across it, while the cable is disconnected for a while.
 sculpt() {  # ROUND_TRIP LOSS
   : > "$folder/near.log"
   touched "$near" a near --realtime --duration 3 --path "$folder/presses.csv" --edit push &
@@ -109,7 +109,7 @@ sys.exit(0 if near["sent"] > 100 and far["sent"] > 100 else 75)
 CHECK
 }
 
-near_hand() {  # ROUND_TRIP LOSS: the points around the hand alone, in virtual time and against the clock
+near_hand() {  # ROUND_TRIP LOSS: only the points around the hand, in virtual time and in real time
   : > "$folder/large.log"
   ip netns exec "$far" "$palpate" serve "$folder/large.ply" --name large --interface b > "$folder/large.log" 2>&1 &
   large=$!
@@ -119,7 +119,8 @@ near_hand() {  # ROUND_TRIP LOSS: the points around the hand alone, in virtual t
   $at --trace "$folder/near.csv" --json "$folder/near.json" > "$folder/near.log" 2>&1 ||
     fail "no hand near at $1 ms and $2 % loss"
   cmp "$folder/near.csv" "$folder/own_slide.csv" || fail "another trace near the hand at $1 ms and $2 % loss"
-  # Whether points come ahead of a hand that does not wait is a matter of processors, too: three tries for that alone.
+  # Whether points arrive ahead of a hand that does not wait also depends on the processors: this is tried up to three
+  # times.
   local status=75 try=0
   while [ "$status" = 75 ] && [ "$try" -lt 3 ]; do
     try=$((try + 1)) status=0
@@ -132,14 +133,14 @@ near_hand() {  # ROUND_TRIP LOSS: the points around the hand alone, in virtual t
   kill -INT "$large"; wait "$large" || fail 'what serves a large model has failed'
   large=''
 }
-check_near() {  # ROUND_TRIP LOSS: 75 where points came too late
+check_near() {  # ROUND_TRIP LOSS: status 75 if points came too late
   python3 - "$folder" "$1" "$2" << 'CHECK'
 import csv, json, sys
 folder, trip, loss = sys.argv[1:]
 rows = lambda name: {row[0]: row[1:17] for row in csv.reader(open(f"{folder}/{name}"))}
 own, clock = rows("own_slide.csv"), rows("clock.csv")
 near, virtual = (json.load(open(f"{folder}/{name}.json")) for name in ("clock", "near"))
-# Who has missed a tick goes on from another place, to which the proxy comes back but for its last digits.
+# After a missed tick the proxy continues from another position, and returns except for its last digits.
 allowed = 1e-4 if near["missed_ticks"] + near["near"]["ticks_without_points"] else 0
 is_same = lambda a, b: a == b or all(x == y or abs(float(x) - float(y)) <= allowed for x, y in zip(a, b))
 other = sum(not is_same(own[t], row) for t, row in clock.items())
@@ -150,15 +151,15 @@ print(f"over_slow_link: round trip {trip} ms, {loss} % lost, the points around t
       f"longest silence "
       f"{near['near']['longest_silence_s']:.1f} s")
 assert virtual["near"]["ticks_without_points"] == 0 and virtual["contact_ticks"] > 500, virtual
-# A tick that this machine missed is felt for some more: by the damping, and by the way that the proxy goes.
+# A missed tick affects some later ones: by the damping, and by the proxy's path.
 after_missed = 10
 assert other <= near["near"]["ticks_without_points"] * after_missed + near["missed_ticks"] * after_missed, (other, near)
 assert near["near"]["most_known"] < near["points"] / 2, near
 sys.exit(0 if int(trip) > 100 or near["near"]["ticks_without_points"] <= 0.001 * near["near"]["ticks"] else 75)
 CHECK
 }
-cut_near() {  # the cable is out for five seconds: what is known is felt until that is too old, then nothing, and again
-              # once the hand has gone out and in
+cut_near() {  # the cable is disconnected for five seconds: known points are felt until they are too old, then
+              # nothing, and again once the hand has left and re-entered
   : > "$folder/near.log"
   ip netns exec "$near" "$palpate" touch --join large --near --interface a --backend cpu --path "$folder/again.csv" \
     --realtime --trace "$folder/clock.csv" --json "$folder/clock.json" > "$folder/near.log" 2>&1 &
@@ -176,8 +177,8 @@ silent = sum(force(row) == 0 for row in held) / 1000
 print(f"over_slow_link: a cable that was out for five seconds: no force for {silent:.1f} s, longest silence "
       f"{near['longest_silence_s']:.1f} s")
 assert 4 < near["longest_silence_s"] < 10 and 0.5 < silent and force(rows[-1]) > 0.5, (near, silent, force(rows[-1]))
-# The cable was pulled two seconds after the program had first said how far it was; a second and two and a half round
-# trips are no silence.
+# The cable was disconnected two seconds after the program's first progress report; a second and two and a half round
+# trips are not a silence.
 percent = int(re.search(r"^touch: ([1-9]\d*) %", open(f"{sys.argv[1]}/near.log").read(), re.M)[1])
 cut_s = float(rows[-1]["t_s"]) * (percent + 0.5) / 100 + 2
 felt = any(force(row) > 0.5 for row in rows if 0.3 < float(row["t_s"]) - cut_s < 1)
@@ -186,7 +187,7 @@ CHECK
 }
 
 "$palpate" --quiet make sculpture -n 30000 -o "$folder/model.ply"
-# A slide of 3 s over a larger one, as a file: the same path whoever has which of the points.
+# A slide of 3 s over a larger model, as a file: the same path for every set of points.
 "$palpate" --quiet make sculpture -n 300000 -o "$folder/large.ply"
 "$palpate" --quiet touch "$folder/large.ply" --backend cpu --path builtin:slide --duration 3 \
   --trajectory "$folder/all.csv" > /dev/null
@@ -203,8 +204,8 @@ open(f"{sys.argv[1]}/again.csv", "w").write("\n".join([head, *lines, ""]))
 AGAIN
 "$palpate" --quiet touch "$folder/large.ply" --backend cpu --path "$folder/slide.csv" \
   --trace "$folder/own_slide.csv" > /dev/null
-# Two presses, 4 and 6 mm deep, from 14 mm above the surface: outside of all that the other hand has raised there,
-# however much earlier that one has begun. A hand that begins inside touches nothing.
+# Two presses, 4 and 6 mm deep, from 14 mm above the surface: above everything that the other hand raises there, however
+# much earlier it starts. A hand that starts inside touches nothing.
 "$palpate" --quiet touch "$folder/model.ply" --backend cpu --duration 0.5 --penetration 4 \
   --trajectory "$folder/press.csv" > /dev/null
 python3 - "$folder" << 'PRESSES'
@@ -229,18 +230,18 @@ for way in '0 0' '100 1' '1000 5'; do
   echo "over_slow_link: round trip $trip ms, $loss % lost: the same trace, within $((SECONDS - begin)) s"
   near_hand "$trip" "$loss"
   sculpted "$trip" "$loss"
-  # What others have done is no longer the file's: the next checks are of a server of their own.
+  # The points include others' edits now: the next checks use a new server.
   end_server INT
   start_server
   if [ "$trip" = 100 ]; then
-    # The median of pings within a second: again where something else has had the processors meanwhile.
+    # The median of pings within a second; repeated if other programs had the processors meanwhile.
     for _ in $(seq 5); do
       listed=$(ip netns exec "$near" "$palpate" doctor --network --interface a)
       grep -qE 'round trip (9[5-9]|1[0-9][0-9]|2[0-4][0-9])' <<< "$listed" && break
     done
     trip_ms=$(sed -n 's/.*round trip \([0-9]*\).*/\1/p' <<< "$listed")
     [ "${trip_ms:-0}" -ge 95 ] && [ "$trip_ms" -le 250 ] || fail "the round trip is listed as: $listed"
-    # The cable is out for three seconds in the middle: the points are being sent.
+    # The cable is disconnected for three seconds while the points are being sent.
     begun=$(lines_of "$folder/serve.log" 'takes the points')
     joined "$folder/joined.csv" &
     client=$!
@@ -249,7 +250,7 @@ for way in '0 0' '100 1' '1000 5'; do
     wait "$client" || fail 'a cable that was out for three seconds ended it'
     cmp "$folder/joined.csv" "$folder/own.csv" || fail 'another trace after the cable was out'
     echo 'over_slow_link: a cable that was out for three seconds: the same trace'
-    # Killed in the middle: said, and the next one can have the name.
+    # Killed in the middle: it is reported, and the next server can have the name.
     begun=$(lines_of "$folder/serve.log" 'takes the points')
     joined "$folder/joined.csv" &
     client=$!
@@ -260,7 +261,7 @@ for way in '0 0' '100 1' '1000 5'; do
     start_server
     joined "$folder/joined.csv" || fail 'the second server could not be joined'
     echo 'over_slow_link: a killed server: said, and followed by another'
-    # With keys, by whose sides they can be made.
+    # With keys, if they can be made here.
     if "$palpate" --quiet keys "$folder/keys" --name far 2> "$folder/touch.log" &&
         "$palpate" --quiet keys "$folder/keys" --name near; then
       end_server INT
@@ -277,7 +278,7 @@ for way in '0 0' '100 1' '1000 5'; do
   end_link
 done
 
-# Its interface is gone with the link; it ends all the same.
+# Its interface is gone with the link; it must end nevertheless.
 kill -INT "$server"
 begin=$SECONDS
 while kill -0 "$server" 2> /dev/null && [ $((SECONDS - begin)) -lt 30 ]; do sleep 0.05; done

@@ -1,4 +1,4 @@
-// A network that no other test program is on, and sessions that are served there for a test's time.
+// A network without other test programs, and sessions served on it for the duration of a test.
 #pragma once
 
 #include <atomic>
@@ -29,7 +29,7 @@ class Served {
     pause();
     return server_.counts();
   }
-  /// It takes nothing and answers nobody until goOn().
+  /// Until goOn() it takes no edits and answers no requests.
   void pause() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();

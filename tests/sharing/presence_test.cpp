@@ -1,5 +1,5 @@
 // ctest: waits
-// Who takes part in a session, with hands and with cameras, over a network of this machine.
+// The participants of a session, with hands and cameras, over a network of this machine.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ HandPlace handAt(double x) {
   return {.position = place, .proxy = place + DVec3(0, 0, 0.25), .touching = true};
 }
 
-/// One who has joined and looks.
+/// A client that has joined and watches the others.
 struct Looking {
   Looking(const std::string& session, const std::string& name, bool near = false)
       : joined(joinCloud(session, {.network = ownNetwork(), .near = near})),
@@ -69,7 +69,7 @@ struct Looking {
     std::ranges::copy(hands, places.hands.begin());
     presence->moved(places);
   }
-  /// How many hands of that name there are, and where the last of them is.
+  /// Number of hands with that name, and the position of the last of them.
   std::size_t handsOf(const std::string& name, double& x) const {
     std::size_t count = 0;
     for (const SeenHand& hand : presence->hands())
@@ -94,7 +94,7 @@ TEST_CASE("cameras are seen where they are, follow, stay seen while they stand, 
   Served served(cloud, "looked at");
   const Looking ada("looked at", "Ada"), bert("looked at", "Bert", true);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  CHECK(ada.presence->cameras().empty());  // nobody has said anything
+  CHECK(ada.presence->cameras().empty());  // no camera was sent yet
   ada.presence->show(cameraAt(2));
   REQUIRE(bert.sees(2));
   const SeenCamera seen = bert.presence->cameras().at(0);
@@ -102,20 +102,20 @@ TEST_CASE("cameras are seen where they are, follow, stay seen while they stand, 
   CHECK(seen.place.turn == cameraAt(2).turn);
   CHECK(seen.place.fovY_rad == 0.75);
   CHECK(seen.place.aspect == 1.5);
-  CHECK(ada.presence->cameras().empty());  // none sees himself
+  CHECK(ada.presence->cameras().empty());  // a client does not see its own camera
   ada.presence->show(cameraAt(3));
   CHECK(bert.sees(3));
   bert.presence->show(cameraAt(-4));
   CHECK(ada.sees(-4));
   CHECK(ada.presence->cameras().at(0).number != seen.number);
-  // Longer than a silent one is kept.
+  // Longer than a silent camera is kept.
   std::this_thread::sleep_for(std::chrono::milliseconds(3500));
   CHECK(within(30, [&] {
     const auto cameras = bert.presence->cameras();
     return cameras.size() == 1 && glm::distance(cameras[0].place.position, cameraAt(3).position) < 1e-9 &&
            cameras[0].age_s < 2;
   }));
-  // Who comes later sees it, too.
+  // A later client sees it, too.
   const Looking carla("looked at", "");
   CHECK(carla.sees(3));
   ada.presence->show(std::nullopt);
@@ -184,7 +184,7 @@ TEST_CASE(
     });
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kShort_s = 0.3;
-  // The first one that is heard may have any number.
+  // The first camera received may have any number.
   Camera first = good();
   first.number = 0;
   REQUIRE(within(10, [&] {
@@ -203,7 +203,7 @@ TEST_CASE(
   CHECK_FALSE(spoilt([&](Camera& camera) { camera.position[1] = kNan; }));
   CHECK_FALSE(spoilt([](Camera& camera) { camera.position[2] = 1e300; }));
   CHECK_FALSE(
-      spoilt([](Camera& camera) { camera.position[2] = 1e9; }));  // beyond what a cloud of this size is seen from
+      spoilt([](Camera& camera) { camera.position[2] = 1e9; }));  // farther than a cloud of this size is viewed from
   CHECK_FALSE(spoilt([&](Camera& camera) { camera.orientation[0] = static_cast<float>(kNan); }));
   CHECK_FALSE(spoilt([](Camera& camera) { camera.orientation[3] = 0; }));
   CHECK_FALSE(spoilt([](Camera& camera) { camera.fov_y = 0; }));
@@ -212,7 +212,7 @@ TEST_CASE(
   CHECK_FALSE(spoilt([](Camera& camera) { camera.session[3] ^= 1; }));
   CHECK_FALSE(spoilt([&](Camera& camera) { set(camera.client, ada.joined.session->client); }));
   REQUIRE(isSeen(good(), 30));
-  // One after the other, so that none is lost for another one's sake; and again, since the silent ones go.
+  // One after another, so that none is lost because of another; repeated, since silent ones are dropped.
   CHECK(within(30, [&] {
     for (std::uint32_t i = 0; i < 600; ++i) {
       Camera camera = good();
@@ -244,7 +244,7 @@ TEST_CASE("all hands of who is near, of who has all points and of who feels alon
              carla.seesHand("Ada, hand 2", 2) && carla.seesHand("Bert", 3);
     };
     REQUIRE(within(10, areSeen));
-    CHECK(ada.presence->hands().size() == 4);  // none of its own
+    CHECK(ada.presence->hands().size() == 4);  // without its own
     CHECK(carla.presence->hands().size() == 3);
     const std::vector<SeenHand> seen = ada.presence->hands();
     std::set<std::uint32_t> numbers;
@@ -255,12 +255,12 @@ TEST_CASE("all hands of who is near, of who has all points and of who feels alon
       CHECK(hand.age_s < 2);
     }
     CHECK(numbers.size() == 4);
-    // Those of which nothing more is said are gone, for each of the others.
+    // Hands without further messages disappear for all other clients.
     CHECK(within(30, [&] {
       ada.movesHands({handAt(1), handAt(2)});
       return ada.presence->hands().empty() && bert.presence->hands().size() == 2 && carla.presence->hands().size() == 2;
     }));
-    // A hand less is one less.
+    // One hand less is shown as one less.
     CHECK(within(30, [&] {
       ada.movesHands({handAt(7)});
       return bert.presence->hands().size() == 1 && bert.seesHand("Ada", 7);
@@ -310,7 +310,7 @@ TEST_CASE(
   CHECK_FALSE(isSeen([](HandSample& hand) { hand.proxy[0] = 1e12; }, kShort_s));
   CHECK_FALSE(isSeen([](HandSample& hand) { hand.which = kMaxHands; }, kShort_s));
   CHECK_FALSE(isSeen([](HandSample& hand) { hand.session[3] ^= 1; }, kShort_s));
-  // One that says the same for ever is there once, and gone when it ends.
+  // A hand that repeats the same message is present once, and disappears when it ends.
   std::size_t most = 0;
   within(3, [&] {
     HandSample hand = good();
@@ -321,7 +321,7 @@ TEST_CASE(
   });
   CHECK(most == 1);
   CHECK(within(30, [&] { return ada.presence->hands().empty(); }));
-  // One after the other, so that none is lost for another one's sake; and again, since the silent ones go.
+  // One after another, so that none is lost because of another; repeated, since silent ones are dropped.
   CHECK(within(30, [&] {
     for (std::uint32_t i = 0; i < 4800; ++i) {
       HandSample hand = good();
@@ -335,7 +335,7 @@ TEST_CASE(
     return most >= 256;
   }));
   CHECK(most == 256);
-  // Whoever is honest is seen again once that one is gone.
+  // An honest client is seen again once the attacker is gone.
   writer.reset();
   CHECK(within(10, [&] {
     bert.movesHands({handAt(3)});

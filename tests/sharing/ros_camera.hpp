@@ -1,4 +1,4 @@
-// What sensors of ROS send, for tests: pictures of depth with their camera, and organised points, frame by frame.
+// Messages of ROS sensors, for tests: depth images with their camera, and organised points, frame by frame.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace palpate {
 
-/// A message of the camera's size, whose memory it has itself.
+/// An image message of the camera's size that owns its memory.
 struct SentPicture {
   std::string encoding = "32FC1", frame = "camera";
   std::uint32_t width = 0, height = 0;
@@ -39,7 +39,7 @@ struct SentPicture {
   }
 };
 
-/// Along each ray of a camera, by row; 0: it meets nothing.
+/// Depth along each ray of a camera, by row; 0: no hit.
 using DepthAlong = std::function<double(const DVec3& ray)>;
 
 inline SentPicture pictureOf(const DepthCamera& camera, const DepthAlong& depth_m) {
@@ -53,7 +53,7 @@ inline SentPicture pictureOf(const DepthCamera& camera, const DepthAlong& depth_
   return picture;
 }
 
-/// The same as points, row by row, NaN where a ray meets nothing; places alone.
+/// The same as points, row by row, NaN for rays without a hit; positions only.
 struct SentPoints {
   std::uint32_t width = 0, height = 0;
   std::string frame = "camera";
@@ -102,7 +102,7 @@ inline sharing::RosCameraInfo infoOf(const DepthCamera& camera) {
   return info;
 }
 
-/// Calls `send` 30 times a second with the number of the frame and its stamp, on a thread of its own.
+/// Calls `send` 30 times a second with the frame's number and stamp, on its own thread.
 class Sending {
  public:
   explicit Sending(std::function<void(int frame, std::int64_t stamp_ns)> send)
@@ -118,7 +118,7 @@ class Sending {
   std::jthread thread_;
 };
 
-/// A camera that sends what `picture` has for each frame, at TOPIC's image_raw and camera_info, as sensors do.
+/// A camera that sends `picture`'s result for each frame, at TOPIC's image_raw and camera_info, as sensors do.
 class SendingCamera {
  public:
   SendingCamera(const NetworkConfig& network, const std::string& topic, const sharing::RosCameraInfo& info,

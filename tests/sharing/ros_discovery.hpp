@@ -1,4 +1,4 @@
-// What programs discover of one another before a message is sent.
+// What programs discover about each other before a message is sent.
 #pragma once
 
 #include <chrono>
@@ -29,7 +29,7 @@ inline std::string userDataOf(const dds_qos_t* qos) {
   return text;
 }
 
-/// The first who writes on a topic: the type's name, and user data; empty where nobody is discovered.
+/// The first discovered writer of a topic: its type's name and user data; empty without one.
 struct DiscoveredWriter {
   std::string type, userData;
 };

@@ -1,5 +1,5 @@
-// Topics of ROS as frames, on the network of this machine: pictures with their camera, points with and without rows,
-// and what is none of that.
+// ROS topics as frames, on the network of this machine: depth images with their camera, points with and without rows,
+// and invalid topics.
 #include <doctest/doctest.h>
 
 #include <atomic>
@@ -45,13 +45,13 @@ bool says(const std::string& text, const std::string& words) {
 
 double flat(const DVec3&) { return 2; }
 
-/// By however many ways a frame could come: those that a reader was too late for are left out, and counted.
+/// Whether frames are in order and dropped ones are counted at most once: a reader that was too late drops frames.
 bool isLaterAndCountedOnce(const DepthFrame& frame, long sent, const DepthFrame& before, long sentBefore) {
   return sent > sentBefore && frame.number > before.number &&
          frame.number - before.number <= static_cast<std::uint64_t>(sent - sentBefore);
 }
 
-/// Frames that can be read, until `isEnough`, and why others could not.
+/// Frames read until `isEnough`, and the reasons for those lost.
 struct Read {
   std::vector<DepthFrame> frames;
   std::vector<std::string> losses;
@@ -92,7 +92,7 @@ TEST_CASE("pictures of depth come once each, in order, with the camera that is s
     CHECK(frame.time_s > before.time_s);
     CHECK_FALSE(frame.points.has_value());
   }
-  // A millimetre in each frame, of 33 ms.
+  // A millimetre per frame of 33 ms.
   const double way_m = read.frames[9].depth_m[5] - read.frames[0].depth_m[5];
   CHECK(read.frames[9].time_s - read.frames[0].time_s == near(33 * way_m, 0.2));
   stream->stop();
@@ -143,7 +143,7 @@ TEST_CASE("pictures that lie, or are of another size, encoding or frame, are los
 
 TEST_CASE("points in rows come as frames with normals that face the sensor, and without rows, too") {
   const Participant participant = rosParticipant(ownNetwork());
-  // As a driver of a sensor sends them, and as most programs do.
+  // As sensor drivers send them, and as most other programs do.
   const RosPublisher<RosPointCloud2> rows(participant, "rt/rows", RosDelivery::bestEffort);
   const RosPublisher<RosPointCloud2> heap(participant, "rt/heap", RosDelivery::latched);
   const DVec3 upright = glm::normalize(DVec3(0.1, 0.2, -1));
@@ -218,7 +218,8 @@ TEST_CASE("pictures of depth have the colours that were taken with them, and wit
   enum class Sent { both, depthsAlone, larger };
   std::atomic<Sent> sends = Sent::both;
   const Sending sender([&](int frame, std::int64_t stamp_ns) {
-    // The same number in both, so that a colour of another frame is found out; colours come a moment behind the depths.
+    // Both contain the frame's number, so that a colour of another frame is detected; colours are sent shortly after
+    // the depths.
     const auto number = static_cast<std::uint8_t>(frame % 200);
     SentPicture picture = pictureOf(kCamera, [&](const DVec3&) { return 1 + 0.001 * number; });
     picture.stamp_ns = stamp_ns;
@@ -236,7 +237,7 @@ TEST_CASE("pictures of depth have the colours that were taken with them, and wit
   const auto stream = watchRosFrames("dyed/image_raw", dyed);
   const Read read = readUntil(*stream, [](const Read& r) { return r.frames.size() == 10; });
   REQUIRE(read.frames.size() == 10);
-  CHECK(read.losses.size() <= 1);  // the first one, whose colours nobody heard yet
+  CHECK(read.losses.size() <= 1);  // the first one, whose colours had no reader yet
   for (const DepthFrame& frame : read.frames) {
     REQUIRE(frame.colors.size() == 32 * 24);
     const auto number = static_cast<int>(std::lround(1000 * (frame.depth_m[5] - 1)));
@@ -246,7 +247,7 @@ TEST_CASE("pictures of depth have the colours that were taken with them, and wit
   }
   const auto lossOf = [&](Sent what) {
     sends = what;
-    readUntil(*stream, [](const Read& r) { return r.losses.size() == 1; });  // what was kept of before is used first
+    readUntil(*stream, [](const Read& r) { return r.losses.size() == 1; });  // pending frames are read first
     const Read lost = readUntil(*stream, [](const Read& r) { return r.losses.size() == 1; });
     return lost.losses.empty() ? std::string() : lost.losses.front();
   };
@@ -261,7 +262,7 @@ TEST_CASE("what sensors see is put in the frame that is asked for, over static a
   RosTransformPublisher mast(participant, "map", "mast", true), arm(participant, "mast", "arm", false),
       optical(participant, "arm", "camera", true);
   const double half = std::sqrt(0.5);
-  // The mast stands at x = 10; the arm goes up a millimetre a frame; the camera on it looks along x of the map.
+  // The mast is at x = 10; the arm rises a millimetre per frame; the camera on it looks along x of the map.
   CHECK(mast.write(0, {10, 0, 0}, DQuat(1, 0, 0, 0)));
   CHECK(optical.write(0, {0, 0, 0}, DQuat(0.5, -0.5, 0.5, -0.5)));
   const RosPublisher<RosPointCloud2> points(participant, "rt/moved/points", RosDelivery::bestEffort),
@@ -286,7 +287,7 @@ TEST_CASE("what sensors see is put in the frame that is asked for, over static a
     CHECK(read.losses.empty());
     for (const DepthFrame& frame : read.frames) {
       REQUIRE(frame.pose.has_value());
-      // The middle of the picture, 2 m ahead: the arm has turned a quarter, so that it lies along y.
+      // The image centre, 2 m ahead: the arm is rotated by a quarter, so that it is along y.
       const DVec3 seen = frame.pose->toWorld(DVec3(0, 0, 2));
       CHECK(std::abs(seen.x - 10) < 1e-9);
       CHECK(std::abs(seen.y - 2) < 1e-9);
@@ -298,7 +299,7 @@ TEST_CASE("what sensors see is put in the frame that is asked for, over static a
   REQUIRE(cloud.size() == 32 * 24);
   CHECK(cloud.fileCoordinates(0).y == near(2, 1e-6));
   CHECK(std::abs(cloud.fileCoordinates(0).x - 10) < 2);
-  // Of an arm of which nothing is heard any more it is not known where it is.
+  // Without new transforms the arm's position becomes unknown.
   const auto stream = watchRosFrames("moved/points", inMap);
   armMoves = false;
   const Read read = readUntil(*stream, [](const Read& r) { return r.losses.size() == 2; });

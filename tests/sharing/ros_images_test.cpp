@@ -1,5 +1,5 @@
-// Pictures of depth and their camera without a network: depths in either encoding and order of bytes, what is no
-// camera, and what lies.
+// Depth images and their camera without a network: both encodings and byte orders, invalid cameras, and inconsistent
+// messages.
 #include "haptics/sharing/ros_images.hpp"
 
 #include <doctest/doctest.h>
@@ -29,7 +29,7 @@ void append(std::vector<std::uint8_t>& to, T value, bool swaps) {
   to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
-/// A picture of the camera's size, its rows with two bytes behind them.
+/// An image of the camera's size with two bytes of padding after each row.
 struct Picture {
   explicit Picture(std::string_view encoding, bool isBigEndian = false) {
     const bool isWide = encoding == "32FC1";
@@ -118,7 +118,7 @@ TEST_CASE("a picture that contradicts itself, or the camera, is refused in words
 TEST_CASE("colours of either order of bytes come pixel by pixel, and other pictures are refused in words") {
   std::vector<std::uint8_t> data;
   for (std::uint8_t i = 0; i < 9; ++i) data.push_back(i);
-  data.push_back(0xff);  // behind the row
+  data.push_back(0xff);  // padding
   for (std::uint8_t i = 9; i < 18; ++i) data.push_back(i);
   RosPicture picture{.height = 2, .width = 3, .encoding = "rgb8", .step = 10, .data = data};
   std::vector<std::array<std::uint8_t, 3>> colors;
@@ -184,9 +184,9 @@ TEST_CASE("times of frames are those of the stamps, and the clock's where stamps
   CHECK(times.timeOf(1700 * kSecond, 5) == 0);
   CHECK(times.timeOf(1700 * kSecond + kSecond / 10, 5.13) == near(0.1, 1e-6));
   CHECK(times.timeOf(1700 * kSecond + kSecond / 5, 5.2) == near(0.2, 1e-6));
-  CHECK(times.timeOf(1000 * kSecond, 5.3) == near(0.3, 1e-6));  // a recording begins again
+  CHECK(times.timeOf(1000 * kSecond, 5.3) == near(0.3, 1e-6));  // a recording restarts
   CHECK(times.timeOf(1000 * kSecond + kSecond / 10, 5.4) == near(0.4, 1e-6));
-  CHECK(times.timeOf(1000 * kSecond + kSecond / 10, 5.5) == near(0.5, 1e-6));  // it stands still
+  CHECK(times.timeOf(1000 * kSecond + kSecond / 10, 5.5) == near(0.5, 1e-6));  // its time does not advance
   CHECK(times.timeOf(std::numeric_limits<std::int64_t>::max(), 5.6) == near(0.6, 1e-6));
   CHECK(times.timeOf(std::numeric_limits<std::int64_t>::min(), 5.7) == near(0.7, 1e-6));
   const double before_s = times.timeOf(0, 5.8);
@@ -197,7 +197,7 @@ TEST_CASE("normals of a grid stand on the surface that it saw, face the sensor, 
   std::vector<Vec3> places;
   std::vector<std::uint32_t> cells;
   const DVec3 sensor(10, 0, 0), upright = glm::normalize(DVec3(0.2, 0.1, -1));
-  // A slanted plane, and before its right half another one, half as far; one ray has met nothing.
+  // A slanted plane, its right half hidden by another one at half the distance; one ray hits nothing.
   for (std::uint32_t row = 0; row < 6; ++row)
     for (std::uint32_t column = 0; column < 8; ++column) {
       if (row == 2 && column == 1) continue;
@@ -210,7 +210,7 @@ TEST_CASE("normals of a grid stand on the surface that it saw, face the sensor, 
   REQUIRE(normals.size() == 47);
   for (std::size_t i = 0; i < normals.size(); ++i) {
     CAPTURE(cells[i]);
-    // The first ray of the row with a gap has no neighbour in it.
+    // The first ray of the row with a gap has no neighbour in that row.
     if (cells[i] == 16)
       CHECK(normals[i] == Vec3(0));
     else

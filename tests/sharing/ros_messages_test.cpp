@@ -1,5 +1,5 @@
-// Messages of ROS on the wire of this machine: their bytes, what others discover of who writes them, and clouds and
-// hands from one end to the other.
+// ROS messages on the network of this machine: their bytes, what others discover about their writers, and clouds and
+// hands end to end.
 #include "haptics/sharing/ros_messages.hpp"
 
 #include <dds/ddsi/ddsi_serdata.h>
@@ -37,7 +37,7 @@ std::string withoutSpaces(std::string text) {
   return text;
 }
 
-/// A message as it is on the wire, its encapsulation before it.
+/// A message in wire format, including its encapsulation.
 template <class T>
 std::string wireOf(const T& message) {
   const Participant participant = rosParticipant(ownNetwork());
@@ -92,7 +92,7 @@ TEST_CASE("a PointCloud2 has the bytes that ROS gives it") {
   cloud.row_step = 8;
   cloud.data = {._maximum = 8, ._length = 8, ._buffer = data.data(), ._release = false};
   cloud.is_dense = true;
-  // The last byte is followed by three that fill it up to four, which the encapsulation says.
+  // Three bytes pad the last one to a multiple of four, as the encapsulation states.
   CHECK(wireOf(cloud) == withoutSpaces("00010003 01000000 02000000 04000000 6d617000 01000000 02000000 "
                                        "01000000 02000000 7800 0000 00000000 07 000000 01000000 "
                                        "00 000000 04000000 08000000 08000000 0102030405060708 01 000000"));
@@ -326,7 +326,7 @@ TEST_CASE("a cloud is heard by who comes later, as it is then") {
   CHECK(shown.show(points, {}));
   const RosListening listening{.network = ownNetwork()};
   const PointCloud first = hearRosCloud("clay/cloud", listening);
-  CHECK(hearRosCloud("clay/cloud", listening).positions == first.positions);  // later than it was written
+  CHECK(hearRosCloud("clay/cloud", listening).positions == first.positions);  // a late reader gets it, too
   REQUIRE(first.size() == 3000);
   CHECK(glm::distance(DVec3(first.positions[1000]), DVec3(cloud.positions[1000]) * 0.005) < 1e-6);
   CHECK(glm::distance(first.normals[1000], cloud.normals[1000]) < 1e-6f);

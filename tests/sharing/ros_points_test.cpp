@@ -1,5 +1,5 @@
-// PointCloud2 without a network: what is written is read again, whatever way others write it is read, and what lies is
-// refused.
+// PointCloud2 without a network: written messages are read back, every valid layout of other programs is read, and
+// inconsistent messages are refused.
 #include "haptics/sharing/ros_points.hpp"
 
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ void append(std::vector<std::uint8_t>& to, T value, bool swaps = false) {
   to.insert(to.end(), bytes.begin(), bytes.end());
 }
 
-/// A message of points of x, y, z, with all that it refers to.
+/// A message of points with x, y, z, and the memory that it refers to.
 struct Message {
   Message(std::size_t points, RosField::Type type, bool isBigEndian = false) {
     const std::uint32_t size = type == RosField::f64 ? 8 : 4;
@@ -118,7 +118,7 @@ TEST_CASE("rows with bytes behind them, gaps between fields and other numbers ar
       append<std::uint32_t>(message.data, 0x00010203);
       append<std::uint32_t>(message.data, 0);
     }
-    if (row == 0) message.data.resize(message.data.size() + 5, 0xff);  // behind the last row there is nothing
+    if (row == 0) message.data.resize(message.data.size() + 5, 0xff);  // no padding after the last row
   }
   const PointCloud cloud = message.take().cloud;
   REQUIRE(cloud.size() == 4);
@@ -143,7 +143,7 @@ TEST_CASE("points without a place are left out and counted; normals that are non
   const TakenRosPoints taken = message.take();
   CHECK(taken.skipped == 3);
   CHECK(taken.cloud.size() == 3);
-  // Without any that has a length the cloud has none.
+  // If no normal has a length, the cloud has no normals.
   message.fields.insert(message.fields.end(), {{"normal_x", 0}, {"normal_y", 0}, {"normal_z", 0}});
   std::memset(message.data.data(), 0, message.data.size());
   CHECK_FALSE(message.take().cloud.hasNormals());
@@ -197,7 +197,7 @@ TEST_CASE("a message that contradicts itself is refused in words, and takes no m
 TEST_CASE("random bytes in place of a message are read or refused, and never anything else") {
   std::mt19937 random(24);
   const auto any = [&](std::uint32_t most) { return static_cast<std::uint32_t>(random() % (most + 1ull)); };
-  // Mostly about right, so that what is behind the first check is reached.
+  // Mostly near the right values, to get past the first check.
   const auto number = [&](std::uint32_t most) {
     return any(19) == 0 ? static_cast<std::uint32_t>(random()) : any(most);
   };

@@ -1,4 +1,4 @@
-// Frames of ROS in one another, without a network.
+// Transforms between ROS frames, without a network.
 #include "haptics/sharing/ros_transforms.hpp"
 
 #include <doctest/doctest.h>
@@ -45,8 +45,7 @@ bool says(const std::string& text, const std::string& words) {
 
 TEST_CASE("a chain of static transforms is gone up, down, and over a common ancestor") {
   RosTransforms tree;
-  // The mast stands 2 m up on the base; the camera on it is turned a quarter about z, and looks along its own optical
-  // axes.
+  // The mast is 2 m above the base; the camera on it is rotated by a quarter about z, and uses optical axes.
   CHECK(tree.add(transform("/map", "base", {10, 0, 0}), true));
   CHECK(tree.add(transform("base", "/mast", {0, 0, 2}, DQuat(kHalf, 0, 0, kHalf)), true));
   CHECK(tree.add(transform("mast", "optical", {1, 0, 0}, DQuat(0.5, -0.5, 0.5, -0.5)), true));
@@ -56,7 +55,7 @@ TEST_CASE("a chain of static transforms is gone up, down, and over a common ance
     CAPTURE(fmt::format("{} {} {}", found.x, found.y, found.z));
     CHECK(glm::distance(found, there) < 1e-12);
   };
-  // What lies 3 m before the camera lies along x of the mast, which is y of the base.
+  // A point 3 m in front of the camera is along x of the mast, which is y of the base.
   isAt("optical", "mast", {0, 0, 3}, {4, 0, 0});
   isAt("optical", "base", {0, 0, 3}, {0, 4, 2});
   isAt("/optical", "map", {0, 0, 3}, {10, 4, 2});
@@ -65,14 +64,14 @@ TEST_CASE("a chain of static transforms is gone up, down, and over a common ance
   isAt("lidar", "optical", {0, 3, 1.5}, {0, 0, 3});
   isAt("base", "base", {1, 2, 3}, {1, 2, 3});
   isAt("nobody", "nobody", {1, 2, 3}, {1, 2, 3});
-  // A joint that is said again is where it is said to be.
+  // A repeated joint replaces the old one.
   CHECK(tree.add(transform("base", "mast", {0, 0, 3}), true));
   isAt("optical", "base", {0, 0, 3}, {4, 0, 3});
 }
 
 TEST_CASE("a frame that moves stands where its newest transform has it that is not newer than the time, nor too old") {
   RosTransforms tree;
-  for (const int tick : {3, 1, 2, 0})  // as they come
+  for (const int tick : {3, 1, 2, 0})  // in the order received
     CHECK(tree.add(transform("map", "arm", {double(tick), 0, 0}, DQuat(1, 0, 0, 0), 5 * kSecond + tick * kSecond / 100),
                    false));
   CHECK(tree.add(transform("arm", "camera", {0, 1, 0}), true));
@@ -87,7 +86,7 @@ TEST_CASE("a frame that moves stands where its newest transform has it that is n
              "'arm' stood in 'map' is not known of its time: what is heard of that is 0.500 s newer"));
   CHECK(x(6 * kSecond + kSecond / 100) == 3);
   CHECK(says(refusal(tree, "camera", "map", 7 * kSecond + kSecond / 10), "2.070 s before its time, and is too old"));
-  // What is not needed does not matter.
+  // Transforms that are not needed do not matter.
   CHECK(tree.find("camera", "arm", 100 * kSecond).centre.y == 1);
   CHECK(tree.add(transform("arm", "lamp", {0, 0, 5}), true));
   CHECK(tree.find("camera", "lamp", 100 * kSecond).centre == DVec3(0, 1, -5));
@@ -135,7 +134,7 @@ TEST_CASE("transforms that are none are not taken, and no more frames than there
   std::size_t taken = 0;
   for (int i = 0; i < 10'000; ++i) taken += tree.add(transform("a", fmt::format("f{}", i)), false);
   CHECK(taken == RosTransforms::kMaxFrames - 1);
-  CHECK(tree.add(transform("a", "b", {1, 0, 0}), true));  // one that is known goes on
+  CHECK(tree.add(transform("a", "b", {1, 0, 0}), true));  // a known frame is still updated
   CHECK(tree.find("b", "a", 0).centre.x == 1);
 }
 
@@ -159,7 +158,7 @@ TEST_CASE("random transforms end nothing and put nothing where it is not") {
       ++found;
       CHECK(std::abs(glm::length(pose.turn) - 1) < 1e-9);
       CHECK(std::isfinite(glm::length(pose.centre)));
-    } catch (const NetworkError&) {  // which says why
+    } catch (const NetworkError&) {  // states the reason
     }
   }
   CHECK(found > 100);
@@ -178,7 +177,7 @@ TEST_CASE("a recording that begins again is heard as it goes then") {
   CHECK(placeAt(55) == near(55, 0.001));
   play(1, 2);
   CHECK(placeAt(1.5) == near(1.5, 0.01));
-  // One that was overtaken by a few seconds is no new beginning.
+  // A transform a few seconds late is not a restart.
   play(2, 20);
   play(17, 17.005);
   CHECK(placeAt(19.5) == near(19.5, 0.001));

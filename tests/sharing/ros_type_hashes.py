@@ -1,7 +1,7 @@
 """The type hashes of ROS's messages (REP-2016, RIHS01), from their published definitions: SHA-256 of JSON.
 
-Prints a line for each message. Held against the hashes that are published of some, and, where they are given,
-against the types of an IDL file and the hashes that stand in a file of C++:
+Prints a line for each message. Compares them with published hashes of some, and, if given, with the types of an IDL
+file and the hashes in a C++ file:
 
     ros_type_hashes.py haptics/sharing/ros.idl haptics/sharing/ros_messages.cpp
 """
@@ -99,7 +99,7 @@ def element_of(type_name):
 
 
 def count_of(type_name):
-    """Of an array; 0: it is none."""
+    """Length of an array; 0: not an array."""
     return int(type_name.partition("[")[2].rstrip("]") or 0)
 
 
@@ -137,7 +137,7 @@ def hash_of(message):
     return "RIHS01_" + hashlib.sha256(text.encode()).hexdigest()
 
 
-# What IDL calls them.
+# Names of the types in IDL.
 IDL_NAMES = {"uint8": "octet", "int32": "long", "uint32": "unsigned long", "float64": "double"}
 
 
@@ -153,7 +153,7 @@ def idl_of(type_name):
 
 
 def fields_in_idl(text):
-    """By message: its fields as (name, type), as MESSAGES has them, but with types of IDL."""
+    """By message: its fields as (name, type), as in MESSAGES, but with IDL types."""
     found, package = {}, None
     text = re.sub(r"//[^\n]*", "", text)
     for match in re.finditer(r"module (\w+) \{ module msg|struct (\w+)_ \{([^}]*)\}", text):

@@ -1,5 +1,5 @@
-// Keys as they are made and as they are judged: whose they are, what is wrong with a folder of them, in words that name
-// it.
+// Keys as they are made and as they are judged: their holders, and the errors for an invalid folder, which name the
+// cause.
 #include "haptics/sharing/security.hpp"
 
 #include <doctest/doctest.h>
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kYear_s = 365 * 24 * 3600;
 constexpr std::int64_t kLongAgo_s = 1'600'000'000;  // in 2020
 
-/// What an error says; empty where there was none.
+/// The message of an error; empty without one.
 std::string errorOf(const std::function<void()>& what) {
   try {
     what();
@@ -42,7 +42,7 @@ void checkSays(const std::string& text, const std::vector<std::string>& parts) {
 
 void write(const fs::path& file, const std::string& content) { std::ofstream(file, std::ios::binary) << content; }
 
-/// The document as an authority signs it.
+/// The document signed by an authority.
 std::string signedBy(const fs::path& authority, const std::string& text) {
   using namespace openssl;
   const Certificate certificate = certificateOf(contentOf(authority / "permissions_ca.cert.pem"));
@@ -82,7 +82,7 @@ TEST_CASE("keys are their owner's alone, whatever their folder is called, and ar
     CHECK(one.contents[0] == other.contents[0]);
     CHECK(one.contents[2] != other.contents[2]);
     CHECK(contentOf(lab / "authority" / "identity_ca.key.pem").find("PRIVATE KEY") != std::string::npos);
-    // No holder is given what makes keys.
+    // No holder receives the keys of the authority.
     for (const std::string& content : one.contents)
       CHECK(content != contentOf(lab / "authority" / "identity_ca.key.pem"));
   }
@@ -214,7 +214,7 @@ TEST_CASE("what DDS itself refuses is said with the folder; one domain has one s
     network.security = (lab / "b").string();
     checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"with other keys, already"});
   }
-  // Another holder's permissions allow nothing.
+  // Another holder's permissions do not apply.
   fs::copy_file(lab / "a" / "permissions.p7s", lab / "b" / "permissions.p7s", fs::copy_options::overwrite_existing);
   checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"lab/b", "these keys cannot be used"});
   network.security = (lab / "c").string();

@@ -1,5 +1,5 @@
 // ctest: waits
-// A server on a thread of its own: looked at while it serves, ended while it is looked at.
+// A server on its own thread: observed while it serves, ended while it is observed.
 #include "haptics/sharing/server_thread.hpp"
 
 #include <doctest/doctest.h>

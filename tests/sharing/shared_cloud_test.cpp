@@ -1,6 +1,5 @@
 // ctest: waits
-// A cloud that is served and joined within this machine: its bits, its counts, and what hostile or foreign sides do to
-// it.
+// A cloud that is served and joined within this machine: its bits, its counts, and hostile or foreign participants.
 #include "haptics/sharing/shared_cloud.hpp"
 
 #include <doctest/doctest.h>
@@ -90,7 +89,7 @@ TEST_CASE("of one name there is one session; a name that is not there is said wi
 
 namespace {
 
-/// Serves until it ends by itself, or is told to, and keeps what has ended it.
+/// Serves until it ends or is stopped, and keeps the reason for its end.
 class ServedToTheEnd {
  public:
   ServedToTheEnd(const PointCloud& cloud, const std::string& name)
@@ -152,7 +151,7 @@ TEST_CASE("a client that asks is at rest again only when the server has answered
   } watcher, sculptor;
   REQUIRE(comes(20, [&] { return watcher.isSame() && sculptor.isSame(); }));
   served.pause();
-  REQUIRE(watcher.isSame());  // as it was heard last
+  REQUIRE(watcher.isSame());  // according to the last result
   PointState moved = sculptor.points[7];
   moved.position.z = 3;
   sculptor.make({&moved, 1});
@@ -161,7 +160,7 @@ TEST_CASE("a client that asks is at rest again only when the server has answered
   CHECK_FALSE(comes(0.3, [&] { return watcher.isSame(); }));
   CHECK_FALSE(watcher.follower->counts().atRest);
   served.goOn();
-  REQUIRE(comes(20, [&] { return sculptor.isSame(); }));  // the server has it
+  REQUIRE(comes(20, [&] { return sculptor.isSame(); }));  // the server has the edit
   watcher.follower->askServer();
   REQUIRE(comes(20, [&] { return watcher.isSame(); }));
   CHECK(watcher.points[7].position.z == 3);
@@ -174,14 +173,14 @@ TEST_CASE("of two that take one name in the same second one gives way in words, 
   {
     ServedToTheEnd first(cloud, "twins"), second(cloud, "twins");
     CHECK(comes(20, [&] { return first.hasEnded() || second.hasEnded(); }));
-    // And the other one goes on.
+    // The other one continues.
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     CHECK(first.hasEnded() != second.hasEnded());
     ServedToTheEnd& gone = first.hasEnded() ? first : second;
     CHECK(gone.why().find("give") != std::string::npos);
     CHECK(joinCloud("twins", {.network = ownNetwork()}).cloud.positions == cloud.positions);
   }
-  // One that neither had heard of, and that others say was there before or after it.
+  // A session that neither knew, announced by others as older or newer.
   const sharing::Participant participant(ownNetwork());
   const sharing::Topics topics(participant);
   sharing::Notice notice{};
@@ -201,7 +200,7 @@ TEST_CASE("of two that take one name in the same second one gives way in words, 
     CHECK(comes(5, [&] { return late.hasEnded(); }));
     CHECK(late.why().find("gives way") != std::string::npos);
     CHECK(late.why().find("elsewhere") != std::string::npos);
-    // Whoever had joined it hears what has become of it.
+    // A client of the ended session receives the reason.
     CHECK(comes(10, [&] { return !hand.counts().fault.empty(); }));
     CHECK(hand.counts().fault.find("has nowhere to go") != std::string::npos);
   }

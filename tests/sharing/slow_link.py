@@ -30,7 +30,7 @@ def tap(name, namespace, address):
     device = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)
     fcntl.ioctl(device, TUNSETIFF, struct.pack("16sH", name.encode(), IFF_TAP | IFF_NO_PI))
     run("ip", "netns", "add", namespace)
-    run("ip", "link", "set", "dev", name, "netns", namespace)  # its frames still come here
+    run("ip", "link", "set", "dev", name, "netns", namespace)  # this process still receives its frames
     run("ip", "-n", namespace, "addr", "add", address, "dev", name)
     run("ip", "-n", namespace, "link", "set", "lo", "up")
     run("ip", "-n", namespace, "link", "set", "dev", name, "up")
@@ -48,7 +48,7 @@ def main():
         a = tap("a", space_a, "10.77.0.1/24")
         b = tap("b", space_b, "10.77.0.2/24")
         print("up", flush=True)
-        waiting, came, left_last = [], 0, 0  # by the time at which they leave, and where that is the same as they came
+        waiting, came, left_last = [], 0, 0  # sorted by departure time, then by arrival order
         while True:
             left = max(0.0, waiting[0][0] - time.monotonic()) if waiting else 0.2
             for device in select.select([a, b], [], [], left)[0]:

@@ -1,4 +1,4 @@
-// Sculpting a cloud of which only the bricks around a hand are here, on the CPU: the same as where all of it is.
+// Sculpting on the CPU with only the bricks around a hand: the same as with the whole cloud.
 #include "engine/touch/brick_sculptor.hpp"
 
 #include <doctest/doctest.h>
@@ -39,7 +39,7 @@ BrickUpdate bricksOf(const std::vector<PointState>& points, const BrickGrid& gri
 struct Hand {
   Hand(const Scene& scene, const std::optional<BrushOptions>& brush, double widening = 1, std::string fixed = {})
       : source({.edge = 3 * scene.radius, .points = 2 * scene.cloud.size()}) {
-    PointCloud few;  // nobody feels them
+    PointCloud few;  // never felt
     few.origin = scene.cloud.origin;
     few.positions = {scene.cloud.positions[0]};
     few.normals = {scene.cloud.normals[0]};
@@ -95,7 +95,7 @@ TEST_CASE("in virtual time each brush makes of the points around a hand what it 
       CHECK(hand.touch->editTimes_us().size() > 20);
       PointCloud sculpted = scene.cloud;
       CHECK(whole.readBack(sculpted) > 30);
-      // Every point, as the whole cloud has it.
+      // Every point, compared with the whole cloud.
       std::vector<PointState> made;
       hand.source.takeMade(made);
       std::vector<PointState> states = statesOf(scene.cloud);
@@ -122,7 +122,7 @@ TEST_CASE("against the clock an edit waits until the last one is felt, so that a
     whole.query(pose, 0);
     std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
-  // Edits that were put off, since others had the processor, come now.
+  // Edits that were postponed because other programs had the processor are made now.
   for (int i = 0; i < 1500; ++i) {
     hand.touch->query({.time_s = time_s += 1e-3, .hip = DVec3(0, 0, 46)}, kBudget_us);
     hand.touch->prepare();
@@ -146,13 +146,13 @@ TEST_CASE("against the clock an edit waits until the last one is felt, so that a
   for (const Vec3& position : there.positions) deepestThere = std::min(deepestThere, double{glm::length(position)});
   CHECK(deepest == near(deepestThere, 0.005));
   CHECK(deepest < 46.2 + 0.1);
-  // Where no frame comes that has it there is no other one, however long the hand presses.
+  // Without a frame that contains the last edit no other edit is made, however long the hand presses.
   for (int i = 0; i < 20; ++i) {
     hand.touch->query({.time_s = time_s += 1e-3, .hip = DVec3(0, 0, 44.5)}, kBudget_us);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   hand.touch->finish();
-  CHECK(hand.touch->editTimes_us().size() <= edits + 2);  // and one as the hand stops
+  CHECK(hand.touch->editTimes_us().size() <= edits + 2);  // plus one as the hand stops
 }
 
 TEST_CASE("a hand that does not sculpt, has no brush, or feels what is not known leaves every point as it is") {
@@ -164,7 +164,7 @@ TEST_CASE("a hand that does not sculpt, has no brush, or feels what is not known
       hand.touch->query({.time_s = 1e-3 * i, .hip = DVec3(0, 0, 51 - 0.05 * i), .sculpts = sculpts}, 1e6);
   };
   std::vector<PointState> made;
-  press(true);  // nothing is known
+  press(true);  // no brick is known
   hand.source.apply(bricksOf(statesOf(scene.cloud), hand.source.grid(), DVec3(-70), DVec3(70)));
   press(false);
   hand.touch->setBrush(std::nullopt);

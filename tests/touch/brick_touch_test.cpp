@@ -1,5 +1,4 @@
-// A cloud of which only the bricks around a hand are here, on the CPU: felt as the whole one, bit by bit, or not at
-// all.
+// A cloud on the CPU with only the bricks around a hand: felt bit by bit as the whole cloud, or not at all.
 #include "engine/touch/brick_touch.hpp"
 
 #include <doctest/doctest.h>
@@ -17,7 +16,7 @@ namespace palpate::brick_touch_test {
 
 namespace {
 
-/// Hands out the bricks of a cloud.
+/// Supplies the bricks of a cloud.
 class Bricks {
  public:
   Bricks(const PointCloud& cloud, const BrickGrid& grid) : grid_(grid) {
@@ -34,7 +33,7 @@ class Bricks {
     const auto there = all_.find(key);
     return {key, there == all_.end() ? std::make_shared<const Brick>() : std::shared_ptr<const Brick>(there->second)};
   }
-  /// Those of a box, as far as `has` lets them.
+  /// Those within a box that `has` accepts.
   BrickUpdate around(const DVec3& low, const DVec3& high, const std::function<bool(const IVec3&)>& has = {}) const {
     BrickUpdate update;
     grid_.boxOf(low, high).forEach([&](const IVec3& brick) {
@@ -51,7 +50,7 @@ class Bricks {
 struct Hand {
   explicit Hand(const Scene& scene, double edge_radii = 3, double patience_s = 30)
       : source({.edge = edge_radii * scene.radius, .points = scene.cloud.size()}), bricks(scene.cloud, source.grid()) {
-    PointCloud few;  // nobody feels them
+    PointCloud few;  // never felt
     few.origin = scene.cloud.origin;
     few.positions = {scene.cloud.positions[0]};
     few.normals = {scene.cloud.normals[0]};
@@ -83,7 +82,7 @@ TEST_CASE(
       const Scene scene = makeScene("bumpy-sphere", 30'000, center);
       CpuTouch whole(scene.cloud, {.radius = scene.radius, .threads = 1});
       Hand hand(scene, edge_radii);
-      // They come from another thread, those that are asked for alone, and what is far goes.
+      // They are received from another thread, only the requested ones, and far ones are dropped.
       std::atomic<bool> stop = false;
       std::jthread server([&] {
         std::set<BrickKey> given;
@@ -126,7 +125,7 @@ TEST_CASE(
   const Scene scene = makeScene("sphere", 30'000);
   CpuTouch whole(scene.cloud, {.radius = scene.radius, .threads = 1});
   Hand hand(scene);
-  // A half of space is not known.
+  // Half of space is unknown.
   hand.source.apply(hand.bricks.around(DVec3(-70), DVec3(70), [](const IVec3& brick) { return brick.x >= 0; }));
   constexpr double kBudget_us = 1e6;
   const auto ask = [&](double time_s, const DVec3& hip) {
@@ -136,7 +135,7 @@ TEST_CASE(
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return std::pair(own, truth);
   };
-  // Along the sphere's top, half a unit deep, from the known half into the other one and back.
+  // Along the sphere's top, half a unit deep, from the known half into the unknown one and back.
   std::size_t without = 0, felt = 0, wrong = 0, free = 0;
   double time_s = 0;
   const auto knowsPointsAt = [&](const DVec3& hip) {
@@ -165,7 +164,7 @@ TEST_CASE(
   CHECK(wrong == 0);
   CHECK(without > 300);
   CHECK(hand.touch->counts().without > 300);
-  // All is known: what is felt is whole again.
+  // All is known: the whole surface is felt again.
   hand.source.apply(hand.bricks.around(DVec3(-70), DVec3(70)));
   REQUIRE(knowsPointsAt(DVec3(-20, 0, 60)));
   const std::uint64_t before = hand.touch->counts().without;
@@ -226,14 +225,14 @@ TEST_CASE(
     update.bricks.emplace_back(BrickGrid::keyOf(IVec3(x, 0, 0)), brick);
     return update;
   };
-  CHECK_FALSE(source.apply(brickAt(1, 0.5f)));  // there is no hand
+  CHECK_FALSE(source.apply(brickAt(1, 0.5f)));  // without a hand
   HandReaches hands{.count = 1};
   hands.hands[0] = {.low = DVec3(0.4), .high = DVec3(1.6, 0.6, 0.6)};
   source.ask(hands);
-  CHECK_FALSE(source.apply(brickAt(0, 0.5f)));  // it was not known
+  CHECK_FALSE(source.apply(brickAt(0, 0.5f)));  // not known before
   CHECK(source.apply(brickAt(0, 0.6f)));
   CHECK(source.apply(brickAt(1, 0.6f)));
-  CHECK_FALSE(source.apply(brickAt(1, 0.6f)));  // again, as it was
+  CHECK_FALSE(source.apply(brickAt(1, 0.6f)));  // again, unchanged
   CHECK_FALSE(source.apply(brickAt(2, 0.5f)));
   CHECK_FALSE(source.apply(brickAt(2, 0.6f)));  // no hand reaches it
   BrickUpdate again = brickAt(1, 0.7f);

@@ -1,4 +1,4 @@
-// Work that stands before whatever is asked next.
+// Work that delays the next query.
 #pragma once
 
 #include "engine/gpu/command_list.hpp"
@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-// Keeps the latency queue busy for some time, so that whatever is asked next comes late.
+// Keeps the latency queue busy for some time, so that the next answer is late.
 class Busy {
  public:
   Busy(Device& device, int fills)

@@ -1,4 +1,5 @@
-// What a stroke leaves is what the hand meant: how deep, how high, how many layers, by analytic truth. Needs no GPU.
+// A stroke produces the shape that the hand's motion defines: depth, height and layers, compared with analytic truth.
+// Needs no GPU.
 #include <doctest/doctest.h>
 
 #include "engine/touch/cpu_touch.hpp"
@@ -68,7 +69,7 @@ TEST_CASE("a hand that dwells adds nothing, and lifting it changes nothing, with
     };
     for (int k = 0; k < 900; ++k) go(gesture.hips[lifts - 1]);
     const PointCloud rested = points();
-    // What is flat and smooth already stays.
+    // Flat and smooth areas stay.
     const bool alters = kind != BrushKind::smooth && kind != BrushKind::flatten;
     double farthest = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i)

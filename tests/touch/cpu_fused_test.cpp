@@ -1,4 +1,4 @@
-// Depth frames that fuse while they are felt, on the CPU. Needs no GPU.
+// Depth frames that are fused while they are felt, on the CPU. Needs no GPU.
 #include "engine/motion/fused_source.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/touch/fused_scene.hpp"

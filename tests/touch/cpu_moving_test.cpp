@@ -51,13 +51,13 @@ TEST_CASE("a sphere that turns, or drifts by, is felt on the CPU as deep as it i
     CpuTouch touch(scene.cloud, {.radius = scene.radius, .threads = 1, .source = &source});
     const MovingShape truth(*scene.shape, motion);
     const DVec3 hip = scene.shape->closest(start).position - DVec3(0, 0, 1);
-    // Down onto it first, since a HIP that starts within is not caught.
+    // Enters from outside first, since a HIP that starts inside is not caught.
     for (int i = 0; i < 20; ++i) touch.query({.time_s = 0, .hip = glm::mix(start, hip, 0.05 * i)}, 0);
     const auto contacts = feelAtRest(touch, hip, 60);
     const DepthError error = depthError(contacts, hip, truth, 0.3);
     CHECK(error.inside > 40);
     CHECK(error.wronglyFree == 0);
-    CHECK(error.rms < 0.12);  // its bumps are rounded off a little
+    CHECK(error.rms < 0.12);  // the average rounds off its bumps slightly
   }
 }
 

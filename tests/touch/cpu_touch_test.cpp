@@ -1,4 +1,4 @@
-// The CPU back end against double precision that looks everywhere. Needs no GPU.
+// The CPU back end compared with a double-precision reference that searches the whole cloud. Needs no GPU.
 #include "engine/touch/cpu_touch.hpp"
 
 #include <doctest/doctest.h>
@@ -18,7 +18,7 @@ namespace {
 
 BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .radius = 8}; }
 
-// The HIP goes straight down on the top of a sphere of radius 50, to `depth` below it, and stays.
+// The HIP moves straight down onto the top of a sphere of radius 50, to `depth` below it, and stays.
 std::vector<Pose> pressPath(double depth, int ticks) {
   std::vector<Pose> poses;
   for (int i = 0; i <= ticks; ++i)
@@ -59,7 +59,7 @@ TEST_CASE("the CPU back end equals the reference over random paths on every shap
     std::vector<DVec3> path;
     for (const std::uint32_t seed : {1u, 2u, 3u}) {
       std::ranges::copy(wanderingPath(scene, 150, 0.5 * scene.radius, seed), std::back_inserter(path));
-      path.push_back(1000.0 * path.back());  // lets go before the next place
+      path.push_back(1000.0 * path.back());  // lets go before the next start
     }
     checkEqualsReference(scene, path, {.radius = scene.radius});
   }
@@ -107,7 +107,7 @@ TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau 
   const auto poses = pressPath(4, 200);
   const auto contacts = play(touch, poses);
   CHECK(contacts.back().touching);
-  CHECK(contacts.back().proxy.z < 46.8);  // from 50 down to 46 + tau, less the little that averaging rounds off
+  CHECK(contacts.back().proxy.z < 46.8);  // from 50 down to 46 + tau, minus the rounding by the average
   CHECK(contacts.back().proxy.z > 46.1);
   REQUIRE(touch.firstEditTime_s());
   CHECK(*touch.firstEditTime_s() > 0.02);
@@ -119,10 +119,10 @@ TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau 
   CHECK(moved < sculpted.size() / 4);
   double deepest = 50;
   for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == within(46.32, 0.03));  // 46 + tau, and what the point nearest to the tip is beside it
+  CHECK(deepest == within(46.32, 0.03));  // 46 + tau, plus the offset of the point nearest to the tip
   for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
 
-  // The index followed: what it answers now is what the reference finds on the sculpted cloud.
+  // The index followed: its answer equals the reference on the sculpted cloud.
   const ContactReference reference(sculpted, scene.radius);
   const Contact last = touch.query({.time_s = 1, .hip = poses.back().hip}, 0);
   const SurfaceSample surface = reference.surface(last.proxy, DVec3(0));
@@ -199,7 +199,7 @@ TEST_CASE("in real time an edit that outlasts the budget is bridged by the last 
   const std::size_t edits = touch.editTimes_us().size(), leftOut = touch.shortfalls().editsTooSlow;
   CHECK(touch.query({.time_s = 0.003, .hip = {0, 0, 48.5}}, kNoTime_us).fresh);
   touch.finish();
-  // And what of the wide brush's points had not got their turn.
+  // Includes an edit of the wide brush's points that were still pending.
   CHECK(touch.editTimes_us().size() >= edits + (slow ? 0 : 1));
   CHECK(touch.shortfalls().editsTooSlow == leftOut + (slow ? 1 : 0));
 }

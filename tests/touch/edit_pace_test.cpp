@@ -26,7 +26,7 @@ TEST_CASE(
   pace.took(5, 0.05);
   CHECK(pace.mayEdit(5.051));
 
-  // One hitch, however long, is no more than twice as long.
+  // A single hitch, however long, at most doubles the rest.
   pace.took(6, 0.001);
   pace.took(7, 0.4);
   CHECK_FALSE(pace.mayEdit(7.399));
@@ -41,7 +41,7 @@ TEST_CASE("however often edits are slow, the rest is no more than ten times as l
   pace.took(60, 0.3);
   CHECK_FALSE(pace.mayEdit(60.999));
   CHECK(pace.mayEdit(61.001));
-  // Of hitches of different lengths the next rest is of the last one.
+  // After hitches of different lengths the rest follows the last one.
   pace.took(70, 0.021);
   CHECK_FALSE(pace.mayEdit(70.209));
   CHECK(pace.mayEdit(70.211));

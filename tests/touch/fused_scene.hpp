@@ -1,4 +1,4 @@
-// Depth frames that are felt while they fuse, for each back end: a sphere on a table, which is taken away.
+// Depth frames that are felt while they are fused, for each back end: a sphere on a table, which is taken away.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -14,14 +14,14 @@
 
 namespace palpate {
 
-/// Frames at 30 Hz without noise. From frame kTaken on the sphere is gone.
+/// Frames at 30 Hz without noise, without the sphere from frame kTaken on.
 class TableStream final : public DepthStream {
  public:
   static constexpr std::uint64_t kFrames = 18, kTaken = 8;
   static constexpr double kPeriod_s = 1.0 / 30;
 
-  /// `posed`: frames say where they were seen from; otherwise the first one alone does, and things stand on the table,
-  /// for ever, that say where the camera is.
+  /// `posed`: every frame has a camera pose. Otherwise only the first one has, and objects that determine the pose stay
+  /// on the table.
   explicit TableStream(bool posed = true) : camera_(smallCamera()) {
     const DepthScene things = tableScene();
     DepthScene empty, whole;
@@ -48,7 +48,7 @@ class TableStream final : public DepthStream {
   const DepthFrame& at(std::size_t frame) const { return frames_[frame]; }
   std::uint64_t frames() const override { return frames_.size(); }
   double duration_s() const override { return frames_.back().time_s; }
-  /// What is there before anything is felt: the first frame; and what comes behind it.
+  /// The first frame as the map before any query, and the stream of the following frames.
   FusedStream fused(const FusionOptions& options, const PlayOptions& play = {}) {
     FrameFusion fusion(smallMap());
     const FrameOutcome& outcome = fusion.fuse(camera_, frames_.front());
@@ -68,12 +68,13 @@ class TableStream final : public DepthStream {
 
 struct FusedTouch {
   std::unique_ptr<TouchBackend> backend;
-  std::unique_ptr<CloudSource> source;  // goes after it
+  std::unique_ptr<CloudSource> source;  // used by the back end
 };
-/// A back end that feels the map which the stream's frames fuse into.
+/// Makes a back end that feels the map into which the stream's frames are fused.
 using MakeFusedTouch = std::function<FusedTouch(TableStream& stream, double radius)>;
 
-/// The table is felt where it is, and so is the sphere; once free space has contradicted it nothing is left of it.
+/// The table is felt at its position, and so is the sphere; once free space has contradicted the sphere nothing of it
+/// remains.
 inline void checkFusedTouch(const MakeFusedTouch& make, double tick_s = 1e-3) {
   constexpr double kDepth = 0.001;
   for (const bool onSphere : {false, true}) {
@@ -94,7 +95,7 @@ inline void checkFusedTouch(const MakeFusedTouch& make, double tick_s = 1e-3) {
       CHECK(contact.valid);
       if (height > -kDepth) continue;
       (contact.touching ? touched : free) += 1;
-      // The averaged surface lies 0.07 R^2 / rho inside the sphere.
+      // The averaged surface is 0.07 R^2 / rho inside the sphere.
       if (contact.touching && time_s < TableStream::kPeriod_s * TableStream::kTaken)
         CHECK(std::abs(contact.proxy.z - on.z) < (onSphere ? 0.0008 : 0.0002));
     }
@@ -107,7 +108,7 @@ inline void checkFusedTouch(const MakeFusedTouch& make, double tick_s = 1e-3) {
     CHECK(seen.time_s == near(TableStream::kPeriod_s * (TableStream::kFrames - 1), 1e-6));
     std::size_t left = 0;
     for (const Vec3& place : seen.positions) left += place.z > 0.01f;
-    CHECK(left < shared::kMinNeighbours);  // which are no surface: points at the rim that no ray has passed
+    CHECK(left < shared::kMinNeighbours);  // too few for a surface: points at the rim that no ray has passed
     CHECK(seen.size() > 5'000);
     CHECK(seen.colors.front() == std::array<std::uint8_t, 3>{10, 200, 30});
     PointCloud end = cloud;

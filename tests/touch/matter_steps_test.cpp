@@ -1,5 +1,5 @@
-// What stands between hands and a simulation, with one whose answers are known: which steps it takes, where hands are
-// in each, and what is felt of an answer that has grown old.
+// The layer between hands and a simulation, tested with known answers: which steps it takes, the hands' positions in
+// each, and the force from an old answer.
 #include "engine/touch/matter_steps.hpp"
 
 #include <doctest/doctest.h>
@@ -20,17 +20,17 @@ namespace {
 constexpr DVec3 kForce_N(0.3, 1.2, -0.4), kPlace_m(0.02, 0.03, 0.04), kVelocity_m_s(0.05, -0.2, 0.1),
     kTorque_Nm(0.002, 0, -0.003);
 
-// What a told simulation has seen, and whether it may go on.
+// Records of a simulation whose behaviour the test sets, and that behaviour.
 struct Told {
-  std::vector<HandPose> from, to;  // of the first hand, step by step
+  std::vector<HandPose> from, to;  // of the first hand, one for each step
   int begun = 0, placed = 0;
-  std::vector<double> gains;  // as they were changed to
+  std::vector<double> gains;  // new gains, in order
   MatterState state = MatterState::running;
   std::atomic<bool> waits = false;
-  bool faulty = false;  // as where a GPU is lost
+  bool faulty = false;  // as after a lost GPU
 };
 
-// Says the same of its tools at each step.
+// Reports the same for its tools at each step.
 class ToldSimulation final : public MatterSimulation {
  public:
   ToldSimulation(const MatterScene& scene, Told& told)
@@ -80,7 +80,7 @@ MatterSteps stepsOf(Told& told, std::uint32_t mostAtOnce = 0) {
   return {std::make_unique<ToldSimulation>(smallScene(), told), 1, mostAtOnce};
 }
 
-// A simulation against the clock that has answered one pose, and answers none from then on.
+// A simulation in real time that has answered one pose and answers no further ones.
 struct Stale {
   Told told;
   MatterTouch touch{std::make_unique<ToldSimulation>(smallScene(), told), {.hands = 1, .realtime = true}};
@@ -119,7 +119,7 @@ TEST_CASE("the ball of a hand that was put down elsewhere stands there, and has 
   }
   next.time_s = 0.005;
   next.hands[0].place_m.x = 52;
-  steps.goTo(next);  // put down as often as before
+  steps.goTo(next);  // same number of put-downs as before
   CHECK(told.placed == 2);
   CHECK(told.to[4].place_m.x == near(51, 1e-6));
 }
@@ -150,7 +150,7 @@ TEST_CASE("between two questions hands go straight on, step by step, and turn as
     CHECK(glm::distance(told.from[static_cast<std::size_t>(k)].place_m,
                         told.to[static_cast<std::size_t>(k - 1)].place_m) < 1e-12);
   }
-  steps.goTo(at(0.0041, {9, 9, 9}));  // not a step later
+  steps.goTo(at(0.0041, {9, 9, 9}));  // less than a step later
   CHECK(told.to.size() == 5);
   steps.goTo(at(0.005, {5, 8, 4}));
   REQUIRE(told.to.size() == 6);
@@ -163,12 +163,12 @@ TEST_CASE("where time goes back, or it is told to, everything begins anew with a
   CHECK(told.begun == 1);
   for (int k = 0; k < 10; ++k) steps.goTo(at(1e-3 * k, {0, 0, 1e-3 * k}));
   CHECK(told.to.size() == 10);
-  steps.goTo(at(0.009, {0, 0, 1}));  // the same time is not back
+  steps.goTo(at(0.009, {0, 0, 1}));  // the same time is not a step back
   CHECK(told.begun == 1);
   steps.goTo(at(0.004, {0, 0, 7}));
   CHECK(told.begun == 2);
   CHECK(told.to.size() == 11);
-  CHECK(told.from.back().place_m == told.to.back().place_m);  // the hand did not come from where it was before
+  CHECK(told.from.back().place_m == told.to.back().place_m);  // the hand did not move from its previous position
   steps.goTo(at(0.005, {0, 0, 8}));
   CHECK(told.to.size() == 12);
   CHECK(steps.world().time_s() == near(0.002, 1e-6));
@@ -247,7 +247,7 @@ TEST_CASE("an answer that has grown old pushes back by the ball's spring where t
   CHECK(later.valid);
   CHECK(later.dataTime_s == 0.1);
   REQUIRE(later.force_N);
-  // The ball goes on as it went, and the hand with it stretches nothing.
+  // The ball continues at its velocity, and moving the hand along does not stretch the spring.
   const DVec3 went = 1e3 * age_s * kVelocity_m_s;
   CHECK(glm::distance(*later.force_N, kForce_N - stiffness_N_mm * (way - went)) < 1e-9);
   CHECK(glm::distance(later.proxy, 1e3 * kPlace_m + went) < 1e-9);
@@ -255,7 +255,7 @@ TEST_CASE("an answer that has grown old pushes back by the ball's spring where t
   CHECK(glm::distance(later.normal, glm::normalize(*later.force_N)) < 1e-12);
   const Contact along = stale.later(age_s, went);
   CHECK(glm::distance(*along.force_N, kForce_N) < 1e-9);
-  // Ever less of it, and in the end nothing.
+  // The force fades to zero.
   const double older_s = 0.0125;
   const Contact half = stale.later(older_s, 1e3 * older_s * kVelocity_m_s);
   CHECK(glm::distance(*half.force_N, 0.5 * kForce_N) < 1e-9);

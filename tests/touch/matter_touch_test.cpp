@@ -1,4 +1,4 @@
-// Hands in matter: what they feel is what the simulation says, whatever the pace, and nothing where it has failed.
+// Hands in matter feel what the simulation computes, at any rate, and nothing after it has failed.
 #include "engine/touch/matter_touch.hpp"
 
 #include <doctest/doctest.h>
@@ -18,7 +18,7 @@ namespace palpate::matter_touch_test {
 
 namespace {
 
-// Small, and as deep as wide, so that a ball of two spacings goes under.
+// Small, and as deep as wide, so that a ball of two spacings submerges.
 MatterScene tank() {
   MatterScene scene{.box_mm = {80, 120, 80}, .fill_mm = {80, 70, 80}, .spacing_mm = 10};
   scene.tool = usualTool({.box_mm = DVec3(50), .spacing_mm = 10});
@@ -92,7 +92,7 @@ TEST_CASE("a ball that is under water is pushed up by what it displaces, whateve
     played(touch, 1000, 0.6);
     DVec3 sum_N(0);
     for (int k = 0; k < 200; ++k) sum_N += *touch.query(dive(0.601 + 1e-3 * k), 0).force_N;
-    const double displaced_kg = scene.tool.mass_kg;  // it weighs what it displaces
+    const double displaced_kg = scene.tool.mass_kg;  // its mass equals that of the displaced water
     CHECK(sum_N.y / 200 == near(gain * 9.81 * displaced_kg, 0.1));
   }
 }
@@ -128,7 +128,7 @@ TEST_CASE("the same poses give the same bytes for any number of threads, and at 
     MatterTouch other = touched(scene);
     played(other, rate_Hz, 0.3);
     const PointCloud there = pointsOf(other, scene);
-    // The hand moves along other chords between its poses, and the water is a little elsewhere.
+    // The hand moves along other chords between its poses, so that the water differs slightly.
     double squares = 0;
     for (std::size_t i = 0; i < there.size(); ++i) {
       const double apart = glm::distance(there.positions[i], first.positions[i]);
@@ -217,18 +217,18 @@ TEST_CASE("a simulation changes between virtual time and the clock as it is told
   touch.setRealtime(true);
   CHECK(pointsOf(touch, scene).positions == before.positions);
   for (int k = 101; k < 120; ++k) touch.query(dive(1e-3 * k), 100'000);
-  touch.query(dive(0.4), 100'000);  // far behind the clock: what it has missed it leaves out
+  touch.query(dive(0.4), 100'000);  // far behind the clock: it skips the missed time
   touch.finish();
   CHECK(touch.simulation()->leftOut_s() > 0.2);
   touch.setRealtime(false);
   const double leftOut_s = touch.simulation()->leftOut_s();
   touch.query(dive(0.5), 0);
-  CHECK(touch.simulation()->leftOut_s() == leftOut_s);  // and now it makes up for it
+  CHECK(touch.simulation()->leftOut_s() == leftOut_s);  // now it simulates all the time
   CHECK(pointsOf(touch, scene).positions != before.positions);
 }
 
 TEST_CASE("a simulation that fails gives no answer until it is reset") {
-  // So fine and without weight that it takes one step at a time: its sound is slower than a hand that beats about.
+  // So fine and weightless that it takes one step at a time: its speed of sound is below the speed of the hand.
   MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};
   scene.tool = usualTool(scene);
   MatterTouch touch = touched(scene);
@@ -295,21 +295,21 @@ TEST_CASE("frames show each particle where it is, once each, and normals look ou
 TEST_CASE("against the clock no tick waits past its budget, and an old answer fades") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene, {.realtime = true});
-  // With all the time that it takes each tick has its own answer, as in virtual time.
+  // Given all the time that it needs, each tick has its own answer, as in virtual time.
   MatterTouch exact = touched(scene);
   for (int k = 0; k < 350; ++k) {
     const Contact contact = touch.query(dive(1e-3 * k), 0);
     CHECK(contact.fresh);
     CHECK(contact.force_N == exact.query(dive(1e-3 * k), 0).force_N);
   }
-  // Time that it did not get is left out, and said.
+  // Time that it did not get is skipped and reported.
   const Contact late = touch.query(dive(0.5), 0);
   CHECK(late.fresh);
   CHECK(touch.simulation()->leftOut_s() == near(0.149, 1e-6));
   const Pose pose = dive(0.501);
   const double full_N = glm::length(touch.query(pose, 0).force_N.value_or(DVec3(0)));
   CHECK(full_N > 0.01);
-  // Far ahead of what is simulated, with no time to wait for it.
+  // Far ahead of simulated time, with no budget to wait for it.
   double least_N = full_N;
   bool stale = false;
   for (int k = 0; k < 40 && !stale; ++k) {

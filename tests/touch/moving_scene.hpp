@@ -1,4 +1,4 @@
-// A sphere that moves under hands, for each back end: what is felt is held against the exact depth at each tick's time.
+// A sphere that moves under hands, for each back end: compared with the exact depth at each tick's time.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -21,12 +21,12 @@
 
 namespace palpate {
 
-/// To and fro along z by 2 (mm, with a sphere of radius 50), ten times in a second: 126 mm/s at the most.
+/// Oscillates along z by 2 (mm, with a sphere of radius 50) at 10 Hz: at most 126 mm/s.
 inline RigidMotion oscillation(double amplitude = 2, double frequency_Hz = 10) {
   return {.amplitude = amplitude, .frequency_Hz = frequency_Hz};
 }
 
-/// Says other things than its points do from some time on.
+/// Reports invalid data from some time on.
 class BrokenSource final : public CloudSource {
  public:
   enum class Fault { notANumber, infiniteNormal, tooFew };
@@ -47,7 +47,7 @@ class BrokenSource final : public CloudSource {
   double from_s_;
 };
 
-/// Makes no frame after the first until it is let go, and knows no velocities.
+/// Makes no frame after the first until it is released, and has no velocities.
 class HeldSource final : public CloudSource {
  public:
   HeldSource(const PointCloud& cloud, const RigidMotion& motion) : moving_(cloud, motion) {}
@@ -62,7 +62,7 @@ class HeldSource final : public CloudSource {
     moving_.makeFrame(time_s, frame);
     frame.velocities.clear();
   }
-  /// Waits until somebody waits for the second frame.
+  /// Waits until a thread waits for the second frame.
   void waitUntilAsked() const { asked_.wait(false); }
   void letGo() {
     held_ = false;
@@ -75,7 +75,7 @@ class HeldSource final : public CloudSource {
   std::atomic<bool> asked_ = false, held_ = true;
 };
 
-/// Makes a frame at the beginning of each period alone, as a camera does, and the same one until the next.
+/// Makes a frame only at the beginning of each period, as a camera does, and repeats it until the next.
 class SlowSource final : public CloudSource {
  public:
   SlowSource(const PointCloud& cloud, const RigidMotion& motion, double period_s)
@@ -90,7 +90,7 @@ class SlowSource final : public CloudSource {
   double period_s_;
 };
 
-/// Shows only the points that `shown` says, at each time, each with its id in a file of more.
+/// Contains only the points that `shown` selects, at each time, each with its id in a file of more points.
 class PartialSource final : public CloudSource {
  public:
   using Shown = std::function<bool(double time_s, std::uint32_t id)>;
@@ -117,7 +117,7 @@ class PartialSource final : public CloudSource {
   bool namesIds_;
 };
 
-/// A HIP at rest, asked for so many ticks in virtual time.
+/// A HIP at rest, queried for `ticks` ticks in virtual time.
 inline std::vector<Contact> feelAtRest(TouchBackend& touch, const DVec3& hip, int ticks) {
   std::vector<Contact> contacts;
   for (int i = 0; i < ticks; ++i) {
@@ -128,10 +128,11 @@ inline std::vector<Contact> feelAtRest(TouchBackend& touch, const DVec3& hip, in
 }
 
 struct DepthError {
-  double rms = 0;  ///< of the exact depth's own root mean square
+  double rms = 0;  ///< relative to the root mean square of the exact depth
   int inside = 0, wronglyFree = 0, wronglyTouching = 0;
 };
-/// How far HIP to proxy is, against the exact depth at each tick. Within `grey` of the surface both answers are right.
+/// Compares the distance from HIP to proxy with the exact depth at each tick. Within `grey` of the surface both answers
+/// are right.
 inline DepthError depthError(std::span<const Contact> contacts, const DVec3& hip, const MovingShape& truth,
                              double grey) {
   DepthError error;
@@ -155,8 +156,8 @@ inline bool sameAnswer(const Contact& a, const Contact& b) {
          a.fresh == b.fresh && a.neighbours == b.neighbours;
 }
 
-/// Against the clock, on a sphere of radius 50 whose next frame, which rises to the stylus, is made only when it is let
-/// go.
+/// In real time, on a sphere of radius 50 whose next frame, which rises to the stylus, is made only when it is
+/// released.
 inline void checkNoTickWaits(auto& touch, HeldSource& source) {
   CloudFrame frame;
   CHECK(touch.takeFrame(frame));
@@ -175,11 +176,11 @@ inline void checkNoTickWaits(auto& touch, HeldSource& source) {
   CHECK(touch.query({.time_s = 0.021, .hip = {0, 0, 50.5}}, 1e6).touching);
 }
 
-/// What is made of a cloud and a source, with a coefficient of friction: a back end.
+/// Makes a back end from a cloud, a source and a coefficient of friction.
 using MakeTouch =
     std::function<std::unique_ptr<TouchBackend>(const Scene& scene, CloudSource& source, double friction)>;
 
-/// Frames that are up to 20 ms old are felt where the surface is now, and with the velocity that it has.
+/// Frames up to 20 ms old are felt at the surface's current position, and with its velocity.
 inline void checkOldFrames(const MakeTouch& make, int ticks = 600) {
   const Scene scene = makeScene("sphere", 20'000);
   const RigidMotion motion = oscillation(2, 2);
@@ -198,7 +199,7 @@ inline void checkOldFrames(const MakeTouch& make, int ticks = 600) {
   }
 }
 
-/// Where frames stop coming the surface goes on for a while, and stands still then.
+/// After the last frame the surface continues for a while, then stands still.
 inline void checkStoppedFrames(const MakeTouch& make) {
   const Scene scene = makeScene("plane", 10'000);
   const RigidMotion motion{.kind = MotionKind::drift, .axis = {0, 0, -1}, .speed = 10};
@@ -216,8 +217,8 @@ inline void checkStoppedFrames(const MakeTouch& make) {
   }
 }
 
-/// Friction is a matter of the relative slide: a hand at rest on a plane that is drawn away below it is dragged as far
-/// as the cone lets it, one that goes along with it is not dragged at all.
+/// Friction depends on the relative slide: a hand at rest on a plane that moves below it is dragged as far as the cone
+/// allows, and a hand that moves along is not dragged.
 inline void checkCarriedProxy(const MakeTouch& make) {
   const Scene scene = makeScene("plane", 20'000);
   constexpr double kSpeed = 100, kFriction = 0.5, kDepth = 1;
@@ -244,8 +245,8 @@ inline void checkCarriedProxy(const MakeTouch& make) {
   }
 }
 
-/// A sheet that comes at half a metre per second, and takes the stylus along for 20 mm, never lets it through; a stylus
-/// that it leaves behind is free at once.
+/// A sheet that approaches at half a metre per second and carries the stylus along for 20 mm never lets it through; a
+/// stylus that it leaves behind is free at once.
 inline void checkFastSheet(const MakeTouch& make) {
   const Scene scene = makeScene("plane", 30'000);
   constexpr double kSpeed = 500;
@@ -274,8 +275,8 @@ inline void checkFastSheet(const MakeTouch& make) {
   }
 }
 
-/// An object that is gone from one frame to the next is felt no more, from that tick on; one that comes back is felt
-/// again by a stylus that comes to it from outside.
+/// An object that disappears between two frames is not felt from that tick on; an object that reappears is felt again
+/// by a stylus that approaches from outside.
 inline void checkLeaving(const MakeTouch& make) {
   const Scene scene = makeScene("sphere", 5'000);
   const double gone_s = 0.0205, back_s = 0.0405;
@@ -300,7 +301,7 @@ inline void checkLeaving(const MakeTouch& make) {
   }
 }
 
-/// A frame with holes is felt as the cloud of the points that it has, bit by bit, and read back as it was shown.
+/// A frame with holes is felt as the cloud of its points, bit by bit, and read back as it was shown.
 inline void checkHoles(const MakeTouch& make) {
   const Scene scene = makeScene("torus", 4'000);
   const auto shown = [](double, std::uint32_t id) { return id % 3 != 0 && id > 100; };

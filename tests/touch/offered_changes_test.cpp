@@ -1,4 +1,4 @@
-// Changes that others offer to what answers a hand, on the CPU.
+// Changes that others offer to a back end, on the CPU.
 #include <thread>
 
 #include "engine/touch/cpu_touch.hpp"
@@ -34,14 +34,14 @@ TEST_CASE("in real time a hand sculpts although changes of others are offered be
   for (int i = 0; i < 60; ++i) {
     others.follow();
     if (!others.isOffered()) REQUIRE(others.offer(10, 1, [](const PointState& point) { return point.position.z < 0; }));
-    // So far apart that no slow edit makes the next one wait.
+    // Far enough apart that no slow edit postpones the next one.
     touch.query({.time_s = 100.0 * i, .hip = {0, 0, std::max(48.0, 51 - 0.1 * i)}}, 60e6);
     PointCloud copy = scene.cloud;
-    touch.readBack(copy);  // waits for what the answer has started
+    touch.readBack(copy);  // waits for the edit that the answer has started
   }
   touch.finish();
   others.checkEnd();
-  CHECK(touch.editTimes_us().size() > 5);  // the brush's
+  CHECK(touch.editTimes_us().size() > 5);  // the brush's edits
   CHECK(others.reports() > 20);
 }
 
@@ -76,7 +76,7 @@ TEST_CASE("what others do is felt, in real time too, while another thread offers
   CHECK(others.taken() > 100);
   CHECK(others.offers() - others.reports() <= 1);
 
-  // The top is lowered by 10: a hand goes through where it was, and feels it there.
+  // The top is lowered by 10: a hand passes its old position and feels the new one.
   const auto feels = [&](double z) {
     for (const double above : {3, 1}) touch.query({.time_s = 1, .hip = {0, 0, z + above}}, 0);
     return touch.query({.time_s = 1, .hip = {0, 0, z - 0.2}}, 0).touching;

@@ -1,4 +1,4 @@
-// Somebody who follows what a back end tells of its edits and offers it changes of others, with what that must hold.
+// A follower of a back end's edits that also offers it changes of others, with checks of both.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// Offers random changes of points and looks at what becomes of them.
+/// Offers random changes of points and tracks their outcome.
 class Offering {
  public:
   Offering(TouchBackend& touch, const PointCloud& cloud, std::uint32_t seed)
@@ -21,7 +21,7 @@ class Offering {
     touch.keepEdits();
   }
 
-  /// Takes what was done, and checks it against what was offered.
+  /// Receives the edits and checks them against the offer.
   void follow() {
     EditBatch batch;
     touch_.takeEdits(batch);
@@ -37,7 +37,7 @@ class Offering {
     journal_.follow(batch);
   }
 
-  /// Offers `count` points that stand as `chosen` has it, moved by up to `way`, or taken away, or put back.
+  /// Offers `count` points selected by `chosen`: moved by up to `way`, removed, or restored.
   template <class Chosen>
   bool offer(std::size_t count, float way, Chosen&& chosen) {
     if (isOffered_) return false;
@@ -79,8 +79,8 @@ class Offering {
   std::size_t offers() const { return offers_; }
   std::size_t reports() const { return reports_; }
   std::size_t parts() const { return parts_; }
-  std::size_t taken() const { return taken_; }  ///< changes that were carried out
-  std::size_t left() const { return left_; }    ///< and that were not
+  std::size_t taken() const { return taken_; }  ///< applied changes
+  std::size_t left() const { return left_; }    ///< changes not applied
   std::size_t lastTaken() const { return lastTaken_; }
 
  private:
@@ -105,7 +105,7 @@ class Offering {
   std::size_t offers_ = 0, reports_ = 0, parts_ = 0, taken_ = 0, left_ = 0, lastTaken_ = 0;
 };
 
-/// Strokes on the top of a sphere of 50 about the origin, while others change points elsewhere, or there, too.
+/// Strokes on the top of a sphere of 50 about the origin, while others change points elsewhere, or there as well.
 inline void checkOffersAmidStrokes(TouchBackend& touch, const PointCloud& cloud, bool everywhere, std::uint32_t seed) {
   REQUIRE(touch.mostOffered() >= 64);
   Offering others(touch, cloud, seed);
@@ -114,7 +114,7 @@ inline void checkOffersAmidStrokes(TouchBackend& touch, const PointCloud& cloud,
   bool isElsewhere = true;
   for (int i = 0; i < kStrokes * kTicks; ++i) {
     const double phase = (i % kTicks) / (0.5 * kTicks), depth = 3 * (phase < 1 ? phase : 2 - phase);
-    const double time_s = 1e-3 * i + 0.5 * (i / kTicks);  // apart enough to be strokes
+    const double time_s = 1e-3 * i + 0.5 * (i / kTicks);  // far enough apart to be strokes
     touch.query({.time_s = time_s, .hip = {6.0 * (i / kTicks), 0, 51 - depth}}, 0);
     if (i % 3 == 0) {
       const std::size_t before = others.taken();
@@ -122,14 +122,14 @@ inline void checkOffersAmidStrokes(TouchBackend& touch, const PointCloud& cloud,
       if (isElsewhere && !others.isOffered()) takenElsewhere += others.taken() - before;
     }
     if (others.isOffered()) continue;
-    // The hand reaches down to 40 or so on the upper half.
+    // The hand reaches down to about 40 on the upper half.
     isElsewhere = !everywhere || i % 2 == 0;
     const auto chosen = [&](const PointState& point) { return (point.position.z < 20) == isElsewhere; };
     if (others.offer(40, 2, chosen) && isElsewhere) elsewhere += 40;
   }
   touch.finish();
   others.checkEnd();
-  // Who takes the ground away under a hand may end its stroke; nobody else does.
+  // Only a change that removes the ground under a hand may end its stroke.
   if (everywhere)
     CHECK(others.journal().strokes() > 0);
   else
@@ -137,12 +137,12 @@ inline void checkOffersAmidStrokes(TouchBackend& touch, const PointCloud& cloud,
   CHECK(others.offers() > 50);
   CHECK(others.parts() > 10);
   CHECK(others.taken() > 1000);
-  // Where the hand is not, all is as it was offered.
+  // Away from the hand all changes are applied as offered.
   CHECK(takenElsewhere > 500);
   CHECK(takenElsewhere + 40 >= elsewhere);
 }
 
-/// What does not stand where it says stays; behind a change of somebody else nothing is done; all of that is reported.
+/// A change whose point has another state is not applied; after a change by another party none is; both are reported.
 inline void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud) {
   Offering others(touch, cloud, 3);
   double time_s = 0;
@@ -158,10 +158,10 @@ inline void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud)
     change.to.position.z += z;
     return change;
   };
-  // Points 1 and 2 stand elsewhere by far than two of the changes say.
+  // Points 1 and 2 are far from the positions that two of the changes state.
   PointChange wrong = moved(1, 5), gone = moved(2, 0);
   wrong.from.position += Vec3(30, 30, 30);
-  wrong.to.color = 0xff112233;  // what is left out does not paint either
+  wrong.to.color = 0xff112233;  // a change not applied does not paint either
   gone.from.position += Vec3(-30, 0, 7);
   gone.to.id |= PointState::kGone;
   REQUIRE(others.offerThese({moved(0, 5), wrong, gone, moved(3, -5)}));
@@ -173,14 +173,14 @@ inline void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud)
   CHECK(state(2) == statesOf(cloud)[2]);
   CHECK(state(0).position.z == cloud.positions[0].z + 5);
 
-  // Taken away, and put back as it was.
+  // Removed, and restored as it was.
   PointChange away = moved(7, 0);
   away.to.id |= PointState::kGone;
   REQUIRE(others.offerThese({away}));
   rest();
   CHECK(others.lastTaken() == 1);
   CHECK(state(7).gone());
-  // By another change meanwhile: the same point twice is what must not be.
+  // Restored by another change meanwhile: the offer must not duplicate the point.
   std::swap(away.from, away.to);
   touch.change(std::vector{away});
   REQUIRE(others.offerThese({away}));
@@ -193,7 +193,7 @@ inline void checkOffersThatAreLate(TouchBackend& touch, const PointCloud& cloud)
   CHECK(others.lastTaken() == 1);
   touch.finish();
   others.checkEnd();
-  // More than fit are not taken.
+  // An offer above the maximum is rejected.
   CHECK_FALSE(touch.offer(std::vector<PointChange>(touch.mostOffered() + 1, moved(9, 1)), 1));
 }
 

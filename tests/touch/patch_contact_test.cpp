@@ -1,5 +1,5 @@
-// What the CPU answers from a patch of points while the GPU is late, held against the double-precision reference over
-// the whole cloud.
+// The CPU's answers from a patch of points while the GPU is late, compared with the double-precision reference over the
+// whole cloud.
 #include "engine/touch/patch_contact.hpp"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 
 const double kReach = static_cast<double>(shared::kCarriedReach);
 
-// A patch cut from the cloud as the GPU cuts it.
+// A patch cut from the cloud as on the GPU.
 std::vector<Vec4> pointsNear(const PointCloud& cloud, const DVec3& centre, double reach) {
   std::vector<Vec4> points;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -32,7 +32,7 @@ std::vector<Vec4> pointsNear(const PointCloud& cloud, const DVec3& centre, doubl
   return points;
 }
 
-// The sphere of 50 mm, touched 0.5 mm deep at its top, with the patch around that place.
+// The sphere of 50 mm, touched 0.5 mm deep at its top, with the patch around that position.
 struct PressedSphere {
   PressedSphere() : reference(scene.cloud, scene.radius), patch({.radius = scene.radius}, 0, DVec3(0)) {
     reference.query({.hip = {0, 0, 51}}, 0);
@@ -89,7 +89,7 @@ TEST_CASE_FIXTURE(PressedSphere,
 
 TEST_CASE_FIXTURE(PressedSphere,
                   "past the border the force ends within its times, without a step, and comes back within") {
-  // Slides away at one tenth of a radius a tick, at a depth that stays.
+  // Slides away at a tenth of a radius a tick, at constant depth.
   double last = spring(pressed, {.hip = {0, 0, 49.5}}), largestStep = 0;
   double time_s = 0, angle = 0;
   int held = 0;
@@ -103,7 +103,7 @@ TEST_CASE_FIXTURE(PressedSphere,
     last = now;
     if (angle * 50 < 1.8 * scene.radius) angle += 0.1 * scene.radius / 50;
   }
-  CHECK(held > 15);  // within the border and some ticks more
+  CHECK(held > 15);  // within the border, plus some ticks
   CHECK(last == 0);
   CHECK(largestStep < 0.2 * 0.5);  // of the depth
   const Contact back = patch.answer({.time_s = time_s + 1e-3, .hip = at(0, 49.5)});
@@ -115,7 +115,7 @@ TEST_CASE_FIXTURE(PressedSphere, "an edit that the patch has not seen, or silenc
   double full_s = 0, end_s = 0;
   SUBCASE("edit") {
     patch.edited(0.5);
-    patch.edited(0.51);  // the first one counts
+    patch.edited(0.51);  // the first edit counts
     full_s = 0.5 + kOutdated_s;
     end_s = 0.5 + kMaxOutdated_s;
   }
@@ -171,7 +171,7 @@ TEST_CASE_FIXTURE(PressedSphere,
   const double asked_s = 0.003, points_s = 0.002;  // the frame was a millisecond old
   patch.take({.centre = Vec3(pressed.proxy), .reach = kReach * scene.radius, .points = points}, {},
              {.true_s = points_s});
-  // As the surface was then, the hand 0.5 mm deep.
+  // The surface at that time, the hand 0.5 mm deep.
   const DVec3 moved = (asked_s - points_s) * velocity;
   Contact felt = pressed;
   felt.proxy += moved;

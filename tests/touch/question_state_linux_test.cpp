@@ -1,4 +1,4 @@
-// The states of a question and what leads from one to the next, without a GPU.
+// The states of a question and their transitions, without a GPU.
 #include "engine/touch/question_state.hpp"
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ std::vector<Enum> allOf(const std::array<std::string_view, kCount>&, Enum first)
 const std::vector<QuestionState> kStates = allOf(kQuestionStateNames, QuestionState::idle);
 const std::vector<QuestionEvent> kEvents = allOf(kQuestionEventNames, QuestionEvent::submittedAhead);
 
-/// All states that some events lead to.
+/// All states reachable through any events.
 std::set<QuestionState> reachableFrom(QuestionState from) {
   std::set<QuestionState> seen{from};
   std::vector<QuestionState> next{from};
@@ -43,7 +43,7 @@ QuestionProgress progressAt(const std::vector<QuestionEvent>& events) {
   return progress;
 }
 
-/// Events that lead from idle to a state, the shortest way.
+/// Shortest sequence of events from idle to a state.
 std::vector<QuestionEvent> wayTo(QuestionState state) {
   std::vector<std::vector<QuestionEvent>> ways{{}};
   for (std::size_t i = 0;; ++i) {
@@ -59,12 +59,12 @@ std::vector<QuestionEvent> wayTo(QuestionState state) {
   }
 }
 
-/// Whether the event stops a program whose question is where `progress` is.
+/// Whether the event aborts a program whose question is in the state of `progress`.
 bool stops(QuestionProgress progress, QuestionEvent event) {
   const pid_t child = fork();
   REQUIRE(child >= 0);
   if (child == 0) {
-    std::signal(SIGABRT, SIG_DFL);  // not the test framework's
+    std::signal(SIGABRT, SIG_DFL);  // replaces the test framework's handler
     std::freopen("/dev/null", "w", stderr);
     progress.happened(event);
     _exit(0);

@@ -1,4 +1,4 @@
-// A hand that goes off the open rim of a sheet under load, and comes back, for each back end.
+// A hand that slides off the open rim of a sheet under load and returns, for each back end.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// A square sheet of 40 mm that faces up, with a point in each square millimetre.
+/// A square sheet of 40 mm that faces up, with a point per square millimetre.
 inline PointCloud openSheet() {
   PointCloud cloud;
   for (int y = -20; y <= 20; ++y)
@@ -25,8 +25,8 @@ constexpr double kSheetRadius = 4;
 
 using MakeRimTouch = std::function<std::unique_ptr<TouchBackend>(const PointCloud& cloud, double radius)>;
 
-/// Pressed 3 mm deep and moved off at 0.1 m/s it loses the surface as one that it is still behind; then it is caught
-/// from the side from which it comes back.
+/// Pressed 3 mm deep and moved off at 0.1 m/s it loses the surface while it is behind it; then it is caught on the side
+/// from which it returns.
 inline void checkRim(const MakeRimTouch& make) {
   constexpr double kStep_mm = 0.1;
   for (const double side : {-1.0, 1.0}) {

@@ -1,4 +1,4 @@
-// What each brush leaves behind on the CPU back end, felt and measured. Needs no GPU.
+// The result of each brush on the CPU back end, felt and measured. Needs no GPU.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ BrushOptions brush(BrushKind kind, double strength = 0.5) {
   return {.kind = kind, .tau = kTau, .beta = 0.1, .radius = kToolRadius, .strength = strength};
 }
 
-// Straight lines from place to place at a speed (model units per second), then a rest.
+// Straight lines between positions at a speed (model units per second), then a rest.
 std::vector<Pose> along(const std::vector<DVec3>& places, double speed, int restTicks) {
   std::vector<Pose> poses{{.time_s = 0, .hip = places.front()}};
   const auto go = [&](const DVec3& hip) { poses.push_back({.time_s = kTick_s * double(poses.size()), .hip = hip}); };
@@ -82,7 +82,7 @@ TEST_CASE("a push of 10 mm into a model of 100 mm leaves no hole: the points sta
   CHECK(after.points > before.points + 100);
   CHECK(after.points < 3 * before.points);
 
-  // What it is for: without it the same press tears the surface.
+  // The purpose of resampling: without it the same press tears the surface.
   const Played torn = sculpt(scene, brush(BrushKind::push), path, false);
   CHECK(torn.cloud.size() == scene.cloud.size());
   CHECK((torn.lost > 0 || gapsAround(torn.cloud, scene, {0, 0, 46}, 12).widest > 1.8));
@@ -92,8 +92,7 @@ TEST_CASE("a probe that slides through the dent never falls through") {
   const Scene scene = makeScene("sphere", 30'000);
   const Played dent = sculpt(scene, brush(BrushKind::push), along(down(10), 50, 50));
   CpuTouch touch(dent.cloud, {.radius = scene.radius});
-  // The bottom is part of the tool's ball, which stands where the proxy had slid to; the HIP goes 0.6 below it, along
-  // two arcs.
+  // The bottom is part of the brush's ball, at the proxy's final position; the HIP moves 0.6 below it, along two arcs.
   const DVec3 hip = down(10).back();
   const DVec3 center = hip + (kTau + kToolRadius) * glm::normalize(dent.last.proxy - hip);
   std::vector<Pose> poses{{.hip = center}};
@@ -122,7 +121,7 @@ TEST_CASE("carve cuts a closed crater, and a trench to its side, in the shape of
       sculpt(scene, brush(BrushKind::carve), along({{0, 0, 50.5}, {0, 0, 45}, {6, 0, 44.5}}, 50, 100));
   CHECK(crater.lost == 0);
   CHECK(gapsAround(crater.cloud, scene, {3, 0, 46}, 12).widest < 1.25);
-  // Nothing is left within the ball at the end of its way, but for the surface of its wall.
+  // The ball at the end of its path is empty, except for the surface of its wall.
   const DVec3 hip(6, 0, 44.5), outward = glm::normalize(crater.last.proxy - hip);
   const DVec3 center = hip + (kTau + kToolRadius) * outward;
   double deepest = 0;
@@ -141,7 +140,7 @@ TEST_CASE("inflate and grab stretch the surface without holes, and move it where
   const Played pulled = sculpt(scene, brush(BrushKind::grab, 1), along({{0, 0, 50.5}, {0, 0, 47}, {8, 0, 47}}, 50, 50));
   CHECK(pulled.changed > 50);
   CHECK(gapsAround(pulled.cloud, scene, {4, 0, 48}, 14).widest < 1.25);
-  // What it took goes with the hand, sideways by half of the tool's radius at most, or it would be folded over.
+  // The grabbed points follow the hand sideways by at most half of the brush's radius; farther, the surface would fold.
   CHECK(std::ranges::any_of(pulled.cloud.positions, [&](const Vec3& place) {
     return glm::distance(DVec3(place), DVec3(kToolRadius / 2, 0, 47 + kTau)) < scene.spacing;
   }));
@@ -230,14 +229,14 @@ TEST_CASE("a brush larger than the model, and a stroke that takes nearly every p
     CHECK(played.touched > 0);
     for (const Vec3& position : played.cloud.positions) CHECK(isFinite(position));
   }
-  // The ball swallows the whole model in one tick: its tip stands far below.
+  // The ball contains the whole model in one tick: its tip is far below.
   const Scene scene = makeScene("sphere", 3'000);
   BrushOptions all = brush(BrushKind::carve, 1);
   all.radius = 300;
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = all});
   const Played gone = play(touch, scene.cloud,
                            {{.hip = {0, 0, 51}}, {.hip = {0, 0, 48}}, {.hip = {0, 0, -250}}, {.hip = {0, 0, -250}}});
-  // But for a few: the last of them say badly how the surface lies, and so where the ball is.
+  // Except for a few: the last points define the surface, and so the ball's position, poorly.
   CHECK(30 * gone.cloud.size() < scene.cloud.size());
   CHECK(30 * gone.changed > 29 * scene.cloud.size());
   CHECK_FALSE(touch.query({.time_s = 1, .hip = {0, 0, 0}}, 0).touching);

@@ -1,4 +1,4 @@
-// Hands that go so deep into a soft body that the points about them say no more where its surface is. Needs no GPU.
+// Hands so deep in a soft body that the points around them no longer define its surface. Needs no GPU.
 #include <optional>
 #include <string>
 
@@ -18,28 +18,28 @@ std::unique_ptr<TouchBackend> onCpu(const PointCloud& cloud, CloudSource& source
                  .radius = radius, .friction = touch.friction, .tools = touch.tools, .threads = 1, .source = &source});
 }
 
-// A cube of 40 mm in which a hand goes straight down, from where it stands above the cube.
+// A cube of 40 mm into which a hand descends vertically from above.
 struct Press {
   double young_Pa = 2e4, spacing_mm = 5;
   double depth_mm = 15, speed_mm_s = 20;
   double friction = 0;
   int plate = 0;  // points along a side of a plate of 10 mm; 0: the hand itself
-  int hands = 1;  // 8 mm from the middle, where there are two
+  int hands = 1;  // two hands are 8 mm from the centre each
   int hold_ms = 200;
 };
 
 struct Pressed {
   double most_N = 0;
-  double fell_N = 0;    // the most in a tick while no hand goes up
-  double rose_N = 0;    // the most in a tick, beside what the hand went deeper in it
-  int ticksWithin = 0;  // without a force, after the first one
+  double fell_N = 0;    // largest drop in a tick; no hand moves up
+  double rose_N = 0;    // largest rise in a tick beyond the increase by the hand's motion
+  int ticksWithin = 0;  // ticks without a force after the first force
   SurfaceHolds holds;
   std::string failure;
 };
 
 constexpr double kStiffness_N_mm = 0.5, kMax_N = 5;
 
-// The force of the spring alone: what the surface does, and not how fast.
+// The spring's force alone, independent of velocity.
 double forceOf(SoftTouch& touch, std::span<const Contact> answers, const Pose& pose) {
   DVec3 sum(0);
   if (touch.points(0).empty() && answers[0].touching) sum = kStiffness_N_mm * (answers[0].proxy - pose.hip);
@@ -82,7 +82,7 @@ Pressed pressed(const Press& press) {
   return result;
 }
 
-// How even a force is.
+// Checks that the force has no steps.
 void checkEven(const Pressed& result, double within_N) {
   CHECK(result.failure.empty());
   CHECK(result.ticksWithin == 0);
@@ -97,7 +97,7 @@ TEST_CASE("a hand that goes deep into a soft cube is held by it all the way, wit
   checkEven(result, 0.1);
   CHECK(result.most_N > 2.5);
   CHECK(result.holds.keptTicks > 50);
-  // Where the points say where the surface is, nothing else does.
+  // While the points define the surface, no other surface holds the hand.
   const Pressed flat = pressed({.depth_mm = 8, .speed_mm_s = 100, .hold_ms = 20});
   checkEven(flat, 0.1);
   CHECK(flat.holds.keptTicks == 0);
@@ -124,7 +124,7 @@ TEST_CASE("soft cubes hold hands and tools at all speeds, or give way evenly and
             CHECK(result.failure.empty());
             CHECK(result.fell_N < 0.13);
             CHECK(result.rose_N < 0.13);
-            // A hand is let in only where it is said that the body gave way.
+            // A hand enters only where the body is reported to give way.
             if (result.holds.gaveWayTicks == 0) CHECK(result.ticksWithin == 0);
             letIn += result.ticksWithin > 0;
           }

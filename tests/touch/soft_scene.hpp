@@ -26,7 +26,7 @@ inline MatterScene softBlock() {
           .young_Pa = 3e4};
 }
 
-/// Makes what moves a body.
+/// Makes the simulation that moves a body.
 using BodyMaker =
     std::function<std::unique_ptr<MatterSimulation>(const MatterScene& scene, const MatterOptions& matter)>;
 
@@ -40,11 +40,11 @@ struct SoftTouching {
   bool realtime = false;
 };
 
-/// Makes what feels the points of a cloud that a source moves.
+/// Makes the back end that feels the points of a cloud which a source moves.
 using SurfaceMaker = std::function<std::unique_ptr<TouchBackend>(const PointCloud& cloud, CloudSource& source,
                                                                  double radius, const SoftTouchOptions& touch)>;
 
-/// A scene under hands. A unit is a millimetre.
+/// A scene under hands; units are millimetres.
 class SoftScene {
  public:
   SoftScene(const MatterScene& scene, const SoftTouching& options, const SurfaceMaker& make)
@@ -70,7 +70,7 @@ class SoftScene {
   const MatterSimulation& world() const { return source_->world(); }
   const PointCloud& cloud() const { return cloud_; }
   double radius() const { return radius_; }
-  /// Where its points are now.
+  /// Current positions of its points.
   PointCloud points() {
     PointCloud now = cloud_;
     touch_->finish();
@@ -86,7 +86,7 @@ class SoftScene {
   std::unique_ptr<SoftTouch> touch_;
 };
 
-/// What a spring of that stiffness and damping gives a hand for an answer, as the force law does, N.
+/// Force on a hand for an answer from a spring of the given stiffness and damping, as in the force law, N.
 class FeltSpring {
  public:
   explicit FeltSpring(const HandSpring& spring) : spring_(spring) {}
@@ -111,7 +111,7 @@ class FeltSpring {
   DVec3 last_{0};
 };
 
-/// A flat square of so many points along a side, which looks down.
+/// A flat square that faces down, with `along` points along a side.
 inline ToolShape flatPlate(int along, double side) {
   ToolShape shape;
   for (int x = 0; x < along; ++x)

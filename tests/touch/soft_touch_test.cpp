@@ -1,4 +1,4 @@
-// Soft bodies under hands on the CPU: what is felt is what is done to them. Needs no GPU.
+// Soft bodies under hands on the CPU: the felt force equals the force on the body. Needs no GPU.
 #include <limits>
 #include <random>
 #include <thread>
@@ -24,10 +24,10 @@ std::unique_ptr<TouchBackend> onCpu(const PointCloud& cloud, CloudSource& source
 
 SoftScene touched(const MatterScene& scene, const SoftTouching& options = {}) { return {scene, options, onCpu}; }
 
-// Above the middle of the block, so deep.
+// Above the centre of the block, at this depth.
 DVec3 atDepth(double depth) { return {50, 40 - depth, 50}; }
 
-// From 2 mm above down to `depth`, in `down_s`, and there.
+// From 2 mm above down to `depth` within `down_s`, then at rest.
 Pose press(double time_s, double depth, double down_s = 0.3) {
   return {.time_s = time_s, .hip = atDepth(-2 + (depth + 2) * std::min(time_s / down_s, 1.0))};
 }
@@ -39,12 +39,12 @@ TEST_CASE("a flat plate that covers a bar feels it as stiff as E A / L") {
   scene.fill_mm = {30, 60, 30};
   scene.friction = 0;
   scene.poisson = 0.3;
-  // What sticks to the top does not slip off its edges.
+  // With friction the plate does not slip off the top's edges.
   SoftTouching options{.touch = {.tools = {flatPlate(6, 27)}, .friction = 1}};
   options.spring.stiffness_N_per_unit = 5;
   options.spring.most_N = 100;
   SoftScene bar = touched(scene, options);
-  // The force and the mean way of the surface at rest in a depth.
+  // Force, and mean displacement of the surface, at rest at a depth.
   const auto pressed = [&](double begin_s, double depth) {
     double force_N = 0, way = 0;
     for (int k = 0; k < 1200; ++k) {
@@ -87,7 +87,7 @@ TEST_CASE(
     deepest_N = std::max(deepest_N, force_N);
   }
   CHECK(deepest_N > 0.5);
-  CHECK(deepest_N < 0.8 * 0.5 * 8);  // a rigid one would give all of that
+  CHECK(deepest_N < 0.8 * 0.5 * 8);  // a rigid block would return all of that
   double deepest = 0;
   const PointCloud dented = block.points();
   for (std::size_t i = 0; i < dented.size(); ++i)
@@ -106,7 +106,7 @@ TEST_CASE("what the hand feels is what the body gets, and no momentum is lost be
     SoftScene block = touched(softBlock(), options);
     FeltSpring spring(options.spring);
     DVec3 felt(0);
-    // Down, and along the top while it is pressed.
+    // Down, then along the top under load.
     for (int k = 0; k < 800; ++k) {
       Pose pose = press(1e-3 * k, 6);
       pose.hip.x += 8 * std::max(0.0, 1e-3 * k - 0.4);
@@ -138,7 +138,7 @@ TEST_CASE("the same poses give the same bytes, with any number of threads, and a
   const PointCloud there = one.points();
   CHECK(there.positions == three.points().positions);
   CHECK(there.normals == three.points().normals);
-  // Where time goes back everything begins anew; the hand is free then.
+  // A step back in time restarts everything; the hand is then free.
   CHECK(play(one) == first);
   CHECK(one.points().positions == there.positions);
 }
@@ -164,7 +164,7 @@ TEST_CASE("random hands get no more than a millijoule out of a soft body by its 
         for (int axis = 0; axis < 3; ++axis) speed[axis] += 30 * push(random);
         const DVec3 next = glm::clamp(hip + 1e-3 * speed, DVec3(32, 30, 32), DVec3(68, 50, 68));
         const DVec3 now = spring.add(block.touch().query({.time_s = 1e-3 * k, .hip = next}, 0), next, 1e-3);
-        // What the surface takes in: of the force on the way there, from both of its ends.
+        // Energy that the surface absorbs: mean of the forces at both ends of the displacement.
         energy_mJ -= glm::dot((force + now) / 2.0, next - hip);
         least_mJ = std::min(least_mJ, energy_mJ);
         force = now;
@@ -247,7 +247,7 @@ TEST_CASE("a scene that is held is felt by nobody and stands still; it goes on, 
   for (int i = 0; i < 20; ++i) CHECK_FALSE(ask(4).touching);
   CHECK(block.points().positions == dented.positions);
   control.hold(false);
-  for (int i = 0; i < 200; ++i) CHECK_FALSE(ask(4).touching);  // within, as it was: the body closes about it
+  for (int i = 0; i < 200; ++i) CHECK_FALSE(ask(4).touching);  // inside, as before: the body closes about it
   CHECK(block.points().positions != dented.positions);
   for (int i = 0; i < 20; ++i) ask(-2);
   for (int i = 0; i < 200; ++i) ask(-2 + 0.03 * i);
@@ -273,7 +273,7 @@ TEST_CASE("a hand that is no number gets no answer and moves nothing, and what f
 }
 
 TEST_CASE("where points are older than the tick the surface gives way as the body would, and is no wall") {
-  // Ticks come four times as often as steps: three of them feel points of before.
+  // Ticks are four times as frequent as steps: three of four feel earlier points.
   const SoftTouching options;
   SoftScene block = touched(softBlock(), options);
   int k = 0;
@@ -284,19 +284,19 @@ TEST_CASE("where points are older than the tick the surface gives way as the bod
   while (k % 4 != 0) ask(4);
   const Contact fresh = ask(4);
   REQUIRE(fresh.touching);
-  // A quarter of a millisecond later, the hand is deeper by half a millimetre all at once.
+  // A quarter of a millisecond later the hand is suddenly half a millimetre deeper.
   const Contact later = ask(4.5);
   const double yields = 0.5 * block.source().compliance(0);
   CHECK(yields > 0.2);
   const double gone = fresh.proxy.y - later.proxy.y;
   CHECK(gone == near(0.5 * yields / (1 + yields), 0.05));
-  // As soft as what the body itself says of the place.
+  // As compliant as the body reports for this position.
   auto& world = const_cast<MatterSimulation&>(block.world());
   const double own = world.localCompliance_m_N(1e-3 * fresh.proxy, 0.5e-3 * block.radius(), {0, -1, 0}) * 1e3;
   CHECK(block.source().compliance(0) == near(own, 0.05));
   CHECK(block.source().compliance(0) !=
         SoftScene(softBlock(), options, onCpu).source().compliance(0));  // a half-space's
-  // What draws back finds the surface where it was.
+  // A hand that moves back finds the surface where it was.
   const Contact back = ask(3.5);
   CHECK(back.proxy.y == near(fresh.proxy.y, 1e-4));
 }
@@ -304,7 +304,7 @@ TEST_CASE("where points are older than the tick the surface gives way as the bod
 TEST_CASE("where several steps come at once the body is asked, too, how far it gives way") {
   SoftScene block = touched(softBlock());
   const double halfSpace = block.source().compliance(0);
-  // Three and four steps in turn, every other time half a one after the last of them.
+  // Three and four steps alternately, every other time half a step after the last of them.
   for (int k = 0; k < 60; ++k) block.touch().query(press(3.5e-3 * k, 3, 0.05), 0);
   CHECK(block.source().compliance(0) != halfSpace);
 }
@@ -316,7 +316,7 @@ TEST_CASE(
   SoftScene block = touched(softBlock(), options);
   double most = 0;
   int ticks = 0;
-  // Until the body has been pressed for long enough, which on a slow machine is later.
+  // Until the body has been pressed long enough, which takes more ticks on a slow machine.
   const auto simulated_s = [&] { return 1e-3 * ticks - block.touch().simulation()->leftOut_s(); };
   for (; ticks < 500 || (simulated_s() < 0.4 && ticks < 20'000); ++ticks) {
     const Pose pose = press(1e-3 * ticks, 4, 0.2);
@@ -334,7 +334,7 @@ TEST_CASE(
 
 namespace {
 
-// With a brush that leaves tau of the way to the hand.
+// With a brush that leaves tau of the distance to the hand.
 SoftTouching withBrush(BrushKind kind, double radius = 12) {
   SoftTouching options;
   options.touch.brush = BrushOptions{.kind = kind, .tau = 0.5, .beta = 0.1, .radius = radius};
@@ -347,7 +347,7 @@ std::vector<Vec3> shapeOf(const SoftScene& scene) {
   return {rest.begin(), rest.end()};
 }
 
-// Of the points so far from the middle of the top.
+// Mean height of the points at this distance from the centre of the top.
 double topOf(SoftScene& scene, float from = 0, float to = 3) {
   const PointCloud now = scene.points();
   double sum = 0, count = 0;
@@ -361,7 +361,7 @@ double topOf(SoftScene& scene, float from = 0, float to = 3) {
   return sum / count;
 }
 
-// From far above to that place, and there; from a time on, s. The last answer.
+// From 4 above down to `y`, then at rest; `time_s` advances. Returns the last answer.
 Contact goDown(SoftScene& scene, double& time_s, double y, int ticks, double x = 50) {
   Contact last;
   for (int k = 0; k < ticks; ++k, time_s += 1e-3)
@@ -384,9 +384,9 @@ TEST_CASE("a dent that a hand pushed stays when it has gone, as deep as it was l
   FeltSpring spring({.stiffness_N_per_unit = 0.5, .damping_N_s_per_unit = 0, .most_N = 5});
   const Contact held = goDown(block, time_s, deep, 2500);
   REQUIRE(held.touching);
-  // It has yielded until the tip of the brush's ball stands tau over the hand. The averaged surface, which the spring
-  // holds on to, stands over that tip in a dent as round as the ball: at most as far as it sinks below a ball, and by
-  // less where the dent is wider. So the spring has tau and a part of that, and its force is its stiffness times it.
+  // It has yielded until the tip of the brush's ball is tau above the hand. The averaged surface, which holds the
+  // spring, is above that tip in a dent as round as the ball, by at most its bias for a ball, less in a wider dent. So
+  // the spring is stretched by tau and a part of that bias, and its force is its stiffness times that.
   const DVec3 force = spring.add(held, {50, deep, 50}, 1e-3);
   const double stretch = held.proxy.y - deep;
   CHECK(stretch > 0.5);
@@ -399,7 +399,7 @@ TEST_CASE("a dent that a hand pushed stays when it has gone, as deep as it was l
   const double dent = top - topOf(block);
   MESSAGE("dent of " << dent << " mm by a hand 6 mm deep; the spring has " << stretch << ", elastic " << elastic_mm);
   CHECK(dent == near(6 - stretch - elastic_mm, 0.1));
-  // Nothing is felt in it, and it is felt at its bottom.
+  // No contact inside the dent, contact at its bottom.
   CHECK_FALSE(goDown(block, time_s, top - 3, 300).touching);
   CHECK(goDown(block, time_s, top - 6, 300).touching);
   CHECK(block.touch().shapeStrokes()->counts().strokes == 1);
@@ -415,7 +415,7 @@ TEST_CASE(
   const double began = topOf(block);
   goDown(block, time_s, began - 4, 600);
   wait(block, time_s, 400);
-  // A dent that stays, in which nothing is felt.
+  // A permanent dent without contact inside.
   CHECK(began - topOf(block) > 1);
   CHECK_FALSE(goDown(block, time_s, began - 1, 100).touching);
   const std::vector<Vec3> first = shapeOf(block);
@@ -439,7 +439,7 @@ TEST_CASE(
   CHECK(shapeOf(block) == first);
   CHECK(strokes.undo());
   CHECK(shapeOf(block) == none);
-  // Its points have gone along before anybody asks again.
+  // Its points have moved before the next query.
   CHECK(topOf(block) - dented > 1);
   CHECK_FALSE(strokes.undo());
   CHECK(strokes.counts().redoable == 2);
@@ -460,7 +460,7 @@ TEST_CASE("what a hand feels is what the body gets while the body yields to its 
   }
   const MatterImpulses& given = block.world().impulses();
   CHECK(felt.y > 0.1);
-  // What the hand feels is behind what yields in a tick, and what the body gets is before it.
+  // The hand feels the body after the tick's yielding, and the body gets the force before it.
   CHECK(std::abs(given.onTools.y - felt.y) < 0.04 * felt.y);
   const DVec3 missing = block.world().totals().momentum - (given.gravity - given.onWalls - given.onTools);
   CHECK(glm::length(missing) <= 1e-5 * (glm::length(given.gravity) + glm::length(given.onTools)));
@@ -472,7 +472,7 @@ TEST_CASE(
   const int rest = byTier(100, 300), held = byTier(550, 700);
   for (const BrushKind kind : {BrushKind::inflate, BrushKind::smooth, BrushKind::grab, BrushKind::flatten}) {
     CAPTURE(static_cast<int>(kind));
-    if (!inFullTier() && kind == BrushKind::inflate) continue;  // it makes the hill that others take away
+    if (!inFullTier() && kind == BrushKind::inflate) continue;  // it makes the hill that others remove
     SoftTouching options = withBrush(kind, 14);
     options.touch.brush->tau = 0.2;
     SoftScene block = touched(softBlock(), options);
@@ -482,7 +482,7 @@ TEST_CASE(
     wait(block, time_s, rest);
     const double began = topOf(block);
     if (kind == BrushKind::smooth || kind == BrushKind::flatten) {
-      block.touch().setBrush(withBrush(BrushKind::inflate, 8).touch.brush);  // a hill
+      block.touch().setBrush(withBrush(BrushKind::inflate, 8).touch.brush);  // makes a hill
       goDown(block, time_s, began - 1.5, byTier(700, 1500));
       wait(block, time_s, rest);
       block.touch().setBrush(options.touch.brush);

@@ -1,5 +1,5 @@
-// A wall before a depth camera that steps, comes and goes from frame to frame, felt through its newest frame: for each
-// back end.
+// A wall in front of a depth camera that steps, approaches and disappears between frames, felt through its newest
+// frame, for each back end.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -19,12 +19,12 @@
 
 namespace palpate {
 
-/// The camera stands at the origin and looks along z; 30 frames a second.
+/// The camera is at the origin and looks along z; 30 frames a second.
 class WallStream final : public DepthStream {
  public:
   static constexpr double kPeriod_s = 1.0 / 30;
 
-  /// `depths_m`: of the wall in each frame; 0: it is gone.
+  /// `depths_m`: depth of the wall in each frame; 0: no wall.
   explicit WallStream(std::vector<double> depths_m) : depths_m_(std::move(depths_m)) {}
 
   const DepthCamera& camera() const override { return camera_; }
@@ -52,7 +52,7 @@ constexpr double kWall_m = 0.5, kWallRadius_m = 0.008, kStreamTick_s = 1e-3;
 using MakeStreamTouch =
     std::function<std::unique_ptr<TouchBackend>(const PointCloud& first, CloudSource& source, double radius)>;
 
-/// The answers to a stylus in virtual time that comes within 20 ms from 5 mm in front of the first wall, and stays at a
+/// Answers to a stylus in virtual time that arrives within 20 ms from 5 mm in front of the first wall, and stays at a
 /// depth.
 inline std::vector<Contact> feelWall(const MakeStreamTouch& make, const std::vector<double>& depths_m, double hip_m) {
   DepthSource source(playedStream(std::make_shared<WallStream>(depths_m)), DVec3(0));
@@ -73,7 +73,7 @@ inline std::vector<Contact> feelWall(const MakeStreamTouch& make, const std::vec
   return contacts;
 }
 
-/// A step of a millimetre is felt as a ramp of one frame, which never turns round and never goes too far.
+/// A step of a millimetre is felt as a ramp over one frame, without reversal or overshoot.
 inline void checkStepIsRamp(const MakeStreamTouch& make) {
   constexpr double kStep_m = 0.001, kTiny_m = 2e-6;
   for (const double sign : {1.0, -1.0}) {
@@ -97,7 +97,7 @@ inline void checkStepIsRamp(const MakeStreamTouch& make) {
   }
 }
 
-/// A wall that comes at half a metre a second takes the stylus along and never lets it through.
+/// A wall that approaches at half a metre a second carries the stylus along and never lets it through.
 inline void checkComingWall(const MakeStreamTouch& make) {
   std::vector<double> depths_m;
   for (int i = 0; i < 10; ++i) depths_m.push_back(kWall_m - 0.5 * WallStream::kPeriod_s * std::max(0, i - 2));
@@ -112,7 +112,7 @@ inline void checkComingWall(const MakeStreamTouch& make) {
   }
 }
 
-/// A hand held in a plane that is tilted, and moves: from tick to tick, frames or not, its spring hardly stretches.
+/// A hand held in a tilted, moving plane: from tick to tick, with or without a new frame, its spring hardly stretches.
 inline void checkSteadyPlane(const MakeStreamTouch& make) {
   struct Case {
     SeenPlane seen;
@@ -140,7 +140,7 @@ inline void checkSteadyPlane(const MakeStreamTouch& make) {
   }
 }
 
-/// Once the wall is gone nothing is felt, from the first tick on.
+/// After the wall has disappeared nothing is felt, from the first tick on.
 inline void checkLeavingWall(const MakeStreamTouch& make) {
   std::vector<double> depths_m(6, kWall_m);
   std::fill(depths_m.begin() + 3, depths_m.end(), 0.0);

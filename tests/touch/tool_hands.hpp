@@ -23,8 +23,8 @@ inline DQuat turnedAbout(const DVec3& axis, double angle) {
   return {std::cos(0.5 * angle), std::sin(0.5 * angle) * glm::normalize(axis)};
 }
 
-// A software driver takes many seconds to compile a step for validation: the tests of what its shader does to memory
-// have that, and all others share one device without it, and one step with friction.
+// A software driver takes many seconds to compile a step for validation: only the tests of the shader's memory accesses
+// have it; all others share one device without it, and one step with friction.
 inline constexpr double kFriction = 0.3;
 class ToolFixture {
  protected:
@@ -70,7 +70,7 @@ using CpuHand = HandWith<CpuTouch>;
 
 inline constexpr std::array<ToolKind, 3> kManyPointed{ToolKind::pad, ToolKind::ball, ToolKind::spatula};
 
-/// What each back end has to feel, on its own instance.
+/// Runs the check on each back end, with its own instance.
 template <class Check>
 void onBoth(Device& device, const Scene& scene, const ToolShape& tool, Check&& check) {
   {

@@ -31,7 +31,7 @@ TEST_CASE("no tick on the CPU allocates memory on the thread that asks, whether 
     touch.ask(poses, budget_us);
   };
   ask(0, 51, 0);
-  countedThread = std::this_thread::get_id();  // an edit has a thread of its own, whose lists grow with the stroke
+  countedThread = std::this_thread::get_id();  // an edit has its own thread, whose lists grow with the stroke
   allocations = 0;
   counting = true;
   for (int i = 0; i < 60; ++i) ask(1e-3 * i, 50.5 - 0.05 * i, i % 2 ? 0 : 500);
@@ -41,7 +41,7 @@ TEST_CASE("no tick on the CPU allocates memory on the thread that asks, whether 
   if (options.brush) CHECK(touch.editTimes_us().size() > 10);
 
   counting = true;
-  int* volatile kept = new int(7);  // volatile, so that no compiler leaves it out
+  int* volatile kept = new int(7);  // volatile, so that no compiler removes it
   delete kept;
   counting = false;
   CHECK(allocations == 1);  // the counter counts

@@ -13,12 +13,12 @@ namespace {
 
 TouchOptions optionsFor(const Scene& scene, bool ahead) { return {.radius = scene.radius, .ahead = ahead}; }
 
-// Down to the sphere, in, along and out again.
+// Down to the sphere, into it, along it and out again.
 Pose poseAt(int tick) {
   const double way = 0.02 * tick, height = tick < 60 ? 52 - 0.05 * tick : tick < 160 ? 49 : 49 + 0.1 * (tick - 160);
   return {.time_s = 1e-3 * tick, .hip = height * glm::normalize(DVec3(std::sin(way), 0.1, std::cos(way)))};
 }
-constexpr int kTicks = 200, kStride = 2;  // most cases go on by so many ticks at once
+constexpr int kTicks = 200, kStride = 2;  // kStride: ticks that most cases advance at once
 
 void checkEqual(const Contact& a, const Contact& b) {
   CHECK(a.valid);
@@ -32,7 +32,7 @@ void checkEqual(const Contact& a, const Contact& b) {
 }  // namespace
 
 TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is what is sculpted") {
-  // Without validation: that makes a submission wait until its work is done.
+  // Without validation, which makes a submission wait until its work is done.
   Device& device = plainDevice();
   const Scene scene = makeScene("sphere", 5'000);
   for (const bool sculpts : {false, true}) {
@@ -53,7 +53,7 @@ TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is 
     b.finish();
     CHECK(touching > questions / 3);
     CHECK(a.answeredAhead() == 0);
-    // Whether a software driver takes up a question before it gives up depends on what else runs on its cores.
+    // Whether a software driver starts a question before its timeout depends on the load of its cores.
     CHECK(b.answeredAhead() > (device.isCpu() ? 0 : questions / 2));
     PointCloud left = scene.cloud, right = scene.cloud;
     CHECK(a.readBack(left) == b.readBack(right));
@@ -81,7 +81,7 @@ TEST_CASE("the questions of a tool's points and of two hands are asked ahead tog
       const auto expected = a.ask(poses, 0);
       if (questions % 25 != 24) b.prepare();
       if (questions % 30 == 29) std::this_thread::sleep_for(std::chrono::milliseconds(device.isCpu() ? 60 : 0));
-      if (questions % 20 == 19) b.finish();  // which withdraws them
+      if (questions % 20 == 19) b.finish();  // withdraws them
       if (tick == 120) b.resetHand(1);
       const auto answers = b.ask(poses, 0);
       checkEqual(answers[0], expected[0]);
@@ -144,12 +144,12 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a question that waits is no obstacle to an en
   touch.prepare();
   touch.finish();
   CHECK(touch.readBack(cloud) == 1);
-  touch.prepare();  // and its end
+  touch.prepare();  // pending when the touch side is destroyed
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "by itself a device asks ahead only where the driver is known to let a question wait") {
   const Scene scene = makeScene("sphere", 1'000);
-  // Under validation every submission waits for its end, on every driver.
+  // Under validation every submission waits for its completion, on every driver.
   if (askedValidation() == Validation::off)
     MESSAGE("skipped: without validation (PALPATE_TESTS_VALIDATE=0) the driver decides whether a question waits");
   else

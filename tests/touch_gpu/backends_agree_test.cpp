@@ -1,4 +1,4 @@
-// The same path on the CPU and on the GPU: the same contacts, and the same points moved to the same places.
+// The same path on the CPU and on the GPU: the same contacts, and the same points moved to the same positions.
 #include <algorithm>
 
 #include "engine/touch/cpu_touch.hpp"
@@ -23,7 +23,7 @@ class BackendsFixture : public GpuFixture {
     std::size_t movedOnGpu = 0, movedOnCpu = 0;
   };
 
-  // Points come and go by decisions that rounding may turn: here they stay.
+  // Insertions and removals can depend on rounding; without keepsDensity there are none.
   Outcome play(const Scene& scene, const std::vector<DVec3>& path, std::optional<BrushOptions> push = {}) {
     if (push) push->keepsDensity = false;
     TouchSide gpu(device, scene.cloud, {.radius = scene.radius, .brush = push});
@@ -85,7 +85,7 @@ TEST_CASE_FIXTURE(BackendsFixture, "one edit moves the same points to the same p
   const Outcome outcome =
       play(scene, {51.0 * outward, 47.0 * outward}, BrushOptions{.tau = 0.3, .beta = 0.5, .radius = 8});
   CHECK(outcome.movedOnCpu > 50);
-  // A point within rounding of the tool's border may go either way; by less than that.
+  // A point within rounding of the brush's border may move on one side only, by less than the tolerance.
   CHECK(std::abs(static_cast<double>(outcome.movedOnCpu) - static_cast<double>(outcome.movedOnGpu)) <= 2);
   CHECK(worstDistance(outcome.onGpu, outcome.onCpu) < 1e-4 * scene.radius);
   double worst_deg = 0;

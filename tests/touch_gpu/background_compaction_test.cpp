@@ -1,4 +1,4 @@
-// Sculpting until the index has been compacted, which nobody may feel.
+// Sculpting until the index has been compacted, which must not be felt.
 #include <algorithm>
 #include <bit>
 #include <chrono>
@@ -18,10 +18,10 @@ namespace palpate::background_compaction_test {
 
 namespace {
 
-constexpr double kVirtual = 0, kRealtime_us = 1e7;  // budgets; the latter is never spent
-constexpr std::chrono::milliseconds kTick(1);       // in real time, at least
-// Between poses. After a slow edit others rest, twice as long after each that is slow again: not even a thousand of
-// them on end reach the next pose, so that on the slowest machine all edits are made.
+constexpr double kVirtual = 0, kRealtime_us = 1e7;  // budgets; the latter is never exhausted
+constexpr std::chrono::milliseconds kTick(1);       // minimum in real time
+// Seconds between poses. A slow edit postpones the next one, and the delay doubles with each further slow edit: even a
+// thousand in a row do not reach the next pose, so that the slowest machine makes all edits.
 constexpr double kApart_s = 1e303;
 constexpr std::uint32_t kLittleSpare = 1'200, kMinSpare = 320;
 
@@ -33,14 +33,14 @@ TouchOptions optionsFor(const Scene& scene, std::uint32_t spare) {
           .wait = Wait::block};
 }
 
-// Round and round the sphere, ever deeper.
+// Round the sphere repeatedly, ever deeper.
 Pose strokeAt(int tick) {
   const double angle = 0.01 * tick, r = 51 - std::min(1.5, 0.05 * tick) - 0.004 * tick, tilt = 0.1 + 0.0005 * tick;
   return {.time_s = kApart_s * tick,
           .hip = {r * std::sin(tilt) * std::cos(angle), r * std::sin(tilt) * std::sin(angle), r * std::cos(tilt)}};
 }
 
-// Points that are not in their bucket, or there twice, or missing.
+// Points that are missing, duplicate or not in their bucket.
 std::size_t faults(Device& device, const TouchSide& touch) {
   const auto positions = download<Vec4>(device, touch.live().front().positions, touch.live().slots());
   const HashGrid& grid = touch.hash().grid();
@@ -66,7 +66,7 @@ Stroke sculpt(Device& device, const Scene& scene, std::uint32_t spare, double bu
   Stroke stroke{.cloud = scene.cloud};
   const bool realtime = budget_us > 0;
   for (int tick = 0; tick < ticks; ++tick) {
-    // What is in the background has the time that it has in a session.
+    // The background work gets the time that it has in a session.
     const auto next = std::chrono::steady_clock::now() + kTick;
     stroke.contacts.push_back(touch.query(strokeAt(tick), budget_us));
     if (realtime) std::this_thread::sleep_until(next);
@@ -129,7 +129,8 @@ TEST_CASE("in real time edits that find no slots wait for the compaction that br
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "what builds the index anew takes a compaction's place, in a change and in an edit") {
-  // So few spare slots that one compaction follows another, and so many points in one spot that an edit there is large.
+  // Few spare slots, so that one compaction follows another, and many points in one spot, so that an edit there is
+  // large.
   Scene scene = makeScene("sphere", 8'000);
   for (int i = 0; i < 2'000; ++i) {
     const double angle = 2.4 * i, tilt = 0.1 * std::sqrt(i / 2'000.0);
@@ -138,7 +139,7 @@ TEST_CASE_FIXTURE(GpuFixture, "what builds the index anew takes a compaction's p
     scene.cloud.normals.push_back(normal);
   }
   TouchOptions options = optionsFor(scene, 600);
-  options.compaction.bucketsPerSlice = 256;  // it takes long enough for the hand to go there
+  options.compaction.bucketsPerSlice = 256;  // slow enough for the hand to get there
   TouchSide touch(device, scene.cloud, options);
   int tick = 0;
   const auto play = [&](const Pose& pose) {
@@ -151,7 +152,7 @@ TEST_CASE_FIXTURE(GpuFixture, "what builds the index anew takes a compaction's p
   };
   sculptUntil([&] { return touch.compactions() > 0 && touch.isCompacting(); });
 
-  // More points arrive in one bucket than an update puts into order.
+  // One bucket receives more points than an update sorts.
   std::vector<PointChange> changes;
   touch.finish();
   for (const PointState& point : touch.live().points()) {

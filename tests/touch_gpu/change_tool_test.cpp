@@ -1,4 +1,4 @@
-// Brush, surface and method that change while a cloud is touched, and a stylus that is lifted.
+// Brush, surface and method changes while a cloud is touched, and a lifted stylus.
 #include <algorithm>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -16,7 +16,7 @@ BrushOptions brush(BrushKind kind, double radius = 8) {
   return {.kind = kind, .tau = 0.3, .beta = 0.2, .radius = radius, .strength = 0.5};
 }
 
-// Both back ends, with a brush that pushes at first and colours for one that paints later.
+// Either back end, with a brush that pushes, and with colours for one that paints later.
 std::unique_ptr<TouchBackend> backend(Device& device, const Scene& scene, bool gpu) {
   if (gpu)
     return std::make_unique<TouchSide>(
@@ -25,7 +25,7 @@ std::unique_ptr<TouchBackend> backend(Device& device, const Scene& scene, bool g
                                     CpuTouchOptions{.radius = scene.radius, .brush = brush(BrushKind::push)});
 }
 
-// Puts the stylus down above the sphere's surface in some direction, presses `depth` deep, and goes out again.
+// Lowers the stylus onto the sphere from `direction`, presses `depth` deep, and lifts it again.
 Contact press(TouchBackend& touch, const DVec3& direction, double depth, int ticks = 24) {
   Contact deepest;
   touch.resetHand(0);
@@ -69,7 +69,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "each brush does its own work after another, a
     press(*touch, {0, -1, 0}, 3);
     touch->finish();
     told.take(*touch);
-    CHECK(told.journal.strokes() == 4);  // feeling is none
+    CHECK(told.journal.strokes() == 4);  // feeling makes no stroke
 
     double lowest = 100, highest = 0, behind = 100, carved = 100;
     std::size_t red = 0;
@@ -129,7 +129,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "surface, friction and method change, and the 
   const Scene scene = makeScene("sphere", 8'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .surface = SurfaceKind::average});
   const Contact average = press(touch, {0, 0, 1}, 2);
-  CHECK(average.proxy.z < 49.98);  // it sinks into curvature
+  CHECK(average.proxy.z < 49.98);  // the average surface sinks into curvature
   touch.setContact(SurfaceKind::sphere, 0, "fused");
   const Contact sphere = press(touch, {0, 0, 1}, 2);
   CHECK(std::abs(sphere.proxy.z - 50) < 0.01);
@@ -152,7 +152,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a stylus that is put down behind a surface has no
     const auto touch = backend(device, scene, gpu);
     CHECK(!touch->query({.hip = {0, 0, 53}}, 0).touching);
     const Contact through = touch->query({.hip = {0, 0, 40}}, 0);
-    CHECK(through.touching);  // with a motion it has
+    CHECK(through.touching);  // the motion crossed the surface
     touch->resetHand(0);
     CHECK(!touch->query({.hip = {0, 0, 53}}, 0).touching);
     touch->resetHand(0);
@@ -165,8 +165,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a stylus that is put down behind a surface has no
 TEST_CASE_FIXTURE(GpuFixture, "a late answer from before the stylus was lifted says nothing about what comes after") {
   const Scene scene = makeScene("sphere", 8'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
-  for (int i = 0; i < 30; ++i) touch.query({.time_s = i * 1e-3, .hip = {0, 0, 53 - 0.2 * i}}, 0);  // touches
-  // Asked, and not waited for.
+  for (int i = 0; i < 30; ++i) touch.query({.time_s = i * 1e-3, .hip = {0, 0, 53 - 0.2 * i}}, 0);  // until it touches
+  // Queried without waiting for the answer.
   touch.query({.time_s = 0.03, .hip = {0, 0, 47}}, 1e-3);
   touch.resetHand(0);
   const Contact far = touch.query({.time_s = 0.031, .hip = {0, 80, 0}}, 0);

@@ -17,12 +17,12 @@ constexpr double kTick_s = 1e-3, kFriction = 0.3;
 
 using Poses = std::array<Pose, kHands>;
 
-/// All have another tool: the HIP alone, a pad, the HIP alone, a ball.
+/// The HIP alone, a pad, the HIP alone, a ball.
 std::vector<ToolShape> tools() {
   return {ToolShape(), makeTool(ToolKind::pad, 6, 8), ToolShape(), makeTool(ToolKind::ball, 5, 6)};
 }
 
-/// One at each of four places, as high over the plane as the others.
+/// One hand at each of four positions, all at the same height over the plane.
 Poses overPlane(double time_s, double z) {
   Poses poses;
   for (std::size_t i = 0; i < kHands; ++i)
@@ -30,7 +30,7 @@ Poses overPlane(double time_s, double z) {
   return poses;
 }
 
-/// Shared by the tests, and without validation.
+/// One device for all tests, without validation.
 class FourHandsFixture {
  protected:
   Device& device = plainDevice();
@@ -107,7 +107,7 @@ TEST_CASE_FIXTURE(FourHandsFixture, "one of four hands is put down elsewhere, an
       for (const Contact& contact : answers) CHECK(contact.touching);
       touch->resetHand(lifted);
       answers = at(-2);
-      // Put down inside, it is not caught until it has been outside.
+      // Put down inside the surface, it is not caught until it has been outside.
       for (std::size_t i = 0; i < kHands; ++i) CHECK(answers[i].touching == (i != lifted));
       at(4);
       answers = at(-1);

@@ -1,5 +1,5 @@
-// Strokes on the GPU leave what the hand meant, by analytic truth, and the far side of a plate as it was; carving
-// leaves nothing under it.
+// Strokes on the GPU produce the shape that the hand's motion defines, compared with analytic truth, and leave the far
+// side of a plate unchanged; carving leaves nothing under it.
 #include "engine/touch/touch_side.hpp"
 #include "tests/clay.hpp"
 #include "tests/gpu_fixture.hpp"

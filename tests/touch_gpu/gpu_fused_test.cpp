@@ -1,4 +1,4 @@
-// Depth frames that fuse while they are felt, on the GPU.
+// Depth frames that are fused while they are felt, on the GPU.
 #include "engine/core/clock.hpp"
 #include "engine/motion/fused_source.hpp"
 #include "engine/touch/touch_side.hpp"
@@ -64,7 +64,7 @@ TEST_CASE_FIXTURE(
   Log log(true);
   log.listen(&lines);
   frames.log = &log;
-  // The second frame finds no room.
+  // The second frame does not fit.
   for (FusedStream* each : {&frames, &straight}) each->options.capacity = each->begin->size() + 10;
   const auto touch = fusedTouch(device, frames), other = fusedTouch(device, straight);
   for (const double time_s : {0.1, 0.2, 0.05}) touch->query(awayAt(time_s), 0);
@@ -83,7 +83,7 @@ TEST_CASE_FIXTURE(GpuFixture, "frames without poses are placed on the GPU, held,
   TableStream stream(false);
   FusedStream frames = stream.fused(smallMap(40'000));
   auto touch = fusedTouch(device, frames);
-  touch->query(awayAt(0.11), 0);  // three frames
+  touch->query(awayAt(0.11), 0);  // up to the third frame
   const DVec3 target(0, 0, 0.02);
   const auto errorOf = [&](const FusedStream& played, int frame) {
     return glm::distance(played.stream->seenFrom->centre, onArc(target, 0.8, 0.03 * frame).centre);
@@ -98,13 +98,13 @@ TEST_CASE_FIXTURE(GpuFixture, "frames without poses are placed on the GPU, held,
                    .begin = map,
                    .options = smallMap(40'000)};
   next.stream->player->beginHere();
-  touch->query(awayAt(1), 0);  // nobody's any more: it stays
+  touch->query(awayAt(1), 0);  // its stream was moved away: the map stays
   CHECK(pointsOf(*touch, frames).positions == map->positions);
   touch.reset();
   touch = fusedTouch(device, next);
   CHECK(pointsOf(*touch, next).positions == map->positions);
   next.stream->player->play(0);
-  // Against the clock, on a thread of its own: however fast questions are answered, frames take their time.
+  // In real time, on a thread of its own: frames need their time, however fast the answers are.
   constexpr double kLong_s = 60;
   const Stopwatch watch;
   while (next.stream->player->counts().played < 6 && watch.elapsed_us() < 1e6 * kLong_s)

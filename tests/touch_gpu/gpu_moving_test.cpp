@@ -15,7 +15,7 @@ namespace palpate::gpu_moving_test {
 
 namespace {
 
-/// All points come together in one place for a while: far more than a bucket usually holds.
+/// All points gather in one position for a while: far more than a bucket usually holds.
 class CrowdingSource final : public CloudSource {
  public:
   explicit CrowdingSource(const PointCloud& cloud) : rest_(cloud) {}

@@ -1,4 +1,4 @@
-// Changes that others offer to what answers a hand, on the GPU.
+// Changes that others offer to a back end, on the GPU.
 #include <atomic>
 #include <thread>
 
@@ -41,7 +41,7 @@ TEST_CASE_FIXTURE(GpuFixture, "an offer may move so much that the index does not
     touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, 200}}, 0);
     others.follow();
   };
-  // All that an offer may hold, into one place: its bucket outgrows what there is.
+  // The largest offer, all at one position: its bucket outgrows the reserve.
   const std::size_t most = std::min<std::size_t>(touch.mostOffered(), 2'000);
   for (const Vec3 place : {Vec3(0, 0, 0), Vec3(3, -40, 11), Vec3(0, 0, 0)}) {
     std::vector<PointChange> heap;
@@ -73,7 +73,7 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU offers are carried out in real time, w
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
     });
-    // The budget is as large as a software driver needs.
+    // The budget suits a software driver.
     for (int i = 0; i < 300 || taken < 200 || !touch.firstEditTime_s(); ++i) {
       REQUIRE(i < 20'000);
       const double time_s = 1e-2 * i;

@@ -1,5 +1,5 @@
-// Sculpting on the GPU against the CPU back end: the same brushes leave the same surface, whole, and the same session
-// twice leaves the same points, bit by bit.
+// Sculpting on the GPU against the CPU back end: the same brushes leave the same surface without gaps, and a repeated
+// session leaves the same points, bit by bit.
 #include <algorithm>
 
 #include "engine/touch/cpu_touch.hpp"
@@ -17,7 +17,7 @@ constexpr double kTick_s = 1e-3;
 
 BrushOptions brush(BrushKind kind) { return {.kind = kind, .tau = 0.3, .beta = 0.2, .radius = 8, .strength = 0.6}; }
 
-// Onto the top of a sphere of radius 50, down and a little along, and a rest.
+// Onto the top of a sphere of radius 50, down and slightly along, then a rest.
 std::vector<Pose> press(double depth) {
   std::vector<Pose> poses;
   const auto go = [&](const DVec3& hip) { poses.push_back({.time_s = kTick_s * double(poses.size()), .hip = hip}); };
@@ -62,7 +62,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
     CHECK(onGpu.changed > 20);
     CHECK(onGpu.lost == onCpu.lost);
     CHECK(glm::distance(onGpu.proxy, onCpu.proxy) < 0.2 * scene.spacing);
-    // New points come one tick later there, so that some decisions fall otherwise.
+    // The GPU inserts points one tick later, so that some decisions differ.
     CHECK(static_cast<double>(onGpu.changed) == near(static_cast<double>(onCpu.changed), 0.15));
     CHECK(static_cast<double>(onGpu.cloud.size()) == near(static_cast<double>(onCpu.cloud.size()), 0.01));
     const auto near = [](const DVec3& place) { return glm::distance(place, {1, 0, 47}) < 12; };

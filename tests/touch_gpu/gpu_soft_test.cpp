@@ -1,4 +1,4 @@
-// Soft bodies whose points are felt on a GPU, and that are moved there or on the CPU: as on the CPU alone.
+// Soft bodies whose points are felt on a GPU and moved there or on the CPU: the same as on the CPU alone.
 #include <chrono>
 #include <limits>
 #include <thread>
@@ -27,7 +27,7 @@ class SoftFixture : public GpuFixture {
           TouchOptions{.radius = radius, .friction = touch.friction, .tools = touch.tools, .source = &source});
     };
   }
-  // On a queue of its own.
+  // On its own queue.
   BodyMaker movedOnGpu() {
     return [this](const MatterScene& scene, const MatterOptions& matter) {
       return std::make_unique<GpuSoftWorld>(device, device.backgroundQueue().another(), scene, matter);
@@ -53,7 +53,7 @@ MatterScene lowBlock() {
   return scene;
 }
 
-// Above the middle of the low block, so deep.
+// Above the centre of the low block, at this depth.
 DVec3 atDepth(double depth) { return {50, 30 - depth, 50}; }
 
 }  // namespace
@@ -120,7 +120,7 @@ TEST_CASE_FIXTURE(SoftFixture,
 TEST_CASE_FIXTURE(SoftFixture,
                   "the same GPU gives the same poses the same bytes, and again when the scene has begun anew") {
   SoftScene one(lowBlock(), onlyOnGpu(), onGpu()), other(lowBlock(), onlyOnGpu(), onGpu());
-  // The body is touched within the first 20 ms, too, for which a surface is not felt that may yet have to come.
+  // The body is also touched within the first 20 ms, while a surface that may still appear is not felt.
   const auto play = [](SoftScene& scene) {
     std::vector<DVec3> proxies;
     for (int k = 0; k < 40; ++k)
@@ -151,7 +151,7 @@ TEST_CASE_FIXTURE(SoftFixture,
   control.hold(false);
   for (int i = 0; i < 30; ++i) ask(-4);
   CHECK(block.points().positions != dented.positions);
-  // A parameter, while it goes on.
+  // A parameter changed during the simulation.
   control.set("young_Pa", 1e5);
   ask(-4);
   CHECK(block.world().scene().young_Pa == 1e5);
@@ -192,7 +192,7 @@ TEST_CASE_FIXTURE(SoftFixture,
         scene->touch().query({.time_s = 1e-3 * k++, .hip = atDepth(depth + 6 * std::min(0.0, 2.0 * i / ticks - 1))}, 0);
     };
     ask(4, 150);
-    ask(-6, 340);  // long enough that the stroke is over
+    ask(-6, 340);  // long enough to end the stroke
   }
   const std::vector<Vec3> dent = shapeOf(gpu);
   CHECK(deepest(dent) > 5e-4);
@@ -212,7 +212,7 @@ TEST_CASE_FIXTURE(SoftFixture,
   const float dented = topOf(gpu);
   CHECK(strokes.undo());
   CHECK(shapeOf(gpu) == std::vector<Vec3>(dent.size(), Vec3(0)));
-  // Its points have gone along before anybody asks again.
+  // Its points have moved before the next query.
   CHECK(topOf(gpu) - dented > 0.4f);
   CHECK(strokes.redo());
   CHECK(shapeOf(gpu) == dent);
@@ -244,8 +244,8 @@ TEST_CASE_FIXTURE(SoftFixture, "a hand that goes deep into a body on a GPU is he
   CHECK(block.source().surfaceHolds().keptTicks > 0);
 }
 
-// The hand goes down with the time that is simulated and with the answers that come, and stays until the body has got
-// something of it: a slow machine leaves most of the time out, answers few ticks, and lets the force end between them.
+// The hand descends with simulated time and received answers, and stays until the body has absorbed some energy: a slow
+// machine skips most of the time, answers few ticks, and lets the force end between them.
 TEST_CASE_FIXTURE(SoftFixture,
                   "against the clock a body on a GPU is pressed beside the questions, and says what it leaves out") {
   SoftTouching options = onlyOnGpu();

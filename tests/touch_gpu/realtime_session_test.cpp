@@ -1,5 +1,5 @@
 // ctest: alone
-// A session against the wall clock: whatever the GPU does, every tick has an answer, and says where it comes from.
+// A session in real time: whatever the GPU does, every tick has an answer and states its origin.
 #include <algorithm>
 
 #include "engine/touch/touch_side.hpp"
@@ -32,7 +32,7 @@ TEST_CASE("every tick in real time has a valid answer, and is fresh or bridged, 
   }
 }
 
-// Measured in every case; held against the clock where the machine would have let an idle loop keep to it.
+// Measured in every case; compared with the clock only if the machine kept an idle loop in time.
 TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that shares our cores" * kClock) {
   const Scene scene = makeScene("sphere", 100'000);
   Device device({.gpu = "", .validation = Validation::off});
@@ -50,7 +50,7 @@ TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that sh
   MESSAGE(result.trace().missedTicks << " of 3000 ticks missed; half of the steps took "
                                      << result.step_us.quantile_us(0.5) << " us or less, 95 of 100 "
                                      << result.step_us.quantile_us(0.95));
-  constexpr double kShort_us = 30'000;  // of 3 s, that the servo thread had no core
+  constexpr double kShort_us = 30'000;  // of 3 s, during which the servo thread had no core
   const std::uint64_t missedIdly = before.missed + after.missed;
   if (!result.realtimePriority || missedIdly > 10 || result.scheduling.waited_us > kShort_us) {
     MESSAGE("this machine is too busy to tell whether ticks are in time: an idle loop missed "
@@ -60,7 +60,7 @@ TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that sh
   }
   CHECK(summary.contactTicks > 500);
   CHECK(result.counts().withheld.stale == 0);
-  // Loose, since others may want these cores too; a servo thread that waited for the driver would miss most of them.
+  // Loose, since other programs may use these cores; a servo thread that waited for the driver would miss most ticks.
   CHECK(result.trace().missedTicks < 300);
   CHECK(result.step_us.quantile_us(0.5) < 900);
   CHECK(result.step_us.quantile_us(0.95) < 1500);

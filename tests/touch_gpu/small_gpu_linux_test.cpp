@@ -1,5 +1,5 @@
-// GPUs that have no more than Vulkan promises: what they have too little of is said, and where it is enough the same is
-// felt as anywhere.
+// GPUs with only the limits that Vulkan guarantees: an insufficient limit is reported, and with sufficient limits the
+// answers equal those of any other GPU.
 #include "tests/lost_gpu/lost_gpu.hpp"
 
 #include "engine/gpu/compute_pipeline.hpp"
@@ -20,7 +20,7 @@ struct Felt {
   PointCloud cloud;
 };
 
-/// A press, with more points in reach than a small workgroup holds, that sculpts.
+/// A press that sculpts, with more points in reach than a small workgroup holds.
 Felt press(Device& device) {
   const Scene scene = makeScene("sphere", 6'000);
   TouchSide touch(device, scene.cloud,

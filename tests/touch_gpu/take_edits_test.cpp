@@ -1,4 +1,4 @@
-// What the back ends tell of their edits, and what change() does: followed by a journal.
+// The edits that the back ends report, and the effect of change(), followed by a journal.
 #include <thread>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -21,7 +21,7 @@ std::vector<Contact> press(TouchBackend& touch, int strokes, Journal* journal = 
   EditBatch batch;
   for (int i = 0; i < strokes * kTicks; ++i) {
     const double phase = (i % kTicks) / (0.5 * kTicks), depth = 3 * (phase < 1 ? phase : 2 - phase);
-    const double time_s = 1e-3 * i + 0.5 * (i / kTicks);  // apart enough to be strokes
+    const double time_s = 1e-3 * i + 0.5 * (i / kTicks);  // far enough apart to be strokes
     contacts.push_back(touch.query({.time_s = time_s, .hip = {6.0 * (i / kTicks), 0, 51 - depth}}, 0));
     if (!journal) continue;
     touch.takeEdits(batch);
@@ -63,7 +63,7 @@ void checkFollowed(TouchBackend& touch, const PointCloud& cloud) {
   CHECK(same(editedCloud(cloud, journal.points()), ended));
 }
 
-// Two strokes, undone and redone; in the end the cloud is as it was loaded.
+// Two strokes, undone and redone; finally the cloud is as loaded.
 void checkTakenBack(TouchBackend& touch, const PointCloud& cloud) {
   touch.keepEdits();
   Journal journal(cloud, 1 << 26);
@@ -100,8 +100,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a journal that follows the GPU knows the cloud bi
 
 TEST_CASE_FIXTURE(GpuFixture, "points that a brush takes away are told of, with either way of the index") {
   const Scene scene = makeScene("sphere", 20'000);
-  // The larger brush's box has more cells than there are buckets: it looks through all slots, in several lists of
-  // moves.
+  // The larger brush's box has more cells than there are buckets: it scans all slots, in several lists of moves.
   for (const double brushRadius : {8.0, 400.0})
     for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
       CAPTURE(brushRadius);
@@ -110,7 +109,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points that a brush takes away are told of, with 
       TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = carve, .index = index});
       touch.keepEdits();
       Journal journal(scene.cloud, 1 << 26);
-      // Steps so long that points come to lie deep in the brush.
+      // Steps long enough that points are deep inside the brush.
       const int ticks = brushRadius > 100 ? 16 : 6;
       for (int i = 0; i < ticks; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 53 - 3.0 * i}}, 0);
       touch.finish();
@@ -141,7 +140,7 @@ TEST_CASE_FIXTURE(GpuFixture, "so it is on the GPU, with either way of the index
     const TouchOptions options{.radius = scene.radius, .brush = softPush(), .index = index};
     TouchSide touch(device, scene.cloud, options), fresh(device, scene.cloud, options);
     checkTakenBack(touch, scene.cloud);
-    // Points may stand in another order within a bucket, and be summed up so.
+    // Points may have another order within a bucket, and be summed in that order.
     const auto again = press(touch, 1), first = press(fresh, 1);
     for (std::size_t i = 0; i < first.size(); ++i)
       REQUIRE(glm::distance(again[i].proxy, first[i].proxy) < 1e-4 * scene.radius);
@@ -163,14 +162,14 @@ TEST_CASE("points that a change takes away are not felt on the CPU, and new ones
     PointChange change{state, state};
     change.to.id |= PointState::kGone;
     changes.push_back(change);
-    PointState higher = state;  // the same cap, a little further out, of new points
+    PointState higher = state;  // the same cap, slightly farther out, of new points
     higher.id = static_cast<std::uint32_t>(states.size() + changes.size() - 1);
     higher.parent = state.id;
     higher.position.z += 10;
     changes.push_back({higher, higher});
     changes.back().from.id |= PointState::kGone;
   }
-  // The new ones' numbers follow the file's without a gap.
+  // The new points' ids follow the file's without a gap.
   std::uint32_t next = static_cast<std::uint32_t>(states.size());
   for (PointChange& change : changes)
     if (change.to.number() >= states.size()) change.to.id = next++;

@@ -1,4 +1,4 @@
-// Tools of many points: the GPU against double precision, and against one point.
+// Tools of many points: the GPU compared with double precision, and with one point.
 #include <algorithm>
 
 #include "tests/labels.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 ToolShape onePoint() { return {.points = {ToolPoint{}}}; }
 
-/// Both wander over the same surface, in and out of it, and turn as they go.
+/// Both wander over the same surface, in and out of it, and rotate meanwhile.
 void compareBackends(Device& device, std::string_view name, ToolKind kind, std::size_t points, std::size_t ticks,
                      std::size_t stride = 1, const DVec3& center = DVec3(0)) {
   CAPTURE(name);

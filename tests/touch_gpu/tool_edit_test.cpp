@@ -35,7 +35,7 @@ TEST_CASE("a tool feels what was edited under it as one that comes new to the cl
   CpuHand fresh(dented, options({}));
   for (double z = 60; z > 47; z -= 0.2) {
     const Felt a = sculptor.feel({0, 0, z}), b = fresh.feel({0, 0, z});
-    if (z > 58) continue;  // once it has let go
+    if (z > 58) continue;  // after it has let go
     CHECK(glm::distance(a.force_N, b.force_N) < 1e-6);
   }
 }

@@ -17,12 +17,12 @@ TEST_CASE_FIXTURE(ToolFixture, "the patch bridges late answers for each point th
     const double angle = along * scene.radius / 50;
     return r * DVec3(std::sin(angle), 0, std::cos(angle));
   };
-  for (const double r : {52.9, 52.6, 52.3, 51.9, 51.4, 50.7, 50.0}) {  // brings a patch, and a contact
+  for (const double r : {52.9, 52.6, 52.3, 51.9, 51.4, 50.7, 50.0}) {  // receives a patch, and a contact
     CHECK(gpu.feel(place(0, r), {1, 0, 0, 0}, 1e7).contact.fresh);
     cpu.feel(place(0, r));
   }
   const auto busy = std::make_unique<Busy>(device, 400);
-  // From there it rubs and twists over the patch, lets go, and touches again.
+  // From there it slides and twists over the patch, lets go, and touches again.
   std::size_t touched = 0, disagreed = 0;
   double worst_N = 0, worst_mNm = 0, largest_mNm = 0;
   DQuat turn(1, 0, 0, 0);
@@ -46,7 +46,7 @@ TEST_CASE_FIXTURE(ToolFixture, "the patch bridges late answers for each point th
   CHECK(largest_mNm > 0.02);
   CHECK(worst_N < 1e-3);
   CHECK(worst_mNm < 1e-3);
-  // The GPU goes on from where each point has come to, friction included.
+  // The GPU continues from the CPU's proxy of each point, friction included.
   const Felt after = gpu.feel(hip, turn), truth = cpu.feel(hip, turn);
   CHECK(after.contact.fresh);
   CHECK(glm::distance(after.force_N, truth.force_N) < 1e-3);
@@ -57,7 +57,7 @@ TEST_CASE_FIXTURE(ToolFixture, "the patch bridges late answers for each point th
 TEST_CASE_FIXTURE(
     ToolFixture, "a tool whose answer is late keeps the planes that its points felt past the patch, ever more softly") {
   const Scene scene = makeScene("plane", 20'000);
-  const ToolShape spatula = makeTool(ToolKind::spatula, 8, 40);  // all of them 7 and more from the HIP
+  const ToolShape spatula = makeTool(ToolKind::spatula, 8, 40);  // every point at least 7 from the HIP
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius, .friction = kFriction, .tools = {spatula}, .wait = Wait::block});
   double time_s = 0;
@@ -73,7 +73,7 @@ TEST_CASE_FIXTURE(
   CHECK_FALSE(held.fresh);
   CHECK(held.valid);
   CHECK(held.touching);
-  // It is deeper now, and each point stands where the turn has brought it.
+  // It is deeper now, and each point is where the rotation moved it.
   CHECK(held.proxy.z == within(0, 1e-3));
   double deepest = 0, shallowest = 10;
   for (const PointContact& point : touch.points(0)) {

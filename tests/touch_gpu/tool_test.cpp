@@ -1,4 +1,4 @@
-// Tools of many points: what they feel on surfaces that are known, and where they end.
+// Tools of many points: what they feel on known surfaces, and their limits.
 #include "engine/core/error.hpp"
 #include "tests/labels.hpp"
 #include "tests/near.hpp"
@@ -25,7 +25,7 @@ TEST_CASE_FIXTURE(ToolFixture,
       CAPTURE(static_cast<int>(kind));
       CAPTURE(count);
       const ToolShape tool = makeTool(kind, count, 8);
-      constexpr double kDepth = 6;  // all points are below
+      constexpr double kDepth = 6;  // all points are below the surface
       double mean = 0, sum = 0;
       for (const ToolPoint& point : tool.points) mean += point.share * (kDepth - point.place.z);
       for (const ToolPoint& point : tool.points) sum += point.share * (kDepth - point.place.z) * point.place.y;
@@ -36,7 +36,7 @@ TEST_CASE_FIXTURE(ToolFixture,
         CHECK(felt.contact.normal.z == near(1, 1e-5));
         CHECK(glm::distance(felt.force_N, {0, 0, kSpring.stiffness_N_per_mm * mean}) < 1e-4);
         CHECK(glm::distance(felt.contact.proxy, {0.3, 0.2, -kDepth + mean}) < 1e-4);
-        // A ball of few points is a little out of balance.
+        // A ball of few points is slightly unbalanced.
         const double off_mNm = kind == ToolKind::ball ? kSpring.stiffness_N_per_mm * std::abs(sum) : 0;
         CHECK(std::abs(felt.torque_mNm.x) == within(off_mNm, 1e-3));
         if (kind != ToolKind::ball) CHECK(glm::length(felt.torque_mNm) < 1e-4);
@@ -75,7 +75,7 @@ TEST_CASE_FIXTURE(ToolFixture, "a ball that is twisted on a plane is held back b
   onBoth(device, scene, ball, [&](auto& hand) {
     hand.press(-3);  // 2 deep: 13 of 64 points touch
     const Felt there = twist(hand, 0, 0.4), back = twist(hand, 0.4, 0);
-    // No more than the friction of all the force at the rim of the contact, 4 mm away from the middle.
+    // At most the friction of the whole force at the rim of the contact, 4 mm from the centre.
     const double most_mNm = kFriction * 1.25 * there.force_N.z * 4;
     CHECK(there.torque_mNm.z < -0.1 * most_mNm);
     CHECK(there.torque_mNm.z > -most_mNm);
@@ -141,7 +141,7 @@ TEST_CASE_FIXTURE(ToolFixture, "a stylus that is put down elsewhere holds no poi
     CHECK(hand.press(3).contact.touching);
     hand.backend().resetHand(0);
     for (const PointContact& point : hand.backend().points(0)) CHECK_FALSE(point.contact.touching);
-    // Put down inside, it is not caught until it has been outside.
+    // Put down inside the surface, it is not caught until it has been outside.
     CHECK_FALSE(hand.feel({5, 5, -2}).contact.touching);
     CHECK(hand.press(3).contact.touching);
   });

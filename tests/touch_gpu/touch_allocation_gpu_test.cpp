@@ -12,13 +12,13 @@ namespace palpate::touch_allocation_gpu_test {
 TEST_CASE(
     "no tick of a tool and two further hands on the GPU allocates memory on the thread that asks, answered or held") {
   const Scene scene = makeScene("sphere", 30'000);
-  Device& device = plainDevice();  // validation allocates as it likes
+  Device& device = plainDevice();  // validation may allocate
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius,
                    .tools = {makeTool(ToolKind::pad, 64, 8), ToolShape(), makeTool(ToolKind::ball, 16, 4)}});
   std::size_t touched = 0;
   const auto query = [&](int i) {
-    const double budget_us = i % 3 == 0 ? 1 : 0;  // at once, and so late; or as long as it takes
+    const double budget_us = i % 3 == 0 ? 1 : 0;  // 1: returns at once, late; 0: waits for the answer
     const double r = 50.5 - 0.1 * i, time_s = 1e-3 * i;
     const std::array poses{Pose{.time_s = time_s, .hip = {0, 0, r}}, Pose{.time_s = time_s, .hip = {r, 0, 0}},
                            Pose{.time_s = time_s, .hip = {0, r, 0}}};
@@ -26,7 +26,7 @@ TEST_CASE(
     touched += answers[0].touching && answers[1].valid && answers[2].valid;
     touch.prepare();
   };
-  query(0);  // a software driver compiles now
+  query(0);  // a software driver compiles here
   countedThread = std::this_thread::get_id();
   allocations = 0;
   counting = true;

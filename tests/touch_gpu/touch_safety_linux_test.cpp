@@ -1,4 +1,4 @@
-// Faults of the GPU in mid-touch, through the real query, the real loop and a simulated device.
+// GPU faults during touch, through the real query, the real loop and a simulated device.
 #include <algorithm>
 #include <functional>
 #include <optional>
@@ -18,8 +18,8 @@ namespace palpate::touch_safety_test {
 
 namespace {
 
-/// A simulated Touch that remembers what was written last. The hand waits while forces ramp up, goes 2 mm in, comes out
-/// for a moment from 1.25 s on, and goes in again.
+/// A simulated Touch that records the last written force. The hand waits while forces ramp up, moves 2 mm in, comes out
+/// briefly from 1.25 s on, and moves in again.
 class WatchedTouch final : public HapticDevice {
  public:
   WatchedTouch() : touch_(press(), map(), {.lead_s = 0.6}) {}
@@ -49,7 +49,7 @@ class WatchedTouch final : public HapticDevice {
   SimulatedTouch touch_;
 };
 
-/// Asks the touch side, and does something first at some ticks.
+/// Queries the touch side, and calls `before` ahead of each query.
 class Meddled final : public OneHandQuery {
  public:
   Meddled(TouchSide& touch, std::function<void(double time_s)> before) : touch_(touch), before_(std::move(before)) {}
@@ -72,7 +72,7 @@ ServoResult played(HapticDevice& device, ContactQuery& query, double duration_s,
   return loop.run();
 }
 
-/// How the GPU is lost, and from what.
+/// Where the GPU is lost, and whether the hand sculpts.
 struct Loss {
   bool atSubmit, sculpting;
 };
@@ -103,8 +103,8 @@ void checkLostInMidTouch(bool realtime, const std::vector<Loss>& losses) {
     REQUIRE(rows.size() > (realtime ? 50 : 500));
     CHECK(rows.back().force_N == DVec3(0));
     CHECK_FALSE(rows.back().valid);
-    // What was on its way may have been answered before the driver is asked again; in real time the patch may still
-    // answer for the ticks until then.
+    // Work in flight may have been answered before the driver is called again; in real time the patch may answer the
+    // ticks until then.
     const auto after = std::ranges::count_if(rows, [](const TraceRow& row) { return row.time_s >= kLost_s; });
     CHECK(after <= (realtime ? 250 : 2));
     double peak_N = 0;
@@ -122,7 +122,7 @@ TEST_CASE_FIXTURE(GpuFixture, "numbers that are none from the shader mean zero f
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   const Buffer& normals = touch.live().front().normals;
   const auto good = download<Vec4>(device, normals, touch.live().slots());
-  // Their sum is infinite, and a vector of infinite length has no direction: the shader's own arithmetic fails.
+  // Their sum is infinite, and an infinite vector has no direction: the shader's own arithmetic fails.
   const std::vector<Vec4> huge(good.size(), Vec4(3e38f, 3e38f, 3e38f, 0));
   Meddled query(touch, [&](double time_s) {
     if (isTick(time_s, kFrom_s)) upload(device, normals, huge);
@@ -132,7 +132,7 @@ TEST_CASE_FIXTURE(GpuFixture, "numbers that are none from the shader mean zero f
   const ServoResult result = played(hand, query, 2.1);
   const auto& rows = result.trace().rows;
   REQUIRE(rows.size() == 2100);
-  // Of what the spring asks for, the share that is felt.
+  // Fraction of the spring's force that is felt.
   const auto share = [&](double time_s) {
     const TraceRow& row = rows[static_cast<std::size_t>(std::lround(time_s * 1000))];
     REQUIRE(row.contact);
@@ -178,11 +178,11 @@ TEST_CASE("a GPU that is lost while the index is compacted in the background let
         device, scene.cloud,
         {.radius = scene.radius, .brush = brush, .spareSlots = 500, .compaction = {.bucketsPerSlice = 256}});
     int tick = 0;
-    const auto press = [&](double budget_us) {  // round and round, ever deeper and farther out
+    const auto press = [&](double budget_us) {  // round the sphere, ever deeper and farther out
       const double angle = 0.01 * ++tick, tilt = 0.1 + 0.0005 * tick;
       const double r = 51 - std::min(1.5, 0.05 * tick) - 0.004 * tick;
       const DVec3 way(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle), std::cos(tilt));
-      constexpr double kApart_s = 1e303;  // not even after a thousand slow edits on end does the next one rest
+      constexpr double kApart_s = 1e303;  // even a thousand slow edits in a row do not postpone the next one
       return touch.query({.time_s = kApart_s * tick, .hip = r * way}, budget_us);
     };
     constexpr double kEver_us = 1e7, kSoon_us = 1e3;

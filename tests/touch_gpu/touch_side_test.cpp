@@ -39,7 +39,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it st
   for (const Contact& contact : contacts) CHECK(contact.valid);
   const Contact& last = contacts.back();
   CHECK(last.touching);
-  CHECK(last.proxy.z < 46.8);  // from 50 down to 46 + tau, less the little that averaging rounds off
+  CHECK(last.proxy.z < 46.8);  // from 50 down to 46 + tau, minus the rounding by the average
   CHECK(last.proxy.z > 46.1);
 
   PointCloud sculpted = scene.cloud;
@@ -48,7 +48,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it st
   CHECK(moved < sculpted.size() / 4);
   double deepest = 50;
   for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
-  CHECK(deepest == within(46.32, 0.03));  // 46 + tau, and what the point nearest to the tip is beside it
+  CHECK(deepest == within(46.32, 0.03));  // 46 + tau, plus the offset of the point nearest to the tip
   for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
 }
 
@@ -93,7 +93,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that has fallen behind costs edits, never the unread entries" * kFull) {
-  // A wide tool, deep inside: every tick moves a fifth of the points, a little.
+  // A wide brush, deep inside: every tick moves a fifth of the points slightly.
   const Scene scene = makeScene("sphere", 60'000);
   TouchSide touch(
       device, scene.cloud,
@@ -154,7 +154,7 @@ TEST_CASE("late answers are bridged by the patch, which follows the hand over th
   const Scene scene = makeScene("sphere", 20'000);
   Device device(
       {.gpu = "",
-       .validation = Validation::off});  // GPU-assisted validation waits at every submission: nothing is ever late
+       .validation = Validation::off});  // GPU-assisted validation waits at every submission: no answer is ever late
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .wait = Wait::block});
   ContactReference reference(scene.cloud, scene.radius);
   constexpr double kTime_us = 1e7, kNoTime_us = 1;
@@ -163,7 +163,7 @@ TEST_CASE("late answers are bridged by the patch, which follows the hand over th
     const double angle = along * scene.radius / 50;
     return Pose{.time_s = time_s += 1e-3, .hip = {r * std::sin(angle), 0, r * std::cos(angle)}};
   };
-  for (const double r : {50.9, 50.6, 50.3, 50.0, 49.6, 49.5, 49.5}) {  // brings a patch
+  for (const double r : {50.9, 50.6, 50.3, 50.0, 49.6, 49.5, 49.5}) {  // receives a patch
     const Pose now = pose(0, r);
     CHECK(touch.query(now, kTime_us).fresh);
     reference.query(now, 0);
@@ -192,7 +192,7 @@ TEST_CASE("late answers are bridged by the patch, which follows the hand over th
   CHECK(worst < 1e-3);
   CHECK(touch.bridgeTimes_us().size() == bridged);
 
-  // The GPU goes on from where the CPU has come to.
+  // The GPU continues from the CPU's proxy.
   now.time_s += 1e-3;
   const Contact after = touch.query(now, 0);
   CHECK(after.fresh);
@@ -208,7 +208,7 @@ TEST_CASE("what the CPU has gone through is where the GPU goes on, even what it 
   double time_s = 0;
   for (const double r : {50.9, 50.8, 50.7, 50.6}) touch.query({.time_s = time_s += 1e-3, .hip = {1, 0, r}}, 1e7);
   const Busy busy(device, 100);
-  // The question that is out is about a HIP outside; then the CPU sees it come in elsewhere and go down.
+  // The pending question is about a HIP outside; then the CPU sees it enter elsewhere and go down.
   bool touching = false;
   for (const DVec3 hip : {DVec3(1, 0, 50.5), DVec3(0.5, 0, 50.3), DVec3(0, 0, 50.2), DVec3(0, 0, 49.8),
                           DVec3(0, 0, 49.4), DVec3(0, 0, 49.0)}) {
@@ -217,8 +217,8 @@ TEST_CASE("what the CPU has gone through is where the GPU goes on, even what it 
     touching = contact.touching;
   }
   CHECK(touching);
-  // Friction holds the proxy where it came in. By itself the GPU would have it come in on the straight way from the
-  // place that it was asked about, a millimetre away.
+  // Friction holds the proxy at the entry point. Without the CPU's result the GPU would assume a straight entry from
+  // the position of its question, a millimetre away.
   const Contact after = touch.query({.time_s = time_s += 1e-3, .hip = {0.3, 0, 48.9}}, 0);
   CHECK(after.fresh);
   CHECK(after.touching);
@@ -235,14 +235,14 @@ TEST_CASE("the patch follows the edits") {
       {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 1, .radius = 8}, .wait = Wait::block});
   Contact felt;
   Pose pose;
-  for (int i = 0; i < 80; ++i) {  // slowly, so that no edit is left out, until the surface yields no more
+  for (int i = 0; i < 80; ++i) {  // slowly, so that no edit is dropped, until the surface yields no more
     pose = {.time_s = pose.time_s + (i < 75 ? 10 : 1e-3), .hip = {0, 0, std::max(49.0, 51 - 0.1 * i)}};
     felt = touch.query(pose, 1e7);
     REQUIRE(felt.fresh);
   }
   REQUIRE(touch.editTimes_us().size() > 3);
   REQUIRE(felt.touching);
-  CHECK(felt.proxy.z < 49.7);  // dented: it lay at 49.96
+  CHECK(felt.proxy.z < 49.7);  // dented: it was at 49.96
   const Busy busy(device, 100);
   pose.time_s += 1e-3;
   const Contact late = touch.query(pose, 1);
@@ -283,7 +283,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "a cloud that cannot fit is refused with the numbers") {
-  const std::uint64_t tooMany = device.ownMemory() / 64;  // two orders of two vec4 alone take all there is
+  const std::uint64_t tooMany = device.ownMemory() / 64;  // two orders of two vec4 alone exhaust it
   CHECK_NOTHROW(requireGpuMemory(device, tooMany / 2, false));
   CHECK_THROWS_WITH_AS(requireGpuMemory(device, tooMany, false), doctest::Contains("MiB"), OutOfGpuMemory);
 }

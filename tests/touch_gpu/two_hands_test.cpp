@@ -34,7 +34,7 @@ std::unique_ptr<TouchBackend> gpuTouch(Device& device, const Scene& scene, const
       TouchOptions{.radius = scene.radius, .friction = kFriction, .tools = wanted.tools, .brush = wanted.brush});
 }
 
-/// Shared by the tests, and without validation, but for those of what the shader does to memory.
+/// One device for all tests, without validation except for tests of the shader's memory accesses.
 class HandsFixture {
  protected:
   Device& device = plainDevice();
@@ -52,7 +52,8 @@ bool equal(const Contact& a, const Contact& b) {
          a.touching == b.touching && a.neighbours == b.neighbours;
 }
 
-/// Both wander, each on a way of its own; how often they touched and were told something else than alone.
+/// Both wander on their own paths: how often they touched, and how often an answer differed from that of the hand
+/// alone.
 struct Wandering {
   std::size_t firstTouched = 0, secondTouched = 0, different = 0;
 };
@@ -132,7 +133,7 @@ TEST_CASE_FIXTURE(HandsFixture, "the second hand feels what the first one edits,
     CAPTURE(onGpu);
     const auto touch = make(onGpu, scene, {.brush = kPush}),
                alone = make(onGpu, scene, {.tools = kAlone.tools, .brush = kPush});
-    // The second one rests 6 deep at the pole; the first one comes down close beside it.
+    // The second hand rests 6 deep at the pole; the first one descends close to it.
     const auto restingAt = [](int i) { return DVec3(0.6, 0, std::max(44.0, 52 - 0.5 * i)); };
     double atRest = 0, afterEdit = 0, last = 0;
     bool same = true;
@@ -150,7 +151,7 @@ TEST_CASE_FIXTURE(HandsFixture, "the second hand feels what the first one edits,
     }
     touch->finish();
     alone->finish();
-    CHECK(same);  // what the first one feels and does is as without the second
+    CHECK(same);  // the first hand feels and does the same as without the second
     CHECK(atRest == near(50, 0.002));
     CHECK(afterEdit < atRest - 1e-4);
     CHECK(last < atRest - 1);
@@ -176,7 +177,7 @@ TEST_CASE_FIXTURE(HandsFixture, "one hand is put down elsewhere, and the other g
       CHECK(answers[1].touching);
       touch->resetHand(secondGoes ? 1 : 0);
       answers = bothAt(-2);
-      // Put down inside, it is not caught until it has been outside.
+      // Put down inside the surface, it is not caught until it has been outside.
       CHECK(answers[0].touching == secondGoes);
       CHECK(answers[1].touching == !secondGoes);
       bothAt(4);
@@ -233,7 +234,7 @@ TEST_CASE_FIXTURE(HandsFixture,
   CHECK(held.valid);
 
   CHECK(secondAt(0.022, -1.5, 0).touching);
-  // Put down elsewhere while a question is out, it is held by no answer to where it was.
+  // Put down elsewhere while a question is pending: the answer to its old position does not hold it.
   const Busy busyAgain(device, 100);
   CHECK(late(0.023, -1.5).touching);
   touch.resetHand(1);
