@@ -32,6 +32,9 @@ if(NOT TARGET palpate)
   message(STATUS "Without the program (PALPATE_APPS=OFF): its tests are not built")
   return()
 endif()
+if(WIN32)
+  return()  # tests/windows_session.sh runs the program there
+endif()
 set(room_label program)
 if(NOT TARGET tests_sharing)
   set(without_sharing onlookers ros ros_frames ros_scanner sharing_faults)  # they receive what the program sends

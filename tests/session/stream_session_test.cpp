@@ -263,8 +263,8 @@ TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that
   const auto cpu = cpuBackend();
   const auto clock = std::make_shared<SteppedClock>();
   LiveSession session(config, model, {.backend = *cpu, .threads = 1}, {.clock = clock});
-  CHECK_THROWS_WITH_AS(session.record((folder / "log").string()), doctest::Contains("live frames cannot be played again"),
-                       Error);
+  CHECK_THROWS_WITH_AS(session.record((folder / "log").string()),
+                       doctest::Contains("live frames cannot be played again"), Error);
   CHECK_THROWS_AS(Session(config, model, {.backend = *cpu, .threads = 1}), Error);  // the stream is in use
   session.aim({0, 0, kRest_m - 1e-3 * kHand_mm});
   session.tickUntil(0.3);
