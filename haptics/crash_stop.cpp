@@ -10,9 +10,9 @@
 namespace palpate {
 namespace {
 
-// A handler has no arguments of its own choosing, so what it needs has to stand where it can find it.
+// A handler has no arguments of its own, so what it needs is global.
 std::array<std::atomic<HapticDevice*>, CrashStop::kMaxDevices> devices;
-std::mutex installation;  // for putting handlers in place and back; never held by one
+std::mutex installation;  // guards installing and restoring handlers; never locked by a handler
 int guarded = 0;
 
 static_assert(std::atomic<HapticDevice*>::is_always_lock_free, "a lock in a handler may never be given back");

@@ -11,7 +11,7 @@ namespace {
 constexpr double kMm_per_metre = 1000;
 constexpr unsigned char kWatchdog_ms = 20;
 
-/// Per device: what it bears, and the half edges of a cube that lies within its reach.
+/// Per device: its force limits, and half the edge of a cube within its reach.
 struct DhdModel {
   std::string_view name;
   double peak_N, continuous_N, reach_mm;

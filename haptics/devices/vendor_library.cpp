@@ -31,7 +31,7 @@ VendorLibrary::VendorLibrary(const LibrarySearch& search) : search_(search) {
 
 std::string VendorLibrary::whyNot() const {
   if (isLoaded()) return {};
-  std::string there;  // found, but of no use
+  std::string there;  // found, but unusable
   for (const Attempt& attempt : attempts_)
     if (!attempt.isAbsent && attempt.name != "the program itself")
       there += fmt::format("{}{}", there.empty() ? "" : "; ",

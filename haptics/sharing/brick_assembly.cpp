@@ -9,7 +9,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMaxBricks = 200'000;  // that are known, or come, at once
+constexpr std::size_t kMaxBricks = 200'000;  // known, or in one step
 
 }  // namespace
 
@@ -74,7 +74,7 @@ void BrickAssembly::add(const BrickPart& part, const Bricks& sample, std::size_t
     const std::uint32_t id = sample.ids._buffer[i];
     const Vec3 place(point.position[0], point.position[1], point.position[2]),
         normal(point.normal[0], point.normal[1], point.normal[2]);
-    constexpr float kLongest = 1.01f;  // of a unit normal
+    constexpr float kLongest = 1.01f;  // maximum length of a unit normal
     require(isFinite(place) && glm::length(normal) < kLongest, "a point has no place or no normal");
     require(grid_.keyAt(DVec3(place)) == part.key, "a point stands in another brick");
     require(brick.ids.empty() || id > brick.ids.back(), "the numbers of its points do not ascend");
@@ -109,7 +109,8 @@ void BrickAssembly::finish(bool whole) {
     before_.erase(key);
   }
   require(known_.size() <= kMaxBricks, "too many bricks");
-  for (const auto& [key, brick] : next_.bricks) known_.insert(key);  // what is dropped and comes again is there
+  for (const auto& [key, brick] : next_.bricks)
+    known_.insert(key);  // a brick dropped and sent in the same step is known
   ready_ = std::exchange(next_, {});
 }
 

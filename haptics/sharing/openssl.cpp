@@ -21,7 +21,7 @@ Certificate certificateOf(std::string_view pem) {
 }
 
 PrivateKey privateKeyOf(std::string_view pem) {
-  // Nobody is asked for a password.
+  // Never prompts for a password.
   const auto none = [](char*, int, int, void*) { return -1; };
   return PrivateKey(PEM_read_bio_PrivateKey(readFrom(pem).get(), nullptr, none, nullptr));
 }

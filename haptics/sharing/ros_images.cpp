@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kLongestSide = 8192;  // pixels, as of pictures in files
+constexpr std::uint32_t kLongestSide = 8192;  // pixels, as for images in files
 constexpr double kFarthest_m = 1e5;
 constexpr std::string_view kCameraTopic = "camera_info";
 
@@ -28,7 +28,7 @@ template <class... Args>
   throw NetworkError("an Image {}", fmt::format(text, std::forward<Args>(args)...));
 }
 
-// What others have written stands in messages as a terminal shows it.
+// Foreign text for messages: characters that a terminal does not show are replaced.
 std::string shown(std::string_view text) {
   constexpr std::size_t kMax = 40;
   std::string plain(text.substr(0, kMax));
@@ -100,7 +100,7 @@ DepthCamera rosCamera(const RosCalibration& calibration, bool isRectified) {
                            .fy = isRectified ? p[5] : k[4],
                            .cx = isRectified ? p[2] : k[2],
                            .cy = isRectified ? p[6] : k[5]};
-  // A camera that sees a millionth of a degree, or all around, is none; ROS says by 0 that it is not calibrated.
+  // A camera that sees a millionth of a degree, or all around, is not valid; ROS marks a missing calibration by 0.
   const auto isFocal = [](double pixels) { return pixels > 1e-2 && pixels < 1e7; };
   if (!isFocal(camera.fx) || !isFocal(camera.fy) || !(std::abs(camera.cx) < 1e7) || !(std::abs(camera.cy) < 1e7))
     refuseImage(fmt::format("has focal lengths of {} and {} pixels, about {}, {}: the camera is not calibrated",
@@ -138,9 +138,9 @@ void takeRosColors(const RosPicture& picture, const DepthCamera& camera,
 }
 
 double RosFrameTimes::timeOf(std::int64_t stamp_ns, double arrived_s) {
-  constexpr double kMaxLate_s = 0.5;  // between two frames, of what the network does to them
+  constexpr double kMaxLate_s = 0.5;  // maximum deviation between two frames that the network causes
   const double waited_s = std::max(arrived_s - arrived_s_, 1e-6);
-  // Of whole numbers, however far apart: stamps are of the wall clock, or of anything at all.
+  // In integers, since stamps may be far apart: they are of the wall clock, or of anything else.
   const std::uint64_t step_ns = static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(stamp_ns_);
   const double step_s = stamp_ns > stamp_ns_ ? static_cast<double>(step_ns) * 1e-9 : 0;
   if (hasBegun_) time_s_ += step_s > 0 && std::abs(step_s - waited_s) < kMaxLate_s ? step_s : waited_s;

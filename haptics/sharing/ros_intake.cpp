@@ -10,7 +10,7 @@ RosWriters::RosWriters(dds_entity_t participant, std::string topic)
     : discovered_(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION), topic_(kRosTopics + std::move(topic)) {}
 
 const std::vector<std::string>& RosWriters::types() {
-  constexpr std::size_t kMax = 16;  // of one topic, whoever makes fun of it
+  constexpr std::size_t kMax = 16;  // per topic, however many are announced
   discovered_.take([&](const dds_builtintopic_endpoint_t& writer) {
     if (topic_ != writer.topic_name || types_.size() == kMax) return;
     if (std::ranges::count(types_, writer.type_name) == 0) types_.emplace_back(writer.type_name);

@@ -10,8 +10,8 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::int32_t kWaiting = 1000;  // messages that nobody has looked at, as many as a robot sends in seconds
-constexpr std::uint32_t kMaxOfMessage = 4096;  // transforms of one that are looked at
+constexpr std::int32_t kWaiting = 1000;        // unread messages, as many as a robot sends in some seconds
+constexpr std::uint32_t kMaxOfMessage = 4096;  // transforms of one message that are read
 
 const std::string kMovingTopic = kRosTopics + "tf", kFixedTopic = kRosTopics + "tf_static";
 
@@ -36,7 +36,7 @@ RosTransformIntake::RosTransformIntake(dds_entity_t participant, const std::stri
                            .movingReaders = {},
                            .fixedReaders = {},
                            .transforms = {}});
-  // One that is sent best effort fits the first alone; what was sent before comes to the last.
+  // Best-effort senders match only the first reader; earlier messages reach only the last one.
   for (const RosDelivery delivery : {RosDelivery::bestEffort, RosDelivery::reliable, RosDelivery::latched}) {
     const Qos qos = rosQos(delivery, type);
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kWaiting);

@@ -12,8 +12,8 @@ namespace palpate::sharing {
 namespace {
 
 constexpr std::size_t kMaxAncestors = 256;
-constexpr double kBack_ns = 10e9;           // farther than this messages do not overtake one another
-constexpr std::size_t kMaxPoses = 200'000;  // of all frames together, about: each has some
+constexpr double kBack_ns = 10e9;           // messages are not reordered by more than this
+constexpr std::size_t kMaxPoses = 200'000;  // of all frames together, approximately: each keeps some
 constexpr std::size_t kFewestPoses = 10;
 
 bool isName(std::string_view name) { return !name.empty() && name.size() <= RosTransforms::kLongestName; }
@@ -48,11 +48,11 @@ bool RosTransforms::add(const RosTransform& transform, bool isStatic) {
     found = links_.emplace(std::string(child), Link{}).first;
   }
   Link& link = found->second;
-  // Who has another parent now begins anew.
+  // A frame with a new parent starts again.
   if (link.parent != parent || link.isStatic != isStatic || isStatic) link.poses.clear();
   link.parent = parent;
   link.isStatic = isStatic;
-  // Time has gone back, as that of a recording that begins again: what was before is no past any more.
+  // Time has gone back, as in a recording that restarts: earlier poses are no longer the past.
   if (!isStatic && !link.poses.empty() &&
       static_cast<double>(link.poses.rbegin()->first) - static_cast<double>(transform.stamp_ns) > kBack_ns)
     link.poses.clear();
@@ -87,14 +87,14 @@ CameraPose RosTransforms::find(std::string_view from, std::string_view to, std::
                   printable(std::string(frame).c_str()), printable(std::string(target).c_str()));
   struct Ancestor {
     std::string_view name;
-    CameraPose pose;  // from where it began to this one's coordinates
+    CameraPose pose;  // from the coordinates of the first frame to this one's
   };
   const auto above = [&](const Ancestor& one) -> std::optional<Ancestor> {
     const auto link = links_.find(one.name);
     if (link == links_.end()) return std::nullopt;
     try {
       return Ancestor{link->second.parent, composed(poseAt(*link, stamp_ns), one.pose)};
-    } catch (const NetworkError& error) {  // perhaps nothing that lies behind it is needed
+    } catch (const NetworkError& error) {  // perhaps the frames beyond it are not needed
       why = error.what();
       return std::nullopt;
     }

@@ -1,5 +1,5 @@
-// Makes keys: an authority that says who somebody is (identity) and one that says what is allowed (permissions), and
-// for each holder a certificate of the first and a document of the second.
+// Makes keys: an authority for certificates (identity) and one for permissions, and for each holder a certificate of
+// the first and a document of the second.
 #include <openssl/rand.h>
 #include <openssl/x509v3.h>
 
@@ -25,8 +25,8 @@ constexpr std::int64_t kAuthorityDays = 3650;
 constexpr std::uint32_t kMaxDays = 3650;
 constexpr const char* kAuthority = "authority";
 
-// All of an authority is encrypted for those who have keys of it, on every domain, and nobody else is heard. What finds
-// participants is in the clear by its nature, and has no names in it.
+// All data of an authority are encrypted for the holders of its keys, on every domain, and other participants are not
+// accepted. Discovery of participants is in the clear by its nature; it contains no names of sessions or topics.
 constexpr const char* kGovernance = R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
      xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_governance.xsd">
@@ -78,7 +78,7 @@ constexpr const char* kPermissions = R"(<?xml version="1.0" encoding="UTF-8"?>
 </dds>
 )";
 
-// When something is good, in seconds since 1970. From a day before on: clocks of machines differ.
+// Period of validity, seconds since 1970. It starts a day early: clocks of machines differ.
 struct Validity {
   std::int64_t from_s, until_s;
 };
@@ -118,7 +118,7 @@ void extend(X509* certificate, int which, const char* value) {
   require(isAdded, "a certificate");
 }
 
-// A certificate of `key`, by `issuer`, or by itself where there is none.
+// A certificate of `key`, signed by `issuer`, or self-signed if that is null.
 Certificate certify(const std::string& name, const PrivateKey& key, const Validity& good, const Signer* issuer) {
   Certificate made(X509_new());
   require(made != nullptr, "a certificate");
@@ -158,7 +158,7 @@ std::string signedBy(const Signer& signer, const std::string& text) {
   return textOf(out);
 }
 
-// A folder that gets its name once all of it is written.
+// A folder that gets its name when it is complete.
 class FreshFolder {
  public:
   explicit FreshFolder(fs::path target) : target_(std::move(target)) {
@@ -180,11 +180,11 @@ class FreshFolder {
   void add(const char* name, const std::string& content) const {
     const fs::path file = made_ / name;
     std::ofstream out(file, std::ios::binary);
-    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);  // the folder is nobody else's meanwhile
+    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);  // the folder is private meanwhile
     if (!out.write(content.data(), static_cast<std::streamsize>(content.size())).flush())
       throw FileError(target_ / name, whyNotWritten(errno));
   }
-  // Throws where somebody else has made one of that name meanwhile.
+  // Throws if that name was taken meanwhile.
   void finish() {
     std::error_code fault;
     fs::rename(made_, target_, fault);
@@ -212,7 +212,7 @@ Signer authorityIn(const fs::path& folder, const std::string& name) {
   return read;
 }
 
-// What a certificate can call it: the folder's name, as far as every program reads it.
+// Name of the authority in certificates: the folder's name, with characters that every program reads.
 std::string authorityName(const fs::path& folder) {
   constexpr std::size_t kLongest = 40;
   std::string name = fs::weakly_canonical(folder).filename().string().substr(0, kLongest);
@@ -245,7 +245,7 @@ std::string xmlTime(std::int64_t time_s) {
 }
 
 void requireHolder(const std::string& name) {
-  constexpr std::size_t kLongest = 64;  // of a common name
+  constexpr std::size_t kLongest = 64;  // maximum of a common name
   const bool isName = !name.empty() && name.size() <= kLongest && name != kAuthority && name[0] != '.' &&
                       name[0] != '-' && std::ranges::all_of(name, [](unsigned char c) {
                         return c < 0x7f && (std::isalnum(c) || c == '.' || c == '-' || c == '_');
@@ -256,7 +256,7 @@ void requireHolder(const std::string& name) {
         name, kLongest, kAuthority);
 }
 
-// Whether there is an authority already. A folder of other things becomes none.
+// Whether there is an authority already. Throws if the folder has other contents.
 bool hasAuthority(const fs::path& folder) {
   if (folder.empty()) throw UsageError("folder: has no name");
   std::error_code fault;

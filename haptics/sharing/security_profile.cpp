@@ -1,4 +1,5 @@
-// A folder of keys, looked at before DDS gets it: what is wrong is said in words, and what is said to be encrypted is.
+// Checks a folder of keys before DDS gets it: faults are reported in words, and encryption is only reported if it is
+// on.
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -17,7 +18,7 @@ namespace {
 
 enum Kind : std::size_t { identityAuthority, certificate, privateKey, permissionsAuthority, governance, permissions };
 
-/// Reads and judges the files of a folder, one after the other.
+/// Reads and checks the files of a folder, one after the other.
 class ProfileReader {
  public:
   explicit ProfileReader(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -102,7 +103,7 @@ class ProfileReader {
            X509_verify_cert_error_string(error));
   }
 
-  // By that authority itself, as DDS Security has it.
+  // Signed by that authority itself, as DDS Security requires.
   std::string textSignedBy(const Certificate& authority, Kind kind) const {
     BIO* content = nullptr;
     const SignedText text(SMIME_read_PKCS7(readFrom(profile_.contents[kind]).get(), &content));
@@ -119,8 +120,7 @@ class ProfileReader {
     return textOf(out);
   }
 
-  // What the document says is what its programs do; and of ours nobody is told that something is encrypted where it is
-  // not.
+  // Programs do what the document says; palpate must not report encryption where there is none.
   void requireEncryption(const std::string& text) const {
     pugi::xml_document document;
     const auto rules = document.load_buffer(text.data(), text.size())

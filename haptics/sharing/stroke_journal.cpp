@@ -17,7 +17,7 @@ struct Header {
   std::array<char, 16> magic{'p', 'a', 'l', 'p', 'a', 't', 'e', ' ', 's', 't', 'r', 'o', 'k', 'e', 's', '\n'};
   std::uint64_t version = 1;
   Id session{};
-  std::uint64_t points = 0, checksum = 0;  // of what is served
+  std::uint64_t points = 0, checksum = 0;  // of the served points
   bool operator==(const Header&) const = default;
 };
 static_assert(sizeof(Header) == 56);
@@ -26,12 +26,12 @@ struct Head {  // of a piece; its states follow
   Id client{};
   std::uint64_t number = 0;
   std::uint64_t states = 0;
-  std::uint64_t checksum = 0;  // of all of it, with this 0
+  std::uint64_t checksum = 0;  // of all of it, with this field 0
 };
 static_assert(sizeof(Head) == 40);
 static_assert(sizeof(PointState) == 36);
 
-constexpr std::uint64_t kMaxStates = 1024;  // of a piece
+constexpr std::uint64_t kMaxStates = 1024;  // per piece
 
 std::uint64_t checksumOf(Head head, std::span<const PointState> states) {
   head.checksum = 0;
