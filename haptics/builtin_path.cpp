@@ -167,7 +167,7 @@ constexpr std::array<std::string_view, 2> kNamesInMatter{"press", "stir"};
 constexpr double kDiveSpeed_mm_per_s = 100, kDiveFrom_mm = 5, kDiveHold_s = 1;
 constexpr int kStirTurns = 4, kStirKeys = 64;
 constexpr double kStirTurn_s = 1,
-                 kStirRadius = 0.5;  // of the distance from the middle to where the ball would touch a wall
+                 kStirRadius = 0.5;  // of the distance from the middle to the ball's wall contact
 
 double extentAlong(const Bounds& box, const DVec3& direction) {
   return glm::dot(box.max - box.min, glm::abs(direction));

@@ -90,7 +90,7 @@ class Hand {
   ForceGate gate_;
   Clutch clutch_;
   std::optional<DVec3> lastPosition_;  ///< of the device, in its own unit
-  std::optional<DVec3> lastProxy_;     ///< touched by the last fresh answer
+  std::optional<DVec3> lastProxy_;     ///< of the last fresh answer, if it touched
 
   // State of this tick.
   DeviceState state_;

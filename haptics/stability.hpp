@@ -26,10 +26,9 @@ struct StabilityOptions {
 };
 
 struct StabilityResult {
-  bool limitCycle = false;   ///< at rest the stylus still moves by more than one encoder step
-  double restMotion_mm = 0;  ///< longest side of the box in which the stylus moves over the last half second
-  double leastEnergy_mJ =
-      0;  ///< minimum of the energy that the surface has taken in; see Passivity. 0 with the observer off
+  bool limitCycle = false;    ///< at rest the stylus still moves by more than one encoder step
+  double restMotion_mm = 0;   ///< longest side of the box in which the stylus moves over the last half second
+  double leastEnergy_mJ = 0;  ///< minimum energy of the surface; see Passivity. 0 with the observer off
   double peakForce_N = 0;
 };
 

@@ -24,8 +24,7 @@ double quantile(std::vector<double> samples, double q) {
 bool smoothAround(const SurfacePoint& place, const TouchTruth& truth, double reach) {
   constexpr int kDirections = 8;
   constexpr double kEdgeCosine = 0.9;
-  constexpr double kDepth =
-      0.02;  // share of the reach: past an edge, its other side is nearest from just under the surface
+  constexpr double kDepth = 0.02;  // of the reach: past an edge, its other side is nearest to a point just below
   const Frame3 frame = frameAround(place.normal);
   for (int k = 0; k < kDirections; ++k) {
     const double turn = 2 * std::numbers::pi * k / kDirections;

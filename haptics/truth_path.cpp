@@ -7,12 +7,11 @@ namespace palpate {
 namespace {
 
 constexpr double kApproach_mm_per_s = 25, kRest_s = 0.05, kHold_s = 0.25;
-constexpr double kStep_mm = 0.1;     // along a slide
-constexpr double kEdgeCosine = 0.9;  // between the normals of neighbouring steps; below it the surface has an edge
-constexpr double kNearEnough =
-    0.98;  // share of the intended depth, up to which it is the true one: the surface does not jump
-constexpr double kMinDepth = 0.4;   // share of the intended depth: at less, a force's direction means little
-constexpr double kGivingWay = 0.5;  // maximum change of depth along the path, as a slope
+constexpr double kStep_mm = 0.1;      // along a slide
+constexpr double kEdgeCosine = 0.9;   // between the normals of neighbouring steps; below it the surface has an edge
+constexpr double kNearEnough = 0.98;  // of the intended depth: if the true one is larger, the surface does not jump
+constexpr double kMinDepth = 0.4;     // of the intended depth: at less, a force's direction means little
+constexpr double kGivingWay = 0.5;    // maximum change of depth along the path, as a slope
 constexpr int kTaps = 5;
 
 /// Adds keys by target and speed.

@@ -13,9 +13,8 @@
 namespace palpate {
 
 struct DeviceState {
-  DVec3 position{0};  ///< of the stylus tip, in the device's own unit (mm for hardware)
-  DQuat turn{1, 0, 0,
-             0};  ///< of the stylus, whose tip points along its own -z; identity if the device cannot measure it
+  DVec3 position{0};          ///< of the stylus tip, in the device's own unit (mm for hardware)
+  DQuat turn{1, 0, 0, 0};     ///< of the stylus, whose tip points along its own -z; identity if it is not measured
   std::uint32_t buttons = 0;  ///< pressed now; bit 0 is the first button
   bool putDown = false;       ///< it was lifted since the last read: there was no motion from that position to this one
   /// False: no force reaches the hand in this tick, a temporary fault of the device; later it ramps up again.

@@ -1,5 +1,5 @@
 // The part of OpenHaptics' HDAPI (3D Systems) that palpate calls, as a table of functions found at run time. Types are
-// those of 64-bit systems (unsigned long as it is there); no vendor header is needed.
+// those of 64-bit systems (unsigned long as on each system); no vendor header is needed.
 #pragma once
 
 #include <cstdint>

@@ -8,7 +8,7 @@ namespace palpate {
 struct LoadedLibrary {
   void* handle = nullptr;
   std::string error;      ///< the loader's own text, if there is no handle
-  bool isAbsent = false;  ///< the file does not exist; false if it cannot be loaded
+  bool isAbsent = false;  ///< the file does not exist; false if it exists and cannot be loaded
 };
 
 /// `name`: as the loader finds it; empty for the program itself.

@@ -109,8 +109,7 @@ void BrickAssembly::finish(bool whole) {
     before_.erase(key);
   }
   require(known_.size() <= kMaxBricks, "too many bricks");
-  for (const auto& [key, brick] : next_.bricks)
-    known_.insert(key);  // a brick dropped and sent in the same step is known
+  for (const auto& [key, brick] : next_.bricks) known_.insert(key);  // dropped and sent again in one step
   ready_ = std::exchange(next_, {});
 }
 

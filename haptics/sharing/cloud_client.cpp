@@ -19,10 +19,9 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kEndPoll_s = 0.05;  // how often a requested stop is checked
-constexpr double kAskAgain_s =
-    3;  // until missing blocks are requested again; frames lost on the network are resent by DDS itself
-constexpr double kSecondServer_s = 0.3;                // time to find another session of the same name
+constexpr double kEndPoll_s = 0.05;      // how often a requested stop is checked
+constexpr double kAskAgain_s = 3;        // until missing blocks are requested again; DDS itself resends lost frames
+constexpr double kSecondServer_s = 0.3;  // time to find another session of the same name
 constexpr double kFewestAhead = 64, kMaxAhead = 4096;  // blocks requested and not received
 
 /// Fetches the points of a session, block by block.

@@ -84,7 +84,7 @@ std::span<const PointChange> EditExchange::nextOffer() {
   for (auto next = waiting_.begin(); next != waiting_.end() && offer_.size() < mostOffered_;
        next = waiting_.erase(next)) {
     const auto& [point, state] = *next;
-    // Only the removal of a point counts; the back end keeps its other values as they were at that moment.
+    // Of a removed point only the removal counts; the back end keeps its other values of that moment.
     if (isSameToTheBit(shown_[point], state) || (shown_[point].gone() && state.gone())) continue;
     offer_.push_back({.from = shown_[point], .to = state});
     inFlight_.emplace(point, state);

@@ -87,7 +87,7 @@ class Presence final : public SharedPresence {
     }
   }
 
-  // Follows a restarted server, if the session continues with its points.
+  // Follows the session of that name to a restarted server.
   void findServer() {
     if (lastLooked_.elapsed_s() < kBeat_s) return;
     lastLooked_ = {};

@@ -17,9 +17,8 @@ class JoinedSession;
 struct SharedParts {
   std::shared_ptr<const JoinedSession> session;
   const PointCloud& cloud;  ///< as joined
-  TouchBackend& backend;  ///< of `cloud`; its brush, which may be removed again, neither adds nor removes points but by
-                          ///< carving; it logs edits
-  Log* log = nullptr;     ///< logs silence and its end
+  TouchBackend& backend;    ///< of `cloud`, without resampling; its brush may be removed again; it logs edits
+  Log* log = nullptr;       ///< logs silence and its end
 };
 
 /// Starts exchanging strokes on a thread of its own. Permanent failures there are thrown by catchUp(), as NetworkError.
