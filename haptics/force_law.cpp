@@ -22,9 +22,9 @@ void checkForceOption(double value, const char* name, bool mayBeInfinite) {
 ForceLaw::ForceLaw(const ForceOptions& options, const ModelScale& scale) : options_(options), scale_(scale) {
   checkForceOption(options.stiffness_N_per_mm, "stiffness (N/mm)", false);
   checkForceOption(options.damping_N_s_per_mm, "damping (N s/mm)", false);
-  checkForceOption(options.maxForce_N, "the largest force (N)", true);
-  checkForceOption(options.maxRise_N_per_s, "the largest rise of force (N/s)", true);
-  checkForceOption(options.maxSurfacePower_W, "the largest power of the surface (W)", true);
+  checkForceOption(options.maxForce_N, "the maximum force (N)", true);
+  checkForceOption(options.maxRise_N_per_s, "the maximum rise of force (N/s)", true);
+  checkForceOption(options.maxSurfacePower_W, "the maximum power of the surface (W)", true);
 }
 
 void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {

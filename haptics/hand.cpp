@@ -32,8 +32,7 @@ Hand::Hand(HapticDevice& device, ForceLaw law, const HandOptions& options, doubl
   law_.limitTo(limits_.peakForce_N, limits_.mostStiffness_N_per_mm);
   law_.feelWith(toolPoints);
   if (passivityMode_ == PassivityMode::on && !limits_.handHeld)
-    throw UsageError("passivity on: the device '{}' yields to no force, so there is nothing to brake; observe it",
-                     device.name());
+    throw UsageError("passivity on: the device '{}' does not yield to forces; use observe", device.name());
 }
 
 std::string Hand::faultText() const {

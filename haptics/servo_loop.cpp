@@ -29,8 +29,7 @@ class ZeroForceAtExit {
 std::uint64_t ticksFor(const ServoOptions& options) {
   const std::uint64_t planned = plannedTicks(options.rate_Hz, options.endless ? 0 : options.duration_s);
   if (!options.endless) return planned;
-  if (!options.realtime || !options.stop)
-    throw UsageError("only a session against the wall clock that can be stopped is endless");
+  if (!options.realtime || !options.stop) throw UsageError("an endless session requires real time and a stop flag");
   return std::numeric_limits<std::uint64_t>::max();
 }
 
@@ -39,7 +38,7 @@ std::uint64_t ticksFor(const ServoOptions& options) {
 ServoLoop::ServoLoop(ContactQuery& query, const std::vector<SessionHand>& hands, const ServoOptions& options)
     : query_(query), options_(options), plannedTicks_(ticksFor(options)), poses_(hands.size()) {
   if (hands.empty() || hands.size() != query.hands())
-    throw UsageError("a session of {} hands, and what answers them knows {}", hands.size(), query.hands());
+    throw UsageError("a session of {} hands, and a back end for {}", hands.size(), query.hands());
   hands_.reserve(hands.size());
   for (const SessionHand& hand : hands) {
     if (options.realtime && !hands_.empty() && hand.device.paces())

@@ -152,11 +152,13 @@ void LogReader::readHeader() {
   }
   version_ = header.version;
   if (whole) return;
-  if (!isThere) throw FileError(file_, "is no session log; record a session to get one");
+  if (!isThere) throw FileError(file_, "is not a session log; record a session to get one");
   if (first.version < session_file::kOldestVersion || first.version > session_file::kVersion)
-    throw FileError(file_, fmt::format("is a session log of version {}, and this palpate reads versions {} to {}; take "
-                                       "the palpate that wrote it",
-                                       first.version, session_file::kOldestVersion, session_file::kVersion));
+    throw FileError(
+        file_,
+        fmt::format(
+            "is a session log of version {}, and this palpate reads versions {} to {}; use the palpate that wrote it",
+            first.version, session_file::kOldestVersion, session_file::kVersion));
   throw FileError::atByte(file_, sizeof(Header), "the header of the session log is damaged; nothing can be read");
 }
 
@@ -226,7 +228,7 @@ std::string lastBefore(const SessionRecord& record, std::size_t tick) {
 std::string sentenceOf(const SessionRecord& record, const LogGap& gap) {
   const std::string from = lastBefore(record, gap.tick);
   if (gap.end == record.fileBytes && gap.begin == record.wholeBytes)
-    return fmt::format("it is torn at byte {} of {}; what came after {} is missing", gap.begin, gap.end, from);
+    return fmt::format("it is truncated at byte {} of {}; everything after {} is missing", gap.begin, gap.end, from);
   const std::string when = gap.tick < record.ticks.size()
                                ? fmt::format("between {} and {:.3f} s", from, record.ticks[gap.tick].time_s)
                                : "after " + from;
@@ -251,7 +253,7 @@ std::vector<std::string> whatIsMissing(const SessionRecord& record) {
   std::vector<std::string> sentences;
   for (const LogGap& gap : record.gaps) sentences.push_back(sentenceOf(record, gap));
   if (!record.end && record.wholeBytes == record.fileBytes)
-    sentences.push_back(fmt::format("it ends at byte {} without the session's end; what came after {} is missing",
+    sentences.push_back(fmt::format("it ends at byte {} without the session's end; everything after {} is missing",
                                     record.fileBytes, lastBefore(record, record.ticks.size())));
   return sentences;
 }

@@ -38,6 +38,6 @@ bool HidNode::isDenied(const std::string& path) noexcept {
 }
 
 // Windows gives every user access to HID devices: a denied one is open exclusively elsewhere.
-std::string hidPermissionMend(const std::string&, bool) { return "close the program that has it for itself alone"; }
+std::string hidPermissionMend(const std::string&, bool) { return "close the program that uses it exclusively"; }
 
 }  // namespace palpate

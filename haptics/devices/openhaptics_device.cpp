@@ -141,8 +141,8 @@ void OpenHapticsDevice::open() {
     if (newestError(hd_) != 0) {
       hd_.disableDevice(device_);
       throw Error(
-          "openhaptics: the driver's servo loop does not run at {} Hz; take a rate of 1000 Hz, or "
-          "the scheduler of our own",
+          "openhaptics: the driver's servo loop does not run at {} Hz; use a rate of 1000 Hz, or palpate's own "
+          "scheduler",
           options_.rate_Hz);
     }
   }
@@ -230,8 +230,8 @@ void OpenHapticsDevice::testPosition() {
     std::this_thread::sleep_for(1ms);
   }
   throw Error(
-      "openhaptics: the driver gives the position (0, -110, -35) mm for ever: it has no joint data of "
-      "{}; run the vendor's setup program (Touch_Setup), and mind that LC_NUMERIC must have a decimal point",
+      "openhaptics: the driver always reports the position (0, -110, -35) mm: it has no joint data of {}; run the "
+      "vendor's setup program (Touch_Setup), and note that LC_NUMERIC must have a decimal point",
       facts_.model);
 }
 
@@ -301,7 +301,7 @@ DeviceState OpenHapticsDevice::read(double /*time_s*/) noexcept {
     fail("the position is frozen at (0, -110, -35) mm: the driver has lost the joint data",
          "run the vendor's setup program (Touch_Setup)");
   if (!isFinite(DVec3(position_mm[0], position_mm[1], position_mm[2])))
-    fail("the driver gives a position that is no number", "calibrate the device with the vendor's setup program");
+    fail("the driver reports a position that is not a number", "calibrate the device with the vendor's setup program");
   if (failed_.load()) {
     sendInFrame(DVec3(0));
     return {};

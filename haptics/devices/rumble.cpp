@@ -18,7 +18,7 @@ constexpr double kAgain_s = 0.5;         // the last report is repeated: it may 
 
 static_assert(std::atomic<HidConnection*>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
                   std::atomic<float>::is_always_lock_free,
-              "a signal handler and the servo thread wait for nobody");
+              "a signal handler and the servo thread must not block");
 
 }  // namespace
 

@@ -56,14 +56,14 @@ class Fetch {
       reader_.take([&](const Block& block) { take(block); });
       if (taken_ != before) lastCame_ = {};
       if (lastCame_.elapsed_s() > options_.patience_s)
-        throw NetworkError("'{}' of {}: nothing has come for {:.0f} s, after {} of {} points; is it still served?",
+        throw NetworkError("'{}' of {}: nothing received for {:.0f} s, after {} of {} points; is it still served?",
                            notice_.name, notice_.host, options_.patience_s, taken_, points_);
       if (options_.log && points_ > 0)
         options_.log->progress(notice_.name, static_cast<double>(taken_) / static_cast<double>(points_));
     }
     if (options_.log) options_.log->endProgress();
     if (every_ == 1 && sharing::checksumOf(joined_.cloud) != notice_.checksum)
-      throw NetworkError("'{}' of {}: the points that came are not those that were announced", notice_.name,
+      throw NetworkError("'{}' of {}: the received points are not those that were announced", notice_.name,
                          notice_.host);
     return std::move(joined_);
   }
@@ -100,7 +100,7 @@ class Fetch {
       return;
     const std::uint32_t count = pointsIn(block.number, points_);
     if (block.points._length != count)
-      throw NetworkError("'{}' of {}: block {} has {} points in place of {}", notice_.name, notice_.host, block.number,
+      throw NetworkError("'{}' of {}: block {} has {} points instead of {}", notice_.name, notice_.host, block.number,
                          block.points._length, count);
     PointCloud& cloud = joined_.cloud;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -112,8 +112,8 @@ class Fetch {
         for (unsigned k = 0; k < 4; ++k) cloud.colors[at][k] = static_cast<std::uint8_t>(point.color >> (8 * k));
       constexpr double kLongest = 1.01;  // maximum length of a unit normal
       if (!isFinite(DVec3(cloud.positions[at])) || !(glm::length(cloud.normals[at]) < kLongest))
-        throw NetworkError("'{}' of {}: point {} is none: it has no place or no normal", notice_.name, notice_.host,
-                           at);
+        throw NetworkError("'{}' of {}: point {} is invalid: it has no position or no normal", notice_.name,
+                           notice_.host, at);
     }
     came_[block.number] = 1;
     ahead_ = std::min(kMaxAhead, ahead_ + 1);  // doubles with each round trip: fills a link without flooding it
@@ -142,7 +142,7 @@ class Fetch {
 std::string keyHoldersInWords(dds_entity_t participant, const NetworkConfig& network) {
   if (!seesKeyHolders(participant)) return {};
   return network.security.empty()
-             ? "; there are programs that only holders of their keys hear, and this one has none"
+             ? "; there are programs with keys, and this one has none"
              : "; there are programs with keys: are they of the authority of " + network.security + "?";
 }
 
@@ -152,7 +152,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
   const Stopwatch since;
   std::vector<SessionNotice> known;
   do {
-    if (options.stop && options.stop()) throw NetworkError("interrupted while '{}' was looked for", name);
+    if (options.stop && options.stop()) throw NetworkError("interrupted while searching for '{}'", name);
     known = notices.listenFor(name, kEndPoll_s);
   } while (std::ranges::find(known, name, &SessionNotice::name) == known.end() &&
            since.elapsed_s() < options.patience_s);
@@ -166,7 +166,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
       others += (others.empty() ? "; there are '" : "', '") + notice.name;
   }
   if (same.empty())
-    throw NetworkError("nobody serves a session named '{}' on {}{}{}", printable(name.c_str()),
+    throw NetworkError("no session named '{}' is served on {}{}{}", printable(name.c_str()),
                        options.network.interface.empty() ? "this machine (another network has to be named)"
                                                          : "the network of " + options.network.interface,
                        others.empty() ? others : others + "'", keyHoldersInWords(participant, options.network));
@@ -182,7 +182,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
   constexpr double kMinScale = 1e-12, kMaxScale = 1e12;  // mm per unit
   if (!isFinite(found.origin) || !(found.mm_per_unit >= kMinScale && found.mm_per_unit <= kMaxScale) ||
       found.points > kMaxPoints)
-    throw NetworkError("'{}' of {} announces what is no cloud", name, found.host);
+    throw NetworkError("'{}' of {} announces an invalid cloud", name, found.host);
   return found;
 }
 
@@ -214,7 +214,7 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
       isWhole = isWhole || result.upTo == result.head;
     });
     if (lastCame.elapsed_s() > options.patience_s)
-      throw NetworkError("'{}' of {}: what was done to it has not come within {:.0f} s", session.name, session.host,
+      throw NetworkError("'{}' of {}: its edits were not received within {:.0f} s", session.name, session.host,
                          options.patience_s);
     if (!again || isWhole) continue;
     ask();
@@ -240,7 +240,7 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   session->sculptable = notice.sculptable;
   const std::optional<FarFacts> facts = hearFacts(*session, options.patience_s, options.stop);
   if (!facts || facts->extent.points != notice.points)
-    throw NetworkError("'{}' of {}: does not say what it is; is it still served?", notice.name, notice.host);
+    throw NetworkError("'{}' of {}: announces no facts; is it still served?", notice.name, notice.host);
   const bool isNear = options.near || (facts->moves && !options.present);
   // Bodies that stand in matter are not subsampled.
   const std::uint64_t every = isNear && facts->standing == 0 ? everyFor(notice.points) : 1;

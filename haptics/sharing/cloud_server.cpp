@@ -35,7 +35,7 @@ constexpr double kFrameLook_s = 0.004;  // how often a new frame is looked for
 
 void requireSessionName(const std::string& name) {
   if (name.empty() || name.size() > kLongestName || printable(name.c_str()) != name)
-    throw UsageError("name: '{}' is none for a session: 1 to {} bytes without control characters",
+    throw UsageError("name: '{}' is not a valid session name: 1 to {} bytes without control characters",
                      printable(name.c_str()), kLongestName);
 }
 
@@ -110,9 +110,9 @@ struct CloudServer::Link {
           });
       session = journal->session();
       if (parts.log && journal->pieces() > 0)
-        parts.log->say("{}: goes on with {} pieces of strokes", parts.journal.string(), journal->pieces());
+        parts.log->say("{}: continues with {} pieces of strokes", parts.journal.string(), journal->pieces());
       if (parts.log && journal->tornBytes() > 0)
-        parts.log->say("{}: its last {} bytes were no whole piece and are taken away; whoever sent it sends it again",
+        parts.log->say("{}: its last {} bytes were an incomplete piece and are removed; its client sends it again",
                        parts.journal.string(), journal->tornBytes());
     }
     strokes.emplace(StrokeServer::Parts{.participant = participant,
@@ -267,9 +267,8 @@ struct CloudServer::Link {
 CloudServer::CloudServer(const PointCloud& cloud, Parts parts) {
   requireSessionName(parts.name);
   if (parts.facts && parts.facts->matter.size() >= sizeof(Facts::matter))
-    throw UsageError("matter: a scene of {} bytes is too long to be told", parts.facts->matter.size());
-  if (parts.motion && parts.sculptable)
-    throw UsageError("sculptable: what moves by itself cannot be sculpted by who joins it");
+    throw UsageError("matter: a scene of {} bytes is too long to be announced", parts.facts->matter.size());
+  if (parts.motion && parts.sculptable) throw UsageError("sculptable: a session that moves cannot be sculpted");
   PALPATE_CHECK(cloud.hasNormals() || cloud.empty());
   constexpr std::uint64_t kMaxPoints = std::uint64_t{0xffffffff} * kBlockPoints;
   PALPATE_CHECK_LT(cloud.size(), kMaxPoints);

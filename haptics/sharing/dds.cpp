@@ -22,10 +22,10 @@ std::string opennessOf(const NetworkConfig& network) {
         "encrypted, for holders of keys of '{}' on {} (domain {})", readSecurityProfile(network.security).authority,
         network.interface.empty() ? "this machine" : "the network of " + network.interface, network.domain);
   if (network.interface.empty())
-    return fmt::format("programs of this machine alone can join (domain {})", network.domain);
+    return fmt::format("only programs of this machine can join (domain {})", network.domain);
   return fmt::format(
-      "whoever is on the network of {} can join, and nothing is encrypted (domain {}); use a network that you trust, "
-      "or keys",
+      "every program on the network of {} can join, and nothing is encrypted (domain {}); use a network that you "
+      "trust, or keys",
       network.interface, network.domain);
 }
 
@@ -94,7 +94,7 @@ constexpr const char* kFrames = "<MaxMessageSize>1400B</MaxMessageSize><Fragment
 // They are requested again 10 ms after each further heartbeat, and without one after 300 ms (default: 3 s). On longer
 // round trips they are sent more than once, which helps on a link with losses.
 std::string configOf(const NetworkConfig& network) {
-  if (network.domain > kLastDomain) throw UsageError("domain: is {}; there are 0 to {}", network.domain, kLastDomain);
+  if (network.domain > kLastDomain) throw UsageError("domain: {} is not between 0 and {}", network.domain, kLastDomain);
   const bool isHere = network.interface.empty();
   std::string peers;
   for (const std::string& peer : network.peers) peers += fmt::format("<Peer address=\"{}\"/>", plain(peer, "peer"));
@@ -177,7 +177,7 @@ bool seesKeyHolders(dds_entity_t participant) {
   constexpr std::uint32_t kAtOnce = 256;
   std::array<void*, kAtOnce> samples{};
   std::array<dds_sample_info_t, kAtOnce> about;
-  const auto count = checked(dds_take(reader, samples.data(), about.data(), kAtOnce, kAtOnce), "what has come");
+  const auto count = checked(dds_take(reader, samples.data(), about.data(), kAtOnce, kAtOnce), "received data");
   bool sees = false;
   for (dds_return_t i = 0; i < count; ++i) {
     void* data = nullptr;
@@ -233,7 +233,7 @@ struct Participant::Domain {
       }
     }
     if (found->second.network != network)
-      throw UsageError("domain: this program is on domain {} of another network, or with other keys, already",
+      throw UsageError("domain: this program is already on domain {} of another network, or with other keys",
                        network.domain);
     ++found->second.users;
     return {&found->second, [found](Domain* domain) {

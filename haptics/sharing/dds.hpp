@@ -146,7 +146,7 @@ class Reader {
     for (std::uint32_t taken = 0; taken < kInTurn; taken += kAtOnce) {
       void* samples[kAtOnce] = {};
       dds_sample_info_t about[kAtOnce];
-      const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "what has come");
+      const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "received data");
       struct Loan {
         ~Loan() {
           if (count > 0) dds_return_loan(reader, samples, count);

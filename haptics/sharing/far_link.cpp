@@ -185,7 +185,7 @@ class FarLink final : public FarCloud {
     if (outbox_.isEmpty() || lastHeard_.elapsed_s() > kServerTimeout_s) progressed_ = {};
     if (progressed_.elapsed_s() > kStrokeTimeout_s) {
       if (++stuck_ > kMaxStrokeRetries)
-        return fail(fmt::format("'{}' of {} takes nothing of what this hand does; join it again", to_.name, to_.host));
+        return fail(fmt::format("'{}' of {} accepts no edits of this hand; join it again", to_.name, to_.host));
       sendAgain();
       progressed_ = {};
     }
@@ -231,10 +231,9 @@ class FarLink final : public FarCloud {
       if (notice.checksum != parts_.notice.checksum || notice.version != kVersion)
         return fail(fmt::format("'{}' of {} has other points now; join it again", to_.name, notice.host));
       if (outbox_.lastPiece() > 0)
-        return fail(fmt::format(
-            "'{}' of {} was served anew, without what had been done to it: this hand's part of it has nowhere "
-            "to go; join it again",
-            to_.name, notice.host));
+        return fail(
+            fmt::format("'{}' of {} was restarted without its edits: those of this hand cannot be sent; join it again",
+                        to_.name, notice.host));
       left_.insert(server_);
       server_ = notice.session;
       probe_.follow(server_);
@@ -249,7 +248,7 @@ class FarLink final : public FarCloud {
     const std::optional<Restarts> fresh = restarts_->fresh();
     if (!fresh) return;
     counts_.restarts += fresh->count;
-    say(fmt::format("the simulation of '{}' has begun anew at {}{}: it {}", to_.name, to_.host,
+    say(fmt::format("the simulation of '{}' has restarted at {}{}: it {}", to_.name, to_.host,
                     fresh->count > 1 ? fmt::format(", {} times", fresh->count) : std::string(), fresh->why));
   }
 
@@ -379,7 +378,7 @@ std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_
       !isLength(heard->noise) || !isPlace(heard->extent.bounds.min) || !isPlace(heard->extent.bounds.max) ||
       heard->up > UpAxis::minusZ || heard->standing > heard->extent.points ||
       heard->extent.points >= std::uint64_t{1} << 32)
-    throw NetworkError("'{}' of {} announces what is no cloud", session.name, session.host);
+    throw NetworkError("'{}' of {} announces an invalid cloud", session.name, session.host);
   return heard;
 }
 

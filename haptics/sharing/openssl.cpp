@@ -37,7 +37,7 @@ std::string nameOf(const Certificate& certificate) {
 
 std::string dateOf(const ASN1_TIME* time) {
   std::tm date{};
-  if (ASN1_TIME_to_tm(time, &date) != 1) return "an unknown day";
+  if (ASN1_TIME_to_tm(time, &date) != 1) return "an unknown date";
   return fmt::format("{:04}-{:02}-{:02}", date.tm_year + 1900, date.tm_mon + 1, date.tm_mday);
 }
 

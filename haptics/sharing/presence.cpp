@@ -52,8 +52,7 @@ class Presence final : public SharedPresence {
   void moved(const HandPlaces& hands) noexcept override { moved_.store({.hands = hands, .count = ++told_}); }
 
   void show(const std::optional<CameraPlace>& camera) override {
-    if (camera && !isCamera(*camera))
-      throw UsageError("camera: has no place, turn, angle or aspect that a picture can have");
+    if (camera && !isCamera(*camera)) throw UsageError("camera: invalid position, rotation, angle or aspect");
     const std::scoped_lock hold(lock_);
     ownCamera_ = camera;
   }

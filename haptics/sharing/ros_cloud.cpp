@@ -143,15 +143,16 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
   if (!came && first.hasCome()) throw NetworkError("ros:{}: {}", topic, first.why());
   if (!came)
     throw NetworkError(
-        "ros:{}: no PointCloud2 has come in {:g} s; is the topic sent on domain {}, and on this network?", topic,
+        "ros:{}: no PointCloud2 was received in {:g} s; is the topic sent on domain {}, and on this network?", topic,
         listening.patience_s, listening.network.domain);
   TakenRosPoints& taken = first.taken();
   if (taken.cloud.empty())
-    throw NetworkError("ros:{}: a PointCloud2 has come without a point that has a place ({} have none)", topic,
+    throw NetworkError("ros:{}: the received PointCloud2 has no point with a valid position ({} without)", topic,
                        taken.skipped);
   if (listening.log)
-    listening.log->say("ros:{}: {} points{}", topic, taken.cloud.size(),
-                       taken.skipped > 0 ? fmt::format("; {} without a place are left out", taken.skipped) : "");
+    listening.log->say(
+        "ros:{}: {} points{}", topic, taken.cloud.size(),
+        taken.skipped > 0 ? fmt::format("; {} without a valid position are left out", taken.skipped) : "");
   sayScale(taken.cloud.storedAs.comments, kMmPerMetre);
   sayUnit(taken.cloud.storedAs.comments, LengthUnit::m);
   // REP 103: z is up in all frames but those of a camera.

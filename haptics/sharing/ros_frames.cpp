@@ -60,7 +60,7 @@ class ColorsBeside {
         return;
       }
       if (!isOver) continue;
-      throw NetworkError("has no picture of colour of its time beside it, on ros:{}{}", topic_,
+      throw NetworkError("has no colour image of its time beside it, on ros:{}{}", topic_,
                          why_.empty() ? why_ : ": " + why_);
     }
   }
@@ -196,11 +196,11 @@ class RosFrames final : public DepthStream {
 
   /// Waits for the first valid frame, which next() returns again.
   void begin(const RosListening& listening) {
-    std::string why = "none has come";
+    std::string why = "none was received";
     const bool came = waitFor(listening, topic_, [&] {
       try {
         if (!look(first_.emplace())) return false;
-        why = "they see nothing";
+        why = "they are empty";
         return hasSeen(*first_);
       } catch (const NetworkError& error) {
         why = error.what();
@@ -223,7 +223,7 @@ class RosFrames final : public DepthStream {
   void stop() noexcept override { stops_ = true; }
   bool isRecorded() const override { return false; }
   double staysTrue_s() const override { return kStaysTrue_s; }
-  void rewind() override { throw NetworkError("ros:{}: what is sent does not come again", topic_); }
+  void rewind() override { throw NetworkError("ros:{}: a live topic cannot be rewound", topic_); }
 
  private:
   // Whether a frame was received. Of several pending ones the last is taken.
@@ -297,7 +297,7 @@ DepthCamera hearCamera(dds_entity_t participant, const std::string& pictures, co
     return camera.has_value();
   });
   if (!came)
-    throw NetworkError("ros:{}: no CameraInfo has come on {} in {:g} s; the camera's intrinsics can be given", pictures,
+    throw NetworkError("ros:{}: no CameraInfo was received on {} in {:g} s; give the camera's intrinsics", pictures,
                        topic, listening.patience_s);
   return *camera;
 }
@@ -306,14 +306,14 @@ RosContent discover(dds_entity_t participant, const std::string& topic, const Ro
   RosWriters writers(participant, rosName(topic));
   const char* const pictures = rosTypeOf<RosImage>().name();
   std::optional<std::string> sent;
-  if (listening.log) listening.log->say("ros:{}: waiting for who sends there", topic);
+  if (listening.log) listening.log->say("ros:{}: waiting for a sender", topic);
   const bool came = waitFor(listening, topic, [&] {
     sent = requireSent(topic, writers, {rosTypeOf<RosPointCloud2>().name(), pictures});
     if (!sent) std::this_thread::sleep_for(std::chrono::duration<double>(kRosLook_s));
     return sent.has_value();
   });
   if (!came)
-    throw NetworkError("ros:{}: nobody sends there in {:g} s; is the topic sent on domain {}, and on this network?",
+    throw NetworkError("ros:{}: no sender was found in {:g} s; is the topic sent on domain {}, and on this network?",
                        topic, listening.patience_s, listening.network.domain);
   return *sent == pictures ? RosContent::pictures : RosContent::points;
 }
@@ -341,8 +341,8 @@ std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosW
   if (discover(participant, topic, listening) == RosContent::points) {
     if (watching.needsPictures || watching.camera || watching.depthScale > 0 || !watching.colorTopic.empty())
       throw NetworkError(
-          "ros:{}: what is sent there are points, and no pictures of depth, which alone have intrinsics, a "
-          "depth scale and pictures of colour, and become a map",
+          "ros:{}: the topic has points, not depth images; only those have intrinsics, a depth scale and colour "
+          "images, and become a map",
           topic);
     return begun(std::move(participant), topic, FromPoints(watching.threads), listening);
   }

@@ -40,13 +40,14 @@ std::string shown(std::string_view text) {
 const Encoding& encodingOf(const RosPicture& picture) {
   const auto* const found = std::ranges::find(kEncodings, picture.encoding, &Encoding::name);
   if (found == kEncodings.end())
-    refuseImage("of depth is 16UC1 (millimetres) or 32FC1 (metres), and this one is '{}'", shown(picture.encoding));
+    refuseImage("of depth must be 16UC1 (millimetres) or 32FC1 (metres), and this one is '{}'",
+                shown(picture.encoding));
   return *found;
 }
 
 void requireWhole(const RosPicture& picture, const DepthCamera& camera, std::size_t bytes) {
   if (picture.width != camera.width || picture.height != camera.height)
-    refuseImage("of {} x {} pixels has come, and the camera has {} x {}", picture.width, picture.height, camera.width,
+    refuseImage("has {} x {} pixels, and the camera has {} x {}", picture.width, picture.height, camera.width,
                 camera.height);
   const std::uint64_t row = std::uint64_t{picture.width} * bytes;
   if (row > picture.step)
@@ -83,11 +84,10 @@ DepthCamera rosCamera(const RosCalibration& calibration, bool isRectified) {
   const auto refuseImage = [](const std::string& why) { throw NetworkError("a CameraInfo {}", why); };
   const bool distorts = std::ranges::any_of(calibration.d, [](double value) { return value != 0; });
   if (distorts && !isRectified)
-    refuseImage(
-        fmt::format("says that the lens distorts ({}); pictures that are rectified are without: a topic image_rect",
-                    shown(calibration.distortion)));
+    refuseImage(fmt::format("says that the lens distorts ({}); use rectified images: a topic image_rect",
+                            shown(calibration.distortion)));
   if (calibration.binningX > 1 || calibration.binningY > 1 || calibration.isPart)
-    refuseImage("is of pictures that are binned, or of a region; only whole ones are taken");
+    refuseImage("is of binned images, or of a region; only whole images are supported");
   const auto isSide = [](std::uint32_t side) { return side >= 2 && side <= kLongestSide; };
   if (!isSide(calibration.width) || !isSide(calibration.height))
     refuseImage(fmt::format("is of {} x {} pixels; sides are from 2 to {}", calibration.width, calibration.height,
@@ -126,7 +126,7 @@ void takeRosColors(const RosPicture& picture, const DepthCamera& camera,
                    std::vector<std::array<std::uint8_t, 3>>& colors) {
   const bool isBgr = picture.encoding == "bgr8";
   if (!isBgr && picture.encoding != "rgb8")
-    refuseImage("of colour is rgb8 or bgr8, and this one is '{}'", shown(picture.encoding));
+    refuseImage("of colour must be rgb8 or bgr8, and this one is '{}'", shown(picture.encoding));
   constexpr std::size_t kBytes = 3;
   requireWhole(picture, camera, kBytes);
   colors.resize(std::size_t{picture.width} * picture.height);

@@ -35,8 +35,8 @@ std::optional<std::string> requireSent(const std::string& topic, RosWriters& wri
   if (sent.empty()) return std::nullopt;
   std::vector<std::string> heard;
   for (const char* type : types) heard.push_back(rosTypeInWords(type));
-  throw NetworkError("ros:{}: what is sent there is {}, and what is heard here is {}", topic,
-                     rosTypeInWords(sent.front()), fmt::join(heard, " or "));
+  throw NetworkError("ros:{}: the topic has type {}, not {}", topic, rosTypeInWords(sent.front()),
+                     fmt::join(heard, " or "));
 }
 
 TakenRosPoints takeMessage(const RosPointCloud2& message, Log* log) {

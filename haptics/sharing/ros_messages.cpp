@@ -78,9 +78,8 @@ std::string rosName(const std::string& name) {
   }
   if (!isName)
     throw UsageError(
-        "ros: '{}' is no name there: letters, digits and single underscores between single slashes, none beginning "
-        "with a "
-        "digit",
+        "ros: '{}' is not a valid name: letters, digits and single underscores between single slashes, none beginning "
+        "with a digit",
         printable(name.c_str()));
   return std::string(relative);
 }

@@ -140,7 +140,7 @@ class Taking {
         others_(othersOf(points)) {
     const auto places = vectorOf(points, {"x", "y", "z"});
     if (!places)
-      throw NetworkError("a PointCloud2 without places: x, y and z are float32 or float64, all three the same");
+      throw NetworkError("a PointCloud2 without positions: x, y and z must be float32 or float64, all three the same");
     places_ = *places;
     isWide_ = (*places)[0].type() == ScalarType::f64;
     for (const OtherNumbers& other : others_) cloud_.extra.push_back({.name = other.name, .type = other.column.type()});

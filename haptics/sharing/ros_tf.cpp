@@ -98,7 +98,8 @@ namespace palpate {
 void requireRosParent(const std::string& parent, const std::string& name) {
   using namespace sharing;
   requireRosFrame(parent);
-  if (rosFrameName(parent) == rosFrameName(name)) throw UsageError("ros: the frame '{}' is no parent of its own", name);
+  if (rosFrameName(parent) == rosFrameName(name))
+    throw UsageError("ros: the frame '{}' cannot be its own parent", name);
 }
 
 void requireRosFrame(const std::string& frame) {
@@ -106,7 +107,7 @@ void requireRosFrame(const std::string& frame) {
   const std::string_view name = rosFrameName(frame);
   if (name.empty() || name.size() > RosTransforms::kLongestName ||
       std::ranges::any_of(name, [](unsigned char c) { return c < 0x20; }))
-    throw UsageError("ros: '{}' is no name of a frame: 1 to {} bytes", printable(frame.c_str()),
+    throw UsageError("ros: '{}' is not a valid name of a frame: 1 to {} bytes", printable(frame.c_str()),
                      RosTransforms::kLongestName);
 }
 

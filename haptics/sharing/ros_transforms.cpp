@@ -69,22 +69,21 @@ const CameraPose& RosTransforms::poseAt(const Links::value_type& of, std::int64_
   const auto after = link.poses.upper_bound(stamp_ns);
   if (after == link.poses.begin())
     throw NetworkError(
-        "where the frame '{}' stood in '{}' is not known of its time: what is heard of that is {:.3f} s newer",
+        "the pose of the frame '{}' in '{}' is unknown at its time: the oldest one received is {:.3f} s newer",
         printable(child.c_str()), printable(link.parent.c_str()),
         1e-9 * (static_cast<double>(after->first) - static_cast<double>(stamp_ns)));
   const auto& [at_ns, pose] = *std::prev(after);
   const double age_s = 1e-9 * (static_cast<double>(stamp_ns) - static_cast<double>(at_ns));
   if (age_s > kOldest_s)
-    throw NetworkError("where the frame '{}' stood in '{}' was heard {:.3f} s before its time, and is too old",
+    throw NetworkError("the pose of the frame '{}' in '{}' was received {:.3f} s before its time, and is too old",
                        printable(child.c_str()), printable(link.parent.c_str()), age_s);
   return pose;
 }
 
 CameraPose RosTransforms::find(std::string_view from, std::string_view to, std::int64_t stamp_ns) const {
   const std::string_view frame = rosFrameName(from), target = rosFrameName(to);
-  std::string why =
-      fmt::format("is in the frame '{}', from which nothing that is heard on /tf_static and /tf leads to '{}'",
-                  printable(std::string(frame).c_str()), printable(std::string(target).c_str()));
+  std::string why = fmt::format("is in the frame '{}', from which no transform on /tf_static and /tf leads to '{}'",
+                                printable(std::string(frame).c_str()), printable(std::string(target).c_str()));
   struct Ancestor {
     std::string_view name;
     CameraPose pose;  // from the coordinates of the first frame to this one's
@@ -106,8 +105,8 @@ CameraPose RosTransforms::find(std::string_view from, std::string_view to, std::
     ancestors.push_back(*next);
   }
   if (ancestors.size() > kMaxAncestors)
-    throw NetworkError("the frames above '{}' lead in a circle, or are more than {}",
-                       printable(std::string(frame).c_str()), kMaxAncestors);
+    throw NetworkError("the frames above '{}' form a cycle, or are more than {}", printable(std::string(frame).c_str()),
+                       kMaxAncestors);
   std::optional<Ancestor> up = Ancestor{target, {}};
   for (std::size_t steps = 0; up && steps <= kMaxAncestors; ++steps) {
     const auto common = std::ranges::find(ancestors, up->name, &Ancestor::name);

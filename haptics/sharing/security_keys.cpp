@@ -163,11 +163,11 @@ class FreshFolder {
  public:
   explicit FreshFolder(fs::path target) : target_(std::move(target)) {
     if (fs::exists(fs::symlink_status(target_)))
-      throw FileError(target_, "is there already, and is not written over; give another name");
+      throw FileError(target_, "exists already and is not overwritten; give another name");
     made_ = target_.parent_path() / fmt::format(".{}.{}.part", target_.filename().string(), processNumber());
     std::error_code fault;
     if (!fs::create_directory(made_, fault))
-      throw FileError(target_, fmt::format("cannot be made: {}", fault.message()));
+      throw FileError(target_, fmt::format("cannot be created: {}", fault.message()));
     fs::permissions(made_, fs::perms::owner_all);
   }
   ~FreshFolder() {
@@ -188,7 +188,7 @@ class FreshFolder {
   void finish() {
     std::error_code fault;
     fs::rename(made_, target_, fault);
-    if (fault) throw FileError(target_, fmt::format("cannot be made: {}", fault.message()));
+    if (fault) throw FileError(target_, fmt::format("cannot be created: {}", fault.message()));
     made_.clear();
   }
 
@@ -199,14 +199,14 @@ class FreshFolder {
 std::string contentOf(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string content((std::istreambuf_iterator<char>(in)), {});
-  if (!in || content.empty()) throw FileError(file, "cannot be read, and the authority is not whole without it");
+  if (!in || content.empty()) throw FileError(file, "cannot be read, and the authority is incomplete without it");
   return content;
 }
 
 Signer authorityIn(const fs::path& folder, const std::string& name) {
   const fs::path cert = folder / (name + "_ca.cert.pem"), key = folder / (name + "_ca.key.pem");
   Signer read{.certificate = certificateOf(contentOf(cert)), .key = privateKeyOf(contentOf(key))};
-  if (!read.certificate) throw FileError(cert, "is no certificate (PEM)");
+  if (!read.certificate) throw FileError(cert, "is not a certificate (PEM)");
   if (!read.key || X509_check_private_key(read.certificate.get(), read.key.get()) != 1)
     throw FileError(key, fmt::format("is not the key of {}", cert.filename().string()));
   return read;
@@ -252,7 +252,7 @@ void requireHolder(const std::string& name) {
                       });
   if (!isName)
     throw UsageError(
-        "name: '{}' is none for who gets keys: 1 to {} letters, digits, dots, dashes and underscores, and not '{}'",
+        "name: '{}' is not a valid holder's name: 1 to {} letters, digits, dots, dashes and underscores, and not '{}'",
         name, kLongest, kAuthority);
 }
 
@@ -262,9 +262,9 @@ bool hasAuthority(const fs::path& folder) {
   std::error_code fault;
   if (fs::is_directory(folder / kAuthority, fault)) return true;
   if (fs::exists(folder, fault) && !fs::is_directory(folder, fault))
-    throw FileError(folder, "is there already, and is no folder");
+    throw FileError(folder, "exists already and is not a folder");
   if (fs::exists(folder, fault) && !fs::is_empty(folder, fault))
-    throw FileError(folder, "has other things in it and no authority; name a new folder");
+    throw FileError(folder, "has other contents and no authority; name a new folder");
   return false;
 }
 
@@ -274,7 +274,7 @@ MadeKeys makeKeys(const KeyRequest& request) {
   using namespace std::chrono;
   requireHolder(request.name);
   if (request.days == 0 || request.days > kMaxDays)
-    throw UsageError("days: is {}; there are 1 to {}", request.days, kMaxDays);
+    throw UsageError("days: {} is not between 1 and {}", request.days, kMaxDays);
   const std::int64_t now_s =
       request.now_s.value_or(duration_cast<seconds>(system_clock::now().time_since_epoch()).count());
   const fs::path authority = request.folder / kAuthority;
@@ -282,7 +282,7 @@ MadeKeys makeKeys(const KeyRequest& request) {
   if (isNew) {
     std::error_code fault;
     fs::create_directories(request.folder, fault);
-    if (fault) throw FileError(request.folder, fmt::format("cannot be made: {}", fault.message()));
+    if (fault) throw FileError(request.folder, fmt::format("cannot be created: {}", fault.message()));
     makeAuthority(request.folder, now_s);
   }
   const Signer identity = authorityIn(authority, "identity"), permitting = authorityIn(authority, "permissions");

@@ -174,9 +174,9 @@ class SharedEdits final : public SharedFollower {
     const Felt now = share >= 1 ? Felt::whole : share > 0 ? Felt::fading : Felt::gone;
     if (now == std::exchange(felt_, now)) return;
     if (now == Felt::whole)
-      say(fmt::format("{} of {} is heard again: the force comes back", session_.name, session_.host));
+      say(fmt::format("{} of {} is heard again: the force returns", session_.name, session_.host));
     if (now == Felt::fading)
-      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; what is done here is kept for it",
+      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; edits made here are kept for it",
                       session_.name, session_.host, silent_s));
     if (now == Felt::gone)
       say(fmt::format("{} of {} has not been heard for {:.1f} s: there is no force until it is", session_.name,
@@ -189,9 +189,8 @@ class SharedEdits final : public SharedFollower {
       if (exchange_.isDelivered()) lastTaken_ = {};
       if (lastTaken_.elapsed_s() > kPieceTimeout_s) {
         if (++stuck_ > kMaxPieceRetries)
-          return fail(
-              fmt::format("'{}' of {} takes nothing of what this hand does; save what is here, and join it again",
-                          session_.name, session_.host));
+          return fail(fmt::format("'{}' of {} accepts no edits of this hand; save the cloud, and join it again",
+                                  session_.name, session_.host));
         resume(exchange_.resume());
         lastTaken_ = {};
       }
@@ -200,10 +199,10 @@ class SharedEdits final : public SharedFollower {
     if (lastResumed_.elapsed_s() > kServerSilence_s) resume(exchange_.resume());
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != session_.name || notice.session == session_.session) continue;
-      fail(fmt::format(
-          "'{}' of {} was served anew, without what had been done to it: this hand's part of it has nowhere to "
-          "go; save what is here, and join it again",
-          session_.name, session_.host));
+      fail(
+          fmt::format("'{}' of {} was restarted without its edits: those of this hand cannot be sent; save the cloud, "
+                      "and join it again",
+                      session_.name, session_.host));
       return;
     }
   }

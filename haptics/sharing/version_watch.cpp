@@ -45,7 +45,7 @@ std::set<std::uint32_t> VersionWatch::fresh() {
     constexpr std::uint32_t kAtOnce = 16;
     void* samples[kAtOnce] = {};
     dds_sample_info_t about[kAtOnce];
-    const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "who is there");
+    const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "participants");
     for (dds_return_t i = 0; i < count; ++i) {
       if (!about[i].valid_data) continue;
       const auto version = versionOf(*static_cast<const dds_builtintopic_participant_t*>(samples[i]));
