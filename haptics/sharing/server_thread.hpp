@@ -24,7 +24,7 @@ class ServerThread {
 
   /// Ends serving. Must not be called on the server's own thread, as by a listener of its log.
   void stop();
-  /// False after stop() or a failure: check() says which.
+  /// False after stop() or a failure; check() throws the failure.
   bool isServing() const { return isServing_; }
   /// Rethrows the failure that has ended it.
   void check() const;
