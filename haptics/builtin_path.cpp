@@ -20,14 +20,14 @@ constexpr double kSlideDepth_mm = 1, kSlideStep_mm = 0.5, kSlideLength_mm = 20;
 constexpr int kSlideDirections = 8;
 constexpr int kScanSide = 5;
 constexpr double kScanPitch_mm = 4, kScanDepth_mm = 1, kScanLift_mm = 2, kScanStep_mm = 0.5;
-constexpr double kOrbitTime_s = 2, kOrbitRadius = 1.1;  // of half the diagonal in x and z
+constexpr double kOrbitTime_s = 2, kOrbitRadius = 1.1;  // times half the diagonal in x and z
 constexpr double kSmallestOrbit_mm = 5;                 // around a model without extent
 constexpr int kOrbitKeys = 256;
 
-// Points looked at: the coarse sample chooses the place in well under a second, the fine one keeps the detail.
+// Points examined: the coarse sample chooses the position in well under a second, the fine one keeps the detail.
 constexpr std::size_t kCoarse = 32'768, kFine = 524'288;
 
-/// Adds keys by where to go and how fast. Positions in model units relative to the cloud's origin.
+/// Adds keys by target and speed. Positions in model units relative to the cloud's origin.
 class PathBuilder {
  public:
   PathBuilder(const DVec3& origin, const ModelScale& scale) : origin_(origin), scale_(scale) {}
@@ -57,7 +57,7 @@ class PathBuilder {
   std::vector<PathKey> keys_;
 };
 
-/// A cloud with the place that was chosen on it.
+/// A cloud with the position chosen on it.
 struct Scene {
   const PointCloud& cloud;
   const ModelScale& scale;
@@ -83,10 +83,11 @@ Path press(const Scene& scene, double penetration_mm) {
   return std::move(builder).path();
 }
 
-/// Of a few directions around the target the one along which the surface goes on, turns least and has room above it.
+/// Of several directions around the target, the one along which the surface continues, bends least and has room above
+/// it.
 std::vector<SurfaceSpot> slideWay(const Scene& scene) {
   constexpr auto kSteps = static_cast<std::size_t>(kSlideLength_mm / kSlideStep_mm);
-  constexpr double kUnsupported = 4, kNoRoom = 1;  // against a mean cosine, at most 1, for each step
+  constexpr double kUnsupported = 4, kNoRoom = 1;  // per step, against a mean cosine of at most 1
   const double room = scene.scale.toUnits(kPressFrom_mm);
   const Frame3 frame = frameAround(scene.target.normal);
   std::vector<SurfaceSpot> best;
@@ -154,7 +155,7 @@ Path orbit(const PointCloud& cloud, const ModelScale& scale) {
   const double radius = std::max(kOrbitRadius * halfDiagonal, scale.toUnits(kSmallestOrbit_mm));
   const auto around = [&](int k) {
     const double angle = 2 * std::numbers::pi * k / kOrbitKeys;
-    return bounds.center() + radius * DVec3(std::sin(angle), 0, std::cos(angle));  // begins in front
+    return bounds.center() + radius * DVec3(std::sin(angle), 0, std::cos(angle));  // starts in front
   };
   PathBuilder builder(cloud.origin, scale);
   builder.startAt(around(0));
@@ -165,13 +166,14 @@ Path orbit(const PointCloud& cloud, const ModelScale& scale) {
 constexpr std::array<std::string_view, 2> kNamesInMatter{"press", "stir"};
 constexpr double kDiveSpeed_mm_per_s = 100, kDiveFrom_mm = 5, kDiveHold_s = 1;
 constexpr int kStirTurns = 4, kStirKeys = 64;
-constexpr double kStirTurn_s = 1, kStirRadius = 0.5;  // of the way from the middle to where the ball would touch a wall
+constexpr double kStirTurn_s = 1,
+                 kStirRadius = 0.5;  // of the distance from the middle to the ball's wall contact
 
 double extentAlong(const Bounds& box, const DVec3& direction) {
   return glm::dot(box.max - box.min, glm::abs(direction));
 }
 
-/// From where the ball is clear of the matter to where it is under, or on the ground.
+/// From a position clear of the matter to one where the ball is submerged, or on the ground.
 struct Dive {
   DVec3 from, to;
 };

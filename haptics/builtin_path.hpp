@@ -1,4 +1,4 @@
-// Paths that fit any model: they look for a good place on it by themselves.
+// Paths that fit any model: they choose a suitable position on it.
 #pragma once
 
 #include <span>
@@ -17,19 +17,19 @@ std::span<const std::string_view> builtinPathNames();
 /// `slide`: down to 1 mm inside, then 20 mm along the surface; ends in contact.
 /// `scan`: 5 x 5 taps 4 mm apart, 1 mm deep, from 2 mm outside.
 /// `orbit`: once around the model in two seconds, in the plane of x and z, without touching it.
-/// Throws UsageError for another name, naming these, and for a penetration that is not positive; Error for a cloud
+/// Throws UsageError for another name, listing these, and for a penetration that is not positive; Error for a cloud
 /// without points or normals.
 Path builtinPath(std::string_view name, const PointCloud& cloud, const ModelScale& scale, double penetration_mm = 2.0);
 
-/// What a ball on a path in matter has to know.
+/// Parameters of a ball's path in matter.
 struct MatterPlace {
-  Bounds fill;            ///< of the matter as it begins, model units
+  Bounds fill;            ///< initial extent of the matter, model units
   DVec3 up{0, 1, 0};      ///< unit
   double ballRadius = 0;  ///< model units
 };
 
-/// press: from above into the matter, until the ball is under by `penetration_mm`, and stays; stir: the same, and four
-/// times around in a circle, and out again. Throws UsageError for another name.
+/// press: from above into the matter, until the ball is submerged by `penetration_mm`, and stays; stir: the same, then
+/// four circles, and out again. Throws UsageError for another name.
 Path builtinPathInMatter(std::string_view name, const MatterPlace& place, const ModelScale& scale,
                          double penetration_mm);
 

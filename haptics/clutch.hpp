@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// Where the device is in the model, through a clutch: while it is drawn the HIP stays where it is and the hand moves
-/// on alone, so that a small workspace reaches all of a large model.
+/// Position of the device in the model, through a clutch: while it is drawn the HIP stays and only the hand moves, so
+/// that a small workspace reaches all of a large model.
 class Clutch {
  public:
   explicit Clutch(const WorkspaceMap& map) : map_(map) {}

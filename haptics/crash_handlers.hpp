@@ -1,14 +1,14 @@
-// How each system says that a program is about to end.
+// How each system notifies a program that it is about to end.
 #pragma once
 
 namespace palpate {
 
-/// Called by the handlers, in a signal's as in a thread's context: stops every guarded device. It allocates nothing and
-/// waits for no one.
+/// Called by the handlers, in the context of a signal or a thread: stops every guarded device. Neither allocates nor
+/// waits.
 void stopGuardedDevices() noexcept;
 
-/// Handlers that call stopGuardedDevices() and then take the course that was there before, and that course alone again;
-/// by turns, by one thread at a time.
+/// Installs handlers that call stopGuardedDevices() and then continue as the former ones would; restores the former
+/// ones. Called alternately, by one thread at a time.
 void putCrashHandlersInPlace();
 void putCrashHandlersBack();
 

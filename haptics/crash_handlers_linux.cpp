@@ -10,7 +10,7 @@ constexpr std::array kSignals{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM,
 
 std::array<struct sigaction, kSignals.size()> former;  // written before a handler is in place
 
-/// From an instruction that faulted, rather than from someone who sent it.
+/// Raised by a faulting instruction, not sent by a process.
 bool isFault(int signal, const siginfo_t* info) {
   const bool mayBe = signal == SIGSEGV || signal == SIGBUS || signal == SIGFPE || signal == SIGILL;
   return mayBe && info->si_code > 0;
@@ -24,7 +24,7 @@ void stopThenGoOn(int signal, siginfo_t* info, void* context) {
     if (before.sa_flags & SA_SIGINFO) return before.sa_sigaction(signal, info, context);
     if (before.sa_handler != SIG_DFL) return before.sa_handler(signal);
     ::sigaction(signal, &before, nullptr);
-    // A fault comes again by itself on return, with its own address for the debugger; anything else is sent again.
+    // A fault recurs on return, with its own address for the debugger; any other signal is sent again.
     if (!isFault(signal, info)) ::raise(signal);
     return;
   }

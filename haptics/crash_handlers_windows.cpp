@@ -21,8 +21,8 @@ void stopAtAbort(int signal) {
   if (formerAbort != SIG_DFL && formerAbort != SIG_IGN) formerAbort(signal);
 }
 
-// Ctrl+C, Ctrl+Break, a console that is closed, a user who logs off: on a thread that the system starts for it. Whoever
-// was in place before is asked next.
+// Ctrl+C, Ctrl+Break, a console that is closed, a user who logs off: on a thread that the system starts for it. FALSE
+// passes the event to the handler installed before.
 BOOL WINAPI stopAtEnd(DWORD) {
   stopGuardedDevices();
   return FALSE;

@@ -10,12 +10,12 @@
 namespace palpate {
 namespace {
 
-// A handler has no arguments of its own choosing, so what it needs has to stand where it can find it.
+// A handler has no arguments of its own, so what it needs is global.
 std::array<std::atomic<HapticDevice*>, CrashStop::kMaxDevices> devices;
-std::mutex installation;  // for putting handlers in place and back; never held by one
+std::mutex installation;  // guards installing and restoring handlers; never locked by a handler
 int guarded = 0;
 
-static_assert(std::atomic<HapticDevice*>::is_always_lock_free, "a lock in a handler may never be given back");
+static_assert(std::atomic<HapticDevice*>::is_always_lock_free, "a lock in a handler might never be released");
 
 }  // namespace
 
@@ -27,7 +27,7 @@ void stopGuardedDevices() noexcept {
 CrashStop::CrashStop(HapticDevice& device) {
   const std::scoped_lock lock(installation);
   while (slot_ < kMaxDevices && devices[slot_].load()) ++slot_;
-  if (slot_ == kMaxDevices) throw Error("{} devices have a force already, and there may be no more", kMaxDevices);
+  if (slot_ == kMaxDevices) throw Error("{} devices have a force already, which is the maximum", kMaxDevices);
   devices[slot_].store(&device);
   if (guarded++ == 0) putCrashHandlersInPlace();
 }

@@ -1,4 +1,4 @@
-// No force outlives the program: a signal that ends it takes the force away first.
+// Removes the force before a signal ends the program.
 #pragma once
 
 #include "engine/core/contact_query.hpp"
@@ -7,13 +7,13 @@
 namespace palpate {
 
 /// While it lives, the signals by which a program crashes or is asked to end (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT,
-/// SIGTERM, SIGINT, SIGHUP, SIGQUIT) call the device's emergencyStop() first and then take the course they had before:
-/// the handler that was there, or the default. A signal that was ignored stays so. Handlers put in place while it lives
-/// are its caller's affair. On Windows these are exceptions that nobody handles, abort(), Ctrl+C, Ctrl+Break, and a
-/// console or a user's session that is closed; a program that is ended from the task manager is not asked.
+/// SIGTERM, SIGINT, SIGHUP, SIGQUIT) call the device's emergencyStop(), and then the former handler or the default
+/// action. An ignored signal stays ignored. Handlers that others install meanwhile are their own responsibility. On
+/// Windows these are unhandled exceptions, abort(), Ctrl+C, Ctrl+Break, and a console or a user's session that is
+/// closed; a program that is ended from the task manager is not notified.
 class CrashStop {
  public:
-  /// Throws Error where kMaxDevices are guarded already.
+  /// Throws Error if kMaxDevices are guarded already.
   explicit CrashStop(HapticDevice& device);
   ~CrashStop();
   CrashStop(const CrashStop&) = delete;

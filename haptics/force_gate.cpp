@@ -5,17 +5,17 @@
 namespace palpate {
 namespace {
 
-/// From nothing to the whole force. Long enough for a hand to brace itself, short enough not to be waited for.
+/// Time from no force to the whole force. Long enough for a hand to brace itself, short enough not to be waited for.
 constexpr double kRamp_s = 0.5;
-/// A demand up to this counts as small: a tenth of a newton is felt but moves nobody's hand.
+/// A demand up to this is small: a tenth of a newton is felt but moves no hand.
 constexpr double kSmallDemand_N = 0.1;
 /// An error up to this long is a dropout: the hand is still where it was, so the force ramps up again without waiting.
 constexpr double kLongestDropout_s = 0.1;
-/// Time lost between two ticks from which on the hand may be anywhere.
+/// A pause between two ticks from which on the hand may be anywhere.
 constexpr double kLongestPause_s = 0.05;
 /// Old data keep their force for this long: at 0.25 m/s, a fast stroke, the hand has then moved 5 mm.
 constexpr double kFreshFor_s = 0.02;
-/// And lose it over this long; a sudden end would be felt as a knock.
+/// And it fades over this time; a sudden end would be felt as a knock.
 constexpr double kFade_s = 0.05;
 
 }  // namespace
@@ -34,13 +34,12 @@ DVec3 ForceGate::pass(const DVec3& wanted_N, const TickSigns& signs, double dt_s
     counts_.errors += errorFor_s_ == 0;
     errorFor_s_ += dt_s > 0 ? dt_s : period_s_;
   }
-  const double known =
-      signs.known > 0 ? std::min(signs.known, 1.0) : 0;  // written so that what is no number is nothing
+  const double known = signs.known > 0 ? std::min(signs.known, 1.0) : 0;  // written so that NaN becomes 0
   counts_.aged += known < 1;
   if (!signs.on || signs.jumped || errorFor_s_ > kLongestDropout_s) waiting_ = true;
   if (known == 0 && share_ == 0) waiting_ = true;
   if (!error) errorFor_s_ = 0;
-  // Only a surface that was really asked may end the wait: no answer, or an old one, is not a small demand.
+  // Only a fresh answer of the surface may end the wait: no answer, or an old one, is not a small demand.
   if (signs.on && !error && known > 0 && staleFor_s_ <= kFreshFor_s && signs.demand_N <= kSmallDemand_N)
     waiting_ = false;
   if (!signs.on || error || waiting_) {

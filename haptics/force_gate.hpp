@@ -1,4 +1,4 @@
-// The last thing a force passes before it reaches a hand.
+// The last stage of a force before it reaches a hand.
 #pragma once
 
 #include <cstdint>
@@ -10,45 +10,44 @@
 
 namespace palpate {
 
-/// What a tick knows about its own force.
+/// What a tick knows of its own force.
 struct TickSigns {
   bool on = true;        ///< the user wants forces
   bool answered = true;  ///< the query gave a valid answer
   bool fresh = true;     ///< from this tick's own query
-  /// How old the data of an answer that is not fresh are, as far as it says so.
+  /// Age of the data of an answer that is not fresh, if it is known.
   double age_s = std::numeric_limits<double>::infinity();
   bool jumped = false;  ///< the device moved faster than any hand
-  /// The share of a force that what is known of the surface bears, where others change it, too (InformationAge).
+  /// Share of a force that the age of the information about a surface permits, if others change it (InformationAge).
   double known = 1;
-  double demand_N = 0;  ///< size of the force that spring and damper ask for, before any limit
+  double demand_N = 0;  ///< magnitude of the force of spring and damper, before any limit
 };
 
-/// Ticks at which the gate held something back; each is zero in a good session.
+/// Ticks at which the gate reduced the force; each is zero in a good session.
 struct GateCounts {
   std::uint64_t errors = 0;  ///< times that an error closed the gate
   std::uint64_t stale = 0;   ///< ticks at which the force faded because its data were old
-  std::uint64_t aged = 0;    ///< ticks at which it was less because nobody has said for long how the surface is
-  std::uint64_t hot = 0;     ///< ticks at which the motors' heat held the force down
+  std::uint64_t aged = 0;    ///< ticks at which it was reduced because there was no news of the surface for long
+  std::uint64_t hot = 0;     ///< ticks at which the heat of the motors limited the force
 };
 
-/// Lets a force pass whole, in part or not at all:
-/// - nothing while forces are off, at an error (no valid answer, a jump of the device, a pause in the ticks, a force
-///   that is no number), and afterwards while the surface would at once push with more than a small force: at the start
-///   of a session, when forces come back, after a jump and after a long error;
-/// - then a share that ramps up; and a share that fades while the data are stale, or what is known of the surface is
-/// old:
-///   where nothing is left of it, it waits as after a long error;
+/// Passes a force whole, in part or not at all:
+/// - none while forces are off, at an error (no valid answer, a jump of the device, a pause in the ticks, a force that
+///   is not a number), and afterwards while the surface would at once push with more than a small force: at the start
+///   of a session, when forces are switched on, after a jump and after a long error;
+/// - then a share that ramps up; the share fades while the data are stale or the information about the surface is old;
+///   once it is zero, it waits as after a long error;
 /// - never more than the device's peak and what its motors bear.
-/// A device without a hand starts with the gate open: nobody is surprised by a script's first force.
+/// A device without a hand starts with the gate open: a script's first force surprises nobody.
 class ForceGate {
  public:
-  /// `period_s`: the time between two ticks when none is late.
+  /// `period_s`: nominal time between two ticks.
   ForceGate(const DeviceLimits& limits, double period_s) noexcept;
 
-  /// The force to write, for a tick that comes `dt_s` after the one before.
+  /// The force to write, for a tick `dt_s` after the previous one.
   DVec3 pass(const DVec3& wanted_N, const TickSigns& signs, double dt_s) noexcept;
 
-  /// The share of the wanted force that passes now, 0 to 1, heat aside.
+  /// Share of the wanted force that passes now, 0 to 1, before the limit of heat.
   double share() const noexcept { return share_; }
   const GateCounts& counts() const noexcept { return counts_; }
 
@@ -62,7 +61,7 @@ class ForceGate {
   double period_s_;
   double share_;
   bool waiting_;           ///< for a small demand
-  double errorFor_s_ = 0;  ///< how long the present error has lasted; 0 without one
+  double errorFor_s_ = 0;  ///< duration of the present error; 0 without one
   double staleFor_s_;      ///< age of the data: since the last fresh answer, or less if an answer says so
   GateCounts counts_;
 };

@@ -7,9 +7,9 @@
 namespace palpate {
 namespace {
 
-/// A tick that comes late must not make up for the lost time in one jump: the rise counts no more time than this.
+/// A late tick must not make up for the lost time in one jump: the rise counts at most this time.
 constexpr double kLongestRise_s = 0.002;
-/// Of the largest rise, while others change the surface: a Touch's whole force comes within 55 ms then.
+/// Share of the maximum rise while others change the surface: a Touch's whole force then takes 55 ms.
 constexpr double kChangingRise = 0.1;
 
 void checkForceOption(double value, const char* name, bool mayBeInfinite) {
@@ -22,9 +22,9 @@ void checkForceOption(double value, const char* name, bool mayBeInfinite) {
 ForceLaw::ForceLaw(const ForceOptions& options, const ModelScale& scale) : options_(options), scale_(scale) {
   checkForceOption(options.stiffness_N_per_mm, "stiffness (N/mm)", false);
   checkForceOption(options.damping_N_s_per_mm, "damping (N s/mm)", false);
-  checkForceOption(options.maxForce_N, "the largest force (N)", true);
-  checkForceOption(options.maxRise_N_per_s, "the largest rise of force (N/s)", true);
-  checkForceOption(options.maxSurfacePower_W, "the largest power of the surface (W)", true);
+  checkForceOption(options.maxForce_N, "the maximum force (N)", true);
+  checkForceOption(options.maxRise_N_per_s, "the maximum rise of force (N/s)", true);
+  checkForceOption(options.maxSurfacePower_W, "the maximum power of the surface (W)", true);
 }
 
 void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {
@@ -43,9 +43,8 @@ void ForceLaw::reset() noexcept {
 }
 
 // F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
-// backward difference, so it needs two ticks of contact. Where the surface moves, dx' is no faster than hand and
-// surface go, one against the other: what is faster comes of points that another frame has put in the place of the last
-// ones, and the damper has nothing to brake there.
+// backward difference, so it needs two ticks of contact. On a moving surface dx' is limited to the relative speed of
+// hand and surface: anything faster results from points that another frame has exchanged, and must not be damped.
 DVec3 ForceLaw::spring(const Contact& contact, const DVec3& hip, double dt_s, Rates& rates) const noexcept {
   const DVec3 stretch_mm = (contact.proxy - hip) * scale_.mm_per_unit;
   DVec3 rate_mm_per_s = rates.stretch.add(stretch_mm, dt_s);
@@ -85,14 +84,14 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
   }
 
   demand_N_ = glm::length(force_N);
-  // A surface only pushes. Friction hangs on the normal force, so without one the tangential part goes too.
+  // A surface only pushes. Friction depends on the normal force, so without one the tangential part is dropped, too.
   const auto pushes = [&](const DVec3& f) { return glm::dot(f, contact.normal) > 0; };
   const DVec3 result = pushes(force_N) ? limited(force_N, contact.velocity, dt_s) : DVec3(0);
   force_N_ = pushes(result) ? result : DVec3(0);
   return force_N_;
 }
 
-// A surface that ends under a loaded hand, or that nobody finds any more, is no reason for a knock.
+// A surface that ends under a loaded hand, or is not found any more, must not cause a knock.
 DVec3 ForceLaw::letGo(double dt_s) noexcept {
   const DVec3 before_N = force_N_;
   reset();
@@ -103,7 +102,7 @@ DVec3 ForceLaw::letGo(double dt_s) noexcept {
   return force_N_;
 }
 
-// Such a force may also pull, as what a ball carries along in matter does.
+// Such a force may also pull, as of matter that a ball carries along.
 DVec3 ForceLaw::given(const DVec3& force_N, const DVec3& velocity, double dt_s) noexcept {
   if (!isFinite(force_N) || !std::isfinite(dt_s)) {
     reset();
@@ -130,7 +129,7 @@ DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> point
     }
     const DVec3 force_N = point.share * spring(point.contact, point.hip, dt_s, pointRates_[i]);
     asked_N += force_N;
-    // What is no number goes on into the sum.
+    // NaN goes on into the sum.
     if (glm::dot(force_N, point.contact.normal) <= 0) continue;
     sum_N += force_N;
     torque_mNm += glm::cross(scale_.mm_per_unit * (point.hip - pose.hip), force_N);
@@ -154,10 +153,10 @@ DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_
   const double wanted_N = glm::length(target_N);
   if (!std::isfinite(wanted_N)) return DVec3(0);  // the squares overflowed
   double size_N = std::min(wanted_N, options_.maxForce_N);
-  const double power_W = glm::dot(target_N, scale_.mm_per_unit * velocity) * 1e-3;  // at the force that is wanted
+  const double power_W = glm::dot(target_N, scale_.mm_per_unit * velocity) * 1e-3;  // at the wanted force
   if (power_W > 0) size_N = std::min(size_N, wanted_N * options_.maxSurfacePower_W / power_W);
   const DVec3 clamped_N = wanted_N > 0 ? target_N * (size_N / wanted_N) : DVec3(0);
-  // The last force, shrunk to the new size if it was larger, is where the step begins: so a fall is free and a turn is
+  // The step begins at the last force, shrunk to the new size if it was larger: a decrease is immediate, a rotation is
   // not.
   const double last_N = glm::length(force_N_);
   const DVec3 from_N = last_N > size_N && !isLettingGo_ ? force_N_ * (size_N / last_N) : force_N_;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSmallestJump_mm = 1;  // encoder steps and late reads look fast from tick to tick
 
-/// The answer as it is, or, when it is a fault or holds numbers that are not finite, "nothing touched, not valid".
+/// The answer as it is, or, if it is a fault or has non-finite numbers, "nothing touched, not valid".
 Contact trusted(const Contact& contact, const DVec3& hip) {
   const bool sane = contact.valid && isFinite(contact.proxy) && isFinite(contact.normal) &&
                     isFinite(contact.velocity) && isFinite(contact.force_N.value_or(DVec3(0)));
@@ -32,8 +32,7 @@ Hand::Hand(HapticDevice& device, ForceLaw law, const HandOptions& options, doubl
   law_.limitTo(limits_.peakForce_N, limits_.mostStiffness_N_per_mm);
   law_.feelWith(toolPoints);
   if (passivityMode_ == PassivityMode::on && !limits_.handHeld)
-    throw UsageError("passivity on: the device '{}' yields to no force, so there is nothing to brake; observe it",
-                     device.name());
+    throw UsageError("passivity on: the device '{}' does not yield to forces; use observe", device.name());
 }
 
 std::string Hand::faultText() const {
@@ -137,8 +136,8 @@ DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, dou
   return force_N;
 }
 
-// A proxy that slides over a surface at rest goes along it; what it goes across is the way of the surface. Of an answer
-// from old data, whose force may be on its way out, that says nothing.
+// A proxy that slides over a static surface moves along it; its motion across it is that of the surface. An answer from
+// old data, whose force may be fading out, does not show this.
 DVec3 Hand::surfaceVelocity(bool isChanging, double dt_s) noexcept {
   if (!contact_.fresh) return contact_.velocity;
   const std::optional<DVec3> last =
@@ -147,7 +146,7 @@ DVec3 Hand::surfaceVelocity(bool isChanging, double dt_s) noexcept {
   return contact_.velocity + glm::dot(contact_.proxy - *last, contact_.normal) / dt_s * contact_.normal;
 }
 
-// Where the workspace is larger than the model, the spring is softer on the device by as much.
+// If the workspace is larger than the model, the spring is softer on the device by that factor.
 double Hand::springOfDevice_N_per_mm() const noexcept {
   return law_.options().stiffness_N_per_mm * law_.scale().mm_per_unit * options_.map.scale;
 }

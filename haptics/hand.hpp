@@ -1,4 +1,4 @@
-// One hand in a session: the device that it holds, and all that stands between the surface's answer and its force.
+// One hand in a session: its device, and all stages between the surface's answer and its force.
 #pragma once
 
 #include <atomic>
@@ -18,64 +18,64 @@
 namespace palpate {
 
 struct HandOptions {
-  WorkspaceMap map;                        ///< at first; the device's clutch moves it
-  std::optional<PassivityMode> passivity;  ///< unless set: on for a device in a hand, off for a script
+  WorkspaceMap map;                        ///< initial; the device's clutch moves it
+  std::optional<PassivityMode> passivity;  ///< default: on for a device in a hand, off for a script
 };
 
-/// What of a tick the answer does not say.
+/// Conditions of a tick that the answer does not contain.
 struct TickConditions {
   bool forcesOn = true;     ///< the user wants forces
   double known = 1;         ///< TickSigns::known
-  bool isChanging = false;  ///< ForceLaw::setChanging(); how far the surface moves then is somebody else's work
+  bool isChanging = false;  ///< ForceLaw::setChanging(); the motion of the surface is then the work of others
 };
 
-/// What a hand's session came to beside its rows.
+/// Results of a hand's session beside its rows.
 struct HandCounts {
   GateCounts withheld;
-  std::optional<double> leastEnergy_mJ;  ///< that the surface had ever taken in; see Passivity
+  std::optional<double> leastEnergy_mJ;  ///< minimum of the energy that the surface has taken in; see Passivity
 };
 
-/// In each tick, in this order: read(), feel(), write(), note().
+/// Per tick, in this order: read(), feel(), write(), note().
 class Hand {
  public:
-  /// The device outlives it. The force is limited to the device's peak. `toolPoints`: of what it touches with; 0 for
-  /// the HIP alone. Throws UsageError for a passivity controller on a device that yields to no force.
+  /// The device must outlive it. The force is limited to the device's peak. `toolPoints`: number of points of its tool;
+  /// 0 for the HIP alone. Throws UsageError for a passivity controller on a device that does not yield to forces.
   Hand(HapticDevice& device, ForceLaw law, const HandOptions& options, double rate_Hz, std::size_t toolPoints);
 
   HapticDevice& device() const noexcept { return *device_; }
-  /// The device's fault in words.
+  /// The device's fault, as a sentence.
   std::string faultText() const;
   HandCounts counts() const;
 
-  /// A session begins.
+  /// Starts a session.
   void begin();
 
-  /// Asks the device where it is. False when that failed.
+  /// Reads the device. False if that failed.
   bool read(double time_s) noexcept;
   const DeviceState& state() const noexcept { return state_; }
   const DVec3& hip() const noexcept { return hip_; }  ///< model units
-  /// It means to change what it touches.
+  /// Whether it is to change what it touches.
   bool sculpts() const noexcept;
 
-  /// The answer's force, to be written. `points`: of a tool.
+  /// Computes the force of an answer, to be written. `points`: of a tool.
   void feel(const Contact& answer, std::span<const PointContact> points, const Pose& pose, double dt_s,
             const TickConditions& conditions) noexcept;
-  /// False when the force did not reach the device.
+  /// False if the force did not reach the device.
   bool write() noexcept;
-  /// At the last tick.
+  /// Force at the last tick.
   const FeltForce& felt() const noexcept { return felt_; }
-  /// The device has, or gets, no force at this tick after all: another one failed.
+  /// Cancels the force of this tick: another device failed.
   void takeForceAway() noexcept;
-  /// What this tick was.
+  /// Records this tick.
   void note(TraceRow& row) const noexcept;
 
  private:
-  /// The force to write. A tool's torque goes with it: as much of it as of the force passes.
+  /// The force to write. A tool's torque is reduced in the same proportion as the force.
   DVec3 forceFor(std::span<const PointContact> points, const Pose& pose, double dt_s,
                  const TickConditions& conditions) noexcept;
-  /// Of the surface, model units per second, by itself or as others change it.
+  /// Velocity of the surface, model units per second, of its own motion or of changes by others.
   DVec3 surfaceVelocity(bool isChanging, double dt_s) noexcept;
-  /// Of the spring between hand and surface, by the way of the device.
+  /// Stiffness of the spring between hand and surface, per displacement of the device.
   double springOfDevice_N_per_mm() const noexcept;
   /// Whether the device moved faster than a hand can since the last tick.
   bool hasJumped(const DVec3& position, double dt_s) noexcept;
@@ -90,9 +90,9 @@ class Hand {
   ForceGate gate_;
   Clutch clutch_;
   std::optional<DVec3> lastPosition_;  ///< of the device, in its own unit
-  std::optional<DVec3> lastProxy_;     ///< where a point touched, by a fresh answer
+  std::optional<DVec3> lastProxy_;     ///< of the last fresh answer, if it touched
 
-  // Of this tick.
+  // State of this tick.
   DeviceState state_;
   DVec3 hip_{0};
   Contact contact_;

@@ -10,7 +10,7 @@ namespace {
 constexpr double kFull_s = 1, kAgeFade_s = 1;
 constexpr double kRoundTrips = 2.5;
 constexpr double kLongestTrip_s = 2, kUnknownTrip_s = 1;
-/// From when a change is offered until the force that it ends in has risen (ForceLaw::setChanging()).
+/// From the offer of a change until its force has risen (ForceLaw::setChanging()).
 constexpr double kChanging_s = 0.1;
 
 double seconds(InformationAge::Clock::rep ticks) {
@@ -36,7 +36,7 @@ double shareAt(double age_s, const AgeLimits& limits) noexcept {
 
 void InformationAge::heard(Clock::time_point now) noexcept {
   const auto ago = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(tripOf(roundTrip_s_) / 2));
-  // A round trip that seems longer than before makes nothing older that is known already.
+  // A round trip longer than before does not make known information older.
   said_ = std::max(said_.load(), (now - ago).time_since_epoch().count());
 }
 

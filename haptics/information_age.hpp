@@ -1,4 +1,4 @@
-// How old what is known of a cloud that others change, too, may be, and how much of a force it still bears.
+// Age of the information about a cloud that others change, too, and how much of a force it permits.
 #pragma once
 
 #include <atomic>
@@ -14,31 +14,30 @@ struct AgeLimits {
   double gone_s = 0;  ///< and none from here on
 };
 
-/// One second and two and a half round trips are full: who serves a cloud is heard twice a second, half a round trip
-/// after it has spoken; what is lost on the way comes a round trip later, and, where that is lost, too, another one.
-/// The force is gone a second after that. A round trip counts two seconds at most, and one where it is no number.
+/// The whole force up to 1 s plus 2.5 round trips: a server is heard twice a second, half a round trip after it sends;
+/// a lost message is received a round trip later, or two if it is lost again. No force one second after that. A round
+/// trip counts at most two seconds, and one second if it is not a number.
 AgeLimits ageLimits(double roundTrip_s) noexcept;
 
-/// The share of a force that knowledge of that age bears: whole, then evenly less, then nothing. Nothing where the age
-/// is no number.
+/// Share of a force at that age: 1, then linearly less, then 0. Also 0 if the age is not a number.
 double shareAt(double age_s, const AgeLimits& limits) noexcept;
 
-/// The age of what is known: the time since what was heard last was said. One thread hears, and any other one asks, at
-/// each tick: a thread that hangs grows old like a link that does.
+/// Age of the information: the time since the last received message was sent. One thread receives; any other thread
+/// queries it at each tick, so that a hung thread ages it as a broken link does.
 class InformationAge {
  public:
   using Clock = Stopwatch::Clock;
 
-  /// As of now all is known, and a round trip takes a second until somebody knows better.
+  /// Starts with current information; a round trip counts one second until one is measured.
   explicit InformationAge(Clock::time_point now = Clock::now()) noexcept : said_(now.time_since_epoch().count()) {}
 
-  // For the thread that hears.
-  /// Of who serves the cloud: what is heard was said half a round trip ago.
+  // For the thread that receives.
+  /// A message of the server was received: it was sent half a round trip ago.
   void heard(Clock::time_point now = Clock::now()) noexcept;
   void setRoundTrip(double roundTrip_s) noexcept { roundTrip_s_ = roundTrip_s; }
   /// Others are changing the surface that the hand touches.
   void changed(Clock::time_point now = Clock::now()) noexcept { changed_ = now.time_since_epoch().count(); }
-  /// For good: no force any more.
+  /// Permanently: no force any more.
   void fail() noexcept { isTrue_ = false; }
 
   // For any thread.
@@ -47,7 +46,7 @@ class InformationAge {
   double share(Clock::time_point now = Clock::now()) const noexcept { return shareAt(age_s(now), limits()); }
   /// False after fail().
   bool isTrue() const noexcept { return isTrue_; }
-  /// Whether others have changed what the hand touches within the last moment.
+  /// Whether others have just changed what the hand touches.
   bool isChanging(Clock::time_point now = Clock::now()) const noexcept;
 
  private:

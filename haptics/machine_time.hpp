@@ -1,4 +1,4 @@
-// The clock of each system that never goes back, and its finest wait.
+// Each system's monotonic clock, and its finest wait.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 namespace palpate {
 
 std::int64_t machineTime_ns() noexcept;
-/// The time may have passed already; on return it has.
+/// Waits until that time; returns at once if it has passed.
 void waitUntilMachineTime_ns(std::int64_t time_ns) noexcept;
 
 }  // namespace palpate

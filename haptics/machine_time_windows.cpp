@@ -7,9 +7,9 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kTimerUnit_ns = 100;
-constexpr DWORD kHighResolution = 0x2;  // CREATE_WAITABLE_TIMER_HIGH_RESOLUTION, which headers of 2017 have not
+constexpr DWORD kHighResolution = 0x2;  // CREATE_WAITABLE_TIMER_HIGH_RESOLUTION, missing in headers of 2017
 
-/// Of the finest kind that the system has; a thread needs one for itself.
+/// The finest timer of the system; each thread needs its own.
 class Timer {
  public:
   Timer() noexcept : handle_(::CreateWaitableTimerExW(nullptr, nullptr, kHighResolution, TIMER_ALL_ACCESS)) {
@@ -21,10 +21,10 @@ class Timer {
   Timer(const Timer&) = delete;
   Timer& operator=(const Timer&) = delete;
 
-  /// False: it cannot.
+  /// False on failure.
   bool waitFor(std::int64_t time_ns) const noexcept {
     LARGE_INTEGER due;
-    due.QuadPart = -(time_ns / kTimerUnit_ns);  // negative: from now on
+    due.QuadPart = -(time_ns / kTimerUnit_ns);  // negative: relative to now
     return handle_ && ::SetWaitableTimer(handle_, &due, 0, nullptr, nullptr, FALSE) &&
            ::WaitForSingleObject(handle_, INFINITE) == WAIT_OBJECT_0;
   }

@@ -7,16 +7,16 @@
 namespace palpate {
 namespace {
 
-/// How fast what was held back comes again: as what others change does (ForceLaw::setChanging()).
+/// Rate at which a limited force returns: as for changes of others (ForceLaw::setChanging()).
 constexpr double kReturn_N_per_s = 60;
-/// Where all is given, nothing is taken in either, since nothing pushes back. So a hand that sinks in, farther than
-/// encoders flicker, gets a little to press against, which may cost a little.
+/// If no energy is left, none is taken in either, since nothing resists the hand. So a hand that sinks in, farther than
+/// the noise of encoders, gets a small force to press against, at a small cost.
 constexpr double kSinks_mm = 0.1, kBeginning_N = 0.05;
-/// A law of another program's may come without a spring.
+/// A custom law may have no spring.
 constexpr double kSoftest_N_per_mm = 0.05;
-/// As the hand of somebody who draws back from what is hot, and faster than one that strokes or explores.
+/// Speed of a hand that withdraws from something hot, faster than one that strokes or explores.
 constexpr double kFast_mm_per_s = 200;
-/// Until the force acts it may be pushed on by so much, or go on getting faster for so long.
+/// Until the force acts, it may speed up the hand by this factor, or the hand may keep accelerating for this long.
 constexpr double kFaster = 1.25, kAhead_ticks = 2;
 
 }  // namespace
@@ -27,8 +27,8 @@ Passivity::Passivity(PassivityMode mode, const DeviceLimits& limits, double stif
       mostDamping_N_s_per_mm_(limits.mostDamping_N_s_per_mm),
       delay_(static_cast<std::size_t>(std::clamp(limits.forceDelay_ticks, 0, static_cast<int>(kMaxDelay)))) {}
 
-// Under a zero-order hold the energy between two reads is exactly the held force times the way between them, whatever
-// the velocity did in between (Stramigioli et al. 2005), so no velocity has to be estimated to observe it.
+// Under a zero-order hold the energy between two reads is exactly the held force times the displacement between them,
+// whatever the velocity in between (Stramigioli et al. 2005), so the observer needs no estimate of a velocity.
 DVec3 Passivity::damped(const DVec3& wanted_N, const DVec3& position_mm, double dt_s,
                         const DVec3& surface_mm_per_s) noexcept {
   if (mode_ == PassivityMode::off || !isFinite(position_mm)) return wanted_N;
@@ -36,24 +36,25 @@ DVec3 Passivity::damped(const DVec3& wanted_N, const DVec3& position_mm, double 
   const DVec3 way_mm = known_ ? position_mm - position_mm_ - dt_s * surface_mm_per_s : DVec3(0);
   position_mm_ = position_mm;
   known_ = true;
-  energy_mJ_ -= glm::dot(forces_N_[delay_], way_mm);  // the force on the hand, so a push outwards costs
+  energy_mJ_ -= glm::dot(forces_N_[delay_], way_mm);  // the force acts on the hand, so a push outwards costs energy
   leastEnergy_mJ_ = std::min(leastEnergy_mJ_, energy_mJ_);
   const DVec3 lastWay_mm = std::exchange(lastWay_mm_, way_mm);
   if (mode_ == PassivityMode::observe || !(dt_s > 0)) return wanted_N;
-  if (!isWanted_) return wanted_N;  // free space is free, whatever is owed
+  if (!isWanted_) return wanted_N;  // free space stays free, whatever the deficit
   if (isLending_) return lent(wanted_N, way_mm, dt_s);
   return withinMeans(braked(wanted_N, way_mm, dt_s), way_mm, way_mm - lastWay_mm, dt_s);
 }
 
-// Of what was taken in, what forces on their way to the motors leave if the hand keeps its velocity.
+// The remaining energy after the forces in flight to the motors, if the hand keeps its velocity.
 double Passivity::leftAlong_mJ(const DVec3& way_mm) const noexcept {
   double left_mJ = energy_mJ_;
   for (std::size_t i = 0; i < delay_; ++i) left_mJ -= std::max(0.0, glm::dot(forces_N_[i], way_mm));
   return left_mJ;
 }
 
-// In its last tick in the surface a hand at 1 m/s gets the force of a millimetre more than it has: some mJ that it has
-// not put in, and no damper gets them back in free space. A slow one gets next to none, and is left to the damper.
+// In its last tick in the surface a hand at 1 m/s gets the force of a depth that is a millimetre too large: some mJ
+// that it has not put in, and no damper gets them back in free space. For a slow hand this is negligible, and left to
+// the damper.
 DVec3 Passivity::withinMeans(const DVec3& force_N, const DVec3& way_mm, const DVec3& change_mm,
                              double dt_s) const noexcept {
   DVec3 next_mm = way_mm + kAhead_ticks * change_mm;
@@ -66,7 +67,7 @@ DVec3 Passivity::withinMeans(const DVec3& force_N, const DVec3& way_mm, const DV
   return size_N > most_N ? most_N / size_N * force_N : force_N;
 }
 
-// alpha = -E / (dt v^2) gives the debt back within a tick if the hand keeps its velocity.
+// alpha = -E / (dt v^2) recovers the deficit within a tick if the hand keeps its velocity.
 DVec3 Passivity::braked(const DVec3& wanted_N, const DVec3& way_mm, double dt_s) const noexcept {
   const double way2_mm2 = glm::dot(way_mm, way_mm);
   if (energy_mJ_ >= 0 || !(way2_mm2 > 0)) return wanted_N;
@@ -77,9 +78,8 @@ DVec3 Passivity::braked(const DVec3& wanted_N, const DVec3& way_mm, double dt_s)
   return wanted_N - alpha_N_s_per_mm * velocity_mm_per_s;
 }
 
-// A spring of this stiffness that holds the energy E pushes with sqrt(2 k E), and gives just E as it lets go (the
-// energy tank of Franken et al. 2011, emptied by a spring). Within that, what is on its way to the motors has its share
-// already.
+// A spring of this stiffness that stores the energy E pushes with sqrt(2 k E), and gives exactly E as it relaxes (the
+// energy tank of Franken et al. 2011, emptied by a spring). Forces in flight to the motors are already deducted.
 DVec3 Passivity::lent(const DVec3& force_N, const DVec3& way_mm, double dt_s) noexcept {
   const double left_mJ = leftAlong_mJ(way_mm) + kLent_mJ;
   const double size_N = glm::length(force_N), inwards_mm = -glm::dot(force_N, way_mm) / size_N;
@@ -95,7 +95,7 @@ void Passivity::acted(const DVec3& force_N) noexcept {
   std::shift_right(forces_N_.begin(), forces_N_.end(), 1);
   forces_N_[0] = force_N;
   const auto isGone = [](const DVec3& force) { return force == DVec3(0); };
-  // A force that is held back is still there: its contact has not ended.
+  // A limited force still acts: its contact has not ended.
   if (isLending_ && isWanted_) return;
   if (std::all_of(forces_N_.begin(), forces_N_.begin() + static_cast<std::ptrdiff_t>(delay_) + 1, isGone)) end();
 }

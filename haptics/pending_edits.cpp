@@ -36,7 +36,7 @@ void append(EditBatch& edits, const EditBatch& more) {
 void PendingEdits::add(const EditBatch& edits) {
   const std::scoped_lock hold(lock_);
   append(edits_, edits);
-  // Merged at most once for as many states as there may be, so that it stays cheap where all are of different points.
+  // Merged at most once per kMaxStates new states, so that it stays cheap if all are of different points.
   if (edits_.points.size() - least_ < kMaxStates) return;
   merged_ += mergeEdits(edits_);
   least_ = edits_.points.size();

@@ -6,19 +6,19 @@
 
 namespace palpate {
 
-/// Keeps of each stretch between marks the last state of each point. Says how many states went.
+/// Keeps only the last state of each point between two marks. Returns the number of dropped states.
 std::uint64_t mergeEdits(EditBatch& edits);
-/// Adds `more` behind `edits`.
+/// Appends `more` to `edits`.
 void append(EditBatch& edits, const EditBatch& more);
 
-/// Edits that wait to be written, from one thread to another. Where too many wait, only the last state of each point in
-/// each stroke is kept of them.
+/// Edits that wait to be written, from one thread to another. If too many wait, only the last state of each point in
+/// each stroke is kept.
 class PendingEdits {
  public:
   void add(const EditBatch& edits);
-  /// States that wait.
+  /// Number of waiting states.
   std::size_t size() const;
-  /// Takes all that waits into `edits`, which is empty. Returns how many states had given way to later ones.
+  /// Moves all waiting edits to `edits`, which must be empty. Returns the number of superseded states.
   std::uint64_t take(EditBatch& edits);
 
  private:
@@ -27,7 +27,7 @@ class PendingEdits {
   mutable std::mutex lock_;
   EditBatch edits_;
   std::uint64_t merged_ = 0;
-  std::size_t least_ = 0;  // what merging left
+  std::size_t least_ = 0;  // size after the last merge
 };
 
 }  // namespace palpate

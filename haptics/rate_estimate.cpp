@@ -3,7 +3,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kWindow_s = 0.001 * (1 - 1e-6);  // whole ticks of times that are not exact in binary
+constexpr double kWindow_s = 0.001 * (1 - 1e-6);  // tolerance for whole ticks of times that are not exact in binary
 
 }  // namespace
 

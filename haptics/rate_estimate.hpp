@@ -1,4 +1,4 @@
-// How fast something changes, from samples that come in steps.
+// Rate of change of a value, from samples in steps.
 #pragma once
 
 #include <array>
@@ -8,12 +8,11 @@
 
 namespace palpate {
 
-/// A backward difference over the last tick, or over as many ticks as it takes to span a millisecond: an encoder step
-/// of 55 um looks like 55 mm/s over a millisecond, but like 550 mm/s over a tick of 10 kHz, which a damper would turn
-/// into knocks.
+/// A backward difference over the last tick, or over enough ticks to span a millisecond: an encoder step of 55 um looks
+/// like 55 mm/s over a millisecond, but like 550 mm/s over a tick of 10 kHz, which a damper would turn into knocks.
 class RateEstimate {
  public:
-  /// The rate of change per second up to `value`, which comes `dt_s` after the one before; zero for the first.
+  /// The rate of change per second up to `value`, `dt_s` after the previous one; zero for the first.
   DVec3 add(const DVec3& value, double dt_s) noexcept;
 
   void reset() noexcept { count_ = 0; }
@@ -25,7 +24,7 @@ class RateEstimate {
 
   struct Sample {
     DVec3 value;
-    double dt_s;  ///< since the one before
+    double dt_s;  ///< since the previous one
   };
   std::array<Sample, kMax + 1> samples_{};
   std::size_t newest_ = 0, count_ = 0;

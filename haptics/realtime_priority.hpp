@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// Asks for the scheduling of work that cannot wait and for the finest timer, for the calling thread, and gives its old
-/// scheduling back when it goes. Destroy it on the thread that made it.
+/// Requests real-time scheduling and the finest timer for the calling thread; the destructor restores its former
+/// scheduling. Destroy it on the thread that created it.
 class RealtimePriority {
  public:
   RealtimePriority() noexcept;
@@ -13,18 +13,18 @@ class RealtimePriority {
   RealtimePriority(const RealtimePriority&) = delete;
   RealtimePriority& operator=(const RealtimePriority&) = delete;
 
-  /// False when the machine does not let this user have it; ticks then come as the normal scheduler likes.
+  /// False if the machine does not grant it to this user; ticks then depend on the normal scheduler.
   bool granted() const { return granted_; }
 
-  /// How late a thread that has it is woken, as a rule.
+  /// Typical wake-up latency of a thread that has it.
   static std::int64_t wakesWithin_ns() noexcept;
 
  private:
-  // As it was before.
+  // The former scheduling.
   struct Scheduling {
     int policy = 0, priority = 0;
     int slack_ns = 0;      ///< how late the system may wake the thread to save wake-ups
-    void* task = nullptr;  ///< as which it is known to the system's own scheduler of sound
+    void* task = nullptr;  ///< handle of the system's multimedia scheduler
   };
   Scheduling before_;
   bool granted_ = false;

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-// The multimedia scheduler lifts a thread above what an ordinary program may ask for; where its service does not run,
-// the highest of the ordinary priorities remains. The system's timer is at its finest meanwhile.
+// The multimedia scheduler raises a thread above what an ordinary program may request; if its service does not run, the
+// highest ordinary priority remains. Meanwhile the system's timer has its finest resolution.
 RealtimePriority::RealtimePriority() noexcept {
   ::timeBeginPeriod(1);
   DWORD index = 0;
@@ -24,7 +24,7 @@ RealtimePriority::~RealtimePriority() {
   ::timeEndPeriod(1);
 }
 
-// Its timers come every half millisecond at best.
+// Its timers have a resolution of half a millisecond at best.
 std::int64_t RealtimePriority::wakesWithin_ns() noexcept { return 1'000'000; }
 
 }  // namespace palpate

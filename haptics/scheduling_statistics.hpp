@@ -1,22 +1,22 @@
-// What the kernel took from a thread that should have run.
+// How often the kernel preempted a thread, and how long the thread waited for a core.
 #pragma once
 
 #include <cstdint>
 
 namespace palpate {
 
-/// Counted since the thread began. Zero what the kernel does not tell.
+/// Counted since the thread began. Zero if the kernel does not report it.
 struct SchedulingStatistics {
   std::uint64_t preemptions = 0;  ///< times its core was given to another thread
   std::uint64_t pageFaults = 0;
-  double waited_us = 0;  ///< in all, ready to run and without a core
+  double waited_us = 0;  ///< in total, ready to run and without a core
 
   SchedulingStatistics operator-(const SchedulingStatistics& before) const noexcept {
     return {preemptions - before.preemptions, pageFaults - before.pageFaults, waited_us - before.waited_us};
   }
 };
 
-/// Of the calling thread. Takes some microseconds; allocates nothing.
+/// For the calling thread. Takes some microseconds; does not allocate.
 SchedulingStatistics schedulingOfThisThread() noexcept;
 
 }  // namespace palpate

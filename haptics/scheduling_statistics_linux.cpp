@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// "ran_ns waited_ns slices"; 0 where the kernel keeps no such account.
+/// "ran_ns waited_ns slices"; 0 if the kernel does not record it.
 double waited_us() noexcept {
   char text[96];
   const int file = ::open("/proc/thread-self/schedstat", O_RDONLY | O_CLOEXEC);

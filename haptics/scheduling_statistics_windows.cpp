@@ -2,7 +2,7 @@
 
 namespace palpate {
 
-// Windows counts such things for whole processes alone.
+// Windows counts these for whole processes only.
 SchedulingStatistics schedulingOfThisThread() noexcept { return {}; }
 
 }  // namespace palpate

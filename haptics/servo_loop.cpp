@@ -29,8 +29,7 @@ class ZeroForceAtExit {
 std::uint64_t ticksFor(const ServoOptions& options) {
   const std::uint64_t planned = plannedTicks(options.rate_Hz, options.endless ? 0 : options.duration_s);
   if (!options.endless) return planned;
-  if (!options.realtime || !options.stop)
-    throw UsageError("only a session against the wall clock that can be stopped is endless");
+  if (!options.realtime || !options.stop) throw UsageError("an endless session requires real time and a stop flag");
   return std::numeric_limits<std::uint64_t>::max();
 }
 
@@ -39,7 +38,7 @@ std::uint64_t ticksFor(const ServoOptions& options) {
 ServoLoop::ServoLoop(ContactQuery& query, const std::vector<SessionHand>& hands, const ServoOptions& options)
     : query_(query), options_(options), plannedTicks_(ticksFor(options)), poses_(hands.size()) {
   if (hands.empty() || hands.size() != query.hands())
-    throw UsageError("a session of {} hands, and what answers them knows {}", hands.size(), query.hands());
+    throw UsageError("a session of {} hands, and a back end for {}", hands.size(), query.hands());
   hands_.reserve(hands.size());
   for (const SessionHand& hand : hands) {
     if (options.realtime && !hands_.empty() && hand.device.paces())
@@ -59,8 +58,7 @@ ServoResult ServoLoop::run(const TickObserver& observer) {
     Trace& trace = result.hands[i].trace;
     trace.virtualTime = !options_.realtime;
     trace.torques = !query_.points(i).empty();
-    trace.rows.resize(options_.endless ? 1
-                                       : plannedTicks_);  // written here, so that no tick waits for a page of memory
+    trace.rows.resize(options_.endless ? 1 : plannedTicks_);  // written here, so that no tick causes a page fault
     hands_[i].begin();
   }
   failed_ = nullptr;
@@ -76,7 +74,7 @@ ServoResult ServoLoop::run(const TickObserver& observer) {
 
 std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
   std::list<CrashStop> crashes;
-  for (const Hand& hand : hands_)  // a script has nobody to protect, and leaves the program's signals alone
+  for (const Hand& hand : hands_)  // a script needs no protection, and leaves the program's signals alone
     if (hand.device().limits().handHeld) crashes.emplace_back(hand.device());
   if (!options_.realtime) return playAtOnce(observer, result);
   return hands_.front().device().paces() ? playByDevice(result) : playByClock(result);
@@ -89,7 +87,7 @@ bool ServoLoop::isOver(std::uint64_t index) const noexcept {
 bool ServoLoop::next(std::uint64_t index, double budget_us, Progress& progress, ServoResult& result) noexcept {
   const double time_s = options_.begin_s + static_cast<double>(index) / options_.rate_Hz;
   const std::size_t place = options_.endless ? 0 : progress.done;
-  if (place > 0)  // where the hands were last, should a device fail now
+  if (place > 0)  // last positions of the hands, in case a device fails now
     for (HandResult& hand : result.hands) hand.trace.rows[place].hip = hand.trace.rows[place - 1].hip;
   const double lastTime_s = progress.lastTime_s.value_or(time_s - 1 / options_.rate_Hz);
   const Tick how = tick(time_s, time_s - lastTime_s, budget_us, place, result);
@@ -122,7 +120,7 @@ std::size_t ServoLoop::playByClock(ServoResult& result) {
   result.realtimePriority = priority && priority->granted();
   const TickPacer pacer(options_.rate_Hz, result.realtimePriority, options_.clock);
   const SchedulingStatistics before = schedulingOfThisThread();
-  const ZeroForceAtExit zero(hands_);  // goes first, still under the raised priority
+  const ZeroForceAtExit zero(hands_);  // destroyed first, still under the raised priority
   Progress progress;
   for (std::uint64_t index = 0; !isOver(index); ++index) {
     const std::uint64_t due = std::min(pacer.waitFor(index), plannedTicks_);
@@ -140,11 +138,11 @@ std::size_t ServoLoop::playByDevice(ServoResult& result) {
   const ZeroForceAtExit zero(hands_);
   Progress progress;
   result.pacedByDevice = true;
-  std::optional<TickPacer> pacer;  // begins with the device's first tick
+  std::optional<TickPacer> pacer;  // starts with the device's first tick
   std::uint64_t index = 0;
   const bool cameToEnd = hands_.front().device().pace(options_.rate_Hz, [&]() noexcept {
     if (!pacer) pacer.emplace(options_.rate_Hz, false, options_.clock);
-    // The device's pace wavers and is not quite that of our clock: only what is late by more than a tick is missed.
+    // The device's pace varies and differs from our clock's: only a tick that is late by more than a period is missed.
     const std::uint64_t due = std::min(std::max(index, pacer->passed()), plannedTicks_);
     if (isOver(due)) return false;
     result.hands.front().trace.missedTicks += due - index;
@@ -203,7 +201,7 @@ TickConditions ServoLoop::conditionsNow() const noexcept {
 }
 
 bool ServoLoop::readAll(double time_s) noexcept {
-  // All in any case: a device whose frame a read begins ends it with a write.
+  // Reads all in any case: a device whose read begins a frame ends it with a write.
   const Hand* failing = nullptr;
   for (Hand& hand : hands_)
     if (!hand.read(time_s) && !failing) failing = &hand;
@@ -218,7 +216,7 @@ bool ServoLoop::writeAll() noexcept {
 
 bool ServoLoop::failedAt(const Hand& hand) noexcept {
   failed_ = &hand;
-  if (hands_.size() == 1) return false;  // whose force goes as the session ends
+  if (hands_.size() == 1) return false;  // its force ends with the session
   for (Hand& each : hands_) each.takeForceAway();
   return false;
 }

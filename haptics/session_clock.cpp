@@ -19,7 +19,7 @@ class MachineClock final : public SessionClock {
 }  // namespace
 
 SessionClock& machineClock() noexcept {
-  // It is never destroyed: the thread of a driver that nobody stopped still asks it while the process exits.
+  // Never destroyed: the thread of a driver that was not stopped still uses it while the process exits.
   alignas(MachineClock) static std::byte place[sizeof(MachineClock)];
   static auto& theMachines = *new (place) MachineClock;
   return theMachines;
@@ -42,7 +42,7 @@ void SteppedClock::waitUntil_ns(std::int64_t time_ns) noexcept {
 void SteppedClock::hold() noexcept {
   const std::scoped_lock lock(guard_);
   held_ = ticks_ = true;
-  now_ns_ = std::max(now_ns_, limit_ns_);  // what passed while nobody ticked is not made up for
+  now_ns_ = std::max(now_ns_, limit_ns_);  // time without ticks is not made up for
 }
 
 void SteppedClock::leave() noexcept {

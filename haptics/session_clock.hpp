@@ -1,4 +1,4 @@
-// What time it is for a session in real time, and how its servo thread waits for a tick.
+// The clock of a session in real time, and how its servo thread waits for a tick.
 #pragma once
 
 #include <condition_variable>
@@ -15,23 +15,23 @@ class SessionClock {
   virtual void waitUntil_ns(std::int64_t time_ns) noexcept = 0;
 };
 
-/// The machine's, which never goes back. It has no state: one serves everybody.
+/// The machine's monotonic clock. Stateless: one instance serves all.
 SessionClock& machineClock() noexcept;
 
-/// Stands still while a tick runs, however long that takes, and goes on while the session waits for the next one: at
-/// once where it is let go, as it is at first, and else as far as another thread says. So a session does the same on
+/// Stands still during a tick, however long that takes, and advances while the session waits for the next one: at once
+/// while it is let go, as it is initially, otherwise as far as another thread permits. So a session does the same on
 /// the slowest machine. One session at a time.
 class SteppedClock final : public SessionClock {
  public:
   std::int64_t now_ns() const noexcept override;
   void waitUntil_ns(std::int64_t time_ns) noexcept override;
 
-  /// A session begins to tick, held where the clock was held last; it has left when it ticks no more.
+  /// A session starts ticking, held where the clock was held last; leave(): it no longer ticks.
   void hold() noexcept;
   void leave() noexcept;
-  /// Nobody is held any more, for a session that is to end.
+  /// No session is held any more, so that it can end.
   void letGo() noexcept;
-  /// Lets the session go on to `time_s`; returns when it has done all ticks until then, or has left.
+  /// Lets the session advance to `time_s`; returns when it has done all ticks until then, or has left.
   void goOnTo(double time_s) noexcept;
 
  private:

@@ -18,7 +18,7 @@ using session_file::Block;
 using session_file::Header;
 using session_file::Mark;
 
-/// Reads pieces of a file of known size; a piece that is not whole leaves nothing behind.
+/// Reads pieces of a file of known size; an incomplete piece appends nothing.
 class Source {
  public:
   explicit Source(const std::filesystem::path& file) : in_(file, std::ios::binary) {
@@ -40,7 +40,7 @@ class Source {
   bool take(T& value) {
     return take(std::as_writable_bytes(std::span(&value, 1)));
   }
-  /// Appends `count` values: memory is taken for what is really there.
+  /// Appends `count` values; allocates only for data that exist.
   template <class T>
   bool append(std::vector<T>& values, std::uint64_t count) {
     if (count > left() / sizeof(T)) return false;
@@ -55,7 +55,7 @@ class Source {
     return in_.good();
   }
 
-  /// Goes to where `what` stands next, from `from` on; false, and at the end, where it does not.
+  /// Goes to the next occurrence of `what` from `from` on; if there is none, returns false and is at the end.
   bool find(std::string_view what, std::uint64_t from) {
     constexpr std::size_t kPiece = 1 << 16;
     for (std::string piece; from + what.size() <= size_; from += piece.size() - what.size() + 1) {
@@ -87,7 +87,7 @@ void addFrom(Checksum& sum, const std::vector<T>& values, std::size_t first) {
   sum.add(std::as_bytes(std::span(values).subspan(first)));
 }
 
-/// Reads a log front to back; after what cannot be read it goes on with the next whole block.
+/// Reads a log front to back; after an unreadable part it continues with the next complete block.
 class LogReader {
  public:
   explicit LogReader(const std::filesystem::path& file) : file_(file), source_(file) {}
@@ -121,7 +121,7 @@ class LogReader {
   Source source_;
   SessionRecord record_;
   std::uint32_t version_ = 0, next_ = 0;  // number of the next block
-  Before before_, sofar_;                 // the one of the block that is read, and what the whole ones account for
+  Before before_, sofar_;                 // counts before the current block, and counts of the complete ones
 };
 
 bool LogReader::isWholeHeader(Header& header) {
@@ -137,7 +137,7 @@ bool LogReader::isWholeHeader(Header& header) {
   return whole && record_.text.size() == header.textBytes && sum.value() == checksum;
 }
 
-// Where the first one is damaged the second one counts.
+// If the first header is damaged, the second one is used.
 void LogReader::readHeader() {
   const std::string_view magic(session_file::kMagic.data(), session_file::kMagic.size());
   Header first, header;
@@ -152,11 +152,13 @@ void LogReader::readHeader() {
   }
   version_ = header.version;
   if (whole) return;
-  if (!isThere) throw FileError(file_, "is no session log; record a session to get one");
+  if (!isThere) throw FileError(file_, "is not a session log; record a session to get one");
   if (first.version < session_file::kOldestVersion || first.version > session_file::kVersion)
-    throw FileError(file_, fmt::format("is a session log of version {}, and this palpate reads versions {} to {}; take "
-                                       "the palpate that wrote it",
-                                       first.version, session_file::kOldestVersion, session_file::kVersion));
+    throw FileError(
+        file_,
+        fmt::format(
+            "is a session log of version {}, and this palpate reads versions {} to {}; use the palpate that wrote it",
+            first.version, session_file::kOldestVersion, session_file::kVersion));
   throw FileError::atByte(file_, sizeof(Header), "the header of the session log is damaged; nothing can be read");
 }
 
@@ -196,7 +198,7 @@ void LogReader::noteGap(std::uint64_t begin, const Block& block) {
   record_.gaps.push_back(gap);
 }
 
-/// False, and the record as it was, for a block that is torn or damaged.
+/// False, with the record unchanged, for a block that is torn or damaged.
 bool LogReader::readBlock() {
   const std::uint64_t begin = source_.at();
   const std::size_t ticks = record_.ticks.size(), states = record_.edits.points.size();
@@ -226,7 +228,7 @@ std::string lastBefore(const SessionRecord& record, std::size_t tick) {
 std::string sentenceOf(const SessionRecord& record, const LogGap& gap) {
   const std::string from = lastBefore(record, gap.tick);
   if (gap.end == record.fileBytes && gap.begin == record.wholeBytes)
-    return fmt::format("it is torn at byte {} of {}; what came after {} is missing", gap.begin, gap.end, from);
+    return fmt::format("it is truncated at byte {} of {}; everything after {} is missing", gap.begin, gap.end, from);
   const std::string when = gap.tick < record.ticks.size()
                                ? fmt::format("between {} and {:.3f} s", from, record.ticks[gap.tick].time_s)
                                : "after " + from;
@@ -251,7 +253,7 @@ std::vector<std::string> whatIsMissing(const SessionRecord& record) {
   std::vector<std::string> sentences;
   for (const LogGap& gap : record.gaps) sentences.push_back(sentenceOf(record, gap));
   if (!record.end && record.wholeBytes == record.fileBytes)
-    sentences.push_back(fmt::format("it ends at byte {} without the session's end; what came after {} is missing",
+    sentences.push_back(fmt::format("it ends at byte {} without the session's end; everything after {} is missing",
                                     record.fileBytes, lastBefore(record, record.ticks.size())));
   return sentences;
 }

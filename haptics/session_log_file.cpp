@@ -81,8 +81,8 @@ void SessionLogFile::close() {
   const std::string missing =
       unwrittenTicks_ + unwrittenEdits_ > 0
           ? fmt::format("{} ticks and {} edits of points are missing in it", unwrittenTicks_, unwrittenEdits_)
-          : "what is in it may not be on the disk";
-  throw FileError(file_, fmt::format("{} ({}; the session went on)", failure_, missing));
+          : "its content may not be on the disk";
+  throw FileError(file_, fmt::format("{} ({}; the session continued)", failure_, missing));
 }
 
 void SessionLogFile::takeBackTorn() {
@@ -93,7 +93,7 @@ void SessionLogFile::fail(int error) {
   if (!failure_.empty()) return;
   failure_ = whyNotWritten(error);
   if (onFailure_)
-    onFailure_(fmt::format("{}: {}; the session goes on, and what cannot be written is missing in its log",
+    onFailure_(fmt::format("{}: {}; the session continues, and data that cannot be written are missing in its log",
                            file_.string(), failure_));
 }
 

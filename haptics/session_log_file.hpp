@@ -8,12 +8,12 @@
 
 namespace palpate {
 
-/// The file of a session log while it is written: its header, and block after block. What cannot be written is left out
-/// and counted, and what comes later is written again once it can be. For one thread at a time.
+/// The file of a session log while it is written: its header, and block after block. Data that cannot be written are
+/// dropped and counted; later data are written again once that is possible. Not thread-safe.
 class SessionLogFile {
  public:
-  /// `text`: of the header. `onFailure` is called once, at the first failure, with a sentence for a person. Throws
-  /// FileError when the file cannot be made.
+  /// `text`: of the header. `onFailure` is called once, at the first failure, with a message for the user. Throws
+  /// FileError if the file cannot be created.
   SessionLogFile(std::filesystem::path file, std::string text, std::function<void(const std::string&)> onFailure);
 
   struct Content {
@@ -24,9 +24,9 @@ class SessionLogFile {
     const SessionEnd* end = nullptr;
   };
   void append(const Content& content);
-  /// Brings what is written to the disk.
+  /// Flushes the written data to the disk.
   void sync();
-  /// Nothing comes any more. Throws FileError that says how much is missing when not all of it could be written.
+  /// No data follow. Throws FileError that says how much is missing if not all of it could be written.
   void close();
 
   bool isOpen() const { return output_.isOpen(); }
@@ -34,7 +34,7 @@ class SessionLogFile {
 
  private:
   void fail(int error);
-  // What was not written whole is taken away again.
+  // Truncates the file after the last complete write.
   void takeBackTorn();
 
   std::filesystem::path file_;
@@ -45,7 +45,7 @@ class SessionLogFile {
   std::uint64_t bytes_ = 0;
   std::uint64_t unwrittenTicks_ = 0, unwrittenEdits_ = 0;
   std::string failure_;  // the first one
-  bool isTorn_ = false;  // for good: nothing can stand behind it
+  bool isTorn_ = false;  // permanently: nothing can be appended
 };
 
 }  // namespace palpate

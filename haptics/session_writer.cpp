@@ -12,7 +12,7 @@ namespace {
 
 constexpr auto kBetweenBlocks = std::chrono::milliseconds(100);
 constexpr double kBetweenSyncs_s = 0.8;
-// Of a block: as much as a torn one costs.
+// Maximum of a block: the loss if one is torn.
 constexpr std::size_t kBlock_bytes = 1 << 14;
 
 }  // namespace
@@ -27,7 +27,7 @@ SessionWriter::~SessionWriter() {
   if (!file_.isOpen()) return;
   try {
     writePending();
-  } catch (...) {  // no memory: the log ends with the block before
+  } catch (...) {  // no memory: the log ends with the previous block
   }
 }
 

@@ -11,30 +11,30 @@
 
 namespace palpate {
 
-/// Writes a session log from a thread of its own. The file has its name from the beginning, so that a crash leaves what
-/// there is: every tick is in it a fifth of a second after it was added, and on the disk a second after. What cannot be
-/// written is left out and counted, and what comes later is written again once it can be.
+/// Writes a session log on a thread of its own. The file has its name from the beginning, so that a crash leaves what
+/// was written: every tick is in it a fifth of a second after it was added, and on the disk a second after. Data that
+/// cannot be written are dropped and counted; later data are written again once that is possible.
 class SessionWriter {
  public:
-  /// `text` says how to run the session again. `onFailure` is called once, on the log's thread, when something cannot
-  /// be written, with a sentence for a person. Throws FileError when the file cannot be made.
+  /// `text` says how to run the session again. `onFailure` is called once, on the log's thread, with a message for the
+  /// user, if something cannot be written. Throws FileError if the file cannot be created.
   SessionWriter(std::filesystem::path file, std::string text, std::function<void(const std::string&)> onFailure = {});
-  /// Without finish() the log ends like that of a session that did not come to its end.
+  /// Without finish() the log ends like that of a session that was cut off.
   ~SessionWriter();
   SessionWriter(const SessionWriter&) = delete;
   SessionWriter& operator=(const SessionWriter&) = delete;
 
-  /// For the servo thread: waits for nobody. A tick for which there is no room is counted as lost.
+  /// For the servo thread: never blocks. A tick without room is counted as lost.
   void add(const LoggedTick& tick) noexcept { ticks_.add(tick); }
-  /// For one thread, not the servo's: what was done to the points since the last call. Where too much waits for the
-  /// disk, only the last state of each point in each stroke is kept of it, and the others are counted as merged.
+  /// For one thread, not the servo's: edits since the last call. If too much waits for the disk, only the last state of
+  /// each point in each stroke is kept, and the others are counted as merged.
   void add(const EditBatch& edits) { edits_.add(edits); }
   /// States that wait for the disk.
   std::size_t waitingEdits() const { return edits_.size(); }
-  /// Waits until all that was added is in the file, or cannot be. Not for the servo thread against the clock.
+  /// Waits until all that was added is written, or has failed. Not for the servo thread in real time.
   void flush();
-  /// Writes what is left and how the session ended. Throws FileError that says how much is missing when not all of it
-  /// could be written; the session has gone on without that.
+  /// Writes the remainder and how the session ended. Throws FileError that says how much is missing if not all of it
+  /// could be written; the session itself was not affected.
   void finish(std::uint64_t pointsChecksum);
 
   std::uint64_t lostTicks() const { return ticks_.lost(); }
@@ -43,7 +43,7 @@ class SessionWriter {
 
  private:
   void serve(const std::stop_token& stop);
-  // Both on the log's own thread, or once that is gone.
+  // Both on the log's own thread, or after it has ended.
   void writePending();
   void writeEdits(std::uint64_t merged);
 
@@ -52,12 +52,12 @@ class SessionWriter {
   PendingEdits edits_;
   std::uint64_t mergedEdits_ = 0;
 
-  std::mutex lock_;  // of what follows
+  std::mutex lock_;  // guards the members below
   std::condition_variable_any wake_;
   std::condition_variable written_;
   std::uint64_t asked_ = 0, done_ = 0;  // flushes
 
-  // What the log's thread is writing.
+  // Being written by the log's thread.
   std::vector<LoggedTick> takenTicks_;
   EditBatch takenEdits_;
   std::jthread thread_;

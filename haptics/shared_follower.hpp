@@ -1,4 +1,4 @@
-// One hand's part in a cloud that several feel and sculpt, each on its own machine.
+// One hand's part in a cloud that several users feel and sculpt, each on their own machine.
 #pragma once
 
 #include <cstdint>
@@ -12,47 +12,47 @@
 
 namespace palpate {
 
-/// What pings say of the way to the server and back.
+/// Statistics of pings to the server and back.
 struct LinkCounts {
   std::uint64_t pings = 0, answered = 0;
   std::uint64_t lost = 0;              ///< not answered within two seconds
-  std::optional<double> roundTrip_ms;  ///< the median of the last ones
+  std::optional<double> roundTrip_ms;  ///< median of the last ones
   std::optional<double> lost_percent;  ///< of the last ones, there or back
 };
 
-/// How it goes with the others.
+/// State of the exchange with the others.
 struct SharedCounts {
-  std::uint64_t sent = 0;      ///< states of points that this hand has made
-  std::uint64_t received = 0;  ///< that others have made, as they took effect here
-  std::uint64_t resent = 0;    ///< pieces of strokes that went more than once
-  std::uint64_t copied = 0;    ///< of what the server has said, whose best-effort copy came first
-  std::uint64_t resumed = 0;   ///< times that what was missing was asked for, the first included
-  std::uint64_t differed = 0;  ///< times that the points at rest were others than the server's, and were all asked for
-  std::uint64_t inEffect = 0;  ///< times that all that others had done, as far as it was heard, was in effect here
-  double silent_s = 0;         ///< since the server was heard last
+  std::uint64_t sent = 0;      ///< states of points that this hand has changed
+  std::uint64_t received = 0;  ///< of others, counted when they take effect here
+  std::uint64_t resent = 0;    ///< pieces of strokes sent more than once
+  std::uint64_t copied = 0;    ///< messages of the server whose best-effort copy was received first
+  std::uint64_t resumed = 0;   ///< requests for what was missing, the first included
+  std::uint64_t differed = 0;  ///< times that the points at rest differed from the server's and were requested again
+  std::uint64_t inEffect = 0;  ///< times that all known edits of others were in effect here
+  double silent_s = 0;         ///< since the server was last heard
   double longestSilent_s = 0;
-  double age_s = 0;     ///< of what is known: since what was heard last was said
-  double oldest_s = 0;  ///< that this has been
-  double force = 1;     ///< the share of a force that this bears (InformationAge)
+  double age_s = 0;     ///< of the information: since the last received message was sent
+  double oldest_s = 0;  ///< maximum of it
+  double force = 1;     ///< share of a force that this permits (InformationAge)
   LinkCounts link;
-  bool delivered = false;  ///< all that this hand has done has been taken
-  bool atRest = false;     ///< and all that others have done is in effect here
-  bool same = false;       ///< at rest: the points are the server's, bit by bit
-  std::string fault;       ///< why this hand's part has ended for good; empty: it goes on
+  bool delivered = false;  ///< the server has taken all edits of this hand
+  bool atRest = false;     ///< and all edits of others are in effect here
+  bool same = false;       ///< at rest: the points equal the server's, bit by bit
+  std::string fault;       ///< why this hand's part has ended for good; empty: it continues
 };
 
-/// What one hand does goes to the others as it is taken in (catchUp()), and what they do is offered to what answers it.
+/// Sends one hand's edits to the others as they are taken in (catchUp()), and offers their edits to its back end.
 class SharedFollower : public EditFollower {
  public:
-  /// How old what is felt is, and whether the others change it where this hand is.
+  /// Age of the information, and whether others are changing the surface at this hand.
   virtual const InformationAge& known() const = 0;
   virtual SharedCounts counts() const = 0;
   /// Asks the server how far it is. From now on counts().atRest and counts().same are false until the server has
-  /// answered, and what it had taken by then is in effect here.
+  /// answered, and all that it had taken by then is in effect here.
   virtual void askServer() = 0;
-  /// Where the hands are that feel what the others change. For the thread that answers them: waits for nobody.
+  /// Positions of the hands that feel the changes of others. For the thread that answers them: never blocks.
   virtual void moved(const HandPlaces& hands) noexcept = 0;
-  /// What the log was told since the last call, the first few of it: for who shows it elsewhere, too. For any thread.
+  /// Log messages since the last call, the first few of them, to be shown elsewhere, too. Thread-safe.
   virtual std::vector<std::string> takeSaid() = 0;
 };
 

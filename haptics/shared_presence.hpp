@@ -1,4 +1,4 @@
-// Who takes part in a cloud that several have: where the hands are, and from where it is looked at.
+// The participants of a shared cloud: their hands and their cameras.
 #pragma once
 
 #include <array>
@@ -13,61 +13,59 @@
 
 namespace palpate {
 
-/// Where a hand is. Coordinates of the file.
+/// Position of a hand. Coordinates of the file.
 struct HandPlace {
-  DVec3 position{0};  ///< of what it touches with
-  DVec3 proxy{0};     ///< where the surface holds that; `position` where nothing is touched
+  DVec3 position{0};  ///< of the HIP
+  DVec3 proxy{0};     ///< of the proxy; `position` if nothing is touched
   bool touching = false, sculpts = false;
   bool operator==(const HandPlace&) const = default;
 };
 
-/// Those of one program, at the same moment.
+/// The hands of one program, at the same time.
 struct HandPlaces {
   std::uint32_t count = 0;  ///< at most kMaxHands
   std::array<HandPlace, kMaxHands> hands{};
 };
 
-/// Somebody else's hand, as it was heard last.
+/// Another client's hand, as last received.
 struct SeenHand {
   std::string name;
-  std::uint32_t number = 0;  ///< the same on all machines, for as long as the hand takes part
+  std::uint32_t number = 0;  ///< the same on all machines, while the hand takes part
   HandPlace place;
   double age_s = 0;
 };
 
-/// A camera that shows a picture. Coordinates of the file.
+/// Camera of a picture. Coordinates of the file.
 struct CameraPlace {
   DVec3 position{0};
-  DQuat turn{1, 0, 0, 0};  ///< unit, of its axes: x to the right of the picture, y down in it, z where it looks
+  DQuat turn{1, 0, 0, 0};  ///< unit quaternion of its axes: x right in the picture, y down, z along the view
   double fovY_rad = 0;     ///< vertical
   double aspect = 1;       ///< width / height of the picture
 
   bool operator==(const CameraPlace&) const = default;
 };
-/// Whether it is one that a picture can have: finite, with a unit turn, and an angle and an aspect that are of a
-/// picture.
+/// Whether the camera is valid: finite, with a unit rotation, and with a possible angle and aspect.
 bool isCamera(const CameraPlace& camera);
 CameraFrustum frustumOf(const CameraPlace& camera);
 
-/// Somebody else's camera, as it was heard last.
+/// Another client's camera, as last received.
 struct SeenCamera {
-  std::string name;          ///< of the hand that it belongs to
+  std::string name;          ///< of its hand
   std::uint32_t number = 0;  ///< that hand's (SeenHand::number)
   CameraPlace place;
   double age_s = 0;
 };
 
-/// The hands and cameras of a session that several have. For any thread, but for what says otherwise.
+/// Hands and cameras of a shared session. Thread-safe, unless stated otherwise.
 class SharedPresence {
  public:
   virtual ~SharedPresence() = default;
-  /// Where this program's hands are. For the thread that answers them, one at a time: waits for nobody. Hands of which
-  /// nothing more is said are shown for a second more.
+  /// Positions of this program's hands. For the thread that answers them, one at a time: never blocks. Hands are shown
+  /// for another second after their last update.
   virtual void moved(const HandPlaces& hands) noexcept = 0;
-  /// From where this program's picture is seen; nothing: nobody is told, as at first. Throws UsageError for a camera
-  /// that is none.
+  /// Camera of this program's picture; nothing: not published, as initially. Throws UsageError for an invalid camera.
   virtual void show(const std::optional<CameraPlace>& camera) = 0;
-  /// Those of others that were heard within the last seconds.
+  /// Those of others received within the last seconds.
   virtual std::vector<SeenHand> hands() const = 0;
   virtual std::vector<SeenCamera> cameras() const = 0;
 };

@@ -33,7 +33,7 @@ void fourierTransform(std::vector<std::complex<double>>& values) {
 std::vector<double> welchPower(std::span<const double> signal, std::size_t segment) {
   segment = std::min(segment, signal.size());
   if (segment < 2) return {};
-  const std::size_t size = std::bit_ceil(segment);  // filled up with zeros, which adds nothing but frequencies between
+  const std::size_t size = std::bit_ceil(segment);  // zero-padded, which only adds frequencies in between
   std::vector<double> power(size / 2 + 1, 0.0);
   std::vector<std::complex<double>> values(size);
   for (std::size_t begin = 0; begin + segment <= signal.size(); begin += (segment + 1) / 2) {
@@ -43,7 +43,7 @@ std::vector<double> welchPower(std::span<const double> signal, std::size_t segme
       values[i] = signal[begin + i] * 0.5 * (1 - std::cos(phase));
     }
     fourierTransform(values);
-    // The frequencies between none and half the rate stand for their mirror images too.
+    // The frequencies between zero and half the rate represent their mirror images, too.
     for (std::size_t k = 0; k < power.size(); ++k) power[k] += (k == 0 || k == size / 2 ? 1 : 2) * std::norm(values[k]);
   }
   return power;

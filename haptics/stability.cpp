@@ -15,7 +15,7 @@ namespace {
 constexpr double kRampWait_s = 0.6;  // longer than the ramp
 constexpr double kFrom_mm = 2;       // above the surface
 constexpr double kPressRest_s = 2;
-constexpr double kJudged_s = 0.5;  // of the rest, at its end
+constexpr double kJudged_s = 0.5;  // judged part of the rest, at its end
 constexpr double kLongestDelay_ms = 100;
 
 /// The god-object on a plane or a sphere whose highest point is the origin. y is up.
@@ -41,7 +41,7 @@ class ExactSurface final : public OneHandQuery {
   double radius_;
 };
 
-/// Answers as another query did some ticks ago, carried along with the HIP, so that force and contact are late.
+/// Returns another query's answer of some ticks ago, shifted with the HIP, so that force and contact are late.
 class DelayedQuery final : public OneHandQuery {
  public:
   DelayedQuery(ContactQuery& query, std::size_t ticks) : query_(query), past_(ticks + 1) {}
@@ -91,7 +91,7 @@ StabilityResult measureStability(const StabilityOptions& options) {
   const ForceLaw law(
       {.stiffness_N_per_mm = options.stiffness_N_per_mm, .damping_N_s_per_mm = options.damping_N_s_per_mm}, {});
   const ServoOptions servo{.rate_Hz = options.rate_Hz, .duration_s = device.duration_s()};
-  // The loop throws for a bad rate before a delay is counted in its ticks.
+  // The loop throws for an invalid rate; no delay is computed from it.
   DelayedQuery late(surface, options.rate_Hz > 0 ? delayTicks(options) : 0);
   ServoLoop loop(device, late, law, servo, {.passivity = options.passivity});
 

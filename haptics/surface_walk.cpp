@@ -3,11 +3,11 @@
 namespace palpate {
 namespace {
 
-// The middle of the neighbours lies within this share of their reach, except at the border of a surface, where they are
+// The mean of the neighbours lies within this share of their reach, except at the border of a surface, where they are
 // all on one side.
 constexpr double kOneSided = 0.35;
 
-/// `v` turned into the plane across the unit vector `normal`, at unit length.
+/// `v` projected onto the plane across the unit vector `normal`, at unit length.
 DVec3 tangent(const DVec3& v, const DVec3& normal) {
   const DVec3 across = v - glm::dot(v, normal) * normal;
   const double length = glm::length(across);
@@ -17,7 +17,7 @@ DVec3 tangent(const DVec3& v, const DVec3& normal) {
 }  // namespace
 
 SurfaceSpot settle(const ThinnedCloud& sample, const DVec3& p, const DVec3& facing) {
-  constexpr int kRounds = 3;  // each starts nearer to the surface, so that its neighbours lie all around the foot
+  constexpr int kRounds = 3;  // each starts nearer to the surface, so that its neighbours surround the foot
   SurfaceSpot spot{.position = p, .normal = facing};
   for (int round = 0; round < kRounds; ++round) {
     const std::optional<LocalPlane> plane = sample.planeNear(spot.position, spot.normal);

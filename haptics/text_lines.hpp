@@ -21,7 +21,7 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-/// Hands out the lines that say something, with their numbers: not the empty ones, nor those that begin with #.
+/// Returns the lines with content, with their numbers: skips empty ones and those that begin with #.
 class TextLines {
  public:
   /// Throws FileError for a file that cannot be opened.
@@ -29,7 +29,8 @@ class TextLines {
     if (!in_) throw FileError(file_, "cannot be opened; does it exist, and may you read it?");
   }
 
-  /// Without blanks at its ends; it stays until the next one. Throws FileError for a line that is far too long.
+  /// The next line, without blanks at its ends; valid until the next call. Throws FileError for a line that is far too
+  /// long.
   std::optional<std::string_view> next() {
     while (in_.getline(buffer_.data(), buffer_.size())) {
       ++number_;
@@ -47,7 +48,7 @@ class TextLines {
     return std::nullopt;
   }
 
-  /// Throws FileError for a field that is no finite number.
+  /// Throws FileError for a field that is not a finite number.
   double number(std::string_view field) const {
     double value = 0;
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
@@ -57,7 +58,7 @@ class TextLines {
     return value;
   }
 
-  /// Throws FileError about the line that next() gave last.
+  /// Throws FileError about the last line that next() returned.
   [[noreturn]] void fail(std::string_view what) const {
     throw FileError::atLine(file_, std::max<std::uint64_t>(number_, 1), what);
   }

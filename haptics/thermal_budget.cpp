@@ -6,12 +6,12 @@
 namespace palpate {
 namespace {
 
-/// The windings of motors of this size warm and cool with a time constant of ten to thirty seconds. Larger trusts the
-/// motors for longer: at 20 s a Touch gives its peak of 3.3 N for a second before it eases.
+/// The windings of motors of this size warm and cool with a time constant of ten to thirty seconds. A larger value
+/// trusts the motors for longer: at 20 s a Touch gives its peak of 3.3 N for a second before it is reduced.
 constexpr double kCooling_s = 20;
 
-/// Share of the allowed heat over which the force is eased from peak to continuous. Smaller keeps the peak for longer
-/// and then drops it so fast that the hand feels the step.
+/// Share of the allowed heat over which the force is reduced from peak to continuous. A smaller value keeps the peak
+/// for longer and then drops it so fast that the hand feels the step.
 constexpr double kEasing = 0.3;
 
 }  // namespace
@@ -32,7 +32,7 @@ double ThermalBudget::allowed_N() const noexcept {
 void ThermalBudget::spend(double force_N, double dt_s) noexcept {
   if (continuous_N_ == peak_N_ || !(dt_s > 0)) return;
   const double load = force_N / continuous_N_;
-  heat_ += (load * load - heat_) * -std::expm1(-dt_s / kCooling_s);  // exact for a force that stays
+  heat_ += (load * load - heat_) * -std::expm1(-dt_s / kCooling_s);  // exact for a constant force
 }
 
 }  // namespace palpate

@@ -9,9 +9,9 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kPlaneNeighbours = 32;  // enough to average noise, few enough to follow detail
-constexpr double kSameFace = 0.3;             // cosine; beyond an edge of about 70 degrees is another face
+constexpr double kSameFace = 0.3;             // cosine; beyond an edge of about 70 degrees the face is another one
 
-/// One index out of each run, at a scattered place in it: a fixed stride would beat with clouds stored row by row.
+/// One index of each run, at a scattered position in it: a fixed stride would alias with clouds stored row by row.
 std::vector<std::uint32_t> thinned(std::size_t count, std::size_t most) {
   const std::size_t run = (count + most - 1) / most;
   std::vector<std::uint32_t> chosen;
@@ -69,7 +69,7 @@ std::vector<NearPoint> ThinnedCloud::nearest(const DVec3& p, std::size_t count) 
 std::optional<LocalPlane> ThinnedCloud::planeNear(const DVec3& p, const DVec3& facing) const {
   const std::vector<NearPoint> neighbours = nearest(p, kPlaneNeighbours);
   LocalPlane plane{.reach = neighbours.back().distance};
-  const double support = plane.reach * 1.001;  // so that even the farthest weighs something
+  const double support = plane.reach * 1.001;  // so that even the farthest has some weight
   double sum = 0;
   for (const NearPoint& neighbour : neighbours) {
     if (glm::dot(normal(neighbour.index), facing) < kSameFace) continue;

@@ -1,5 +1,5 @@
-// A thinned copy of a cloud that answers, on the CPU and outside of the servo loop: what does the surface look like
-// around here, and is there anything in the way?
+// A subsampled copy of a cloud for queries on the CPU, outside of the servo loop: the local shape of the surface, and
+// whether there is free space above it.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@ struct NearPoint {
   double distance = 0;  ///< model units
 };
 
-/// A piece of surface, seen at one face.
+/// A piece of one face of a surface.
 struct LocalPlane {
   DVec3 position{0};  ///< weighted mean of the neighbours
   DVec3 normal{0};    ///< unit
   double reach = 0;   ///< distance of the farthest neighbour
 };
 
-/// Model units, relative to the cloud's origin, which may go once this is made.
+/// Model units, relative to the cloud's origin. The cloud need not outlive it.
 class ThinnedCloud {
  public:
-  /// Takes one point out of every run of equally many, so that at most `most` remain, and each place once. Throws Error
+  /// Takes one point of each run of equal length, so that at most `most` remain, and each position once. Throws Error
   /// for a cloud without points or normals.
   ThinnedCloud(const PointCloud& cloud, std::size_t most);
 
@@ -38,11 +38,11 @@ class ThinnedCloud {
   std::vector<NearPoint> nearest(const DVec3& p, std::size_t count) const;
   double distanceTo(const DVec3& p) const { return nearest(p, 1).front().distance; }
 
-  /// The plane through the neighbours of `p` that face the same way as `facing`; none when there is no such neighbour.
+  /// Plane through the neighbours of `p` that face the same way as `facing`; nothing if there is no such neighbour.
   std::optional<LocalPlane> planeNear(const DVec3& p, const DVec3& facing) const;
 
   /// Whether a cone that opens from `p` along the unit vector `along` is empty between `from` and `to`. At a distance s
-  /// it is `slope` s wide, and never wider than `widest`; model units.
+  /// its width is `slope` s, at most `widest`; model units.
   bool isFree(const DVec3& p, const DVec3& along, double from, double to, double slope, double widest) const;
 
  private:
@@ -54,7 +54,7 @@ class ThinnedCloud {
 
   std::vector<Vec3> positions_;
   std::vector<Vec3> normals_;
-  PointTree tree_;  // looks at positions_
+  PointTree tree_;  // refers to positions_
 };
 
 }  // namespace palpate

@@ -7,7 +7,7 @@ namespace palpate {
 
 void TickHistogram::add(double time_us) noexcept {
   const double place = kBinsPerOctave * std::log2(std::max(time_us, 1.0));
-  ++bins_[place < kBins - 1 ? static_cast<std::size_t>(place) : kBins - 1];  // what is no number goes last
+  ++bins_[place < kBins - 1 ? static_cast<std::size_t>(place) : kBins - 1];  // NaN goes into the last bin
   ++count_;
   if (time_us > max_us_) max_us_ = time_us;
 }

@@ -1,4 +1,4 @@
-// How long ticks took, counted in bins that grow with the time, without memory or sorting.
+// Histogram of the durations of ticks in logarithmic bins, without allocation or sorting.
 #pragma once
 
 #include <array>
@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Four bins to the octave, from 1 us to about 1 s: a quantile is known to 19 %. The first bin also takes what is
-/// shorter, the last what is longer or no number.
+/// Four bins per octave, from 1 us to about 1 s: a quantile is known to 19 %. The first bin also has shorter times, the
+/// last one longer times and NaN.
 class TickHistogram {
  public:
   static constexpr std::size_t kBins = 80;
@@ -22,7 +22,7 @@ class TickHistogram {
 
   /// The lower end of a bin, us.
   static double from_us(std::size_t bin) noexcept;
-  /// The upper end of the bin in which the `q`-quantile lies (0 to 1), but no more than the longest; 0 when empty.
+  /// The upper end of the bin of the `q`-quantile (0 to 1), at most the maximum; 0 if empty.
   double quantile_us(double q) const noexcept;
 
  private:

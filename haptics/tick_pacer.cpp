@@ -13,12 +13,12 @@ namespace {
 constexpr double kHighestRate_Hz = 100'000;
 constexpr double kMaxTicks = 50'000'000;  // 14 hours at 1 kHz; their rows take about 10 GB
 
-/// Spinning for as long as waking up takes the system keeps a tick to the microsecond; a longer spin only burns a core.
-constexpr double kMaxOfPeriod = 0.5;  // at most this share is spun, so that the core is left to others every tick
-/// Without real-time priority a thread that sleeps at all is now and then woken a whole tick late.
+/// Spinning for the system's wake-up latency keeps a tick to the microsecond; a longer spin only burns a core.
+constexpr double kMaxOfPeriod = 0.5;  // maximum share that is spun, so that other threads get the core in every tick
+/// Without real-time priority a thread that sleeps is sometimes woken a whole tick late.
 constexpr double kSpinWithoutPriority_ns = 1'000'000;
 
-constexpr double kSmallestBudget_us = 20;  // a budget of 0 would mean to wait as long as it takes
+constexpr double kSmallestBudget_us = 20;  // a budget of 0 would mean no limit
 constexpr double kMaxReserve = 0.2;        // of a tick
 
 }  // namespace

@@ -7,12 +7,12 @@
 
 namespace palpate {
 
-/// Ticks on their way from the servo thread to one that writes them; neither waits for the other.
+/// Ticks from the servo thread to a thread that writes them; neither waits for the other.
 class TickRing {
  public:
   TickRing() : ring_(kTicks) {}
 
-  /// For the thread that ticks. A tick for which there is no room is counted as lost.
+  /// For the thread that ticks. A tick without room is counted as lost.
   void add(const LoggedTick& tick) noexcept {
     const std::uint64_t next = added_.load(std::memory_order_relaxed);
     if (next - taken_.load(std::memory_order_acquire) == kTicks) {
@@ -22,7 +22,7 @@ class TickRing {
     ring_[next % kTicks] = tick;
     added_.store(next + 1, std::memory_order_release);
   }
-  /// For the thread that writes: appends to `ticks` all that were added.
+  /// For the thread that writes: appends all added ticks to `ticks`.
   void take(std::vector<LoggedTick>& ticks) {
     const std::uint64_t begin = taken_.load(std::memory_order_relaxed), end = added_.load(std::memory_order_acquire);
     for (std::uint64_t i = begin; i < end; ++i) ticks.push_back(ring_[i % kTicks]);
@@ -31,7 +31,7 @@ class TickRing {
   std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
 
  private:
-  static constexpr std::size_t kTicks = 1 << 15;  // that may wait: half a minute at 1 kHz
+  static constexpr std::size_t kTicks = 1 << 15;  // waiting at most: half a minute at 1 kHz
 
   std::vector<LoggedTick> ring_;
   std::atomic<std::uint64_t> added_ = 0, taken_ = 0, lost_ = 0;

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kRoughFrom_Hz = 50, kRoughTo_Hz = 500;  // where Pacinian corpuscles answer (Bolanowski et al. 1988)
+constexpr double kRoughFrom_Hz = 50, kRoughTo_Hz = 500;  // where Pacinian corpuscles respond (Bolanowski et al. 1988)
 
 bool hasForce(const JudgedTick& tick) { return tick.row.force_N != DVec3(0); }
 bool felt(const JudgedTick& tick) { return tick.shouldTouch && hasForce(tick); }
@@ -24,7 +24,7 @@ double quantile(std::vector<double> samples, double q) {
 bool smoothAround(const SurfacePoint& place, const TouchTruth& truth, double reach) {
   constexpr int kDirections = 8;
   constexpr double kEdgeCosine = 0.9;
-  constexpr double kDepth = 0.02;  // of the reach: past an edge, its other side is nearest from just under the surface
+  constexpr double kDepth = 0.02;  // of the reach: past an edge, its other side is nearest to a point just below
   const Frame3 frame = frameAround(place.normal);
   for (int k = 0; k < kDirections; ++k) {
     const double turn = 2 * std::numbers::pi * k / kDirections;
@@ -123,10 +123,10 @@ double forceError(JudgedTicks ticks, double stiffness_N_per_mm, const ModelScale
 
 namespace {
 
-/// Whether each tick touches and the god-object still does when the HIP has gone `letGo` further.
+/// Whether each tick touches, and the god-object still does when the HIP has moved `letGo` further.
 std::vector<bool> goesOn(JudgedTicks ticks, double letGo) {
   std::vector<bool> on(ticks.size());
-  const DVec3* freed = nullptr;  // where the HIP is first free after the tick
+  const DVec3* freed = nullptr;  // first free HIP after the tick
   for (std::size_t i = ticks.size(); i-- > 0;) {
     const JudgedTick& tick = ticks[i];
     if (!tick.shouldTouch) freed = &tick.row.hip;
@@ -147,7 +147,7 @@ Continuity continuityWhere(JudgedTicks ticks, double rate_Hz, Counts&& counts) {
     power += sizes.back() * sizes.back();
   }
   if (sizes.empty()) return {};
-  constexpr double kRounding_N_per_s = 1e-6;  // on a flat there is nothing else, and it has no meaning
+  constexpr double kRounding_N_per_s = 1e-6;  // rounding: on a flat surface nothing else remains, and it is meaningless
   const double max_N_per_s = std::ranges::max(sizes);
   return {.p99_N_per_s = quantile(sizes, 0.99),
           .max_N_per_s = max_N_per_s,

@@ -9,20 +9,20 @@ namespace {
 const DVec3 kTowardsViewer = glm::normalize(DVec3(0.35, 0.45, 0.82));  // the default camera: front, a little above
 constexpr double kFacingViewer = 0.5;                                  // cosine of 60 degrees
 constexpr std::size_t kCandidates = 800;
-constexpr std::size_t kSurroundings = 96;  // neighbours looked at, at most
+constexpr std::size_t kSurroundings = 96;  // maximum number of neighbours examined
 
-// Shares of the longest side.
+// In shares of the longest side.
 constexpr double kToolRadius = 0.04;
 constexpr double kApproachFrom = 0.015, kApproachTo = 0.08;
 constexpr double kSightWidth = 0.02, kSightTo = 1.5;
 
-// On a plane the nearest point to a place on the normal is the foot of it, so a slope of 1 would ask for convexity; 0.7
-// lets shallow hollows pass. Along a line of sight 60 degrees off the normal a plane is 0.5 away.
+// On a plane the nearest point to a position on the normal is its foot, so a slope of 1 would require convexity; 0.7
+// permits shallow hollows. Along a line of sight 60 degrees off the normal the distance to a plane has a slope of 0.5.
 constexpr double kApproachSlope = 0.7, kSightSlope = 0.3;
 
 constexpr double kBackFace = -0.3;  // cosine; a neighbour that faces away like this belongs to the back of a sheet
 
-// What a fault costs, against flatness (up to kFlatWorth), facing the viewer (up to kFacingWorth) and nearness to the
+// Penalties, weighed against flatness (up to kFlatWorth), facing the viewer (up to kFacingWorth) and nearness to the
 // middle (up to 1).
 constexpr double kFlatWorth = 2, kFacingWorth = 1, kHidden = 3, kTwoSided = 4, kObstructed = 6, kFacingAway = 12;
 

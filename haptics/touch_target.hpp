@@ -1,4 +1,4 @@
-// Where on an unknown model a stylus can be put down well.
+// Chooses a good position for touching an unknown model.
 #pragma once
 
 #include "engine/cloud/point_cloud.hpp"
@@ -11,8 +11,8 @@ struct TouchTarget {
   DVec3 normal{0};    ///< unit, outward
 };
 
-/// A point that the default camera sees, that can be reached along its normal, with flat surroundings of one side only,
-/// and near the middle of the picture; as many of these as the model allows. The same cloud gives the same target.
+/// A point that the default camera sees, that can be reached along its normal, with flat, one-sided surroundings, and
+/// near the middle of the picture; as many of these as the model allows. The same cloud gives the same target.
 TouchTarget chooseTarget(const ThinnedCloud& sample, const Bounds& bounds);
 
 }  // namespace palpate

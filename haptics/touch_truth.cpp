@@ -41,8 +41,8 @@ void GodObject::step(const DVec3& hip) {
   }
 }
 
-// Towards the HIP in the tangent plane and back onto the surface. Where the surface is hollow a step goes too far, by
-// the depth over the radius of curvature; halving the next ones when they turn back makes it arrive all the same.
+// Steps towards the HIP in the tangent plane and back onto the surface. On a concave surface a step goes too far, by
+// the depth over the radius of curvature; halving the steps after each reversal makes it converge.
 void GodObject::slide(const DVec3& hip) {
   constexpr int kMaxSteps = 200;
   const double arrived = 2e-5 * longestStep_;

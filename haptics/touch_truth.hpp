@@ -1,4 +1,4 @@
-// What there really is to be felt, and an ideal probe on it: the measure that touch is judged by.
+// The true surface and an ideal probe on it: the reference for touch.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// A surface that is known exactly. Model units, file coordinates.
+/// A surface with exactly known geometry. Model units, file coordinates.
 struct TouchTruth {
   std::function<SurfacePoint(const DVec3&)> closest;
   std::function<double(const DVec3&)> signedDistance;  ///< positive outside
@@ -18,19 +18,19 @@ struct TouchTruth {
 TouchTruth truthOf(const AnalyticShape& shape);
 TouchTruth truthOf(const TriangleMesh& mesh);
 
-/// The god-object (Zilles and Salisbury 1995) on the truth itself: a point that stays on the surface and goes as near
-/// to the HIP as it can without leaving it. The HIP's motion is cut into pieces so short that neither a thin wall nor
-/// an edge is missed, and it looks at every piece until it has arrived, however long that takes.
+/// The god-object (Zilles and Salisbury 1995) on the true surface: a point that stays on it and gets as near to the HIP
+/// as it can without leaving it. The motion of the HIP is divided into pieces so short that neither a thin wall nor an
+/// edge is missed; each piece iterates until the point has arrived, however long that takes.
 class GodObject {
  public:
-  /// `longestStep` of the HIP and of the god-object between two steps, model units.
+  /// `longestStep`: maximum motion of the HIP and of the god-object in a step, model units.
   GodObject(const TouchTruth& truth, double longestStep) : truth_(truth), longestStep_(longestStep) {}
 
-  /// Goes on to where the HIP is now. The first call says where it begins, which has to be outside.
+  /// Follows the HIP to its current position. The first call sets the start, which must be outside.
   void follow(const DVec3& hip);
 
   bool touching() const { return touching_; }
-  /// Where it is on the surface; while nothing is touched, the point closest to the HIP.
+  /// Its position on the surface; while nothing is touched, the point closest to the HIP.
   const SurfacePoint& contact() const { return contact_; }
 
  private:

@@ -1,4 +1,4 @@
-// What a session did, tick by tick.
+// The record of a session, tick by tick.
 #pragma once
 
 #include <cstdint>
@@ -14,32 +14,32 @@ namespace palpate {
 struct TraceRow {
   double time_s = 0;
   DVec3 hip{0};
-  DVec3 proxy{0};   ///< the HIP where nothing is touched
-  DVec3 normal{0};  ///< unit, outward; zero where no surface was in reach
+  DVec3 proxy{0};   ///< the HIP if nothing is touched
+  DVec3 normal{0};  ///< unit, outward; zero if no surface was in reach
   DVec3 force_N{0};
   DVec3 torque_mNm{0};        ///< of a tool of many points or a ball in matter, about the HIP; reported, not rendered
-  double penetration_mm = 0;  ///< from HIP to proxy; 0 where nothing is touched
+  double penetration_mm = 0;  ///< from HIP to proxy; 0 if nothing is touched
   bool contact = false;
   bool fresh = false;    ///< from this tick's own query
   bool valid = false;    ///< false: the query or the device failed at this tick
   bool putDown = false;  ///< the stylus was lifted before this tick, and put down elsewhere
   std::uint32_t neighbours = 0;
-  double gpu_us = 0;   ///< 0 where it was not measured
-  double step_us = 0;  ///< from pose read to force ready
+  double gpu_us = 0;   ///< 0 if it was not measured
+  double step_us = 0;  ///< from pose read to force computed
 };
 
 struct Trace {
   std::vector<TraceRow> rows;
   bool virtualTime = true;
   bool torques = false;           ///< the tool had many points: a row's contact stands for all (ContactQuery::points)
-  std::uint64_t missedTicks = 0;  ///< left out because their time had passed
+  std::uint64_t missedTicks = 0;  ///< skipped because their time had passed
 };
 
 struct TraceSummary {
   std::uint64_t ticks = 0;
   std::uint64_t contactTicks = 0;
   std::uint64_t missedTicks = 0;
-  std::uint64_t faultTicks = 0;  ///< at which the query or the device failed
+  std::uint64_t faultTicks = 0;  ///< with a failed query or device
   Summary step_us;
   Summary gpu_us;  ///< of the ticks at which it was measured
   double freshFraction = 0;

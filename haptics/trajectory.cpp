@@ -17,7 +17,7 @@ constexpr std::size_t kWithoutForces = 4, kWithForces = 7;
 
 bool parts(char c) { return c == ',' || c == ';' || c == '\t' || c == ' '; }
 
-// Blanks beside a comma do not part, and two commas have an empty field between them.
+// Blanks beside a comma do not separate, and two commas have an empty field between them.
 std::vector<std::string_view> fieldsOf(std::string_view line) {
   const bool byBlanks = line.find_first_of(",;") == std::string_view::npos;
   std::vector<std::string_view> fields;
@@ -35,7 +35,7 @@ bool isNames(std::string_view line) {
   return !first.empty() && (std::isalpha(static_cast<unsigned char>(first.front())) != 0);
 }
 
-/// Where the columns are.
+/// Indices of the columns.
 struct Layout {
   std::size_t columns = 0, time = 0;
   std::array<std::size_t, 3> position{1, 2, 3};

@@ -9,12 +9,12 @@ namespace {
 constexpr double kApproach_mm_per_s = 25, kRest_s = 0.05, kHold_s = 0.25;
 constexpr double kStep_mm = 0.1;      // along a slide
 constexpr double kEdgeCosine = 0.9;   // between the normals of neighbouring steps; below it the surface has an edge
-constexpr double kNearEnough = 0.98;  // of the depth that is meant: the true one where the surface does not jump
-constexpr double kMinDepth = 0.4;     // of the depth that is meant: in less, a force's direction means little
-constexpr double kGivingWay = 0.5;    // most change of depth along the way, as a slope
+constexpr double kNearEnough = 0.98;  // of the intended depth: if the true one is larger, the surface does not jump
+constexpr double kMinDepth = 0.4;     // of the intended depth: at less, a force's direction means little
+constexpr double kGivingWay = 0.5;    // maximum change of depth along the path, as a slope
 constexpr int kTaps = 5;
 
-/// Adds keys by where to go and how fast.
+/// Adds keys by target and speed.
 class Keys {
  public:
   Keys(const DVec3& start, const ModelScale& scale) : scale_(scale), keys_{{0, start}} {}
@@ -40,7 +40,7 @@ DVec3 unitTangent(const DVec3& direction, const DVec3& normal) {
   return glm::normalize(direction - glm::dot(direction, normal) * normal);
 }
 
-// Shallower where another place of the surface would be nearer, with neither jumps nor kinks in between.
+// Reduces the depth where another part of the surface would be nearer, without jumps and kinks in between.
 void giveWay(const TouchTruth& truth, const std::vector<SurfacePoint>& spots, double mostChange,
              std::vector<double>& depths) {
   const double least = kMinDepth * depths.front();

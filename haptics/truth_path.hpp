@@ -1,4 +1,4 @@
-// Paths whose true depth is known, since they are laid out on the true surface and not on the points.
+// Paths of known true depth, since they are defined on the true surface and not on the points.
 #pragma once
 
 #include "engine/core/units.hpp"
@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// A path, and between which times what it is made for happens.
+/// A path, and the time window of what it is made for.
 struct TruthPath {
   Path path;
   double from_s = 0, to_s = 0;
@@ -15,20 +15,21 @@ struct TruthPath {
 
 struct TruthPathOptions {
   double depth_mm = 1;  ///< of the HIP below the true surface
-  double lift_mm = 5;   ///< above it, where the path begins and ends, free
+  double lift_mm = 5;   ///< above it, where the path begins and ends, without contact
   double speed_mm_per_s = 50;
   double length_mm = 30;  ///< of a slide, along the true surface
 };
 
-/// Down at 25 mm/s, a moment's rest, along a geodesic in the direction of `towards` (any vector that is not normal to
-/// the surface) at the depth and speed of the options, and up. The window is the way along. Where the surface bends so
-/// sharply that the HIP would come nearer to another place of it, and the truth would jump, the depth gives way, to a
-/// third at least. Where it breaks off at an edge the way goes straight on, out of the edge, at full depth.
+/// Down at 25 mm/s, a short rest, along a geodesic in the direction of `towards` (any vector that is not normal to the
+/// surface) at the depth and speed of the options, and up. The window is the motion along the geodesic. Where the
+/// surface bends so sharply that the HIP would be nearer to another part of it, and the truth would jump, the depth is
+/// reduced, but not below a third. Where the surface breaks off at an edge the path continues straight, out of the
+/// edge, at full depth.
 TruthPath truthSlide(const TouchTruth& truth, const SurfacePoint& start, const DVec3& towards, const ModelScale& scale,
                      const TruthPathOptions& options);
 
-/// Down at the speed of the options to their depth, where it rests for a quarter of a second, and up. The window is the
-/// second half of the rest.
+/// Down at the speed of the options to their depth, a rest of a quarter of a second, and up. The window is the second
+/// half of the rest.
 TruthPath truthPress(const SurfacePoint& start, const ModelScale& scale, const TruthPathOptions& options);
 
 /// Five times down at the speed of the options and up again. The window is all of it.

@@ -1,4 +1,4 @@
-// The part of the Force Dimension SDK (libdhd) that we call, as a table of functions that are found at run time.
+// The part of the Force Dimension SDK (libdhd) that palpate calls, as a table of functions found at run time.
 #pragma once
 
 #include <string>
@@ -10,17 +10,17 @@ namespace palpate::dhd {
 struct Api {
   /// Throws Error when the library lacks any function that is needed.
   explicit Api(const VendorLibrary& library);
-  /// The names that are missing, for a look without a session.
+  /// Names of missing functions, for a survey without a session.
   static std::vector<std::string> missingFrom(const VendorLibrary& library);
 
   int (*openID)(char index) = nullptr;  ///< the device's id, or -1
   int (*close)(char id) = nullptr;
-  int (*getPosition)(double* x_m, double* y_m, double* z_m, char id) = nullptr;  ///< -1 at an error
+  int (*getPosition)(double* x_m, double* y_m, double* z_m, char id) = nullptr;  ///< -1 on an error
   int (*setForce)(double x_N, double y_N, double z_N, char id) = nullptr;
   unsigned (*getButtonMask)(char id) = nullptr;
   int (*enableForce)(unsigned char on, char id) = nullptr;
-  int (*setWatchdog)(unsigned char ms, char id) = nullptr;  ///< forces go when none was set for so long
-  // Some libraries have not these.
+  int (*setWatchdog)(unsigned char ms, char id) = nullptr;  ///< forces end if none was set for this long
+  // Missing in some libraries.
   const char* (*getSystemName)(char id) = nullptr;
   const char* (*lastError)() = nullptr;
   int (*getDeviceCount)() = nullptr;
@@ -31,7 +31,7 @@ struct Api {
   SymbolTable fill(const VendorLibrary& library);
 };
 
-/// Where libdhd is looked for.
+/// How libdhd is found.
 const LibrarySearch& librarySearch();
 
 }  // namespace palpate::dhd

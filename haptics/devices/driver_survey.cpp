@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-/// `open` gives the facts and limits of the first device.
+/// `open` sets the facts and limits of the first device.
 template <typename Api, typename Open>
 DriverFinding survey(const char* option, const LibrarySearch& search, Open&& open) {
   DriverFinding finding{.option = option, .product = std::string(search.product)};

@@ -1,4 +1,4 @@
-// What a machine has of haptic devices, for one who wants to know why there is none.
+// Surveys the haptic devices of a machine, to find out why none is usable.
 #pragma once
 
 #include <optional>
@@ -10,19 +10,19 @@
 
 namespace palpate {
 
-/// A vendor's driver, as it was found.
+/// Result for a vendor's driver.
 struct DriverFinding {
-  std::string option;                            ///< of --device
-  std::string product;                           ///< whose library
-  std::string file;                              ///< that was loaded; empty while there is none
-  std::vector<VendorLibrary::Attempt> attempts;  ///< that failed before
-  std::vector<std::string> missing;              ///< functions that the library has not
-  std::optional<HapticDeviceFacts> device;       ///< that could be opened
+  std::string option;                            ///< value of --device
+  std::string product;                           ///< name of its library
+  std::string file;                              ///< loaded library; empty if there is none
+  std::vector<VendorLibrary::Attempt> attempts;  ///< failed ones before it
+  std::vector<std::string> missing;              ///< functions that the library lacks
+  std::optional<HapticDeviceFacts> device;       ///< first one, if it could be opened
   DeviceLimits limits;                           ///< of the device
-  std::string problem;                           ///< in words, with what to do; empty where there is a device
+  std::string problem;                           ///< what is wrong and what to do; empty if there is a device
 };
 
-/// Loads the libraries and opens their first device for a moment; without waiting for a person to calibrate it.
+/// Loads the libraries and opens their first device briefly, without waiting for a manual calibration.
 DriverFinding surveyOpenHaptics();
 DriverFinding surveyForceDimension();
 
@@ -30,12 +30,12 @@ DriverFinding surveyForceDimension();
 struct NodeFinding {
   std::string path, what;
   bool usable = false;
-  std::string mend;  ///< a command; empty where it is usable
+  std::string mend;  ///< a command that makes it usable; empty if it is
 };
-/// The serial ports over USB, as which a Touch shows itself.
+/// The USB serial ports, as which a Touch appears.
 std::vector<NodeFinding> surveySerialPorts();
 
-/// What of this session's surroundings troubles the drivers, in words; empty where nothing does.
+/// Faults in this session's environment that affect the drivers, in words; empty if there are none.
 std::vector<std::string> surveySurroundings();
 
 }  // namespace palpate

@@ -11,8 +11,8 @@ constexpr std::uint8_t kInput = 1, kOutput = 2;
 constexpr std::size_t kInputBytes = 64;         // over USB; the short form of Bluetooth has 10
 constexpr double kStickCentre = 127.5;          // of 0 to 255
 constexpr std::uint8_t kMotorsAsSaid = 0x01;    // in byte 1: the motors follow bytes 3 and 4,
-constexpr std::uint8_t kMotorsNotSound = 0x02;  // and not what is played to them as sound
-constexpr std::uint8_t kMotorsAsSaid2 = 0x04;   // in byte 39: the same for controllers that do not know the first
+constexpr std::uint8_t kMotorsNotSound = 0x02;  // and not sound that is played to them
+constexpr std::uint8_t kMotorsAsSaid2 = 0x04;   // in byte 39: the same for controllers that ignore the first
 constexpr std::size_t kFlags = 1, kRight = 3, kLeft = 4, kFlags2 = 39;
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 constexpr double kMm_per_metre = 1000;
 constexpr unsigned char kWatchdog_ms = 20;
 
-/// Per device: what it bears, and the half edges of a cube that lies within its reach.
+/// Per device: its force limits, and half the edge of a cube within its reach.
 struct DhdModel {
   std::string_view name;
   double peak_N, continuous_N, reach_mm;
@@ -53,7 +53,7 @@ ForceDimensionDevice::ForceDimensionDevice(int index) : library_(loadedDhd()), d
   if (dhd_.setWatchdog(kWatchdog_ms, device_) < 0 || dhd_.enableForce(1, device_) < 0) {
     const std::string why = lastError();
     dhd_.close(device_);
-    throw Error("dhd: {} does not take forces: {}; press its force button and start again", facts_.model, why);
+    throw Error("dhd: {} does not accept forces: {}; press its force button and start again", facts_.model, why);
   }
 }
 
@@ -77,7 +77,7 @@ DeviceState ForceDimensionDevice::read(double /*time_s*/) noexcept {
     return {};
   }
   if (!isFinite(DVec3(x_m, y_m, z_m))) {
-    fail("the driver gives a position that is no number");
+    fail("the driver reports a position that is not a number");
     return {};
   }
   return {.position = kMm_per_metre * DVec3(y_m, z_m, x_m), .buttons = dhd_.getButtonMask(device_), .ok = true};

@@ -9,11 +9,11 @@
 
 namespace palpate {
 
-/// Each call goes to the device over its cable, so the ticks run on our thread at our rate. Its own watchdog takes the
-/// force away when none has been written for some ms, whatever became of the program.
+/// Each call communicates with the device over its cable, so the ticks run on palpate's thread at its rate. The
+/// device's own watchdog removes the force if none was written for some ms, even after a crash of the program.
 class ForceDimensionDevice final : public HapticDevice {
  public:
-  /// `index`: of the devices that are connected, from 0. Throws Error with what is missing and what to do, in words.
+  /// `index`: among the connected devices, from 0. Throws Error that says what is missing and what to do.
   explicit ForceDimensionDevice(int index = 0);
   ~ForceDimensionDevice() override;
 
@@ -36,7 +36,7 @@ class ForceDimensionDevice final : public HapticDevice {
   char device_ = -1;
   HapticDeviceFacts facts_;
   DeviceLimits limits_;
-  std::array<char, 128> fault_{};  // the driver's words at the first failure
+  std::array<char, 128> fault_{};  // the driver's text at the first failure
   std::atomic<bool> failed_ = false, stopped_ = false;
 };
 

@@ -7,12 +7,12 @@
 namespace palpate {
 namespace {
 
-// An aim that jumps from picture to picture becomes a motion: it is approached with this time constant, and not faster
-// than a quick hand.
+// An aim that jumps from picture to picture becomes a motion: it is approached with this time constant, at most at the
+// speed of a quick hand.
 constexpr double kGlide_s = 0.03, kMaxGlide_mm_per_s = 600;
-constexpr double kSmallestStep_mm = 1e-3;  // of what the stylus tells: no encoder that could be felt
+constexpr double kSmallestStep_mm = 1e-3;  // resolution of the stylus: imperceptible
 
-const DVec3 kNoStops_mm(1e6);  // a mouse has none
+const DVec3 kNoStops_mm(1e6);  // a mouse has no stops
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-// A stylus for those who have none: a mouse, keys or a gamepad say where the hand means to be, and a simulated Touch
-// moves as a real one would in that hand.
+// A stylus without a haptic device: a mouse, keys or a gamepad set the intended position, and a simulated Touch moves
+// as a real one would in that hand.
 #pragma once
 
 #include "engine/core/latest_value.hpp"
@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// The hand of someone who holds no device: one without friction and encoder steps, with stops at the sides of
+/// The hand of a user without a device: no friction and no perceptible encoder steps, with stops at the sides of
 /// `workspace_mm`.
 SimulatedTouchOptions guidedHand(const DVec3& workspace_mm);
 
@@ -15,11 +15,11 @@ SimulatedTouchOptions guidedHand(const DVec3& workspace_mm);
 /// aims, another one reads and writes; neither waits for the other.
 class GuidedTouch final : public HapticDevice {
  public:
-  /// `map`: where the model lies in the device's space; `parked`: where the stylus is while it is lifted, model units.
+  /// `map`: from the device's space to the model's; `parked`: position of the stylus while it is lifted, model units.
   GuidedTouch(const WorkspaceMap& map, const DVec3& parked);
 
   // For the thread that aims.
-  /// Where the hand means to be, model units, and whether it holds the button that sculpts. A lifted stylus is put down
+  /// Sets the intended position, model units, and whether the button that sculpts is held. Puts a lifted stylus down
   /// there.
   void aim(const DVec3& place, bool sculpts = true) noexcept;
   /// Takes the stylus away from the model.
@@ -36,13 +36,13 @@ class GuidedTouch final : public HapticDevice {
   struct Aim {
     DVec3 place{0};
     bool lifted = true, sculpts = false;
-    std::uint32_t putDowns = 0;  // how often the stylus was put down so far
+    std::uint32_t putDowns = 0;  // number of times the stylus was put down
   };
 
   DVec3 parked_;
   LatestValue<Aim> latest_;
-  Aim aim_;  // of the thread that aims
-  // Of the thread that reads.
+  Aim aim_;  // used by the thread that aims
+  // Used by the thread that reads.
   Aim last_;
   DVec3 glide_;
   double glideTime_s_ = 0;

@@ -1,4 +1,4 @@
-// What the servo loop knows of a haptic device: it says where the hand is and takes a force.
+// The interface between the servo loop and a haptic device, which provides the pose of the hand and takes a force.
 #pragma once
 
 #include <cstdint>
@@ -14,44 +14,44 @@ namespace palpate {
 
 struct DeviceState {
   DVec3 position{0};          ///< of the stylus tip, in the device's own unit (mm for hardware)
-  DQuat turn{1, 0, 0, 0};     ///< of the stylus, whose tip looks along its own -z; none where the device cannot tell
+  DQuat turn{1, 0, 0, 0};     ///< of the stylus, whose tip points along its own -z; identity if it is not measured
   std::uint32_t buttons = 0;  ///< pressed now; bit 0 is the first button
-  bool putDown = false;       ///< it was lifted since the last read, and there was no motion from there to here
-  /// False: no force reaches the hand at this tick, a passing trouble of the device; later it ramps up again.
+  bool putDown = false;       ///< it was lifted since the last read: there was no motion from that position to this one
+  /// False: no force reaches the hand in this tick, a temporary fault of the device; later it ramps up again.
   bool rendersForce = true;
-  bool ok = false;  ///< false: the device failed; the other fields say nothing
+  bool ok = false;  ///< false: the device failed; the other fields are invalid
 };
 
-/// What a device bears and what it is; a Geomagic Touch unless an adapter knows better.
+/// Limits and properties of a device; those of a Geomagic Touch unless an adapter sets others.
 struct DeviceLimits {
   double peakForce_N = kTouchPeakForce_N;
-  double continuousForce_N = 0.88;  ///< what the motors bear for minutes
-  /// No hand moves a stylus faster (a hard throw reaches about a third of it); a larger step between two reads means
-  /// that the device lost its count.
+  double continuousForce_N = 0.88;  ///< that the motors sustain for minutes
+  /// Maximum speed of a stylus in a hand (a hard throw reaches about a third of it); a larger step between two reads
+  /// means that the device lost its count.
   double fastest_mm_per_s = 5000;
-  /// The strongest damping that the device still renders calmly. A damper that answers about two ticks late shakes a
-  /// mass m at about m / (2 T), 22 N s/m for the Touch at 1 kHz; a quarter of it leaves room for the encoder's steps.
+  /// Maximum damping that the device renders stably. A damper with a delay of about two ticks destabilizes a mass m at
+  /// about m / (2 T), 22 N s/m for the Touch at 1 kHz; a quarter of it leaves room for the encoder's steps.
   double mostDamping_N_s_per_mm = 0.005;
-  /// The stiffest spring that it renders calmly.
+  /// Maximum stiffness that it renders stably.
   double mostStiffness_N_per_mm = std::numeric_limits<double>::infinity();
-  int forceDelay_ticks = 0;  ///< whole ticks between write() and the force being there, 0 to 3
-  /// A hand, or a model of one, feels the force and yields to it. False for a script that moves whatever it meets:
-  /// there is no one to protect from the start of a session, and no closed loop that could become unstable.
+  int forceDelay_ticks = 0;  ///< whole ticks between write() and the effect of the force, 0 to 3
+  /// A hand, or a model of one, feels the force and yields to it. False for a script that moves regardless of it:
+  /// nobody has to be protected at the start of a session, and there is no closed loop that could become unstable.
   bool handHeld = true;
-  int buttons = 0;  ///< on the stylus: with kSculptButton it sculpts, and with kClutchButton the clutch is drawn
+  int buttons = 0;  ///< number of them: kSculptButton sculpts, kClutchButton draws the clutch
 };
 
 constexpr std::uint32_t kSculptButton = 1, kClutchButton = 2;  ///< bits of DeviceState::buttons
 
-/// What a device says of itself.
+/// Facts that a device reports.
 struct HapticDeviceFacts {
   std::string model, serial, driver;
   DVec3 workspaceMin_mm{0}, workspaceMax_mm{0};
 };
 
 /// A device that a person holds, a model of one, or a script. Axes x right, y up, z towards the user. read() and
-/// write() come from one thread, once per tick each; they throw nothing, allocate nothing and return within a fraction
-/// of a tick.
+/// write() are called on one thread, once per tick each; they do not throw or allocate, and return within a fraction of
+/// a tick.
 class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
@@ -59,27 +59,27 @@ class HapticDevice {
   virtual std::string_view name() const = 0;
   virtual DeviceLimits limits() const = 0;
 
-  /// Whether ticks in real time run on a thread and at a pace of the device's own.
+  /// Whether the device calls ticks in real time on its own thread and at its own pace.
   virtual bool paces() const { return false; }
-  /// Calls `tick`, `rate_Hz` times a second, until it returns false. Returns false, with the fault in faultText(), when
-  /// the device stops calling before that; `tick` is then not called any more. Only where it paces().
+  /// Calls `tick`, `rate_Hz` times a second, until it returns false. Returns false, with the fault in faultText(), if
+  /// the device stops calling earlier; `tick` is then no longer called. Only if it paces().
   virtual bool pace(double /*rate_Hz*/, const std::function<bool()>& /*tick*/) { return false; }
 
-  /// `time_s` since the session began; a real device ignores it.
+  /// `time_s`: since the session began; a real device ignores it.
   virtual DeviceState read(double time_s) noexcept = 0;
 
-  /// False when the force did not reach the device.
+  /// False if the force did not reach the device.
   virtual bool write(const DVec3& force_N) noexcept = 0;
 
-  /// Takes the force away for good: no later write() brings it back. Called from signal handlers, on any thread and in
-  /// the middle of a write(), so it may only do what is async-signal-safe: no lock, no memory, no exception.
+  /// Removes the force permanently: no later write() restores it. Called from signal handlers, on any thread and in the
+  /// middle of a write(), so it must be async-signal-safe: no locks, no allocations, no exceptions.
   virtual void emergencyStop() noexcept = 0;
 
-  /// The first fault in words and what to do about it; empty while all is well. Never called during a tick.
+  /// The first fault, and what to do about it; empty if there is none. Never called during a tick.
   virtual std::string faultText() const = 0;
 };
 
-/// Device coordinates to the model's file coordinates. It neither turns nor mirrors, so forces pass unchanged.
+/// Device coordinates to the model's file coordinates. Without rotation and mirroring, so that forces pass unchanged.
 struct WorkspaceMap {
   double scale = 1;  ///< model units per device unit
   DVec3 offset{0};   ///< model units

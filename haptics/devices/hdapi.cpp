@@ -14,14 +14,14 @@ constexpr const char* kReport = "this is a fault of the program or of the driver
 constexpr const char* kReplug = "check cable and power of the device, and start again";
 
 constexpr std::array kMeanings{
-    ErrorMeaning{0x0000, Severity::none, "all is well", ""},
+    ErrorMeaning{0x0000, Severity::none, "no error", ""},
     ErrorMeaning{0x0100, Severity::end, "a parameter that the driver does not know", "update the vendor's driver"},
-    ErrorMeaning{0x0101, Severity::end, "a value that the driver does not take", kReport},
+    ErrorMeaning{0x0101, Severity::end, "a value that the driver does not accept", kReport},
     ErrorMeaning{0x0102, Severity::end, "a call that is not allowed now", kReport},
     ErrorMeaning{0x0103, Severity::end, "a value of the wrong type", kReport},
-    ErrorMeaning{0x0104, Severity::end, "the device is not open any more", kReplug},
+    ErrorMeaning{0x0104, Severity::end, "the device is no longer open", kReplug},
     ErrorMeaning{0x0200, Severity::pause, "the motors are warm", "let go and wait until they have cooled down"},
-    ErrorMeaning{0x0201, Severity::rampBack, "more force than the device can give", "lower the largest force"},
+    ErrorMeaning{0x0201, Severity::rampBack, "more force than the device can give", "lower the maximum force"},
     ErrorMeaning{0x0202, Severity::rampBack, "the force rose faster than the device allows", "lower the stiffness"},
     ErrorMeaning{0x0203, Severity::rampBack, "the stylus moved faster than the device allows", "move more slowly"},
     ErrorMeaning{0x0204, Severity::rampBack, "the force could not be given", "hold the stylus still for a moment"},
@@ -34,11 +34,11 @@ constexpr std::array kMeanings{
     ErrorMeaning{0x0400, Severity::end, "a frame was begun twice", kReport},
     ErrorMeaning{0x0401, Severity::end, "a frame was ended that was not begun", kReport},
     ErrorMeaning{0x0402, Severity::end, "a call that needs a frame", kReport},
-    ErrorMeaning{0x0500, Severity::end, "a priority that the scheduler does not take", kReport},
+    ErrorMeaning{0x0500, Severity::end, "a priority that the scheduler does not accept", kReport},
     ErrorMeaning{0x0501, Severity::end, "the driver's scheduler is full", "close other programs that use it"},
     ErrorMeaning{0x0600, Severity::end, "the driver has no valid licence", "install the vendor's licence"},
 };
-constexpr ErrorMeaning kUnknown{0xFFFF, Severity::end, "an error that is not known", "update the vendor's driver"};
+constexpr ErrorMeaning kUnknown{0xFFFF, Severity::end, "an unknown error", "update the vendor's driver"};
 
 }  // namespace
 

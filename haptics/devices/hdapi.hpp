@@ -1,5 +1,5 @@
-// The part of the HDAPI of OpenHaptics (3D Systems) that we call, as a table of functions that are found at run time.
-// Types are those of 64-bit systems (unsigned long is what it is there); no header of the vendor's is needed.
+// The part of OpenHaptics' HDAPI (3D Systems) that palpate calls, as a table of functions found at run time. Types are
+// those of 64-bit systems (unsigned long as on each system); no vendor header is needed.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ constexpr std::uint32_t kCallbackDone = 0, kCallbackContinue = 1;
 constexpr std::uint32_t kWaitCheck = 0, kWaitCompletion = 1;
 constexpr std::uint16_t kDefaultPriority = 32767;
 
-/// What can be asked for, set and switched.
+/// Parameters to query, set and switch.
 enum Parameter : Enum {
   kCurrentButtons = 0x2000,
   kCurrentPosition = 0x2050,   ///< 3 doubles, mm
@@ -29,7 +29,7 @@ enum Parameter : Enum {
   kDriverVersion = 0x2502,
   kVendor = 0x2503,
   kSerialNumber = 0x2504,
-  kUsableWorkspace = 0x2551,     ///< 6 doubles, least and greatest x, y, z, mm
+  kUsableWorkspace = 0x2551,     ///< 6 doubles, minimum and maximum x, y, z, mm
   kMaxForce = 0x2603,            ///< N
   kMaxContinuousForce = 0x2604,  ///< N
   kMotorTemperature = 0x2605,    ///< of each motor, 0 cold to 1 hot
@@ -40,7 +40,7 @@ enum Parameter : Enum {
 enum Calibration : Enum { kCalibrated = 0x5000, kNeedsUpdate = 0x5001, kNeedsManualInput = 0x5002 };
 enum CalibrationStyle : Enum { kByEncoder = 1, kAutomatic = 2, kByInkwell = 4 };
 
-/// Newest first on a stack of the library's; 0 is none.
+/// Entry of the library's error stack, newest first; code 0: no error.
 struct ErrorInfo {
   std::uint32_t code = 0;
   std::int32_t internalCode = 0;
@@ -62,14 +62,14 @@ struct ErrorMeaning {
   const char* words;  ///< what happened
   const char* advice;
 };
-/// Of every code that the interface names; of any other one, that it is not known, which ends the session.
+/// Meaning of every code of the interface; any other code is reported as unknown, which ends the session.
 const ErrorMeaning& meaningOf(std::uint32_t code);
 
-/// The functions. All of them are there but those of which it is said.
+/// The functions. All of them are set, unless stated otherwise.
 struct Api {
   /// Throws Error when the library lacks any that is needed.
   explicit Api(const VendorLibrary& library);
-  /// The names that are missing, for a look without a session.
+  /// Names of missing functions, for a survey without a session.
   static std::vector<std::string> missingFrom(const VendorLibrary& library);
 
   Handle (*initDevice)(const char* name) = nullptr;
@@ -92,7 +92,7 @@ struct Api {
   SchedulerHandle (*scheduleAsynchronous)(Callback, void*, std::uint16_t priority) = nullptr;
   void (*unschedule)(SchedulerHandle) = nullptr;
   std::uint8_t (*waitForCompletion)(SchedulerHandle, std::uint32_t code) = nullptr;
-  // Older libraries have not these.
+  // Missing in older libraries.
   void (*setSchedulerRate)(unsigned long rate_Hz) = nullptr;
   Enum (*checkCalibrationStyle)() = nullptr;
 
@@ -101,7 +101,7 @@ struct Api {
   SymbolTable fill(const VendorLibrary& library);
 };
 
-/// Where it is looked for.
+/// How the library is found.
 const LibrarySearch& librarySearch();
 
 }  // namespace palpate::hdapi

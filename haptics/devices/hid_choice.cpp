@@ -13,11 +13,11 @@ namespace {
 constexpr std::uint16_t kGenericDesktop = 1, kGamepad = 5, kMultiAxis = 8;  // HID Usage Tables 1.4, section 4
 constexpr std::uint16_t kLogitech = 0x046d, k3Dconnexion = 0x256f, k3DSystems = 0x2988;
 
-// The 3D mice that were made under Logitech's number, which its keyboards and mice share.
+// 3D mice with Logitech's vendor id, which its keyboards and mice share.
 constexpr std::array<std::uint16_t, 12> kLogitech3DMice{0xc603, 0xc605, 0xc606, 0xc621, 0xc623, 0xc625,
                                                         0xc626, 0xc627, 0xc628, 0xc629, 0xc62b, 0xc640};
 
-/// Whether third_party/70-palpate.rules opens it to users.
+/// Whether third_party/70-palpate.rules gives users access to it.
 bool isInRule(const HidInfo& info) {
   const bool logitech = info.vendorId == kLogitech && std::ranges::count(kLogitech3DMice, info.productId);
   return logitech || info.vendorId == k3Dconnexion || info.vendorId == k3DSystems || kindOf(info) == HidKind::dualSense;

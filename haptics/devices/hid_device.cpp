@@ -9,18 +9,18 @@
 namespace palpate {
 namespace {
 
-constexpr double kMaxPush_mm_per_s = 120;  // at the full push: across the workspace in a second or so
-constexpr double kEase_s = 0.03;           // reports come every 4 to 16 ms, and the hand goes smoothly all the same
-// How far the intention may be ahead of the stylus: with the cap at rest and with the full push. Times the stiffness of
-// the hand that is the force with which it presses: 0.3 N, and a little less than a Touch can answer at most.
+constexpr double kMaxPush_mm_per_s = 120;  // at full push: crosses the workspace in about a second
+constexpr double kEase_s = 0.03;           // smooths the motion between reports, which are received every 4 to 16 ms
+// Maximum lead of the intended position over the stylus: with the cap at rest and at full push. Times the stiffness of
+// the hand it is the force with which it presses: 0.3 N, and a little less than the maximum of a Touch.
 constexpr double kAheadAtRest_mm = 0.5, kFarthestAhead_mm = 5;
-// What is farther ahead than that, because the surface pushed the stylus back or the cap was let go, yields slowly: an
-// intention that followed the stylus at once would damp no motion of it.
+// A larger lead, because the surface pushed the stylus back or the cap was released, decays slowly: an intended
+// position that followed the stylus at once would not damp its motion.
 constexpr double kYield_s = 0.1;
-// Of the hand. Critical for its mass between its own spring and a surface of 1.5 N/mm, so that a push into a wall comes
-// to rest there, also at a few hundred ticks per second; there is no real hand that would have to feel it.
+// Damping of the hand. Critical for its mass between its own spring and a surface of 1.5 N/mm, so that a push into a
+// wall comes to rest there, even at a few hundred ticks per second; no real hand has to feel it.
 constexpr double kDamping_N_s_per_mm = 0.02;
-constexpr double kForceRamp_s = 0.5;  // forces ramp up for so long
+constexpr double kForceRamp_s = 0.5;  // duration of the ramp of forces
 
 SimulatedTouchOptions steeredHand() {
   SimulatedTouchOptions hand = guidedHand(kTouchWorkspace_mm);

@@ -1,5 +1,5 @@
-// A stylus that is steered by pushing: a 3D mouse or the sticks of a gamepad say where the hand goes and how fast, and
-// a simulated Touch moves as a real one would in that hand.
+// A stylus that is steered by pushing: a 3D mouse or the sticks of a gamepad set direction and speed, and a simulated
+// Touch moves as a real one would in that hand.
 #pragma once
 
 #include "haptics/devices/hid_listener.hpp"
@@ -7,18 +7,17 @@
 
 namespace palpate {
 
-/// The hand has inertia and yields to the force. It presses as hard as the cap is pushed: the intention runs ahead of
-/// the stylus only so far, less when the cap is let go. A device that is unplugged leaves the stylus where it is,
-/// without force, and takes it up there again. At the beginning, too, the hand waits while forces ramp up. A thread of
-/// its own listens; read() and write() wait for nobody.
+/// The hand has inertia and yields to the force. It presses as hard as the cap is pushed: the lead of the intended
+/// position over the stylus is limited, more so when the cap is released. If the device is unplugged, the stylus stays
+/// where it is, without force, and continues there later. At the start, too, the hand waits while forces ramp up. A
+/// thread of its own listens; read() and write() never block.
 class HidDevice final : public HapticDevice {
  public:
-  /// `device`: one that chooseHidSteering() gave. The stylus begins at `start_mm`. Throws Error where it cannot be
-  /// opened.
+  /// `device`: from chooseHidSteering(). The stylus starts at `start_mm`. Throws Error if it cannot be opened.
   HidDevice(std::shared_ptr<HidTransport> transport, const HidInfo& device, const DVec3& start_mm, HidRemark remark);
 
   std::string_view name() const override { return name_; }
-  /// Of a Touch, but for its heat: there are no motors.
+  /// Those of a Touch, but without its heat limit: there are no motors.
   DeviceLimits limits() const override;
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3& force_N) noexcept override { return adrift_ || hand_.write(force_N); }
@@ -31,7 +30,7 @@ class HidDevice final : public HapticDevice {
   std::string name_;
   HidListener listener_;
   DVec3 asked_mm_per_s_{0};
-  bool adrift_ = true;  // no device holds the stylus; it has none before the first read either
+  bool adrift_ = true;  // no device holds the stylus, as before the first read
   DVec3 position_mm_, intended_mm_, speed_mm_per_s_{0};
   double intendedTime_s_ = 0, waitsUntil_s_ = 0;
   SimulatedTouch hand_;

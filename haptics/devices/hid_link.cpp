@@ -11,9 +11,9 @@ namespace {
 
 constexpr auto kBetweenSearches = std::chrono::milliseconds(500);
 constexpr double kSearch_s = std::chrono::duration<double>(kBetweenSearches).count(), kLongestWait_s = 30;
-// The system sets the permissions of a new node a moment after it has made it.
+// The system sets the permissions of a new node a moment after creating it.
 constexpr double kPatience_s = 3;
-constexpr double kFirm_s = 2;  // who is lost sooner after it came back is looked for less often
+constexpr double kFirm_s = 2;  // a device that is lost sooner after it came back is searched for less often
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// A device that may be unplugged at any time and comes back.
+// A device that may be unplugged and plugged in again at any time.
 #pragma once
 
 #include <condition_variable>
@@ -12,26 +12,24 @@
 
 namespace palpate {
 
-/// Receives what a person should read, a sentence at a time, from threads of the devices; throws nothing.
+/// Receives messages for the user, a sentence at a time, on threads of the devices; must not throw.
 using HidRemark = std::function<void(std::string_view sentence)>;
 
-/// For one thread. The same device is one with the same kind, numbers and, where it has one, serial number, wherever it
-/// is plugged in.
+/// Not thread-safe. A device is recognized by its kind, its ids and, if it has one, its serial number, on any port.
 class HidLink {
  public:
-  /// Opens it. `whileGone` goes on from "... was unplugged: ". Throws Error where it cannot be opened.
+  /// Opens it. `whileGone` continues the sentence "... was unplugged: ". Throws Error if it cannot be opened.
   HidLink(std::shared_ptr<HidTransport> transport, HidInfo device, HidRemark remark, std::string whileGone);
 
   const HidInfo& device() const { return device_; }
   /// Null while it is unplugged.
   HidConnection* connection() { return connection_.get(); }
 
-  /// A read or write said that it is gone.
+  /// A read or write has reported that it is gone.
   void lose();
-  /// Looks for it again, at most every half second, less often while it comes and goes; true where
-  /// it is back.
+  /// Searches for it, at most every half second, less often after short connections; true if it is back.
   bool find();
-  /// Until it is time to look again, or to stop.
+  /// Sleeps until the next search is due, or until a stop.
   void rest(const std::stop_token& stop);
 
  private:
@@ -42,9 +40,9 @@ class HidLink {
   HidRemark remark_;
   std::string whileGone_;
   std::unique_ptr<HidConnection> connection_;
-  Stopwatch searched_, absent_, found_;  // since it was looked for, was not there, came back
-  double wait_s_;                        // until the next look
-  bool complained_ = false;              // that it is there and cannot be opened
+  Stopwatch searched_, absent_, found_;  // since the last search, since it was last missing, since it came back
+  double wait_s_;                        // until the next search
+  bool complained_ = false;              // that it is present and cannot be opened
   std::mutex restLock_;
   std::condition_variable_any stopped_;
 };

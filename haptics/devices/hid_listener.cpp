@@ -9,8 +9,8 @@ namespace palpate {
 namespace {
 
 constexpr double kDeadCap = 0.06, kDeadStick = 0.15;
-constexpr int kPatience_ms = 50;  // of a read: how late the listener hears that it should stop
-// A cap that is held reports all the time; silence for so long means that it was let go and nobody heard.
+constexpr int kPatience_ms = 50;  // of a read: how late the listener notices a stop
+// A held cap reports continuously; silence for this long means that its release was missed.
 constexpr double kReportTimeout_s = 0.5;
 
 bool isPad(const HidInfo& device) { return kindOf(device) == HidKind::dualSense; }

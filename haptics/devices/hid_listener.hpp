@@ -1,4 +1,4 @@
-// Listens to a 3D mouse or to the sticks of a gamepad, for whoever wants to know where it is pushed now.
+// Listens to a 3D mouse or to the sticks of a gamepad, and provides their current push.
 #pragma once
 
 #include <thread>
@@ -9,23 +9,23 @@
 
 namespace palpate {
 
-/// The last report. A device that is unplugged, or falls silent while it is pushed, pushes no more.
+/// The last report. A device that is unplugged, or falls silent while it is pushed, counts as released.
 struct HidPush {
   HidMotion motion;  ///< shaped
   bool plugged = true;
 };
 
-/// A push or turn, -1 to 1 on each axis, as it should act: nothing up to `deadShare` of the full way, where a worn
-/// stick may rest, then progressively up to a length of 1, in the same direction.
+/// Response to a push or rotation, -1 to 1 on each axis: zero up to `deadShare` of the full deflection, where a worn
+/// stick may rest, then progressive up to a length of 1, in the same direction.
 DVec3 shaped(const DVec3& push, double deadShare) noexcept;
 
-/// A thread of its own reads. Asking waits for nobody and allocates nothing.
+/// A thread of its own reads. now() neither blocks nor allocates.
 class HidListener {
  public:
-  /// `device`: one that chooseHidSteering() gave. `whileGone`: see HidLink. Throws Error where it cannot be opened.
+  /// `device`: from chooseHidSteering(). `whileGone`: see HidLink. Throws Error if it cannot be opened.
   HidListener(std::shared_ptr<HidTransport> transport, const HidInfo& device, HidRemark remark, std::string whileGone);
 
-  /// For one thread.
+  /// Not thread-safe.
   const HidPush& now() noexcept;
 
  private:
@@ -33,10 +33,10 @@ class HidListener {
 
   TakeHidReport take_;
   double deadShare_;
-  HidLink link_;  // of the thread that listens
+  HidLink link_;  // used by the thread that listens
   LatestValue<HidPush> latest_;
-  HidPush last_;           // of the one who asks
-  std::jthread listener_;  // goes first
+  HidPush last_;           // used by the caller of now()
+  std::jthread listener_;  // destroyed first
 };
 
 }  // namespace palpate

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// An open HID device beside hidapi, which allocates when it writes, and does not show its file: the system takes the
-/// same report from anybody who has the device open.
+/// An open HID device beside hidapi, which allocates when it writes and hides its file: the system accepts the same
+/// report from any process that has opened the device.
 class HidNode {
  public:
   explicit HidNode(const std::string& path) noexcept;
@@ -15,17 +15,17 @@ class HidNode {
   HidNode(const HidNode&) = delete;
   HidNode& operator=(const HidNode&) = delete;
 
-  /// From any thread and any handler; goes as far as it goes.
+  /// From any thread and any signal handler; best effort.
   void write(std::span<const std::uint8_t> report) noexcept;
 
-  /// Whether a device is there, but not for this user.
+  /// Whether the device exists but this user may not open it.
   static bool isDenied(const std::string& path) noexcept;
 
  private:
   std::intptr_t file_;
 };
 
-/// What lets this user open a device that is denied; `inRule`: third_party/70-palpate.rules opens it to users.
+/// How this user gets access to a denied device; `inRule`: third_party/70-palpate.rules gives users access to it.
 std::string hidPermissionMend(const std::string& path, bool inRule);
 
 }  // namespace palpate

@@ -26,7 +26,7 @@ bool HidNode::isDenied(const std::string& path) noexcept {
   return ::faccessat(AT_FDCWD, path.c_str(), R_OK | W_OK, AT_EACCESS) != 0 && errno == EACCES;
 }
 
-// A node whose group may open it is one that the rule has reached: then the user is not seated here.
+// If its group may open the node, the rule was applied: then the user has no seat on this machine.
 std::string hidPermissionMend(const std::string& path, bool inRule) {
   if (!inRule) return fmt::format("run: sudo chown $USER {} (until it is plugged in again)", path);
   struct stat node {};

@@ -37,7 +37,7 @@ bool HidNode::isDenied(const std::string& path) noexcept {
   return false;
 }
 
-// Windows opens HID devices to every user; who is denied one comes second.
-std::string hidPermissionMend(const std::string&, bool) { return "close the program that has it for itself alone"; }
+// Windows gives every user access to HID devices: a denied one is open exclusively elsewhere.
+std::string hidPermissionMend(const std::string&, bool) { return "close the program that uses it exclusively"; }
 
 }  // namespace palpate

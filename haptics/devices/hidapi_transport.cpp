@@ -9,13 +9,13 @@
 namespace palpate {
 namespace {
 
-/// hidapi lists, opens and closes with one error text for the whole program, which two threads would free twice.
+/// hidapi has one error text per process for listing, opening and closing, which two threads would free twice.
 std::mutex& hidapiLock() {
   static std::mutex lock;
   return lock;
 }
 
-/// Whatever the locale: hidapi gives code points, or pairs of UTF-16 where wchar_t has no room for them.
+/// Independent of the locale: hidapi gives code points, or pairs of UTF-16 if wchar_t is too small for them.
 std::string utf8(const wchar_t* text) {
   std::string out;
   for (; text && *text; ++text) {
@@ -29,7 +29,7 @@ std::string utf8(const wchar_t* text) {
       for (shift -= 6; shift >= 0; shift -= 6) out += static_cast<char>(0x80 | ((code >> shift) & 0x3f));
     };
     if (code < 0x20 || code == 0x7f || code > 0x10ffff)
-      out += '?';  // nothing that a terminal would obey
+      out += '?';  // no control characters for a terminal
     else if (code < 0x80)
       out += static_cast<char>(code);
     else if (code < 0x800)
@@ -56,7 +56,7 @@ class HidapiConnection final : public HidConnection {
     errno = 0;
     const int bytes = ::hid_read_timeout(device_, report.data(), report.size(), timeout_ms);
     if (bytes >= 0) return static_cast<std::size_t>(bytes);
-    if (errno == EINTR) return 0;  // a signal is no unplugging
+    if (errno == EINTR) return 0;  // a signal does not mean unplugged
     return std::nullopt;
   }
 

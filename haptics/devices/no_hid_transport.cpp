@@ -1,4 +1,4 @@
-// Stands in for hidapi_transport.cpp where palpate is built without hidapi.
+// Replaces hidapi_transport.cpp if palpate is built without hidapi.
 #include "haptics/devices/hid_transport.hpp"
 
 namespace palpate {

@@ -19,7 +19,7 @@ namespace {
 using namespace hdapi;
 using namespace std::chrono_literals;
 
-/// What each model bears and still renders calmly, whatever its driver says; a name stands before those it contains.
+/// Per model: what it bears and still renders stably, whatever its driver reports; a name precedes those it contains.
 struct HdModel {
   std::string_view name;
   double peak_N, stiffness_N_per_mm, damping_N_s_per_mm;
@@ -29,13 +29,13 @@ constexpr HdModel kHdModels[]{
     {"Omni", 3.3, 0.7, 0.005},    {"", 3.3, 0.4, 0.005},
 };
 
-constexpr std::array<double, 3> kFrozen_mm{0, -110, -35};  // what a driver without joint data gives for ever
+constexpr std::array<double, 3> kFrozen_mm{0, -110, -35};  // reported permanently by a driver without joint data
 constexpr std::uint32_t kFrozenTicks = 100;
 constexpr double kHot = 0.95, kCooled = 0.85;
 constexpr std::uint32_t kTicksBetweenChecks = 100;
-constexpr std::uint32_t kPausedTicks = 1000;  // after each complaint, where the driver does not tell the heat
-constexpr int kMaxComplaints = 32;            // that are read at a time: the stack must not hold a tick up
-constexpr double kStall_s = 1;                // without a call, after which the driver's scheduler is taken for dead
+constexpr std::uint32_t kPausedTicks = 1000;  // after each error, if the driver does not report the temperature
+constexpr int kMaxComplaints = 32;            // errors read at a time: the stack must not delay a tick
+constexpr double kStall_s = 1;                // without a call; then the driver's scheduler is considered dead
 constexpr double kZeroWait_us = 5000;
 constexpr std::size_t kMaxMotors = 8;
 constexpr double kDriverRate_Hz = 1000;
@@ -46,8 +46,8 @@ VendorLibrary loadedHd() {
   return library;
 }
 
-/// The driver has one scheduler for all devices, and devices are opened and closed while it stands still.
-/// `change` does that and returns by how many the devices become more.
+/// The driver has one scheduler for all devices; they are opened and closed while it is stopped. `change` does that and
+/// returns the change in the number of devices.
 template <typename Change>
 void whileSchedulerStands(const Api& hd, Change&& change) {
   static std::mutex guard;
@@ -75,7 +75,7 @@ std::uint32_t newestError(const Api& hd) {
   return newest;
 }
 
-/// The driver's own number where it is a sane one, and never more than `most`.
+/// The driver's value if it is valid, at most `most`.
 double upTo(double most, double told) { return std::isfinite(told) && told > 0 ? std::min(told, most) : most; }
 
 }  // namespace
@@ -122,7 +122,7 @@ void OpenHapticsDevice::open() {
     if (device_ != kNoDevice && meaningOf(error).severity != Severity::end) break;
     if (device_ != kNoDevice) hd_.disableDevice(device_);
     device_ = kNoDevice;
-    // The first name is the one that should have worked, unless it is merely not known.
+    // The error of the first name counts, since that name should have worked, unless it is merely unknown.
     if (code == 0) code = error;
   }
   if (device_ == kNoDevice) {
@@ -141,8 +141,8 @@ void OpenHapticsDevice::open() {
     if (newestError(hd_) != 0) {
       hd_.disableDevice(device_);
       throw Error(
-          "openhaptics: the driver's servo loop does not run at {} Hz; take a rate of 1000 Hz, or "
-          "the scheduler of our own",
+          "openhaptics: the driver's servo loop does not run at {} Hz; use a rate of 1000 Hz, or palpate's own "
+          "scheduler",
           options_.rate_Hz);
     }
   }
@@ -165,7 +165,7 @@ void OpenHapticsDevice::learnFacts() {
   hd_.getDoublev(kUsableWorkspace, sides);
   facts_.workspaceMin_mm = {sides[0], sides[1], sides[2]};
   facts_.workspaceMax_mm = {sides[3], sides[4], sides[5]};
-  newestError(hd_);  // what an old driver does not know is not told
+  newestError(hd_);  // clears errors: an old driver does not know all values
   const DVec3 size_mm = facts_.workspaceMax_mm - facts_.workspaceMin_mm;
   if (isFinite(size_mm) && size_mm.x > 0 && size_mm.y > 0 && size_mm.z > 0) return;
   facts_.workspaceMin_mm = -0.5 * kTouchWorkspace_mm;
@@ -216,7 +216,7 @@ void OpenHapticsDevice::calibrate() {
 }
 
 void OpenHapticsDevice::testPosition() {
-  // One in a hundred of the driver's own ticks would do; a stylus at rest is not a frozen one.
+  // One of the driver's ticks with another position is enough; a stylus at rest is not frozen.
   for (std::uint32_t i = 0; i < kFrozenTicks; ++i) {
     std::array<double, 3> position_mm{};
     hd_.beginFrame(device_);
@@ -230,8 +230,8 @@ void OpenHapticsDevice::testPosition() {
     std::this_thread::sleep_for(1ms);
   }
   throw Error(
-      "openhaptics: the driver gives the position (0, -110, -35) mm for ever: it has no joint data of "
-      "{}; run the vendor's setup program (Touch_Setup), and mind that LC_NUMERIC must have a decimal point",
+      "openhaptics: the driver always reports the position (0, -110, -35) mm: it has no joint data of {}; run the "
+      "vendor's setup program (Touch_Setup), and note that LC_NUMERIC must have a decimal point",
       facts_.model);
 }
 
@@ -279,7 +279,7 @@ bool OpenHapticsDevice::pace(double /*rate_Hz*/, const std::function<bool()>& ti
     return false;
   }
   hd_.waitForCompletion(handle, kWaitCompletion);
-  hd_.makeCurrentDevice(device_);  // for the thread that goes on
+  hd_.makeCurrentDevice(device_);  // for the thread that continues
   return true;
 }
 
@@ -301,7 +301,7 @@ DeviceState OpenHapticsDevice::read(double /*time_s*/) noexcept {
     fail("the position is frozen at (0, -110, -35) mm: the driver has lost the joint data",
          "run the vendor's setup program (Touch_Setup)");
   if (!isFinite(DVec3(position_mm[0], position_mm[1], position_mm[2])))
-    fail("the driver gives a position that is no number", "calibrate the device with the vendor's setup program");
+    fail("the driver reports a position that is not a number", "calibrate the device with the vendor's setup program");
   if (failed_.load()) {
     sendInFrame(DVec3(0));
     return {};
@@ -371,7 +371,7 @@ void OpenHapticsDevice::emergencyStop() noexcept {
   stopped_.store(true);
   const std::thread::id servo = servoThread_.load(std::memory_order_relaxed);
   if (servo == std::thread::id() || servo == std::this_thread::get_id()) return;
-  // By the clock: where a system has no sleep as short, it does not sleep at all.
+  // Measured by the clock: a system without such short sleeps does not sleep at all.
   const Stopwatch since;
   while (since.elapsed_us() < kZeroWait_us && !zeroSent_.load()) {
     const timespec nap{.tv_sec = 0, .tv_nsec = 100'000};

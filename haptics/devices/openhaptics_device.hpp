@@ -12,29 +12,29 @@
 
 namespace palpate {
 
-/// Who calls the ticks of a session.
+/// Which thread calls the ticks of a session.
 enum class Scheduler {
-  device,  ///< the driver's own servo thread, as the vendor means it
-  own      ///< ours, at its own rate and priority
+  device,  ///< the driver's own servo thread, as the vendor intends
+  own      ///< palpate's, at its own rate and priority
 };
 
 struct OpenHapticsOptions {
-  std::string deviceName;  ///< as the vendor's setup program calls it; empty: the default device
+  std::string deviceName;  ///< as in the vendor's setup program; empty: the default device
   Scheduler scheduler = Scheduler::device;
   double rate_Hz = 1000;                        ///< of the driver's scheduler
-  double calibrationPatience_s = 60;            ///< how long a person may take to calibrate
-  std::function<void(const std::string&)> say;  ///< words for the person at the device
+  double calibrationPatience_s = 60;            ///< timeout for a manual calibration
+  std::function<void(const std::string&)> say;  ///< messages for the user
   const std::atomic<bool>* stop = nullptr;      ///< ends the wait for a calibration
 };
 
-/// Its current device is thread-local in the driver, so each thread that reads or writes makes it current first. A tick
-/// is a frame: read() begins it, write() ends it.
+/// The driver's current device is thread-local, so each thread that reads or writes makes it current first. A tick is a
+/// frame: read() begins it, write() ends it.
 class OpenHapticsDevice final : public HapticDevice {
  public:
-  /// Loads the library, opens the device, calibrates it, starts the driver's scheduler. Throws Error with what is
-  /// missing and what to do, in words.
+  /// Loads the library, opens and calibrates the device, starts the driver's scheduler. Throws Error that says what is
+  /// missing and what to do.
   explicit OpenHapticsDevice(const OpenHapticsOptions& options);
-  /// Force away, scheduler stopped, device given back.
+  /// Removes the force, stops the scheduler, closes the device.
   ~OpenHapticsDevice() override;
 
   std::string_view name() const override { return facts_.model; }
@@ -43,16 +43,16 @@ class OpenHapticsDevice final : public HapticDevice {
   bool pace(double rate_Hz, const std::function<bool()>& tick) override;
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3& force_N) noexcept override;
-  /// Besides, gives the driver's thread a moment to send the zero, where it is not that thread that is being stopped.
+  /// Also gives the driver's thread a moment to send the zero, unless that thread is the one being stopped.
   void emergencyStop() noexcept override;
   std::string faultText() const override;
 
   const HapticDeviceFacts& facts() const { return facts_; }
-  /// Of the warmest motor, 0 cold to 1 hot.
+  /// Temperature of the warmest motor, 0 cold to 1 hot.
   double motorTemperature() const { return temperature_.load(std::memory_order_relaxed); }
 
  private:
-  /// For a person who has two of them: the name that it was asked for by, or its model.
+  /// Tells two devices apart: the name that was requested, or the model.
   const std::string& calledName() const;
   void open();
   void close() noexcept;
@@ -60,13 +60,13 @@ class OpenHapticsDevice final : public HapticDevice {
   void learnLimits();
   void calibrate();
   void testPosition();
-  /// Throws Error when the driver has something to say that ends a session.
+  /// Throws Error if the driver reports an error that ends a session.
   void demandSuccess(const std::string& doing);
-  /// The worst of what the driver has to say; on the servo thread.
+  /// The most severe error that the driver reports; on the servo thread.
   hdapi::Severity complaints() noexcept;
   bool isFrozen(const std::array<double, 3>& position_mm) noexcept;
   void watchMotors() noexcept;
-  /// How the stylus is held; inside of a frame.
+  /// Orientation of the stylus; inside of a frame.
   DQuat turn() noexcept;
   void sendInFrame(const DVec3& force_N) noexcept;
   void fail(const char* what, const char* advice, std::uint32_t code = 0) noexcept;
@@ -79,7 +79,7 @@ class OpenHapticsDevice final : public HapticDevice {
   DeviceLimits limits_;
   bool tellsHeat_ = false, tellsTurn_ = false;
 
-  // Of the thread that ticks.
+  // Used by the thread that ticks.
   bool inFrame_ = false, hot_ = false;
   hdapi::Severity pending_ = hdapi::Severity::none;  // of the last write, for the next read
   std::uint32_t ticksToCheck_ = 0, pausedTicks_ = 0, frozenTicks_ = 0;
@@ -90,13 +90,13 @@ class OpenHapticsDevice final : public HapticDevice {
     const char* advice = nullptr;
     std::uint32_t code = 0;
   };
-  Fault first_;  // that ended the session; written once, before failed_
+  Fault first_;  // the one that ended the session; written once, before failed_
   std::atomic<bool> failed_ = false;
 
   std::atomic<bool> stopped_ = false, zeroSent_ = false;
   std::atomic<std::thread::id> servoThread_{};
 
-  // What the driver's scheduler calls. It stands here because a driver that stalled may still call later.
+  // Called by the driver's scheduler. Shared, because a driver that stalled may still call later.
   struct Calls {
     const std::function<bool()>* tick = nullptr;
     std::atomic<bool> abandoned = false, busy = false, ended = false;

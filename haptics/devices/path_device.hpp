@@ -1,4 +1,4 @@
-// A device without a hand: it plays a path and remembers the force.
+// A device without a hand: plays a path and stores the force.
 #pragma once
 
 #include "haptics/devices/haptic_device.hpp"
@@ -12,11 +12,11 @@ class PathDevice final : public HapticDevice {
   explicit PathDevice(Path path) : path_(std::move(path)) {}
 
   std::string_view name() const override { return "path"; }
-  /// No motor and no hand can be harmed, and a script may jump: what the user asks for is what the trace shows.
+  /// No motor and no hand can be harmed, and a script may jump: the trace shows what the user has asked for.
   DeviceLimits limits() const override;
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3& force_N) noexcept override;
-  void emergencyStop() noexcept override {}  // there is nothing that could pull
+  void emergencyStop() noexcept override {}  // it has no motors
   std::string faultText() const override { return {}; }
 
   const Path& path() const { return path_; }

@@ -7,24 +7,24 @@
 
 namespace palpate {
 
-/// Plays the positions of a recorded session and yields to no force. It has the limits of the device that was there,
+/// Plays the positions of a recorded session, and does not yield to forces. It has the limits of the recorded device,
 /// so that the servo loop treats its forces alike.
 class ReplayDevice final : public HapticDevice {
  public:
-  /// `ticks`: at least one, times ascending.
+  /// `ticks`: at least one, in ascending order of time.
   ReplayDevice(std::vector<LoggedTick> ticks, const DeviceLimits& limits);
 
   std::string_view name() const override { return "replay"; }
   DeviceLimits limits() const override { return limits_; }
-  /// Where the device was at the last tick up to `time_s`; at the first one before that.
+  /// State of the last tick up to `time_s`; before the first tick, that of the first.
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3&) noexcept override { return true; }
-  void emergencyStop() noexcept override {}  // there is nothing that could pull
+  void emergencyStop() noexcept override {}  // it has no motors
   std::string faultText() const override { return {}; }
 
  private:
   std::vector<LoggedTick> ticks_;
-  const LoggedTick* last_ = nullptr;  // that was read
+  const LoggedTick* last_ = nullptr;  // the last one that was read
   DeviceLimits limits_;
 };
 

@@ -7,18 +7,18 @@
 namespace palpate {
 namespace {
 
-constexpr double kTouches_N = 0.05, kLeaves_N = 0.02;  // apart, so that a light touch is no rattle
+constexpr double kTouches_N = 0.05, kLeaves_N = 0.02;  // hysteresis, so that a light touch does not rattle
 constexpr double kTap_s = 0.05;                        // the light motor needs 20 ms to be felt
 constexpr int kMinTap = 130, kMaxTap = 255;
-constexpr int kMinHum = 24, kMaxHum = 200, kHumStep = 8;  // below the least the heavy motor does not turn
+constexpr int kMinHum = 24, kMaxHum = 200, kHumStep = 8;  // below the minimum the heavy motor does not turn
 constexpr double kSmallestShare = 0.01;
 constexpr auto kPeriod = std::chrono::milliseconds(10);
-constexpr double kForceTimeout_s = 0.1;  // no servo loop pauses so long
-constexpr double kAgain_s = 0.5;         // a report may be lost
+constexpr double kForceTimeout_s = 0.1;  // longer than any pause of the servo loop
+constexpr double kAgain_s = 0.5;         // the last report is repeated: it may be lost
 
 static_assert(std::atomic<HidConnection*>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
                   std::atomic<float>::is_always_lock_free,
-              "a signal handler and the servo thread wait for nobody");
+              "a signal handler and the servo thread must not block");
 
 }  // namespace
 
@@ -68,7 +68,7 @@ void Rumble::stop() noexcept {
 
 void Rumble::publish() noexcept { open_.store(link_.connection()); }
 
-// A handler on this very thread has returned before this goes on; one on another thread does so within a write.
+// A handler on this thread has returned before this continues; one on another thread does so within a write.
 void Rumble::withdraw() noexcept {
   open_.store(nullptr);
   while (users_.load() != 0) std::this_thread::yield();

@@ -1,4 +1,4 @@
-// Contact as it is felt through a gamepad: a tap where it begins and a hum that grows with the force.
+// Contact felt through a gamepad: a tap at its start, and a hum that grows with the force.
 #pragma once
 
 #include <atomic>
@@ -11,10 +11,10 @@
 
 namespace palpate {
 
-/// From forces to motors. Deterministic.
+/// Maps forces to motors. Deterministic.
 class RumbleShape {
  public:
-  /// `share` of the strongest force, 0 to 1; `contacts` that began so far. Times do not fall.
+  /// `share`: of the strongest force, 0 to 1; `contacts`: number started so far. Times must not decrease.
   RumbleMotors at(double time_s, double share, std::uint32_t contacts) noexcept;
 
  private:
@@ -22,19 +22,19 @@ class RumbleShape {
   double tapUntil_s_ = 0;
 };
 
-/// The motors of a DualSense, driven by a thread of its own. They stand still at the end, when nobody sets a force any
-/// more, and for good after stop(). Only a kill -9 leaves them as they were.
+/// The motors of a DualSense, driven by a thread of its own. They stop at the end, when forces are no longer set, and
+/// for good after stop(). Only kill -9 leaves them as they were.
 class Rumble {
  public:
-  /// `device`: one that chooseDualSense() gave; a force of `full_N` and more is the strongest hum; where a
-  /// device has no such limit, that of a Touch is taken. Throws Error.
+  /// `device`: from chooseDualSense(). A force of `full_N` or more is the strongest hum; if the device has no such
+  /// limit, that of a Touch is used. Throws Error.
   Rumble(std::shared_ptr<HidTransport> transport, const HidInfo& device, HidRemark remark,
          double full_N = kTouchPeakForce_N);
   ~Rumble();
   Rumble(const Rumble&) = delete;
   Rumble& operator=(const Rumble&) = delete;
 
-  /// The force of this tick. From one thread; waits for nobody and allocates nothing.
+  /// The force of this tick. On one thread; neither blocks nor allocates.
   void setForce(const DVec3& force_N) noexcept;
   /// Async-signal-safe.
   void stop() noexcept;
@@ -46,13 +46,13 @@ class Rumble {
   void withdraw() noexcept;
 
   double full_N_;
-  bool touching_ = false;  // of the thread that sets forces
+  bool touching_ = false;  // used by the thread that sets forces
   std::atomic<float> share_ = 0;
   std::atomic<std::uint32_t> contacts_ = 0, ticks_ = 0;
   std::atomic<bool> stopped_ = false;
-  HidLink link_;  // of the thread that drives
+  HidLink link_;  // used by the thread that drives
   RumbleMotors sent_;
-  // For stop(), which may come at any time: the open device, and how many are using it.
+  // For stop(), which may be called at any time: the open device, and its current number of users.
   std::array<std::uint8_t, 48> silence_;
   std::atomic<HidConnection*> open_ = nullptr;
   std::atomic<int> users_ = 0;

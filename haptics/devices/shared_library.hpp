@@ -1,4 +1,4 @@
-// A library that is loaded while the program runs, and stays until it ends.
+// A library that is loaded at run time, and stays loaded until the program ends.
 #pragma once
 
 #include <string>
@@ -7,17 +7,17 @@ namespace palpate {
 
 struct LoadedLibrary {
   void* handle = nullptr;
-  std::string error;      ///< in the loader's own words, where there is no handle
-  bool isAbsent = false;  ///< there is no such file, rather than one of no use
+  std::string error;      ///< the loader's own text, if there is no handle
+  bool isAbsent = false;  ///< the file does not exist; false if it exists and cannot be loaded
 };
 
-/// As the loader finds it; the empty name is the program itself.
+/// `name`: as the loader finds it; empty for the program itself.
 LoadedLibrary loadLibrary(const std::string& name);
 
-/// A function; nullptr where the library has none of that name.
+/// A function; nullptr if the library has none of that name.
 void* functionIn(void* library, const std::string& name);
 
-/// Of the library that a function is in; empty where nobody knows.
+/// File of the library that contains a function; empty if unknown.
 std::string fileOf(void* function);
 
 }  // namespace palpate

@@ -9,7 +9,7 @@ LoadedLibrary loadLibrary(const std::string& name) {
     return {.handle = handle};
   const char* error = ::dlerror();
   LoadedLibrary none{.error = error ? error : "the loader does not say why"};
-  // The loader says "NAME: cannot open shared object file: …" of a file that is not there, about NAME itself.
+  // For a missing file the loader says "NAME: cannot open shared object file: …", about NAME itself.
   none.isAbsent = none.error.starts_with(name + ": cannot open shared object file: No such file");
   return none;
 }

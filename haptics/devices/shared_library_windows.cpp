@@ -11,7 +11,7 @@ LoadedLibrary loadLibrary(const std::string& name) {
   const HMODULE module =
       name.empty() ? ::GetModuleHandleW(nullptr) : ::LoadLibraryW(std::filesystem::path(name).c_str());
   if (module) return {.handle = module};
-  // A library whose own libraries are missing gives the same number, but its file is found.
+  // A library with missing dependencies gives the same number, but its own file is found.
   const DWORD number = ::GetLastError();
   const bool isFound = ::SearchPathW(nullptr, std::filesystem::path(name).c_str(), L".dll", 0, nullptr, nullptr) != 0;
   const bool isAbsent = number == ERROR_MOD_NOT_FOUND && !isFound;

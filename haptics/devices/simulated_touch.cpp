@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-constexpr double kStep_s = 50e-6;   // twenty steps of physics in a tick of 1 kHz
+constexpr double kStep_s = 50e-6;   // twenty steps of physics per tick of 1 kHz
 constexpr double kUsedShare = 0.9;  // of the workspace; the rest keeps the hand clear of the stops
 constexpr double kMm_per_m = 1000;  // 1 N on 1 kg gives 1 m/s^2
 
@@ -17,8 +17,8 @@ void checkDeviceOption(double value, const char* name, bool mayBeZero = true) {
     throw UsageError("{} is {}; it must be finite and {}", name, value, mayBeZero ? "zero or more" : "above zero");
 }
 
-/// Coulomb friction as the impulse that it can give in a step: it brings the mass to rest or slows it down, and never
-/// turns it around, so that a mass at rest stays exactly at rest until something stronger pulls (Moreau 1988).
+/// Coulomb friction as its maximum impulse in a step: it stops the mass or slows it down, and never reverses it, so
+/// that a mass at rest stays exactly at rest until a stronger force acts (Moreau 1988).
 DVec3 afterFriction(const DVec3& velocity, double strongestChange) {
   const double speed = glm::length(velocity);
   return speed <= strongestChange ? DVec3(0) : velocity * (1 - strongestChange / speed);
@@ -85,7 +85,7 @@ void SimulatedTouch::advance(double time_s) noexcept {
   now_s_ = time_s;
 }
 
-// Semi-implicit Euler, with spring and dampers taken at the end of the step, which no stiffness can upset.
+// Semi-implicit Euler, with spring and dampers evaluated at the end of the step: stable at any stiffness.
 void SimulatedTouch::step(const DVec3& intended_mm, const DVec3& intendedSpeed_mm_per_s, double dt_s) noexcept {
   const double change_per_N = dt_s * kMm_per_m / options_.mass_kg;  // of the velocity, mm/s
   const double spring = options_.handStiffness_N_per_mm, damper = options_.handDamping_N_s_per_mm;
@@ -96,7 +96,7 @@ void SimulatedTouch::step(const DVec3& intended_mm, const DVec3& intendedSpeed_m
   velocity_mm_per_s_ = afterFriction((velocity_mm_per_s_ + change_per_N * driving_N) * share,
                                      change_per_N * options_.friction_N * share);
   position_mm_ += dt_s * velocity_mm_per_s_;
-  for (int k = 0; k < 3; ++k) {  // the ends of the arms' travel
+  for (int k = 0; k < 3; ++k) {  // end stops of the arms
     const double end_mm = 0.5 * options_.workspace_mm[k];
     if (std::abs(position_mm_[k]) <= end_mm) continue;
     position_mm_[k] = std::clamp(position_mm_[k], -end_mm, end_mm);

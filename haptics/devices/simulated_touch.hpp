@@ -1,4 +1,4 @@
-// A Geomagic Touch that is not there: stylus, motors, encoders and a hand, for closed loops without hardware.
+// A simulated Geomagic Touch: stylus, motors, encoders and a hand, for closed loops without hardware.
 #pragma once
 
 #include <atomic>
@@ -10,31 +10,31 @@
 
 namespace palpate {
 
-/// Of a Geomagic Touch: x right, y up, z towards the user; the device's origin is in the middle.
+/// Workspace of a Geomagic Touch: x right, y up, z towards the user; the device's origin is in the middle.
 inline constexpr DVec3 kTouchWorkspace_mm{160, 120, 70};
 
 struct SimulatedTouchOptions {
-  /// Between the stylus and where the hand means to be. A relaxed pen grip has 0.2 to 1 N/mm and 1 to 5 N s/m.
+  /// Between the stylus and the intended position of the hand. A relaxed pen grip has 0.2 to 1 N/mm and 1 to 5 N s/m.
   double handStiffness_N_per_mm = 0.4;
   double handDamping_N_s_per_mm = 0.002;
-  double mass_kg = 0.045;              ///< that the stylus seems to have at its tip
+  double mass_kg = 0.045;              ///< apparent mass at the tip of the stylus
   double viscosity_N_s_per_mm = 5e-4;  ///< of the joints
   double friction_N = 0.26;            ///< Coulomb, moving and at rest
   double encoderStep_mm = 0.055;
-  double lead_s = 0;                        ///< the hand waits this long at the beginning of its path
+  double lead_s = 0;                        ///< delay before the hand starts along its path
   DVec3 workspace_mm = kTouchWorkspace_mm;  ///< the stops are at its sides
 };
 
-/// A mass that the motors, friction and the hand act on; the hand's intention follows a path. The force is held from
-/// tick to tick and comes one tick late, the position is read in whole encoder steps. Deterministic: the same reads and
-/// writes give the same positions, in virtual and in real time. A read at an earlier time begins anew.
+/// A mass that the motors, friction and the hand act on; the intended position of the hand follows a path. The force is
+/// held from tick to tick and delayed by one tick, the position is read in whole encoder steps. Deterministic: the same
+/// reads and writes give the same positions, in virtual and in real time. A read at an earlier time restarts it.
 class SimulatedTouch final : public HapticDevice {
  public:
-  /// Where the hand means to be at a time, model units. Is asked for times that do not fall, but for the first; throws
-  /// and allocates nothing.
+  /// Intended position of the hand at a time, model units. Times do not decrease, except at a restart; must neither
+  /// throw nor allocate.
   using Intention = std::function<DVec3(double time_s)>;
 
-  /// `map` says where the intention lies in the workspace. Throws UsageError for options that are not finite or out of
+  /// `map`: from the workspace to the intended positions. Throws UsageError for options that are not finite or out of
   /// range.
   SimulatedTouch(Intention intention, const WorkspaceMap& map, const SimulatedTouchOptions& options = {});
   SimulatedTouch(const Path& path, const WorkspaceMap& map, const SimulatedTouchOptions& options = {});
@@ -46,11 +46,11 @@ class SimulatedTouch final : public HapticDevice {
   void emergencyStop() noexcept override { stopped_ = true; }
   std::string faultText() const override { return {}; }
 
-  /// Until the hand has come to the end of its path; 0 where it has none.
+  /// Time until the hand reaches the end of its path, `lead_s` included.
   double duration_s() const { return options_.lead_s + pathDuration_s_; }
-  /// Begins anew at `time_s`, at rest where the hand means to be then.
+  /// Restarts at `time_s`, at rest at the position intended then.
   void putDown(double time_s) noexcept { begin(time_s); }
-  /// Where the stylus is, finer than the encoders tell.
+  /// Exact position of the stylus, without the steps of the encoders.
   DVec3 position_mm() const { return position_mm_; }
 
  private:
@@ -66,13 +66,13 @@ class SimulatedTouch final : public HapticDevice {
   bool begun_ = false;
   double now_s_ = 0;
   DVec3 position_mm_{0}, velocity_mm_per_s_{0};
-  DVec3 acting_N_{0};   ///< of the motors, from the last read on
+  DVec3 acting_N_{0};   ///< of the motors, since the last read
   DVec3 written_N_{0};  ///< acts from the next read on
   std::atomic<bool> stopped_ = false;
 };
 
-/// Puts a path in the middle of the workspace: true to scale where it fits, otherwise shrunk until it does (the surface
-/// is then felt stiffer by as much). Its millimetre is the model's.
+/// Centers a path in the workspace: true to scale if it fits (a millimetre of the device is one of the model),
+/// otherwise shrunk until it does (the surface is then felt stiffer by that factor).
 WorkspaceMap workspaceAround(const Path& path, const ModelScale& scale);
 /// The same for a box, model units, that takes at most `usedShare` of the workspace along each axis.
 WorkspaceMap workspaceAround(const DVec3& low, const DVec3& high, const ModelScale& scale, double usedShare);

@@ -9,8 +9,8 @@ constexpr std::uint8_t kTranslation = 1, kRotation = 2, kButtons = 3;
 constexpr std::size_t kOneTriple = 7, kTwoTriples = 13;  // bytes of a report, with its number
 constexpr double kFullScale = 350;
 
-/// Three numbers of a device, in our axes and -1 to 1. Rotations turn the same way as translations do: both are
-/// right-handed around the axes that the device counts.
+/// Three numbers of a device, in palpate's axes and -1 to 1. Rotations are converted like translations: both are
+/// right-handed around the device's axes.
 DVec3 tripleAt(std::span<const std::uint8_t> report, std::size_t first) {
   const auto number = [&](std::size_t k) {
     const auto bits = static_cast<std::uint16_t>(report[first + 2 * k] | (report[first + 2 * k + 1] << 8));

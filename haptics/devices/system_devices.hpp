@@ -1,4 +1,4 @@
-// What has another name, or another place, on each system.
+// Names and paths that differ between systems.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@
 
 namespace palpate {
 
-/// What the vendors' libraries are called, in the order in which they are tried; "" is the program itself.
+/// File names of the vendors' libraries, in the order in which they are tried; "" is the program itself.
 std::span<const std::string_view> openHapticsNames();
 std::span<const std::string_view> forceDimensionNames();
 
-/// Where the driver of 3D Systems keeps what its setup program found.
+/// Where the driver of 3D Systems stores the results of its setup program.
 struct TouchConfiguration {
-  std::vector<std::filesystem::path> folders;  ///< one of them
+  std::vector<std::filesystem::path> folders;  ///< candidates
   std::string_view inWords;
 };
 TouchConfiguration touchConfiguration();

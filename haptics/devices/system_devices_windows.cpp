@@ -28,7 +28,7 @@ TouchConfiguration touchConfiguration() {
   return found;
 }
 
-// The registry lists them; those of modems over USB, as a Touch is one, have names of that driver.
+// From the registry; ports of USB modems, such as a Touch, have names of that driver.
 std::vector<NodeFinding> surveySerialPorts() {
   std::vector<NodeFinding> found;
   HKEY ports = nullptr;

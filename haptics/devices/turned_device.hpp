@@ -8,16 +8,16 @@
 
 namespace palpate {
 
-/// A device whose axes are those of whoever looks: right, up and towards the eye, in the model's. So the stylus goes
-/// where the hand does on the screen, however the model is turned. Forces are turned back.
+/// A device with the axes of the viewer: right, up and towards the eye, in the model's axes. So the stylus moves on the
+/// screen as the hand does, for any view of the model. Forces are rotated back.
 class TurnedDevice final : public WrappedDevice {
  public:
-  /// Turns about `middle_mm` of the workspace, which then is the origin.
+  /// Rotates about `middle_mm` of the workspace, which becomes the origin.
   TurnedDevice(std::unique_ptr<HapticDevice> device, const DVec3& middle_mm)
       : WrappedDevice(std::move(device)), middle_mm_(middle_mm) {}
 
-  /// The columns are right, up and towards the eye: orthonormal. From one thread, which never waits for the ticks. A
-  /// new view begins a new contact, since there was no motion from the old place to the new one.
+  /// The columns are right, up and towards the eye: orthonormal. On one thread, which never waits for the ticks. A new
+  /// view starts a new contact, since there was no motion from the old position to the new one.
   void setAxes(const glm::dmat3& axes) noexcept { viewAxes_.store(axes); }
 
   DeviceState read(double time_s) noexcept override {
@@ -36,7 +36,7 @@ class TurnedDevice final : public WrappedDevice {
  private:
   DVec3 middle_mm_;
   LatestValue<glm::dmat3> viewAxes_;
-  // Of the thread that ticks.
+  // Used by the thread that ticks.
   glm::dmat3 axes_{1};
   DQuat turn_{1, 0, 0, 0};
 };

@@ -31,7 +31,7 @@ VendorLibrary::VendorLibrary(const LibrarySearch& search) : search_(search) {
 
 std::string VendorLibrary::whyNot() const {
   if (isLoaded()) return {};
-  std::string there;  // found, but of no use
+  std::string there;  // found, but unusable
   for (const Attempt& attempt : attempts_)
     if (!attempt.isAbsent && attempt.name != "the program itself")
       there += fmt::format("{}{}", there.empty() ? "" : "; ",
@@ -40,9 +40,9 @@ std::string VendorLibrary::whyNot() const {
                                : fmt::format("{}: {}", attempt.name, attempt.error));
   const std::string variable(search_.variable);
   const char* named = std::getenv(variable.c_str());
-  const std::string mend = named && *named ? fmt::format("{} names it; mend that or unset it", variable)
+  const std::string mend = named && *named ? fmt::format("{} names it; correct or unset it", variable)
                                            : fmt::format("{}, or name the library with {}", search_.advice, variable);
-  if (!there.empty()) return fmt::format("{} is there but cannot be loaded: {}; {}", search_.product, there, mend);
+  if (!there.empty()) return fmt::format("{} was found but cannot be loaded: {}; {}", search_.product, there, mend);
   std::string names;
   for (const Attempt& attempt : attempts_)
     if (attempt.isAbsent) names += (names.empty() ? "" : ", ") + attempt.name;
@@ -55,7 +55,7 @@ void SymbolTable::requireAll(std::string_view product) const {
   if (missing_.empty()) return;
   std::string names;
   for (const std::string& name : missing_) names += (names.empty() ? "" : ", ") + name;
-  throw Error("{}: {} has no {}; it is too old or another library, so install the vendor's present driver", product,
+  throw Error("{}: {} has no {}; it is too old or another library: install the vendor's current driver", product,
               library_.file(), names);
 }
 

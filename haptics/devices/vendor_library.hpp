@@ -1,4 +1,4 @@
-// A haptic vendor's driver library, found and loaded at run time, so that nothing of the vendor's is needed to build.
+// A haptic vendor's driver library, found and loaded at run time, so that a build needs nothing of the vendor.
 #pragma once
 
 #include <functional>
@@ -9,35 +9,35 @@
 
 namespace palpate {
 
-/// Where a library is looked for.
+/// How a library is found.
 struct LibrarySearch {
-  std::string_view product;   ///< in words: whose library it is
-  std::string_view variable;  ///< of the environment; where it is set, the file that it names and no other
+  std::string_view product;   ///< name of the library, for messages
+  std::string_view variable;  ///< environment variable; if it is set, only the file that it names is tried
   std::span<const std::string_view> names;  ///< tried in order, as the loader finds them; "" is the program itself
   std::string_view probe;                   ///< a function that only this library has
   std::string_view advice;                  ///< what to install
 };
 
-/// Once loaded, a library stays until the program ends: drivers of haptic devices do not survive being loaded twice.
+/// Once loaded, a library stays loaded until the program ends: drivers of haptic devices do not survive a second load.
 class VendorLibrary {
  public:
   struct Attempt {
-    std::string name, error;  ///< the loader's own words
-    bool isAbsent = false;    ///< there is no such file
+    std::string name, error;  ///< the loader's own text
+    bool isAbsent = false;    ///< the file does not exist
   };
 
-  /// Tries to load it; throws nothing but for want of memory.
+  /// Tries to load it; throws only if memory is exhausted.
   explicit VendorLibrary(const LibrarySearch& search);
 
   bool isLoaded() const { return handle_ != nullptr; }
-  /// The file that was loaded, as the loader names it; empty while there is none.
+  /// The loaded file, as the loader names it; empty if there is none.
   const std::string& file() const { return file_; }
-  /// What failed before it was found, or all of it.
+  /// Failed attempts before it was found, or all attempts.
   const std::vector<Attempt>& attempts() const { return attempts_; }
-  /// Why there is none, in a sentence, and what to do about it.
+  /// Why it is not loaded, as a sentence, and what to do about it.
   std::string whyNot() const;
 
-  /// A function; nullptr where the library has none of that name.
+  /// A function; nullptr if the library has none of that name.
   void* symbol(const char* name) const;
 
  private:
@@ -47,7 +47,7 @@ class VendorLibrary {
   std::vector<Attempt> attempts_;
 };
 
-/// Fills a table of functions, and notes which of them the library has not.
+/// Fills a table of functions, and collects those that the library lacks.
 class SymbolTable {
  public:
   explicit SymbolTable(const VendorLibrary& library) : library_(library) {}
@@ -62,7 +62,7 @@ class SymbolTable {
     function = reinterpret_cast<Function*>(library_.symbol(name));
   }
   const std::vector<std::string>& missing() const { return missing_; }
-  /// Throws Error with the names when any that is needed is missing: the library is too old, or another one.
+  /// Throws Error with the names if a needed function is missing: the library is too old, or another one.
   void requireAll(std::string_view product) const;
 
  private:

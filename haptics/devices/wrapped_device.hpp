@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Another device, with something more to it: what is not said otherwise is passed on.
+/// Base for an extension of another device: passes on what it does not override.
 class WrappedDevice : public HapticDevice {
  public:
   explicit WrappedDevice(std::unique_ptr<HapticDevice> device) : device_(std::move(device)) {}

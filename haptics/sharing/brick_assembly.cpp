@@ -9,7 +9,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMaxBricks = 200'000;  // that are known, or come, at once
+constexpr std::size_t kMaxBricks = 200'000;  // known, or in one step
 
 }  // namespace
 
@@ -25,7 +25,7 @@ std::uint32_t BrickAssembly::begin() {
 }
 
 void BrickAssembly::require(bool holds, const char* what) const {
-  if (!holds) throw NetworkError("what came as the points around a hand is none: {}", what);
+  if (!holds) throw NetworkError("received invalid points around a hand: {}", what);
 }
 
 BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
@@ -34,13 +34,13 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
   if (sample.sample != taken_ + 1) return Heard::gap;
   PALPATE_CHECK(!ready_);
   const std::size_t points = sample.points._length;
-  require(sample.ids._length == points, "not every point has a number");
+  require(sample.ids._length == points, "not every point has an id");
   require(sample.velocities._length == 0 || sample.velocities._length == 3 * points, "not every point has a velocity");
-  require(std::isfinite(sample.true_s), "its time is no number");
+  require(std::isfinite(sample.true_s), "its time is not a number");
   std::size_t at = 0;
   for (std::uint32_t i = 0; i < sample.parts._length; ++i) {
     const BrickPart& part = sample.parts._buffer[i];
-    require(BrickGrid::isKey(part.key), "a brick has no such place");
+    require(BrickGrid::isKey(part.key), "a brick has an invalid position");
     if (part.total == kBrickDropped) {
       next_.dropped.push_back(part.key);
       require(next_.dropped.size() <= kMaxBricks, "too many bricks");
@@ -50,7 +50,7 @@ BrickAssembly::Heard BrickAssembly::hear(const Bricks& sample) {
     add(part, sample, at);
     at += part.count;
   }
-  require(at == points, "points are of no brick");
+  require(at == points, "points belong to no brick");
   ++taken_;
   next_.true_s = sample.true_s;
   if (!sample.last) return Heard::taken;
@@ -65,19 +65,19 @@ void BrickAssembly::add(const BrickPart& part, const Bricks& sample, std::size_t
   if (!coming.brick) coming = {.total = part.total, .brick = std::make_shared<Brick>()};
   Brick& brick = *coming.brick;
   require(part.total == coming.total && part.count <= part.total - brick.size(),
-          "a brick has more points than it said");
+          "a brick has more points than announced");
   comingPoints_ += part.count;
-  require(comingPoints_ <= room_, "more points than anybody has room for");
+  require(comingPoints_ <= room_, "more points than there is room for");
   const bool moves = sample.velocities._length > 0;
   for (std::size_t i = at; i < at + part.count; ++i) {
     const Point& point = sample.points._buffer[i];
     const std::uint32_t id = sample.ids._buffer[i];
     const Vec3 place(point.position[0], point.position[1], point.position[2]),
         normal(point.normal[0], point.normal[1], point.normal[2]);
-    constexpr float kLongest = 1.01f;  // of a unit normal
-    require(isFinite(place) && glm::length(normal) < kLongest, "a point has no place or no normal");
-    require(grid_.keyAt(DVec3(place)) == part.key, "a point stands in another brick");
-    require(brick.ids.empty() || id > brick.ids.back(), "the numbers of its points do not ascend");
+    constexpr float kLongest = 1.01f;  // maximum length of a unit normal
+    require(isFinite(place) && glm::length(normal) < kLongest, "a point has no valid position or normal");
+    require(grid_.keyAt(DVec3(place)) == part.key, "a point is in another brick");
+    require(brick.ids.empty() || id > brick.ids.back(), "the ids of its points do not ascend");
     brick.ids.push_back(id);
     brick.positions.push_back(place);
     brick.normals.push_back(normal);
@@ -85,14 +85,14 @@ void BrickAssembly::add(const BrickPart& part, const Bricks& sample, std::size_t
     if (!moves) continue;
     const float* const velocity = sample.velocities._buffer + 3 * i;
     brick.velocities.emplace_back(velocity[0], velocity[1], velocity[2]);
-    require(isFinite(brick.velocities.back()), "a velocity is no number");
+    require(isFinite(brick.velocities.back()), "a velocity is not a number");
   }
   require(brick.velocities.empty() || brick.velocities.size() == brick.size(), "not every point has a velocity");
 }
 
 void BrickAssembly::finish(bool whole) {
   for (auto& [key, coming] : coming_) {
-    require(coming.brick->size() == coming.total, "a brick has fewer points than it said");
+    require(coming.brick->size() == coming.total, "a brick has fewer points than announced");
     next_.bricks.emplace_back(key, std::move(coming.brick));
     before_.erase(key);
     known_.insert(key);
@@ -109,7 +109,7 @@ void BrickAssembly::finish(bool whole) {
     before_.erase(key);
   }
   require(known_.size() <= kMaxBricks, "too many bricks");
-  for (const auto& [key, brick] : next_.bricks) known_.insert(key);  // what is dropped and comes again is there
+  for (const auto& [key, brick] : next_.bricks) known_.insert(key);  // dropped and sent again in one step
   ready_ = std::exchange(next_, {});
 }
 

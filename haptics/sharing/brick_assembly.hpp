@@ -1,5 +1,5 @@
-// Samples of bricks put together, on the side of who gets them: where a foreign one is looked at. Nothing of DDS is
-// seen here but its samples.
+// Reassembles bricks from samples on the client; samples of foreign origin are validated here. Depends on nothing of
+// DDS but the sample types.
 #pragma once
 
 #include <map>
@@ -11,28 +11,30 @@
 
 namespace palpate::sharing {
 
-/// One thread uses it at a time.
+/// Not thread-safe.
 class BrickAssembly {
  public:
-  /// `room`: points that are known at once, at most.
+  /// `room`: maximum number of points known at once.
   BrickAssembly(double edge, std::size_t room) : grid_(edge), room_(room) {}
 
-  /// What is asked for from now on: all anew. What is known stays until it comes again, or has not come with the rest.
+  /// Starts a new epoch, in which everything is requested again. Known bricks stay until they are received again, or
+  /// until a whole update of the new epoch lacks them.
   std::uint32_t begin();
   std::uint32_t epoch() const { return epoch_; }
-  /// Samples of the epoch that have come.
+  /// Samples received in this epoch.
   std::uint64_t taken() const { return taken_; }
 
   enum class Heard {
     taken,
-    old,  ///< of an epoch before
-    gap   ///< something is missing: begin()
+    old,  ///< of an earlier epoch
+    gap   ///< samples are missing: call begin()
   };
-  /// Once takeUpdate() has given what the last one completed. Throws NetworkError for what is no piece of such a cloud.
+  /// Requires that takeUpdate() has returned the previous completed step. Throws NetworkError if the sample is not a
+  /// valid part of such a cloud.
   Heard hear(const Bricks& sample);
-  /// Pieces of this client's strokes that the sender has taken, up to this one; what has come has what became of them.
+  /// Last piece of this client's strokes that the sender has taken; the received bricks contain its effect.
   std::uint64_t acked() const { return acked_; }
-  /// A step that is complete, with the sender's time; once.
+  /// The completed step, with the sender's time; returned once.
   std::optional<BrickUpdate> takeUpdate();
 
  private:
@@ -48,9 +50,9 @@ class BrickAssembly {
     std::uint32_t total = 0;
     std::shared_ptr<Brick> brick;
   };
-  std::map<BrickKey, Coming> coming_;  // of the step that is under way
+  std::map<BrickKey, Coming> coming_;  // of the step in progress
   std::size_t comingPoints_ = 0;
-  std::set<BrickKey> known_, before_;  // before_: of an epoch before, and not come again yet
+  std::set<BrickKey> known_, before_;  // before_: bricks of an earlier epoch that were not received again yet
   BrickUpdate next_;
   std::optional<BrickUpdate> ready_;
 };

@@ -8,8 +8,8 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kKeptRadii = 1.3;        // radii of a ball up to which a brick is kept that has come
-constexpr std::size_t kMaxKept = 60'000;  // bricks; those that are wanted are fewer
+constexpr double kKeptRadii = 1.3;        // bricks already sent are kept up to this multiple of a ball's radius
+constexpr std::size_t kMaxKept = 60'000;  // bricks; the wanted ones are always fewer
 
 }  // namespace
 
@@ -22,7 +22,7 @@ std::vector<BrickKey> bricksIn(std::span<const Ball> balls, const BrickGrid& gri
       if (distance <= radius) found.emplace_back(distance, BrickGrid::keyOf(brick));
     });
   }
-  if (balls.size() > 1) {  // of one that two balls reach the nearer one counts
+  if (balls.size() > 1) {  // for a brick that two balls reach the smaller distance counts
     std::ranges::sort(found, {}, [](const auto& one) { return std::pair(one.second, one.first); });
     const auto isSame = [](const auto& one, const auto& other) { return one.second == other.second; };
     found.erase(std::unique(found.begin(), found.end(), isSame), found.end());
@@ -38,7 +38,7 @@ BrickLedger::Step BrickLedger::next(std::span<const Ball> balls, std::span<const
                                     const ServedBricks& bricks, const LedgerLimits& limits) {
   ++steps_;
   Step step;
-  // What there is room for, by distance.
+  // Wanted bricks that fit, by distance.
   std::size_t points = 0, end = 0;
   for (; end < wanted.size(); ++end) {
     const std::size_t size = bricks.sizeOf(wanted[end]);
@@ -50,7 +50,7 @@ BrickLedger::Step BrickLedger::next(std::span<const Ball> balls, std::span<const
   std::size_t sent = 0;
   step.whole = true;
   for (const BrickKey key : wanted.first(end)) {
-    if (!bricks.knows(key)) continue;  // with the next frame
+    if (!bricks.knows(key)) continue;  // sent with the next frame
     const std::uint32_t version = bricks.versionOf(key);
     const auto there = known_.find(key);
     if (there != known_.end() && there->second.version == version) continue;
@@ -67,7 +67,7 @@ BrickLedger::Step BrickLedger::next(std::span<const Ball> balls, std::span<const
   return step;
 }
 
-// Those that are not wanted: far ones, changed ones, and any where there is no room.
+// Drops bricks that are not wanted: distant ones, changed ones, and any when there is no room.
 void BrickLedger::dropFar(std::span<const Ball> balls, const ServedBricks& bricks, std::size_t room, Step& step) {
   const BrickGrid& grid = bricks.grid();
   const auto isNear = [&](BrickKey key) {

@@ -1,4 +1,4 @@
-// What a client knows of the points around its hands, as its server has it. Nothing of DDS is seen here.
+// A client's points around its hands, as its server tracks them. Independent of DDS.
 #pragma once
 
 #include <cstddef>
@@ -11,34 +11,34 @@
 
 namespace palpate::sharing {
 
-/// What is wanted around a hand, relative to the cloud's origin.
+/// Region wanted around a hand, relative to the cloud's origin.
 struct Ball {
   DVec3 center{0};
   double radius = 0;
   bool operator==(const Ball&) const = default;
 };
 
-/// The longest radius that a client gets, in edges of a brick: whoever asks for more gets that.
+/// Maximum radius of a client's ball, in brick edges; larger requests are clamped to it.
 inline constexpr double kMaxReach_edges = 14;
-/// Balls of a client at a time.
+/// Maximum number of balls per client.
 inline constexpr std::size_t kMaxBalls = kMaxHands;
 
-/// The bricks that the balls reach, those first that are next to the middle of one; each once.
+/// Bricks that the balls reach, without duplicates, sorted by distance to the nearest center of a ball.
 std::vector<BrickKey> bricksIn(std::span<const Ball> balls, const BrickGrid& grid);
 
 struct LedgerLimits {
-  std::size_t known = 0;   ///< points that a client keeps, at most
-  std::size_t atOnce = 0;  ///< points of a step; one brick goes in any case
+  std::size_t known = 0;   ///< maximum number of points that a client keeps
+  std::size_t atOnce = 0;  ///< maximum number of points per step; one brick is sent in any case
 };
 
-/// Keeps a client's bricks: what it wants and has not, or has in an older version, is next, and what has gone far away
-/// is dropped. What a client has of points that move is all of one time after each step.
+/// Tracks a client's bricks. Bricks that the client wants and lacks, or has in an older version, are sent next; distant
+/// ones are dropped. After each step all moving points of a client are of the same time.
 class BrickLedger {
  public:
   struct Step {
     std::vector<BrickKey> dropped;
     std::vector<std::pair<BrickKey, std::shared_ptr<const Brick>>> bricks;
-    bool whole = false;  ///< the client has all then that it wants, as far as there is room
+    bool whole = false;  ///< after this step the client has all it wants, as far as there is room
     bool isEmpty() const { return dropped.empty() && bricks.empty(); }
   };
   /// `wanted`: bricksIn(balls).
@@ -51,7 +51,7 @@ class BrickLedger {
   struct Known {
     std::uint32_t version = 0;
     std::size_t size = 0;
-    std::uint64_t wantedAt = 0;  // the step that wanted it last
+    std::uint64_t wantedAt = 0;  // last step that wanted it
   };
   void dropFar(std::span<const Ball> balls, const ServedBricks& bricks, std::size_t room, Step& step);
 

@@ -6,19 +6,19 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMaxBrickClients = 64;      // at a time; one more takes the place of who was heard longest ago,
-constexpr double kHandTimeout_s = 5;              // and so long ago: who is near his hand asks twenty times a second
+constexpr std::size_t kMaxBrickClients = 64;  // at a time; one more replaces the client that was silent for longest,
+constexpr double kHandTimeout_s = 5;  // if it was silent for this long: an active client sends 20 requests a second
 constexpr std::int32_t kMaxBrickRequests = 4096;  // requests
-constexpr double kLooking_s = 0.005;              // of a turn, for what they ask for: others wait, too
-constexpr double kShowApart_s = 0.005;            // between two times that a frame is looked through
-constexpr double kClientTimeout_s = 30;           // a client that says nothing for so long is gone
+constexpr double kLooking_s = 0.005;     // per round, for looking up requested bricks: other work waits meanwhile
+constexpr double kShowApart_s = 0.005;   // between two passes over a frame
+constexpr double kClientTimeout_s = 30;  // a client that is silent for this long is removed
 constexpr LedgerLimits kStillLimits{.known = 1 << 17, .atOnce = 1024};
 constexpr LedgerLimits kMovingLimits{.known = 1 << 13, .atOnce = 1 << 13};
-constexpr std::uint64_t kFewestSamples = 256, kMaxSamplesUnderWay = 1024;  // on their way to a client
-constexpr double kProbe_s = 1;     // after which a client is shown that something has come before
-constexpr double kSoon_s = 0.002;  // a link that has no room
+constexpr std::uint64_t kFewestSamples = 256, kMaxSamplesUnderWay = 1024;  // in flight to a client
+constexpr double kProbe_s = 1;     // without progress for this long, a client gets an empty sample that reveals losses
+constexpr double kSoon_s = 0.002;  // until a link without room is tried again
 constexpr double kIdle_s = 0.05;
-// Of a sample, which is one frame of Ethernet (messages.hpp).
+// Sizes within a sample, which is one Ethernet frame (messages.hpp).
 constexpr std::size_t kRoom_bytes = 1200, kHead_bytes = 16, kPoint_bytes = 32, kVelocity_bytes = 12;
 
 }  // namespace
@@ -61,7 +61,7 @@ void BrickServer::take() {
 }
 
 bool BrickServer::isWhole(const Near& near) const {
-  constexpr double kFarthest = 1e30;  // a place that float32 has
+  constexpr double kFarthest = 1e30;  // fits into float32
   const std::span<const palpate_sharing_Ball> balls(near.balls._buffer, near.balls._length);
   return balls.size() <= kMaxBalls && std::ranges::all_of(balls, [](const palpate_sharing_Ball& ball) {
            return ball.radius >= 0 && ball.radius <= kFarthest &&
@@ -69,7 +69,7 @@ bool BrickServer::isWhole(const Near& near) const {
          });
 }
 
-// Null where there are too many, who are all at it.
+// Null if there are too many clients and all are active.
 BrickServer::Client* BrickServer::clientOf(const Near& near) {
   const Id id = idOf(near.client);
   if (const auto there = clients_.find(id); there != clients_.end()) return &there->second;
@@ -97,8 +97,8 @@ void BrickServer::take(const Near& near) {
   client.heard = {};
   if (near.epoch > client.epoch) {
     client.epoch = near.epoch;
-    // Who has samples of an epoch that is new here was forgotten, or has them of the server before this one: the next
-    // one that it gets is no successor of those, upon which it asks for all anew.
+    // A client with samples of an epoch unknown here was removed, or has them from the previous server. The next sample
+    // it gets does not follow those, so it requests everything again.
     client.sample = client.taken = near.taken > 0 ? near.taken + 1 : 0;
     client.window = kFewestSamples;
     client.ledger = {};
@@ -107,7 +107,7 @@ void BrickServer::take(const Near& near) {
     client.wantsMore = true;
     client.number = client.acked = 0;
   }
-  if (near.epoch < client.epoch || near.number <= client.number) return;  // overtaken
+  if (near.epoch < client.epoch || near.number <= client.number) return;  // received out of order
   client.number = near.number;
   acknowledge(client, near.taken);
   std::vector<Ball> balls;
@@ -121,7 +121,7 @@ void BrickServer::take(const Near& near) {
   wanted.asked = std::move(balls);
 }
 
-// Who has waited for it longest first. True where somebody has to wait for the next turn.
+// The longest waiting clients come first. Returns true if a client has to wait for the next round.
 bool BrickServer::lookAround() {
   std::vector<Client*> waiting;
   for (auto& [id, client] : clients_)
@@ -155,7 +155,7 @@ void BrickServer::show(std::shared_ptr<const CloudFrame> frame) {
   shown_.isOld = true;
 }
 
-// In so many seconds there may be something to show.
+// Returns the seconds until there may be something to show.
 double BrickServer::showWanted() {
   if (!shown_.frame || !shown_.isOld) return kIdle_s;
   const double wait_s = shown_.since ? kShowApart_s - shown_.since->elapsed_s() : 0;
@@ -168,7 +168,7 @@ double BrickServer::showWanted() {
   return kIdle_s;
 }
 
-// Of a cloud that stands still: with what was done to it.
+// Applies the edits of a static cloud to its bricks.
 void BrickServer::follow() {
   if (!isBuilt_) {
     isBuilt_ = true;
@@ -203,7 +203,7 @@ double BrickServer::write() {
   return next_s;
 }
 
-// Points that move are of no use once newer ones are there: nothing waits in a link that is too slow for all frames.
+// Moving points are useless once newer ones exist: nothing is queued on a link that is too slow for all frames.
 bool BrickServer::mayBegin(const Client& client) const {
   if (client.sample - client.taken >= std::max(client.window, kFewestSamples)) return false;
   constexpr double kSlack_s = 0.06;
@@ -211,7 +211,7 @@ bool BrickServer::mayBegin(const Client& client) const {
          client.unacked.front().since.elapsed_s() < 1.5 * client.fastest_s + kSlack_s;
 }
 
-// Who has all bricks that he wants has in them what became of his strokes so far: the points have just been followed.
+// Bricks were just updated: a client that has all it wants also has the results of its strokes so far.
 bool BrickServer::begin(const Id& id, Client& client) {
   const std::uint64_t acked = parts_.points.lastOf(id);
   const bool isNews = client.wantsMore || client.seen != bricks_.version() || acked > client.acked;
@@ -303,7 +303,7 @@ bool BrickServer::writeSample(Client& client) {
   return true;
 }
 
-// Who has not got what was sent sees it by the number of the next sample, and asks anew.
+// A client that missed samples notices by the number of the next one, and requests everything again.
 void BrickServer::probe(Client& client) {
   if (client.sample == client.taken || client.outgoing || client.progressed.elapsed_s() < kProbe_s) return;
   Bricks sample{};

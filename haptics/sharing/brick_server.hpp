@@ -1,4 +1,4 @@
-// Hands each client the points around its hands, and what becomes of them.
+// Sends each client the points around its hands, and their changes.
 #pragma once
 
 #include <deque>
@@ -18,9 +18,9 @@
 namespace palpate::sharing {
 
 struct BrickCounts {
-  std::uint64_t clients = 0;  ///< that have ever asked
+  std::uint64_t clients = 0;  ///< clients that have ever sent a request
   std::uint64_t samples = 0, points = 0, steps = 0;
-  std::uint64_t refused = 0;  ///< requests that no client of ours makes
+  std::uint64_t refused = 0;  ///< invalid requests, and those of clients beyond the maximum
 };
 
 class BrickServer {
@@ -30,26 +30,26 @@ class BrickServer {
     const Topics& topics;
     Id session;
     FarFacts facts;
-    const SharedPoints& points;  ///< of a cloud that stands still
-    Log* log = nullptr;          ///< hears of who comes
+    const SharedPoints& points;  ///< of a static cloud
+    Log* log = nullptr;          ///< logs each new client
   };
-  /// All that `parts` refers to outlives it. Says the facts.
+  /// Everything that `parts` refers to must outlive the server. Publishes the facts.
   explicit BrickServer(const Parts& parts);
   void attach(ReaderWait& wait) const { wait.attach(nears_); }
-  /// What has come.
+  /// Processes the received requests.
   void take();
-  /// Of points that move: where they are.
+  /// Current frame of moving points.
   void show(std::shared_ptr<const CloudFrame> frame);
-  /// What moves has begun anew so often.
+  /// Publishes how often the motion has restarted, and why.
   void tell(const Restarts& restarts);
-  /// What is due, as far as the links take it; so many seconds later there is more to do.
+  /// Sends what is due, as far as the links accept it. Returns the seconds until there is more to do.
   double write();
-  /// Nobody is there for whom something would have to be shown.
+  /// No clients: no frame has to be shown.
   bool isIdle() const { return clients_.empty(); }
   const BrickCounts& counts() const { return counts_; }
 
  private:
-  // A step on its way, sample by sample.
+  // A step that is being sent, sample by sample.
   struct Gone {
     std::size_t dropped = 0, brick = 0, point = 0;
   };
@@ -63,26 +63,25 @@ class BrickServer {
     std::uint64_t sample = 0;
     Stopwatch since;
   };
-  // What is wanted around a client's hands, and what it has asked for since, where nobody has looked yet which bricks
-  // that are.
+  // Balls around a client's hands with their bricks; `asked`: newer balls whose bricks were not looked up yet.
   struct Wanted {
     std::vector<Ball> balls;
     std::vector<BrickKey> bricks;
     std::optional<std::vector<Ball>> asked;
-    Stopwatch::Clock::time_point since;  // it has waited
+    Stopwatch::Clock::time_point since;  // `asked` is pending since then
   };
   struct Client {
     Writer<Bricks> writer;  // in its partition
     std::uint32_t number = 0, epoch = 0;
     std::uint64_t sample = 0, taken = 0, window = 0;
-    std::uint64_t acked = 0;  // the last piece of its strokes of which it was told
+    std::uint64_t acked = 0;  // last piece of its strokes that was acknowledged to it
     Wanted wanted;
-    std::uint64_t seen = 0;  // version of the bricks for which nothing was left to do
-    bool wantsMore = true;   // since then it has asked for something else
+    std::uint64_t seen = 0;  // version of the bricks at which nothing was left to send
+    bool wantsMore = true;   // its request has changed since
     BrickLedger ledger;
     std::optional<Outgoing> outgoing;
-    std::deque<Sent> unacked;  // the last samples of steps, oldest first
-    double fastest_s = 1;      // from a sample to the news that it was taken
+    std::deque<Sent> unacked;  // last samples of steps, not acknowledged yet, oldest first
+    double fastest_s = 1;      // shortest time from a sample to its acknowledgement
     Stopwatch heard, progressed;
   };
   void take(const Near& near);
@@ -104,17 +103,17 @@ class BrickServer {
   Reader<Near> nears_;
   std::map<Id, Client> clients_;
   ServedBricks bricks_;
-  SharedPoints::Place place_;  // up to where the bricks have followed
+  SharedPoints::Place place_;  // the bricks contain the edits up to here
   bool isBuilt_ = false;
-  // Of points that move.
+  // For moving points.
   struct Shown {
     std::shared_ptr<const CloudFrame> frame;
-    bool isOld = false;              // it is another one, or has been looked through for others than are wanted
-    std::optional<Stopwatch> since;  // nothing: never
+    bool isOld = false;              // the frame is new, or was searched for other bricks than those wanted now
+    std::optional<Stopwatch> since;  // empty: never shown
   };
   Shown shown_;
   std::vector<PointState> states_;
-  // Of the sample that is written.
+  // Buffers of the sample that is being written.
   std::vector<BrickPart> heads_;
   std::vector<std::uint32_t> ids_;
   std::vector<Point> points_;

@@ -19,15 +19,15 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kEndPoll_s = 0.05;      // how often an end that is asked for is seen
-constexpr double kAskAgain_s = 3;        // for what has not come; what is lost on the way DDS sends again by itself
-constexpr double kSecondServer_s = 0.3;  // in which another session of the same name is found, if there is one
-constexpr double kFewestAhead = 64, kMaxAhead = 4096;  // blocks that are asked for and have not come
+constexpr double kEndPoll_s = 0.05;      // how often a requested stop is checked
+constexpr double kAskAgain_s = 3;        // until missing blocks are requested again; DDS itself resends lost frames
+constexpr double kSecondServer_s = 0.3;  // time to find another session of the same name
+constexpr double kFewestAhead = 64, kMaxAhead = 4096;  // blocks requested and not received
 
-/// Takes the points of a session, block by block.
+/// Fetches the points of a session, block by block.
 class Fetch {
  public:
-  /// Every so-manyth point.
+  /// `every`: fetches each n-th point.
   Fetch(const Participant& participant, const Topics& topics, const SessionNotice& notice, const JoinOptions& options,
         std::uint64_t every)
       : notice_(notice),
@@ -56,27 +56,26 @@ class Fetch {
       reader_.take([&](const Block& block) { take(block); });
       if (taken_ != before) lastCame_ = {};
       if (lastCame_.elapsed_s() > options_.patience_s)
-        throw NetworkError("'{}' of {}: nothing has come for {:.0f} s, after {} of {} points; is it still served?",
+        throw NetworkError("'{}' of {}: nothing received for {:.0f} s, after {} of {} points; is it still served?",
                            notice_.name, notice_.host, options_.patience_s, taken_, points_);
       if (options_.log && points_ > 0)
         options_.log->progress(notice_.name, static_cast<double>(taken_) / static_cast<double>(points_));
     }
     if (options_.log) options_.log->endProgress();
     if (every_ == 1 && sharing::checksumOf(joined_.cloud) != notice_.checksum)
-      throw NetworkError("'{}' of {}: the points that came are not those that were announced", notice_.name,
+      throw NetworkError("'{}' of {}: the received points are not those that were announced", notice_.name,
                          notice_.host);
     return std::move(joined_);
   }
 
  private:
-  // Keeps as much asked for as the link has carried so far; what was asked for and has not come in time is asked for
-  // again.
+  // Requests as much ahead as the link has carried so far; blocks that were not received in time are requested again.
   void ask() {
     const bool again = lastAsked_.elapsed_s() > kAskAgain_s && lastCame_.elapsed_s() > kAskAgain_s;
     if (again) ahead_ = std::max(kFewestAhead, ahead_ / 2);
     const std::uint64_t end = std::min(blocks_, complete_ + static_cast<std::uint64_t>(ahead_));
     const std::uint64_t begin = again ? complete_ : asked_;
-    // A quarter of it at a time: a request costs as much as a frame.
+    // A quarter of `ahead_` at a time: a request costs as much as a frame.
     if (end <= begin || (!again && static_cast<double>(end - begin) < ahead_ / 4 && end != blocks_)) return;
     Request request{};
     set(request.session, notice_.session);
@@ -101,7 +100,7 @@ class Fetch {
       return;
     const std::uint32_t count = pointsIn(block.number, points_);
     if (block.points._length != count)
-      throw NetworkError("'{}' of {}: block {} has {} points in place of {}", notice_.name, notice_.host, block.number,
+      throw NetworkError("'{}' of {}: block {} has {} points instead of {}", notice_.name, notice_.host, block.number,
                          block.points._length, count);
     PointCloud& cloud = joined_.cloud;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -111,19 +110,19 @@ class Fetch {
       cloud.normals[at] = Vec3(point.normal[0], point.normal[1], point.normal[2]);
       if (notice_.colored)
         for (unsigned k = 0; k < 4; ++k) cloud.colors[at][k] = static_cast<std::uint8_t>(point.color >> (8 * k));
-      constexpr double kLongest = 1.01;  // of a unit normal
+      constexpr double kLongest = 1.01;  // maximum length of a unit normal
       if (!isFinite(DVec3(cloud.positions[at])) || !(glm::length(cloud.normals[at]) < kLongest))
-        throw NetworkError("'{}' of {}: point {} is none: it has no place or no normal", notice_.name, notice_.host,
-                           at);
+        throw NetworkError("'{}' of {}: point {} is invalid: it has no position or no normal", notice_.name,
+                           notice_.host, at);
     }
     came_[block.number] = 1;
-    ahead_ = std::min(kMaxAhead, ahead_ + 1);  // twice as much with each round trip: a link is filled, and not flooded
+    ahead_ = std::min(kMaxAhead, ahead_ + 1);  // doubles with each round trip: fills a link without flooding it
     taken_ += count;
     while (complete_ < came_.size() && came_[complete_]) ++complete_;
   }
 
   const SessionNotice& notice_;
-  std::uint64_t every_, points_;  // that are fetched
+  std::uint64_t every_, points_;  // points_: number to fetch
   const JoinOptions& options_;
   Id client_ = freshId();
   std::string host_ = ownHost();
@@ -131,19 +130,19 @@ class Fetch {
   Reader<Block> reader_;
   ReaderWait wait_;
   JoinedCloud joined_;
-  std::uint64_t blocks_;                    // in all
-  std::uint64_t asked_ = 0, complete_ = 0;  // all before this one
+  std::uint64_t blocks_;                    // total
+  std::uint64_t asked_ = 0, complete_ = 0;  // all blocks before it are requested, received
   std::uint64_t taken_ = 0;                 // points
   double ahead_ = kFewestAhead;
   std::vector<std::uint8_t> came_;
   Stopwatch lastAsked_, lastCame_;
 };
 
-// Whom nobody without their keys hears is there nevertheless.
+// Hint that programs with keys are present: without their keys this program cannot receive from them.
 std::string keyHoldersInWords(dds_entity_t participant, const NetworkConfig& network) {
   if (!seesKeyHolders(participant)) return {};
   return network.security.empty()
-             ? "; there are programs that only holders of their keys hear, and this one has none"
+             ? "; there are programs with keys, and this one has none"
              : "; there are programs with keys: are they of the authority of " + network.security + "?";
 }
 
@@ -153,7 +152,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
   const Stopwatch since;
   std::vector<SessionNotice> known;
   do {
-    if (options.stop && options.stop()) throw NetworkError("interrupted while '{}' was looked for", name);
+    if (options.stop && options.stop()) throw NetworkError("interrupted while searching for '{}'", name);
     known = notices.listenFor(name, kEndPoll_s);
   } while (std::ranges::find(known, name, &SessionNotice::name) == known.end() &&
            since.elapsed_s() < options.patience_s);
@@ -167,7 +166,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
       others += (others.empty() ? "; there are '" : "', '") + notice.name;
   }
   if (same.empty())
-    throw NetworkError("nobody serves a session named '{}' on {}{}{}", printable(name.c_str()),
+    throw NetworkError("no session named '{}' is served on {}{}{}", printable(name.c_str()),
                        options.network.interface.empty() ? "this machine (another network has to be named)"
                                                          : "the network of " + options.network.interface,
                        others.empty() ? others : others + "'", keyHoldersInWords(participant, options.network));
@@ -183,11 +182,11 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
   constexpr double kMinScale = 1e-12, kMaxScale = 1e12;  // mm per unit
   if (!isFinite(found.origin) || !(found.mm_per_unit >= kMinScale && found.mm_per_unit <= kMaxScale) ||
       found.points > kMaxPoints)
-    throw NetworkError("'{}' of {} announces what is no cloud", name, found.host);
+    throw NetworkError("'{}' of {} announces an invalid cloud", name, found.host);
   return found;
 }
 
-// What has been done to the points so far, once.
+// Applies the edits made so far, once.
 void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOptions& options) {
   const Writer<ResumeRequest> requests(session.participant, session.topics.resumes, reliableQos(false));
   std::uint8_t own[16];
@@ -215,7 +214,7 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
       isWhole = isWhole || result.upTo == result.head;
     });
     if (lastCame.elapsed_s() > options.patience_s)
-      throw NetworkError("'{}' of {}: what was done to it has not come within {:.0f} s", session.name, session.host,
+      throw NetworkError("'{}' of {}: its edits were not received within {:.0f} s", session.name, session.host,
                          options.patience_s);
     if (!again || isWhole) continue;
     ask();
@@ -224,7 +223,7 @@ void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOp
   cloud = editedCloud(cloud, states);
 }
 
-// Of a cloud whose points come around the hands: enough to find one's way.
+// For a cloud streamed around the hands: a subsample for orientation.
 std::uint64_t everyFor(std::uint64_t points) {
   constexpr std::uint64_t kOverview = 8192;
   return std::max<std::uint64_t>(1, (points + kOverview - 1) / kOverview);
@@ -241,9 +240,9 @@ JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
   session->sculptable = notice.sculptable;
   const std::optional<FarFacts> facts = hearFacts(*session, options.patience_s, options.stop);
   if (!facts || facts->extent.points != notice.points)
-    throw NetworkError("'{}' of {}: does not say what it is; is it still served?", notice.name, notice.host);
+    throw NetworkError("'{}' of {}: announces no facts; is it still served?", notice.name, notice.host);
   const bool isNear = options.near || (facts->moves && !options.present);
-  // What stands in matter is no sample of it.
+  // Bodies that stand in matter are not subsampled.
   const std::uint64_t every = isNear && facts->standing == 0 ? everyFor(notice.points) : 1;
   JoinedCloud joined = Fetch(session->participant, session->topics, notice, options, every).run();
   joined.sculptable = notice.sculptable && !isNear;
@@ -275,7 +274,7 @@ NetworkSurvey surveyNetwork(const NetworkConfig& network, double seconds, const 
                     .points = notice.points,
                     .version = notice.version,
                     .fits = notice.version == kVersion});
-  // As many as a hand's poses, one after the other, whether or not the last one has come back.
+  // Like a hand's poses: one after the other, without waiting for the echo of the last one.
   constexpr std::uint32_t kPings = 50;
   constexpr double kApart_s = 0.01, kLongestTrip_s = 2;
   std::vector<std::vector<double>> trips_us(known.size());

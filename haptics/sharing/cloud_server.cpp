@@ -23,20 +23,19 @@ using namespace sharing;
 namespace {
 
 constexpr std::size_t kLongestName = 200;
-constexpr std::size_t kMaxFollowers =
-    64;  // at a time; one more takes the place of who has asked for nothing for longest,
-constexpr double kFollowerTimeout_s = 5;     // and for so long: who waits for points asks again before
-constexpr double kFull_s = 0.002;            // after which links that had no room are tried again
-constexpr std::int32_t kMaxRequests = 4096;  // requests, and pings
-// Blocks that are kept for clients who may not have them yet, 1.4 KB each: of all together, and what each may have of
-// them.
+constexpr std::size_t kMaxFollowers = 64;    // at a time; one more replaces the client that was idle for longest,
+constexpr double kFollowerTimeout_s = 5;     // if it was idle for this long: waiting clients ask again sooner
+constexpr double kFull_s = 0.002;            // until links without room are tried again
+constexpr std::int32_t kMaxRequests = 4096;  // requests and pings queued
+// Blocks kept for clients that may not have them yet, 1.4 KB each: maximum of all together, and what each client may
+// have in any case.
 constexpr std::uint64_t kMaxUnacked = 65'536, kMinUnacked = 512;
-constexpr double kServerPoll_s = 0.05;  // how often an end that is asked for is seen
+constexpr double kServerPoll_s = 0.05;  // how often a requested stop is checked
 constexpr double kFrameLook_s = 0.004;  // how often a new frame is looked for
 
 void requireSessionName(const std::string& name) {
   if (name.empty() || name.size() > kLongestName || printable(name.c_str()) != name)
-    throw UsageError("name: '{}' is none for a session: 1 to {} bytes without control characters",
+    throw UsageError("name: '{}' is not a valid session name: 1 to {} bytes without control characters",
                      printable(name.c_str()), kLongestName);
 }
 
@@ -47,7 +46,8 @@ FarFacts factsOf(const PointCloud& cloud, const CloudServer::Parts& parts) {
     facts = {.spacing = spacing.mean, .wideSpacing = spacing.wide, .noise = spacing.noise, .up = findUp(cloud).up};
   }
   facts.extent = {.bounds = boundsOf(cloud), .points = cloud.size()};
-  // Some hundred points of a surface, or some dozen particles; within so many of them everything is.
+  // A brick has some hundred points of a surface or some dozen particles; the cloud's longest side has at most
+  // kMaxAlongSide bricks.
   constexpr double kSpacings = 16, kSpacingsOfMatter = 4, kMaxAlongSide = 1 << 18;
   facts.edge = std::max((facts.matter.empty() ? kSpacings : kSpacingsOfMatter) * facts.spacing,
                         facts.extent.bounds.longestSide() / kMaxAlongSide);
@@ -65,8 +65,8 @@ struct CloudServer::Link {
   struct Client {
     Writer<Block> blocks;  // in its partition
     Stopwatch lastAsked;
-    std::uint64_t unacked = 0;  // blocks that were written since all had come, at most
-    std::deque<Range> asked;    // and not written yet: as fast as the link takes them
+    std::uint64_t unacked = 0;  // blocks written since all were acknowledged; an upper bound
+    std::deque<Range> asked;    // not written yet; written as fast as the link accepts them
   };
 
   Link(const PointCloud& served, Parts given)
@@ -100,7 +100,7 @@ struct CloudServer::Link {
                                          .session = session});
   }
 
-  // With what the journal has, where there is one.
+  // Resumes from the journal, if there is one.
   void goOn() {
     if (!parts.journal.empty()) {
       journal.emplace(
@@ -110,9 +110,9 @@ struct CloudServer::Link {
           });
       session = journal->session();
       if (parts.log && journal->pieces() > 0)
-        parts.log->say("{}: goes on with {} pieces of strokes", parts.journal.string(), journal->pieces());
+        parts.log->say("{}: continues with {} pieces of strokes", parts.journal.string(), journal->pieces());
       if (parts.log && journal->tornBytes() > 0)
-        parts.log->say("{}: its last {} bytes were no whole piece and are taken away; whoever sent it sends it again",
+        parts.log->say("{}: its last {} bytes were an incomplete piece and are removed; its client sends it again",
                        parts.journal.string(), journal->tornBytes());
     }
     strokes.emplace(StrokeServer::Parts{.participant = participant,
@@ -124,7 +124,7 @@ struct CloudServer::Link {
     strokes->attach(wait);
   }
 
-  // Who joins with another version is told so there (Notice::version), and is told of here.
+  // A client of another version learns so from the notice (Notice::version); this logs it at the server.
   void sayVersions() {
     for (const std::uint32_t other : versions.fresh())
       if (parts.log)
@@ -151,7 +151,7 @@ struct CloudServer::Link {
     name.announce(notice);
   }
 
-  // Null where there are too many, who are all at it.
+  // Null if there are too many clients and all are active.
   Client* clientOf(const Request& request) {
     const Id id = idOf(request.client);
     if (const auto there = clients.find(id); there != clients.end()) return &there->second;
@@ -185,12 +185,13 @@ struct CloudServer::Link {
     }
     ++counts.requests;
     client->lastAsked = {};
-    constexpr std::size_t kMaxRanges = 64;  // whoever asks for more before any has come gets the last ones
+    constexpr std::size_t kMaxRanges = 64;  // a client with more requests pending keeps the last ones
     if (client->asked.size() >= kMaxRanges) client->asked.pop_front();
     client->asked.push_back({request.first, request.first + request.count, every});
   }
 
-  // Some blocks for each client in turn, as long as its link takes them. So many seconds later there is more to do.
+  // Some blocks for each client in turn, as long as its link accepts them. Returns the seconds until there is more to
+  // do.
   double write() {
     constexpr std::uint32_t kInTurn = 64;  // blocks
     bool isLeft = false;
@@ -210,7 +211,7 @@ struct CloudServer::Link {
     return !isLeft ? kServerPoll_s : counts.blocks == before ? kFull_s : 0;
   }
 
-  // What has come to those who read it nobody keeps any more.
+  // DDS no longer keeps blocks that all their readers have received.
   void countUnacked() {
     unacked = 0;
     for (auto& [id, client] : clients) {
@@ -254,7 +255,7 @@ struct CloudServer::Link {
   ReaderWait wait;
   std::map<Id, Client> clients;
   std::uint64_t unacked = 0;  // of all clients
-  std::vector<Point> points;  // of the block that is written
+  std::vector<Point> points;  // of the block that is being written
   SharedPoints shared;
   std::optional<StrokeJournal> journal;
   std::optional<StrokeServer> strokes;
@@ -266,9 +267,8 @@ struct CloudServer::Link {
 CloudServer::CloudServer(const PointCloud& cloud, Parts parts) {
   requireSessionName(parts.name);
   if (parts.facts && parts.facts->matter.size() >= sizeof(Facts::matter))
-    throw UsageError("matter: a scene of {} bytes is too long to be told", parts.facts->matter.size());
-  if (parts.motion && parts.sculptable)
-    throw UsageError("sculptable: what moves by itself cannot be sculpted by who joins it");
+    throw UsageError("matter: a scene of {} bytes is too long to be announced", parts.facts->matter.size());
+  if (parts.motion && parts.sculptable) throw UsageError("sculptable: a session that moves cannot be sculpted");
   PALPATE_CHECK(cloud.hasNormals() || cloud.empty());
   constexpr std::uint64_t kMaxPoints = std::uint64_t{0xffffffff} * kBlockPoints;
   PALPATE_CHECK_LT(cloud.size(), kMaxPoints);

@@ -1,5 +1,5 @@
-// Which samples go a few times more, over a way on which they may be lost, beside the reliable one that they have gone:
-// what one of the ways loses costs no round trip then. Nothing of DDS is seen here.
+// Sends samples a few more times over a best-effort path, beside the reliable one, so that a loss on one of the paths
+// costs no round trip. Independent of DDS.
 #pragma once
 
 #include <algorithm>
@@ -11,14 +11,14 @@
 
 namespace palpate::sharing {
 
-/// Bytes that may be said: so many a second, and as many at once as a fifth of a second brings.
+/// Byte budget: a rate, and bursts of at most what a fifth of a second brings.
 class ByteBudget {
  public:
   explicit ByteBudget(double bytes_per_s) : rate_(bytes_per_s), left_(kAtOnce_s * bytes_per_s) {}
   void setRate(double bytes_per_s) { rate_ = bytes_per_s; }
-  /// They were said, whether or not there was room for them.
+  /// The bytes were sent, whether or not the budget covered them.
   void spend(std::size_t bytes, double now_s);
-  /// Takes them where they are there.
+  /// Spends the bytes if the budget covers them; otherwise returns false.
   bool take(std::size_t bytes, double now_s);
 
  private:
@@ -28,24 +28,23 @@ class ByteBudget {
   double rate_, left_, filled_s_ = 0;
 };
 
-/// Items in the order of a stream, each due four times within 70 ms of the moment at which it was said. What the budget
-/// has no room for is left out, and what is said the reliable way spends it, too: where much is said, little of it goes
-/// again.
+/// Items in the order of a stream, each due four times within 70 ms of its reliable transmission. Copies beyond the
+/// budget are dropped. Reliable transmissions spend the budget, too: under load few copies are sent.
 template <class Item>
 class CopySchedule {
  public:
   explicit CopySchedule(double bytes_per_s) : budget_(bytes_per_s) {}
   void setRate(double bytes_per_s) { budget_.setRate(bytes_per_s); }
 
-  /// It was said the reliable way just now.
+  /// The item was just sent on the reliable path.
   void add(Item item, std::size_t bytes, double now_s) {
     budget_.spend(bytes, now_s);
     entries_.push_back({std::move(item), bytes, now_s});
     if (entries_.size() > kMax) entries_.pop_front();
   }
-  /// Those that were said are out of date.
+  /// Drops all items: they are out of date.
   void clear() { entries_.clear(); }
-  /// Gives `say` each item that is due, in order.
+  /// Passes each item that is due to `say`, in order.
   template <class Say>
   void sayDue(double now_s, Say&& say) {
     for (Entry& entry : entries_) {
@@ -59,7 +58,7 @@ class CopySchedule {
     }
     std::erase_if(entries_, [](const Entry& entry) { return entry.said == kAfter_s.size(); });
   }
-  /// After so many seconds the next one is due; infinity where there is none.
+  /// Seconds until the next item is due; infinity if there is none.
   double next_s(double now_s) const {
     double next_s = std::numeric_limits<double>::infinity();
     for (const Entry& entry : entries_) next_s = std::min(next_s, std::max(0.0, entry.due_s() - now_s));
@@ -67,7 +66,7 @@ class CopySchedule {
   }
 
  private:
-  static constexpr std::array<double, 4> kAfter_s{0, 0.010, 0.030, 0.070};  // apart, since losses come in bursts
+  static constexpr std::array<double, 4> kAfter_s{0, 0.010, 0.030, 0.070};  // spread, since losses come in bursts
   static constexpr std::size_t kMax = 64;
   struct Entry {
     Item item;

@@ -22,10 +22,10 @@ std::string opennessOf(const NetworkConfig& network) {
         "encrypted, for holders of keys of '{}' on {} (domain {})", readSecurityProfile(network.security).authority,
         network.interface.empty() ? "this machine" : "the network of " + network.interface, network.domain);
   if (network.interface.empty())
-    return fmt::format("programs of this machine alone can join (domain {})", network.domain);
+    return fmt::format("only programs of this machine can join (domain {})", network.domain);
   return fmt::format(
-      "whoever is on the network of {} can join, and nothing is encrypted (domain {}); use a network that you trust, "
-      "or keys",
+      "every program on the network of {} can join, and nothing is encrypted (domain {}); use a network that you "
+      "trust, or keys",
       network.interface, network.domain);
 }
 
@@ -40,12 +40,11 @@ constexpr bool kCanEncrypt = true;
 #else
 constexpr bool kCanEncrypt = false;
 #endif
-constexpr std::string_view kHasKeys = "palpate=keys;";  // the user data of who has some
-constexpr std::uint32_t kLastDomain = 230;              // of those that have ports
-constexpr auto kWriterPatience =
-    DDS_MSECS(0);  // of a writer whose readers do not keep up: others have their turn meanwhile
+constexpr std::string_view kHasKeys = "palpate=keys;";  // user data of participants with keys
+constexpr std::uint32_t kLastDomain = 230;              // the last one that has ports
+constexpr auto kWriterPatience = DDS_MSECS(0);          // for slow readers: others get their turn meanwhile
 
-// Without characters that would end what they stand in.
+// Rejects characters that could end the XML around the word.
 std::string plain(const std::string& word, const char* what) {
   const bool isPlain = !word.empty() && word.size() < 100 && std::ranges::all_of(word, [](unsigned char c) {
     return std::isalnum(c) || c == '.' || c == ':' || c == '-' || c == '_' || c == '%';
@@ -54,10 +53,10 @@ std::string plain(const std::string& word, const char* what) {
   return word;
 }
 
-// What DDS says to a person, who did not ask it: the last line goes into what we throw.
+// Collects the log messages of DDS; the last one is added to our exceptions.
 class Remarks {
  public:
-  // Never destroyed: threads of who uses the library may still be in calls as the program ends.
+  // Never destroyed: threads of the library's user may still be in calls when the program ends.
   static Remarks& all() {
     static Remarks& remarks = *new Remarks;
     return remarks;
@@ -83,18 +82,19 @@ class Remarks {
   std::string last_;
 };
 
-// Several samples go into a datagram within this machine; elsewhere it is one frame, which is lost alone.
+// Within this machine a datagram holds several samples; elsewhere it is one frame, so that a loss costs only that
+// frame.
 constexpr const char* kWholeDatagrams = "<MaxMessageSize>65500B</MaxMessageSize>";
 constexpr const char* kFrames = "<MaxMessageSize>1400B</MaxMessageSize><FragmentSize>1344B</FragmentSize>";
 
-// On this machine alone participants find one another without multicast, by their ports. What a client has asked for,
-// some megabytes, may be under way at once, and be put together in any order. One thread receives: several are woken at
-// the end through the network, for ever where the interface has gone. What is lost is asked for as soon as a heartbeat
-// tells of it (after 5 ms with what is written, at least each 500 ms, in place of 8 s, where nothing is), again after
-// 10 ms with each further heartbeat, and without one after 300 ms, in place of 3 s: where a round trip is longer it
-// goes more than once, which a link that loses is glad of.
+// On the loopback participants find each other without multicast, by their ports. All that a client has requested, some
+// megabytes, may be in flight at once and be reassembled in any order. One receive thread: several are woken through
+// the network at shutdown, which never returns if the interface has gone.
+// Lost samples are requested at the next heartbeat: 5 ms after a write, otherwise at least every 500 ms (default: 8 s).
+// They are requested again 10 ms after each further heartbeat, and without one after 300 ms (default: 3 s). On longer
+// round trips they are sent more than once, which helps on a link with losses.
 std::string configOf(const NetworkConfig& network) {
-  if (network.domain > kLastDomain) throw UsageError("domain: is {}; there are 0 to {}", network.domain, kLastDomain);
+  if (network.domain > kLastDomain) throw UsageError("domain: {} is not between 0 and {}", network.domain, kLastDomain);
   const bool isHere = network.interface.empty();
   std::string peers;
   for (const std::string& peer : network.peers) peers += fmt::format("<Peer address=\"{}\"/>", plain(peer, "peer"));
@@ -120,8 +120,7 @@ std::string configOf(const NetworkConfig& network) {
       interface, isHere ? "false" : "default", isHere ? kWholeDatagrams : kFrames, peers);
 }
 
-// DDS is given what the files say, not where they are: what was looked at is what is used, whatever their folder is
-// called.
+// DDS gets the contents of the files, not their paths: what was checked is what is used, whatever the folder's name.
 void secure(dds_qos_t& qos, const SecurityProfile& profile) {
   if (!kCanEncrypt) throw NetworkError("this palpate's Cyclone DDS was built without security, and encrypts nothing");
   constexpr std::array<const char*, SecurityProfile::kFiles.size()> kNames{
@@ -170,7 +169,7 @@ Qos bestEffortQos(const std::string& partition) {
   return qos;
 }
 
-// That somebody is there is seen by all, whoever may hear him.
+// Every participant is discovered, even if its data cannot be decrypted.
 bool seesKeyHolders(dds_entity_t participant) {
   const Entity reader(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr), "a reader");
   dds_guid_t own{};
@@ -178,7 +177,7 @@ bool seesKeyHolders(dds_entity_t participant) {
   constexpr std::uint32_t kAtOnce = 256;
   std::array<void*, kAtOnce> samples{};
   std::array<dds_sample_info_t, kAtOnce> about;
-  const auto count = checked(dds_take(reader, samples.data(), about.data(), kAtOnce, kAtOnce), "what has come");
+  const auto count = checked(dds_take(reader, samples.data(), about.data(), kAtOnce, kAtOnce), "received data");
   bool sees = false;
   for (dds_return_t i = 0; i < count; ++i) {
     void* data = nullptr;
@@ -211,14 +210,14 @@ struct Participant::Domain {
   Entity entity;
   int users = 0;
 
-  // A program has each domain once: the last user closes it under the lock under which the next one opens it.
+  // A process opens each domain once: the last user closes it under the lock under which the next one opens it.
   struct All {
     std::mutex lock;
     std::map<std::uint32_t, Domain> open;
   };
 
   static std::shared_ptr<Domain> of(const NetworkConfig& network) {
-    static All& all = *new All;  // as Remarks
+    static All& all = *new All;  // never destroyed, like Remarks
     const std::string config = configOf(network);
     const std::scoped_lock hold(all.lock);
     Remarks::all().take();
@@ -234,7 +233,7 @@ struct Participant::Domain {
       }
     }
     if (found->second.network != network)
-      throw UsageError("domain: this program is on domain {} of another network, or with other keys, already",
+      throw UsageError("domain: this program is already on domain {} of another network, or with other keys",
                        network.domain);
     ++found->second.users;
     return {&found->second, [found](Domain* domain) {

@@ -1,4 +1,4 @@
-// Cyclone DDS with names that end: what is made is deleted, what fails throws.
+// Cyclone DDS with owning handles: entities are deleted with their owners, errors are thrown.
 #pragma once
 
 #include <dds/dds.h>
@@ -15,10 +15,10 @@
 
 namespace palpate::sharing {
 
-/// Throws NetworkError where `result` is one of DDS; otherwise gives it back.
+/// Throws NetworkError if `result` is an error of DDS; otherwise returns it.
 dds_return_t checked(dds_return_t result, const char* what);
 
-/// What there is of DDS while this lives.
+/// Owns an entity of DDS.
 class Entity {
  public:
   Entity() = default;
@@ -32,7 +32,7 @@ class Entity {
     }
     return *this;
   }
-  operator dds_entity_t() const { return handle_; }  // NOLINT: it is its handle wherever DDS wants one
+  operator dds_entity_t() const { return handle_; }  // NOLINT: passed as its handle to every function of DDS
 
  private:
   void reset() {
@@ -47,22 +47,21 @@ struct QosDeleter {
 };
 using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
-/// Reliable, and kept for who comes later where `lasting`; in that partition, unless it is empty.
+/// Reliable; kept for late joiners if `lasting`; in the given partition, unless it is empty.
 Qos reliableQos(bool lasting, const std::string& partition = {});
-/// The newest alone, and it may be lost; in that partition, unless it is empty.
+/// Best effort, only the newest sample is kept; in the given partition, unless it is empty.
 Qos bestEffortQos(const std::string& partition = {});
-// For readers, so that what waits to be taken has a bound, whoever sends however fast.
-/// The last samples of a topic without keys. Whoever misses an answer asks again.
+// For readers: these bound the samples waiting to be taken, however fast senders are.
+/// Last samples of a topic without keys. A client that misses a reply asks again.
 Qos keepingLast(Qos qos, std::int32_t samples);
-/// Of a topic with keys the last sample of each of so many instances; of others none.
+/// Last sample of each instance of a topic with keys; instances beyond the maximum get none.
 Qos keepingInstances(Qos qos, std::int32_t instances);
 
-/// Whether there are programs with keys on the network of a participant, be they such that it hears them or not.
+/// Whether programs with keys are on the participant's network, whether or not it can receive from them.
 bool seesKeyHolders(dds_entity_t participant);
 
-/// A participant of the network that is named, with its keys. All participants of a process that are on one domain of
-/// DDS are on one network with the same keys; throws UsageError where they are not, FileError and NetworkError of the
-/// keys.
+/// A participant on the given network with its keys. All participants of a process on one DDS domain share one network
+/// and one set of keys. Throws UsageError if they differ, FileError and NetworkError for faulty keys.
 class Participant {
  public:
   explicit Participant(const NetworkConfig& network, Qos qos = {});
@@ -74,17 +73,17 @@ class Participant {
   Entity participant_;
 };
 
-/// Of samples of type T, which idlc describes.
+/// Topic of samples of type T, which idlc describes.
 template <class T>
 class Topic {
  public:
   Topic(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& name)
       : topic_(dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr), "a topic") {}
-  /// Readers that are made of it from now on get what this lets through alone, and the rest takes none of their room.
-  /// `of` outlives them.
+  /// Readers created from now on receive only samples that pass `lets`; the others take no room in them. `of` must
+  /// outlive the readers.
   void letThrough(bool (*lets)(const void* sample, void* of), const void* of) const {
     checked(dds_set_topic_filter_and_arg(topic_, lets, const_cast<void*>(of)),
-            "a topic");  // NOLINT: DDS hands it back alone
+            "a topic");  // NOLINT: DDS only passes it back
   }
   operator dds_entity_t() const { return topic_; }  // NOLINT: as above
 
@@ -98,18 +97,18 @@ class Writer {
   Writer() = default;
   Writer(dds_entity_t participant, const Topic<T>& topic, const Qos& qos)
       : writer_(dds_create_writer(participant, topic, qos.get(), nullptr), "a writer") {}
-  /// False where the network has no room for it within the time that the writer waits.
+  /// False if the network has no room within the writer's timeout.
   bool write(const T& sample) const {
     const dds_return_t result = dds_write(writer_, &sample);
     if (result == DDS_RETCODE_TIMEOUT) return false;
     checked(result, "a sample");
     return true;
   }
-  /// The same, as of that moment (dds_time()).
+  /// The same with a source timestamp (dds_time()).
   void writeAt(const T& sample, dds_time_t moment) const {
     checked(dds_write_ts(writer_, &sample, moment), "a sample");
   }
-  /// All that was written has come to those who read it.
+  /// All written samples were received by their readers.
   bool isAcked() const { return dds_wait_for_acks(writer_, 0) == DDS_RETCODE_OK; }
   operator dds_entity_t() const { return writer_; }  // NOLINT: as above
 
@@ -123,12 +122,11 @@ class Reader {
   Reader() = default;
   Reader(dds_entity_t participant, const Topic<T>& topic, const Qos& qos)
       : reader_(dds_create_reader(participant, topic, qos.get(), nullptr), "a reader") {}
-  /// Of a topic that DDS has itself (DDS_BUILTIN_TOPIC_…), whose type is T.
+  /// Reader of a built-in topic of DDS (DDS_BUILTIN_TOPIC_…) of type T.
   Reader(dds_entity_t participant, dds_entity_t builtInTopic)
       : reader_(dds_create_reader(participant, builtInTopic, nullptr, nullptr), "a reader") {}
-  /// Takes what has come, sample by sample, as `visit` wants it: the sample, or that and what DDS says of it; as far as
-  /// it is not so much that something else has its turn first. Those that only say that an instance has ended are not
-  /// seen.
+  /// Passes received samples to `visit`, alone or with DDS's sample info; at most kInTurn at a time, so that other work
+  /// gets its turn. Skips samples that only report the end of an instance.
   template <class Visit>
   std::size_t take(Visit&& visit) const {
     return takeWithEnds([&](const T& sample, const dds_sample_info_t& about) {
@@ -140,7 +138,7 @@ class Reader {
       return true;
     });
   }
-  /// The same, with those, of which the key alone is there. `visit` may say of a sample that it does not count.
+  /// The same including those; only their key is valid. If `visit` returns false, the sample is not counted.
   template <class Visit>
   std::size_t takeWithEnds(Visit&& visit) const {
     constexpr std::uint32_t kAtOnce = 16, kInTurn = 2048;
@@ -148,7 +146,7 @@ class Reader {
     for (std::uint32_t taken = 0; taken < kInTurn; taken += kAtOnce) {
       void* samples[kAtOnce] = {};
       dds_sample_info_t about[kAtOnce];
-      const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "what has come");
+      const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "received data");
       struct Loan {
         ~Loan() {
           if (count > 0) dds_return_loan(reader, samples, count);
@@ -176,13 +174,13 @@ class Reader {
   Entity reader_;
 };
 
-/// What another thread wakes a ReaderWait with.
+/// Lets another thread wake a ReaderWait.
 class WakeUp {
  public:
   explicit WakeUp(dds_entity_t participant) : guard_(dds_create_guardcondition(participant), "a condition") {}
   /// From any thread.
   void call() const { dds_set_guardcondition(guard_, true); }
-  /// It was seen: only what is called from now on wakes again.
+  /// Resets it: only later calls wake again.
   void take() const {
     bool wasCalled = false;
     dds_take_guardcondition(guard_, &wasCalled);
@@ -193,7 +191,7 @@ class WakeUp {
   Entity guard_;
 };
 
-/// Sleeps until one of its readers has something.
+/// Sleeps until one of its readers has a sample or one of its WakeUps is called.
 class ReaderWait {
  public:
   explicit ReaderWait(dds_entity_t participant) : wait_(dds_create_waitset(participant), "a waitset") {}

@@ -1,4 +1,4 @@
-// Copies that have come before one that is still under way.
+// Copies received before an earlier item that is still in flight.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +9,16 @@
 
 namespace palpate::sharing {
 
-/// Items by their numbers in a stream, kept until those before them have come: of one whose copies were lost those
-/// behind it do not have to be said again. No more of them than follow soon.
+/// Items by their numbers in a stream, kept until all earlier ones are received, so that one lost item does not require
+/// resending the following ones. Keeps at most the next kMax numbers.
 template <class Item>
 class EarlyCopies {
  public:
-  /// `last`: the one up to which all have come.
+  /// `last`: all items up to this one are received.
   void keep(std::uint64_t number, std::uint64_t last, Item item) {
     if (number > last && number - last <= kMax) waiting_.insert_or_assign(number, std::move(item));
   }
-  /// The one that follows; nothing where it has not come.
+  /// The item after `last`; nothing if it was not received.
   std::optional<Item> takeAfter(std::uint64_t last) {
     waiting_.erase(waiting_.begin(), waiting_.upper_bound(last));
     const auto next = waiting_.begin();
@@ -27,7 +27,7 @@ class EarlyCopies {
     waiting_.erase(next);
     return item;
   }
-  /// They are out of date.
+  /// Drops all items: they are out of date.
   void clear() { waiting_.clear(); }
   std::size_t size() const { return waiting_.size(); }
 

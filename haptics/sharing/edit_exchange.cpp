@@ -9,7 +9,7 @@ namespace palpate::sharing {
 
 namespace {
 
-// As the digest has it: zero has two signs.
+// Compares bits, as the digest does: zero has two signs.
 bool isSameToTheBit(const PointState& a, const PointState& b) {
   static_assert(sizeof(PointState) == 36);  // no padding
   // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits are meant
@@ -30,7 +30,7 @@ void EditExchange::set(const PointState& state) {
   shown = state;
 }
 
-// It comes after all that is known of others, and after what of them is on its way to what answers the hand.
+// It comes after all known edits of others, including those in flight to the back end.
 void EditExchange::made(const PointState& state) {
   const std::uint32_t point = state.number();
   set(state);
@@ -44,13 +44,13 @@ void EditExchange::received(std::span<const PointState> states) {
     const std::uint32_t point = state.number();
     const auto given = inFlight_.find(point);
     PALPATE_CHECK(given != inFlight_.end());
-    set(given->second);  // as it was given: what answers may keep less of it
+    set(given->second);  // as offered: the back end may store less of it
     ++receivedStates_;
-    // What the hand has made before that is later in the server's order; unless somebody has changed it again since.
+    // The hand's earlier edit is later in the server's order, unless another edit of the point was received since.
     if (const auto own = overtaken_.find(point); own != overtaken_.end()) waiting_.try_emplace(point, own->second);
     inFlight_.erase(given);
   }
-  // What was not taken the hand has made otherwise.
+  // Changes that were not taken are offered again, unless the hand has changed the point since.
   for (const auto& [point, state] : inFlight_)
     if (!overtaken_.contains(point)) waiting_.try_emplace(point, state);
   inFlight_.clear();
@@ -75,7 +75,7 @@ void EditExchange::follow(const EditBatch& batch) {
 
 std::span<const PointChange> EditExchange::nextOffer() {
   if (isOffered_) return {};
-  // An offer that was not taken goes again, less what the hand has made otherwise meanwhile.
+  // An offer that was not taken is made again, without the points that the hand has changed since.
   for (const auto& [point, state] : inFlight_)
     if (!overtaken_.contains(point)) waiting_.try_emplace(point, state);
   inFlight_.clear();
@@ -84,7 +84,7 @@ std::span<const PointChange> EditExchange::nextOffer() {
   for (auto next = waiting_.begin(); next != waiting_.end() && offer_.size() < mostOffered_;
        next = waiting_.erase(next)) {
     const auto& [point, state] = *next;
-    // Of a point that is not there nothing else counts, and what answers keeps it as it was when it went.
+    // Of a removed point only the removal counts; the back end keeps its other values of that moment.
     if (isSameToTheBit(shown_[point], state) || (shown_[point].gone() && state.gone())) continue;
     offer_.push_back({.from = shown_[point], .to = state});
     inFlight_.emplace(point, state);
@@ -102,7 +102,7 @@ EditExchange::Heard EditExchange::hear(const Results& results) {
   for (const PointState& state : results.states) {
     const std::uint32_t point = state.number();
     PALPATE_CHECK_LT(point, shown_.size());
-    // What is on its way to the server comes after it.
+    // The hand's edit in flight to the server comes after it.
     if (outbox_.holds(point)) continue;
     waiting_[point] = state;
   }

@@ -20,19 +20,19 @@ using namespace sharing;
 
 namespace {
 
-constexpr std::size_t kRoom = 1 << 18;  // points that are known at once, twice what a server gives
-constexpr double kHandPoll_s = 0.004;   // how often is looked where the hands are
-constexpr double kAsk_s = 0.05;         // between two questions where nothing is new
-constexpr double kNews_s = 0.005;       // and where something is
-constexpr double kServerTimeout_s = 3;  // after which another server of the same points is looked for
-constexpr double kStrokeTimeout_s = 5;  // after which strokes that were sent and not taken go again,
-constexpr int kMaxStrokeRetries = 12;   // so many times in a row, though the server is heard
-constexpr int kMaxSpoilt = 100;         // samples that are none, before one step has come whole
-constexpr double kFirstTrip_s = 0.1;    // until one is known
-constexpr double kMinSpeed_mm_s = 60;   // of a hand that may set out
-constexpr double kFastestOf_s = 5;      // how long the fastest way from the server counts
+constexpr std::size_t kRoom = 1 << 18;  // points known at once, twice what a server sends
+constexpr double kHandPoll_s = 0.004;   // polling interval of the hands' positions
+constexpr double kAsk_s = 0.05;         // between two requests if nothing is new
+constexpr double kNews_s = 0.005;       // and if something is
+constexpr double kServerTimeout_s = 3;  // then another server of the same points is looked for
+constexpr double kStrokeTimeout_s = 5;  // then strokes that were sent and not taken are sent again,
+constexpr int kMaxStrokeRetries = 12;   // at most this many times in a row while the server is heard
+constexpr int kMaxSpoilt = 100;         // invalid samples before one step is complete
+constexpr double kFirstTrip_s = 0.1;    // until one is measured
+constexpr double kMinSpeed_mm_s = 60;   // of a hand that may start to move
+constexpr double kFastestOf_s = 5;      // how long the fastest transmission from the server counts
 
-/// From the server's time to this machine's, by what has come fastest of late: what is felt is as old as that way.
+/// Converts the server's time to this machine's by the fastest recent transmission; what is felt lags by that time.
 class FastestWay {
  public:
   double arrived(double now_s, double sent_s) {
@@ -111,7 +111,7 @@ class FarLink final : public FarCloud {
  private:
   void run(const std::stop_token& stop) {
     try {
-      while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
+      while (!stop.stop_requested() && fault_.empty()) {  // only this thread sets fault_
         wait_->sleep(kHandPoll_s);
         {
           const std::scoped_lock hold(lock_);
@@ -144,7 +144,7 @@ class FarLink final : public FarCloud {
       try {
         gap = !take(sample);
       } catch (const Error&) {
-        // Damaged on the way, or another's: what it stood for comes anew, unless nothing else comes.
+        // Damaged, or foreign: its content is requested again, unless nothing else is received.
         if (++spoilt_ > kMaxSpoilt) throw;
         gap = true;
       }
@@ -152,7 +152,7 @@ class FarLink final : public FarCloud {
     if (gap) restart();
   }
 
-  // False where something is missing before it.
+  // False if an earlier sample is missing.
   bool take(const Bricks& sample) {
     const BrickAssembly::Heard heard = assembly_.hear(sample);
     if (heard == BrickAssembly::Heard::old) return true;
@@ -163,7 +163,7 @@ class FarLink final : public FarCloud {
     if (auto update = assembly_.takeUpdate()) {
       update->true_s = way_.arrived(steadyNow_s(), update->true_s);
       update->settled = outbox_.taken(assembly_.acked());
-      // As long as bricks come that others wait behind nothing is said of what was taken.
+      // While more bricks of an update are pending, the server acknowledges no strokes.
       if (!update->whole || std::exchange(lastAcked_, assembly_.acked()) != assembly_.acked()) {
         progressed_ = {};
         stuck_ = 0;
@@ -177,7 +177,7 @@ class FarLink final : public FarCloud {
     return true;
   }
 
-  // What hands here have made goes to the server, and again where that says nothing of it.
+  // Sends the strokes of hands here to the server, and again if it does not acknowledge them.
   void send() {
     made_.clear();
     source_.takeMade(made_);
@@ -185,7 +185,7 @@ class FarLink final : public FarCloud {
     if (outbox_.isEmpty() || lastHeard_.elapsed_s() > kServerTimeout_s) progressed_ = {};
     if (progressed_.elapsed_s() > kStrokeTimeout_s) {
       if (++stuck_ > kMaxStrokeRetries)
-        return fail(fmt::format("'{}' of {} takes nothing of what this hand does; join it again", to_.name, to_.host));
+        return fail(fmt::format("'{}' of {} accepts no edits of this hand; join it again", to_.name, to_.host));
       sendAgain();
       progressed_ = {};
     }
@@ -217,7 +217,7 @@ class FarLink final : public FarCloud {
     known_.setRoundTrip(trip_s_);
   }
 
-  // Silence is said, and its end. One that serves the same points anew is as good as the one before.
+  // Logs silence and its end. A new server of the same points is as good as the previous one.
   void watchServer() {
     const double silent_s = lastHeard_.elapsed_s();
     const bool isWhole = known_.share() >= 1;
@@ -231,15 +231,14 @@ class FarLink final : public FarCloud {
       if (notice.checksum != parts_.notice.checksum || notice.version != kVersion)
         return fail(fmt::format("'{}' of {} has other points now; join it again", to_.name, notice.host));
       if (outbox_.lastPiece() > 0)
-        return fail(fmt::format(
-            "'{}' of {} was served anew, without what had been done to it: this hand's part of it has nowhere "
-            "to go; join it again",
-            to_.name, notice.host));
+        return fail(
+            fmt::format("'{}' of {} was restarted without its edits: those of this hand cannot be sent; join it again",
+                        to_.name, notice.host));
       left_.insert(server_);
       server_ = notice.session;
       probe_.follow(server_);
       restarts_.emplace(to_.participant, server_);
-      way_ = {};  // its clock is another one
+      way_ = {};  // its clock differs
       ++counts_.servers;
       return restart();
     }
@@ -249,7 +248,7 @@ class FarLink final : public FarCloud {
     const std::optional<Restarts> fresh = restarts_->fresh();
     if (!fresh) return;
     counts_.restarts += fresh->count;
-    say(fmt::format("the simulation of '{}' has begun anew at {}{}: it {}", to_.name, to_.host,
+    say(fmt::format("the simulation of '{}' has restarted at {}{}: it {}", to_.name, to_.host,
                     fresh->count > 1 ? fmt::format(", {} times", fresh->count) : std::string(), fresh->why));
   }
 
@@ -290,8 +289,8 @@ class FarLink final : public FarCloud {
     untold_.push_back(std::move(what));
   }
 
-  // Without the lock, which others may wait for: who listens takes as long as it likes. It may also end what says it,
-  // which would be this hand's part in the session.
+  // Without the lock, which others may wait for: the log may take long. Its exceptions are ignored, since they would
+  // end this hand's part in the session.
   void tell() {
     std::vector<std::string> said;
     {
@@ -308,30 +307,30 @@ class FarLink final : public FarCloud {
   const FarParts parts_;
   const JoinedSession& to_;
   Id server_;
-  std::set<Id> left_;  // sessions before it
+  std::set<Id> left_;  // previous sessions
   std::string host_ = ownHost();
   BrickSource source_;
 
-  mutable std::mutex lock_;  // of all that follows but what says otherwise
+  mutable std::mutex lock_;  // of all members below, unless stated otherwise
   BrickAssembly assembly_;
   HandBalls balls_;
   Writer<Near> nears_;
   StrokeSender strokes_;
   StrokeOutbox outbox_;
   std::vector<PointState> made_;
-  Stopwatch progressed_;  // strokes were taken last, or there was none to take
+  Stopwatch progressed_;  // since strokes were last taken or none was pending
   int stuck_ = 0;
   std::uint64_t lastAcked_ = 0;
   LinkProbe probe_;
   Reader<Bricks> bricks_;
   SessionNotices notices_;
   std::optional<RestartWatch> restarts_;
-  std::optional<ReaderWait> wait_;  // the thread's alone
+  std::optional<ReaderWait> wait_;  // used by the thread only
   FastestWay way_;
   FarCounts counts_;
   std::string fault_;
-  std::vector<std::string> said_, untold_;  // what nobody has taken, and what the log has not heard
-  int spoilt_ = 0;                          // samples since a step has come whole
+  std::vector<std::string> said_, untold_;  // not read yet; not logged yet
+  int spoilt_ = 0;                          // invalid samples since the last complete step
   double trip_s_ = kFirstTrip_s;
   std::vector<Ball> asked_;
   std::uint64_t told_ = 0;
@@ -340,7 +339,7 @@ class FarLink final : public FarCloud {
   Stopwatch lastHeard_, lastAsked_;
   InformationAge known_;
   bool wasWhole_ = true;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
 }  // namespace
@@ -379,7 +378,7 @@ std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_
       !isLength(heard->noise) || !isPlace(heard->extent.bounds.min) || !isPlace(heard->extent.bounds.max) ||
       heard->up > UpAxis::minusZ || heard->standing > heard->extent.points ||
       heard->extent.points >= std::uint64_t{1} << 32)
-    throw NetworkError("'{}' of {} announces what is no cloud", session.name, session.host);
+    throw NetworkError("'{}' of {} announces an invalid cloud", session.name, session.host);
   return heard;
 }
 

@@ -1,4 +1,4 @@
-// The points around the hands of a session that somebody else serves.
+// The points around the hands of a session that another program serves.
 #pragma once
 
 #include <memory>
@@ -15,12 +15,12 @@ struct FarParts {
   std::shared_ptr<const JoinedSession> session;
   sharing::SessionNotice notice;
   FarFacts facts;
-  Log* log = nullptr;  ///< hears of silence and of its end; outlives it
+  Log* log = nullptr;  ///< logs silence and its end; must outlive the cloud
 };
 std::unique_ptr<FarCloud> openFarCloud(const FarParts& parts);
 
-/// What a session's server says of it; nothing where it has not come within `patience_s`. Throws NetworkError for what
-/// is of no cloud.
+/// Facts that the session's server announces; nothing if they are not received within `patience_s`. Throws NetworkError
+/// if they describe no valid cloud.
 std::optional<FarFacts> hearFacts(const JoinedSession& session, double patience_s, const StopSign& stop);
 
 }  // namespace palpate

@@ -7,8 +7,8 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kSpeedDecay_s = 2;   // in which a speed falls to a third
-constexpr double kShortest_s = 1e-3;  // between two places that say a speed
+constexpr double kSpeedDecay_s = 2;   // time constant of the decay of a speed
+constexpr double kShortest_s = 1e-3;  // minimum time between two positions that define a speed
 
 }  // namespace
 
@@ -21,7 +21,7 @@ Ball HandBalls::ballOf(Hand& hand, const HandReach& reach, double steady_s, doub
     hand.last = reach.hip;
     hand.last_s = steady_s;
   }
-  // What is lost on the way comes a trip later, and what is asked for waits for the next question.
+  // Lost samples are received one trip later, and a new ball waits for the next request.
   constexpr double kTrips = 2, kSlack_s = 0.15;
   const double ahead = std::max(hand.speed, leastSpeed_) * (kTrips * trip_s + kSlack_s);
   return {.center = 0.5 * (reach.low + reach.high),
@@ -34,7 +34,7 @@ const std::vector<Ball>& HandBalls::around(const HandReaches& hands, double trip
   for (std::uint32_t i = 0; i < hands.count; ++i) {
     Ball next = ballOf(hands_[i], hands.hands[i], hands.steady_s, trip_s);
     next.radius = std::min(next.radius, most);
-    // A server works for each new ball.
+    // Each new ball costs the server work.
     const Ball& before = balls_[i];
     constexpr double kMoved = 0.5, kGrown = 1.1, kShrunk = 0.5;
     const bool stays = glm::distance(next.center, before.center) < kMoved * edge_ &&

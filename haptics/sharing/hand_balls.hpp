@@ -1,4 +1,4 @@
-// How far ahead of a hand its points are asked for. Nothing of DDS is seen here.
+// How far ahead of a hand its points are requested. Independent of DDS.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@
 
 namespace palpate::sharing {
 
-/// The ball around each hand in which it may feel until what is asked for now has come: its speed times that, and what
-/// its surface is made of now. A hand that rests may set out at any moment.
+/// The ball around each hand in which it may feel until what is requested now is received: its speed times that time,
+/// and what its surface consists of now. A hand at rest may start to move at any moment.
 class HandBalls {
  public:
-  /// `leastSpeed`: of a hand that is thought to set out, model units per second.
+  /// `leastSpeed`: minimum speed assumed for a hand, model units per second.
   HandBalls(double edge, double leastSpeed) : edge_(edge), leastSpeed_(leastSpeed) {}
-  /// `trip_s`: from a question to its answer. The balls of before where the hands are still well within.
+  /// `trip_s`: from request to response. Keeps a previous ball while its hand is still well within it.
   const std::vector<Ball>& around(const HandReaches& hands, double trip_s);
 
  private:
   struct Hand {
     DVec3 last{0};
     std::optional<double> last_s;
-    double speed = 0;  // its highest one, which is forgotten little by little
+    double speed = 0;  // recent maximum, decays slowly
   };
   Ball ballOf(Hand& hand, const HandReach& reach, double steady_s, double trip_s) const;
 

@@ -6,7 +6,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kFarthest = 1e6;  // that a hand can be, sizes of the cloud
+constexpr double kFarthest = 1e6;  // maximum distance of a hand, in sizes of the cloud
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Where the hands of a session are, as it is heard.
+// Positions of a session's hands, as received.
 #pragma once
 
 #include <optional>
@@ -11,14 +11,15 @@
 
 namespace palpate::sharing {
 
-/// Hands, or cameras, that wait to be heard, at most.
+/// Maximum number of hands, or cameras, waiting to be read.
 inline constexpr std::int32_t kMaxShown = 1024;
 
-/// How far a hand or a camera can be from a cloud: farther nobody looks, and nothing that draws or computes has to.
+/// How far a hand or a camera can be from a cloud. Farther ones are ignored, so that drawing and computing need not
+/// handle them.
 class PresenceRoom {
  public:
   explicit PresenceRoom(const PointCloud& cloud);
-  /// Whether somebody can be there.
+  /// Whether a hand or a camera can be there.
   bool has(const DVec3& place) const;
 
  private:
@@ -26,13 +27,13 @@ class PresenceRoom {
   double farthest_;
 };
 
-/// One thread uses it at a time.
+/// Not thread-safe.
 class HeardHands {
  public:
-  /// `cloud`: about which they are. `gone_s`: after which a hand that says nothing is gone. The participant and the
-  /// topics outlive it.
+  /// `cloud`: the hands are around it. `gone_s`: a hand that is silent for this long is removed. The participant and
+  /// the topics must outlive it.
   HeardHands(const Participant& participant, const Topics& topics, const PointCloud& cloud, double gone_s);
-  /// What has come, of that session; `own`: the client whose hands are not meant.
+  /// Processes what was received of that session; `own`: the client whose hands are ignored.
   void hear(const Id& session, const std::optional<Id>& own = std::nullopt);
   std::vector<SeenHand> all() const { return seen_.all(); }
 

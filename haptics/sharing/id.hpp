@@ -5,7 +5,7 @@
 
 namespace palpate::sharing {
 
-/// Of a session, or of a client: one that no other has.
+/// Unique id of a session or a client.
 using Id = std::array<std::uint8_t, 16>;
 
 }  // namespace palpate::sharing

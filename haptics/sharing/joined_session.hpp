@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// Where a cloud came from, and as whom.
+/// Where a cloud was joined, and as which client.
 class JoinedSession {
  public:
   JoinedSession(const NetworkConfig& given, sharing::Id joined, sharing::Id own)
@@ -28,10 +28,10 @@ class JoinedSession {
   bool sculptable = false;
 };
 
-/// What is asked of its server.
+/// Request to its server.
 sharing::ResumeRequest requestOf(const JoinedSession& session, const sharing::Resume& asked);
-/// What its server has said, of a cloud of so many points; the states stand in `states`. Nothing where it is another
-/// session's, or one of them is none: no server of ours says that, and whoever else does is not heard.
+/// Message of its server about a cloud of that many points; the result refers to `states`. Nothing if it belongs to
+/// another session or contains an invalid state: no palpate server sends that, so it is ignored.
 std::optional<sharing::Results> resultsOf(const JoinedSession& session, const sharing::Result& said, std::size_t points,
                                           std::vector<PointState>& states);
 

@@ -1,4 +1,4 @@
-// Pings a session's server, and hears what comes back.
+// Pings a session's server, and receives the echoes.
 #pragma once
 
 #include "engine/core/clock.hpp"
@@ -7,16 +7,16 @@
 
 namespace palpate::sharing {
 
-/// One thread uses it at a time.
+/// Not thread-safe.
 class LinkProbe {
  public:
-  /// The session outlives it. The first pings go sooner one after another: until one is back the round trip is not
-  /// known.
+  /// The session must outlive it. The first pings follow each other sooner: until one is back the round trip is
+  /// unknown.
   explicit LinkProbe(const JoinedSession& session);
   void attach(ReaderWait& wait) const { wait.attach(echoes_); }
-  /// Hears, and pings when it is time to. Whether an echo has come that had not come before.
+  /// Receives echoes, and pings when due. Returns whether a new echo was received.
   bool turn();
-  /// From now on another server of the session's name is pinged.
+  /// From now on pings another server of the session's name.
   void follow(const Id& server) { server_ = server; }
   LinkCounts counts() const { return statistics_.counts(since_.elapsed_s()); }
 

@@ -9,7 +9,7 @@ namespace palpate::sharing {
 namespace {
 
 constexpr std::size_t kKeptTrips = 128;
-constexpr double kLate_s = 2;  // after which a ping counts as lost, until its echo comes all the same
+constexpr double kLate_s = 2;  // then a ping counts as lost, unless its echo is received later
 
 }  // namespace
 

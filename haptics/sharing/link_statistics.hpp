@@ -1,4 +1,4 @@
-// What pings say of a link, without DDS.
+// Statistics of a link, from pings. Independent of DDS.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace palpate::sharing {
 
-/// Times are of one clock, from any zero. One thread uses it at a time.
+/// All times are of one clock, with any zero. Not thread-safe.
 class LinkStatistics {
  public:
-  /// A ping goes out: its number, from 1 on.
+  /// A ping is sent; returns its number, from 1.
   std::uint32_t sent(double now_s);
-  /// Its echo has come. False where none of the last pings had that number, or it came before: that counts for nothing.
+  /// Its echo was received. False, and ignored, if none of the last pings has that number or it was received before.
   bool answered(std::uint32_t number, double now_s);
   LinkCounts counts(double now_s) const;
 
@@ -24,9 +24,9 @@ class LinkStatistics {
   };
 
   std::deque<Ping> last_;
-  std::uint32_t numbers_ = 0;  // of pings, as sent
+  std::uint32_t numbers_ = 0;  // pings sent
   std::uint64_t answered_ = 0;
-  std::uint64_t lostBefore_ = 0;  // of those that are not among the last any more
+  std::uint64_t lostBefore_ = 0;  // lost pings that are no longer among the last ones
 };
 
 }  // namespace palpate::sharing

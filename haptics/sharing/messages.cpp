@@ -56,7 +56,7 @@ std::string ownHost() {
 
 namespace {
 
-// Bytes of the character of UTF-8 that begins there; 0 where none does, or one that a terminal takes for a command.
+// Bytes of the UTF-8 character at `text`; 0 if it is invalid or a control character for a terminal.
 std::size_t characterAt(const char* text) {
   const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = at(0);

@@ -1,4 +1,4 @@
-// The topics of this version, and what is in their samples.
+// The topics of this version and the types of their samples.
 #pragma once
 
 #include <algorithm>
@@ -31,19 +31,19 @@ using BrickPart = palpate_sharing_BrickPart;
 using Bricks = palpate_sharing_Bricks;
 using Ping = palpate_sharing_Ping;
 
-/// Of what is said on the network. Who changes a type raises it.
+/// Version of the network protocol; raised with each change of a type.
 inline constexpr std::uint32_t kVersion = 4;
-/// Points of a block, which fits into one frame of Ethernet: of samples that are cut in pieces DDS mends one in each
-/// round trip, of whole ones all that are lost.
+/// Points of a block, which fits into one Ethernet frame: DDS resends one fragment of a split sample per round trip,
+/// but all lost whole samples at once.
 inline constexpr std::uint32_t kBlockPoints = 45;
-inline constexpr std::uint32_t kMaxRequested = 4096;  // blocks at a time
-/// States of a stroke or a result, which fit into one frame, too.
+inline constexpr std::uint32_t kMaxRequested = 4096;  // blocks per request
+/// States of a stroke or a result, which fit into one Ethernet frame, too.
 inline constexpr std::uint32_t kStates = 36;
 
-/// The `total` of a brick's head that says that the brick is no longer kept up.
+/// The `total` in a brick's head that says that the brick is no longer updated.
 inline constexpr std::uint32_t kBrickDropped = 0xffffffff;
 
-/// All that a session's sides speak by.
+/// All topics of a session.
 struct Topics {
   explicit Topics(dds_entity_t participant);
   Topic<Notice> notices;
@@ -62,21 +62,21 @@ struct Topics {
   Topic<Ping> pings, echoes;
 };
 
-/// Facts of that session, however many others somebody makes up. The id outlives the readers that are made of it.
+/// Facts of that session only, however many others are announced. The id must outlive the readers of this topic.
 Topic<Facts> factsOf(dds_entity_t participant, const Id& session);
 
-/// One that no other has.
+/// A unique id.
 Id freshId();
-/// The partition of who has it.
+/// Partition of the client with that id.
 std::string partitionOf(const std::uint8_t (&id)[16]);
 inline void set(std::uint8_t (&to)[16], const Id& id) { std::memcpy(to, id.data(), id.size()); }
 inline bool isSame(const std::uint8_t (&a)[16], const Id& b) { return std::memcmp(a, b.data(), b.size()) == 0; }
 inline Id idOf(const std::uint8_t (&id)[16]) { return std::to_array(id); }
 
-/// What a machine calls itself.
+/// Host name of this machine.
 std::string ownHost();
 
-/// As much of it as there is room for.
+/// Copies the text, truncated to the room.
 template <std::size_t room>
 void put(char (&to)[room], std::string_view text) {
   const std::size_t length = std::min(text.size(), room - 1);
@@ -84,7 +84,7 @@ void put(char (&to)[room], std::string_view text) {
   to[length] = '\0';
 }
 
-/// Up to 200 bytes of UTF-8 that a terminal shows as they are: what others say stands in messages, tables and JSON.
+/// Up to 200 bytes of UTF-8 that a terminal shows unchanged: foreign text is used in messages, tables and JSON.
 std::string printable(const char* text);
 
 inline std::uint64_t blocksOf(std::uint64_t points) { return (points + kBlockPoints - 1) / kBlockPoints; }
@@ -95,7 +95,7 @@ inline std::uint32_t pointsIn(std::uint64_t block, std::uint64_t points) {
 State stateOf(const PointState& point);
 PointState pointOf(const State& state);
 
-/// Of the origin and of all that is sent of the points.
+/// Checksum of the origin and of all data of the points that is sent.
 std::uint64_t checksumOf(const PointCloud& cloud);
 
 }  // namespace palpate::sharing

@@ -8,7 +8,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kSilentHand_s = 1;  // after which a hand that says nothing touches nothing
+constexpr double kSilentHand_s = 1;  // a hand that is silent for this long touches nothing
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void MotionThread::run(const std::stop_token& stop) {
         std::this_thread::sleep_for(std::chrono::duration<double>(std::min(next_s - now_s, 0.02)));
         continue;
       }
-      // What could not be made in time is left out.
+      // Frames that are late are skipped.
       next_s = std::max(next_s + apart_s_, now_s);
       hands_.hear(session_);
       auto frame = std::make_shared<CloudFrame>();

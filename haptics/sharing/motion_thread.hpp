@@ -1,4 +1,4 @@
-// The points of a served cloud, moved against the clock.
+// Moves the points of a served cloud in real time.
 #pragma once
 
 #include <atomic>
@@ -13,19 +13,19 @@
 
 namespace palpate::sharing {
 
-/// Moves them on a thread of its own from its beginning to its end, and hears where hands are meanwhile.
+/// Moves them on its own thread during its lifetime, with the hands received meanwhile.
 class MotionThread {
  public:
   struct Parts {
     ServedMotion motion;
     double rate_Hz = 60;
-    const PointCloud& cloud;  ///< as it begins: about which hands are
+    const PointCloud& cloud;  ///< at the start; the hands are around it
     const Participant& participant;
     const Topics& topics;
     Id session;
   };
   explicit MotionThread(const Parts& parts);
-  /// What has come since the last call; null: nothing. Throws what the motion has thrown.
+  /// Newest frame since the last call; null if there is none. Rethrows what the motion has thrown.
   std::shared_ptr<const CloudFrame> newest();
   std::uint64_t frames() const { return frames_; }
 
@@ -36,11 +36,11 @@ class MotionThread {
   double apart_s_;
   HeardHands hands_;
   Id session_;
-  std::mutex lock_;  // of the next two
+  std::mutex lock_;  // guards the next two
   std::shared_ptr<const CloudFrame> newest_;
   std::exception_ptr failure_;
   std::atomic<std::uint64_t> frames_ = 0;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
 }  // namespace palpate::sharing

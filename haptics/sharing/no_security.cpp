@@ -6,7 +6,7 @@ namespace {
 
 [[noreturn]] void refuseKeys() {
   throw Error(
-      "this palpate was built without what encrypts sessions; install cyclonedds-dev, libssl-dev and libpugixml-dev, "
+      "this palpate was built without encryption of sessions; install cyclonedds-dev, libssl-dev and libpugixml-dev, "
       "and build it again");
 }
 

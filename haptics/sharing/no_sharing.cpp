@@ -8,8 +8,7 @@ namespace palpate {
 namespace {
 
 [[noreturn]] void refuse() {
-  throw NetworkError(
-      "this palpate was built without DDS, and shares nothing; install cyclonedds-dev and build it again");
+  throw NetworkError("this palpate was built without DDS, and cannot share; install cyclonedds-dev and build it again");
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ Certificate certificateOf(std::string_view pem) {
 }
 
 PrivateKey privateKeyOf(std::string_view pem) {
-  // Nobody is asked for a password.
+  // Never prompts for a password.
   const auto none = [](char*, int, int, void*) { return -1; };
   return PrivateKey(PEM_read_bio_PrivateKey(readFrom(pem).get(), nullptr, none, nullptr));
 }
@@ -37,7 +37,7 @@ std::string nameOf(const Certificate& certificate) {
 
 std::string dateOf(const ASN1_TIME* time) {
   std::tm date{};
-  if (ASN1_TIME_to_tm(time, &date) != 1) return "an unknown day";
+  if (ASN1_TIME_to_tm(time, &date) != 1) return "an unknown date";
   return fmt::format("{:04}-{:02}-{:02}", date.tm_year + 1900, date.tm_mon + 1, date.tm_mday);
 }
 

@@ -1,4 +1,4 @@
-// OpenSSL with names that end: what is made is freed.
+// OpenSSL with owning handles.
 #pragma once
 
 #include <openssl/bio.h>
@@ -30,18 +30,18 @@ using StoreContext = std::unique_ptr<X509_STORE_CTX, Freed<X509_STORE_CTX_free>>
 
 Bio readFrom(std::string_view text);
 Bio collect();
-/// What was written to it.
+/// The text that was written to it.
 std::string textOf(const Bio& bio);
 
-// Null where the text is none.
+// Null if the text is not valid.
 Certificate certificateOf(std::string_view pem);
 PrivateKey privateKeyOf(std::string_view pem);
 
-/// The common name of who has it, without characters that a terminal does not show as they are.
+/// The holder's common name; control characters are replaced.
 std::string nameOf(const Certificate& certificate);
 /// "2027-11-24"
 std::string dateOf(const ASN1_TIME* time);
-/// What OpenSSL says went wrong last.
+/// OpenSSL's last error.
 std::string lastFault();
 
 }  // namespace palpate::openssl

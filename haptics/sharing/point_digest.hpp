@@ -1,4 +1,4 @@
-// A number that tells clouds apart and follows each point's changes at their cost.
+// A checksum of a cloud that is updated point by point.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace palpate::sharing {
 
-/// Of all points, in whichever order: their sum, so that what a point was can be taken out and what it is put in.
+/// Sum over all points, independent of their order: a point's old value is subtracted and its new one added.
 class PointDigest {
  public:
   PointDigest() = default;
@@ -19,7 +19,7 @@ class PointDigest {
   std::uint64_t value() const { return sum_; }
 
  private:
-  // Of a point that is not there nothing but that.
+  // A removed point contributes only its id.
   static std::uint64_t of(const PointState& point) {
     Checksum sum;
     sum.addValue(point.id);

@@ -17,12 +17,12 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kPosePoll_s = 0.004;  // for hands and a camera that have moved
-constexpr double kHand_s = 1.0 / 60;   // between two places of a hand
-constexpr double kEnded_s = 1;         // hands of which nothing more is said are shown for so long
-constexpr double kMoved_s = 1.0 / 30;  // between two places of a camera that moves
-constexpr double kBeat_s = 0.5;        // and of one that stands
-constexpr double kSeen_s = 2;          // after which who says nothing is gone
+constexpr double kPosePoll_s = 0.004;  // polling interval for hands and a camera that have moved
+constexpr double kHand_s = 1.0 / 60;   // between two positions of a hand
+constexpr double kEnded_s = 1;         // hands are shown for this long after their last update
+constexpr double kMoved_s = 1.0 / 30;  // between two poses of a moving camera
+constexpr double kBeat_s = 0.5;        // and of one at rest
+constexpr double kSeen_s = 2;          // others that are silent for this long are removed
 
 std::optional<CameraPlace> placeOf(const Camera& said, const PresenceRoom& room) {
   const CameraPlace camera{
@@ -52,8 +52,7 @@ class Presence final : public SharedPresence {
   void moved(const HandPlaces& hands) noexcept override { moved_.store({.hands = hands, .count = ++told_}); }
 
   void show(const std::optional<CameraPlace>& camera) override {
-    if (camera && !isCamera(*camera))
-      throw UsageError("camera: has no place, turn, angle or aspect that a picture can have");
+    if (camera && !isCamera(*camera)) throw UsageError("camera: invalid position, rotation, angle or aspect");
     const std::scoped_lock hold(lock_);
     ownCamera_ = camera;
   }
@@ -69,8 +68,8 @@ class Presence final : public SharedPresence {
   }
 
  private:
-  // Who is there is for the eye: where the network has failed, what shares the points says so, and nobody is seen any
-  // more.
+  // Only for display: if the network has failed, the sharing of the points reports it, and the others are no longer
+  // shown.
   void run(const std::stop_token& stop) {
     try {
       while (!stop.stop_requested()) {
@@ -87,7 +86,7 @@ class Presence final : public SharedPresence {
     }
   }
 
-  // One that is served anew, whose points are gone on with.
+  // Follows the session of that name to a restarted server.
   void findServer() {
     if (lastLooked_.elapsed_s() < kBeat_s) return;
     lastLooked_ = {};
@@ -153,7 +152,7 @@ class Presence final : public SharedPresence {
     cameraWriter_.write(camera);
   }
 
-  // Of the thread that answers the hands, and how often it has said so.
+  // Hands, stored by the thread that answers them, and how often it has stored them.
   struct Moved {
     HandPlaces hands;
     std::uint64_t count = 0;
@@ -163,8 +162,8 @@ class Presence final : public SharedPresence {
   const std::string name_;
   const PresenceRoom room_;
   LatestValue<Moved> moved_;
-  std::uint64_t told_ = 0;   // that thread's alone
-  mutable std::mutex lock_;  // of all that follows
+  std::uint64_t told_ = 0;   // used by that thread only
+  mutable std::mutex lock_;  // guards all members below
   Writer<HandSample> handWriter_;
   HeardHands hands_;
   Writer<Camera> cameraWriter_;
@@ -176,7 +175,7 @@ class Presence final : public SharedPresence {
   std::optional<CameraPlace> ownCamera_, shownCamera_;
   std::uint32_t handsShown_ = 0, camerasShown_ = 0;
   Stopwatch lastMoved_, lastHands_, lastCamera_, lastLooked_;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
 }  // namespace

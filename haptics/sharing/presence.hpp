@@ -1,4 +1,4 @@
-// Where the hands and the cameras of a session's others are, and those of this program.
+// Hands and cameras of a session's other clients, and those of this program.
 #pragma once
 
 #include <memory>
@@ -11,9 +11,9 @@ namespace palpate {
 
 class JoinedSession;
 
-/// Of whoever has joined a session, whether he has all of its points or those around his hands, and whether or not he
-/// sculpts. On a thread of its own. `name`: of his hands, where the others see them; empty: as the machine. `cloud`:
-/// about which the others are.
+/// For each client of a session, whether it has all points or those around its hands, and whether or not it sculpts.
+/// Runs on its own thread. `name`: of its hands, as others see them; empty: the machine's. `cloud`: the others are
+/// around it.
 std::shared_ptr<SharedPresence> sharePresence(std::shared_ptr<const JoinedSession> session, const std::string& name,
                                               const PointCloud& cloud);
 

@@ -18,7 +18,7 @@ std::optional<Restarts> RestartWatch::fresh() {
   lastTold_.emplace();
   const std::uint32_t before = *told_;
   told_ = heard_.count;
-  if (heard_.count < before) return std::nullopt;  // no server of ours says that
+  if (heard_.count < before) return std::nullopt;  // no palpate server sends that
   return Restarts{.count = heard_.count - before, .why = heard_.why};
 }
 

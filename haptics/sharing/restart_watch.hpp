@@ -1,4 +1,4 @@
-// Whether what a session serves has begun anew, as water does that a hand has driven too fast.
+// Detects restarts of a session's simulation, as of water that a hand has driven too fast.
 #pragma once
 
 #include <optional>
@@ -9,15 +9,15 @@
 
 namespace palpate::sharing {
 
-/// One thread uses it at a time.
+/// Not thread-safe.
 class RestartWatch {
  public:
-  /// The participant outlives it.
+  /// The participant must outlive it.
   RestartWatch(const Participant& participant, const Id& session);
   RestartWatch(const RestartWatch&) = delete;
   RestartWatch& operator=(const RestartWatch&) = delete;
-  /// How often it has since the last call, and why it last did; nothing where it has not. What was before the first
-  /// time that this was heard is not meant, and more than twice a second nobody is told.
+  /// Number of restarts since the last call, and the reason of the last one; nothing if there was none. Restarts before
+  /// the first facts received do not count. Reports at most twice a second.
   std::optional<Restarts> fresh();
 
  private:

@@ -1,5 +1,5 @@
-// A hand, and a cloud, for programs of ROS 2 to hear; and clouds and pictures of depth that they send. Nothing of DDS
-// is seen here.
+// Publishes a hand, a cloud and a camera for ROS 2 programs, and receives their clouds and depth images. Independent of
+// DDS.
 #pragma once
 
 #include <atomic>
@@ -19,31 +19,31 @@
 
 namespace palpate {
 
-/// Throws UsageError for what is no name in ROS, of a topic or of a namespace.
+/// Throws UsageError for an invalid ROS name of a topic or namespace.
 void requireRosName(const std::string& name);
-/// Throws UsageError for what is no name of a frame (tf), or is not another one than that of `name`.
+/// Throws UsageError for an invalid name of a frame (tf), or for a parent that equals the frame of `name`.
 void requireRosFrame(const std::string& frame);
 void requireRosParent(const std::string& parent, const std::string& name);
 
 struct RosPublishing {
   NetworkConfig network;
-  std::string name;          ///< of the namespace, and of the frame that all places are in; as ROS has names
-  double mm_per_unit = 1;    ///< of coordinates of the file, which go out in metres
-  std::string parent = {};   ///< the frame that this one stands in, which goes out on /tf_static; empty: nobody is told
-  CameraPose inParent = {};  ///< where it does
+  std::string name;          ///< ROS namespace, and frame of all positions
+  double mm_per_unit = 1;    ///< of coordinates of the file, which are published in metres
+  std::string parent = {};   ///< parent of this frame, published on /tf_static; empty: not published
+  CameraPose inParent = {};  ///< pose of this frame in its parent
 };
 
-/// Publishes NAME/pose and NAME/proxy (PoseStamped: where the hand is, and where the surface holds it) and NAME/wrench
-/// (WrenchStamped: what the hand feels, N and N m, in the axes of the model), and on /tf the frame NAME/hand in NAME,
-/// from a thread of its own, which the servo thread waits for at no time. Stamps are the wall clock's at the first
-/// tick, and from there on go with the ticks.
+/// Publishes NAME/pose and NAME/proxy (PoseStamped: HIP and proxy), NAME/wrench (WrenchStamped: the force on the hand,
+/// N and N m, in the axes of the model), and the frame NAME/hand in NAME on /tf. It publishes on its own thread, which
+/// the servo thread never waits for. Stamps begin with the wall clock at the first tick and then follow the time of the
+/// ticks.
 class RosHand final : public TickRecorder {
  public:
   struct Counts {
-    std::uint64_t ticks = 0;  ///< that were published, four messages each
-    std::uint64_t lost = 0;   ///< ticks for which there was no room
+    std::uint64_t ticks = 0;  ///< published ticks, four messages each
+    std::uint64_t lost = 0;   ///< ticks dropped because the queue was full
   };
-  /// Throws UsageError, NetworkError. `rate_Hz`: by the time of the ticks; where it is more than theirs each is
+  /// Throws UsageError, NetworkError. `rate_Hz`: in the time of the ticks; if it exceeds their rate, each tick is
   /// published.
   RosHand(const RosPublishing& publishing, double rate_Hz);
   ~RosHand() override;
@@ -51,8 +51,8 @@ class RosHand final : public TickRecorder {
   RosHand& operator=(const RosHand&) = delete;
 
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
-  /// After the last tick: sends what is left, and waits a second for those who read it. Throws NetworkError where
-  /// something has gone wrong since the beginning.
+  /// After the last tick: sends the remainder, and waits up to a second for its readers. Throws NetworkError if
+  /// anything has failed since the start.
   Counts finish();
 
  private:
@@ -60,7 +60,7 @@ class RosHand final : public TickRecorder {
   std::unique_ptr<Link> link_;
 };
 
-/// Publishes NAME/cloud (PointCloud2), kept for who comes later, from a thread of its own.
+/// Publishes NAME/cloud (PointCloud2) on its own thread; late joiners receive the last one.
 class RosCloud {
  public:
   /// Throws UsageError, NetworkError.
@@ -69,8 +69,8 @@ class RosCloud {
   RosCloud(const RosCloud&) = delete;
   RosCloud& operator=(const RosCloud&) = delete;
 
-  /// Copies the points and begins to publish them. False where it is still about the last ones: try again later. Throws
-  /// NetworkError of the last one.
+  /// Copies the points and starts publishing them. False while the previous ones are being published: retry later.
+  /// Throws NetworkError if publishing those has failed.
   bool show(std::span<const PointState> points, const DVec3& origin);
   std::uint64_t shown() const;
 
@@ -79,8 +79,8 @@ class RosCloud {
   std::unique_ptr<Link> link_;
 };
 
-/// Publishes NAME/camera (PoseStamped): from where a picture is seen, x to its right, y down in it, z where it looks,
-/// as optical frames of ROS have it. For one thread.
+/// Publishes NAME/camera (PoseStamped): the pose of a view, x to the right, y down, z forward, as in optical frames of
+/// ROS. Not thread-safe.
 class RosCamera {
  public:
   /// Throws UsageError, NetworkError.
@@ -89,8 +89,8 @@ class RosCamera {
   RosCamera(const RosCamera&) = delete;
   RosCamera& operator=(const RosCamera&) = delete;
 
-  /// Once for each picture: goes out where it has moved, at most 30 times a second, and twice a second otherwise.
-  /// Throws NetworkError.
+  /// Call once per picture: published if it has moved, at most 30 times a second, otherwise twice a second. Throws
+  /// NetworkError.
   void show(const CameraPlace& camera, double mm_per_unit);
 
  private:
@@ -100,36 +100,36 @@ class RosCamera {
 
 struct RosListening {
   NetworkConfig network;
-  double patience_s = 20;  ///< for who sends, and for the first message
-  /// That places are put in, by what is heard on /tf_static and /tf; empty: they stay in that of the message.
+  double patience_s = 20;  ///< for a sender, and for the first message
+  /// Frame to transform positions to, by /tf_static and /tf; empty: they stay in the message's frame.
   std::string frame = {};
   Log* log = nullptr;
-  const std::atomic<bool>* stop = nullptr;  ///< ends it when it becomes true
+  const std::atomic<bool>* stop = nullptr;  ///< ends the wait when it becomes true
 };
-/// The first PointCloud2 that comes on that topic, in metres, whose scale its comments say. Throws UsageError,
-/// NetworkError where none comes, it is none, or something else is sent there.
+/// The first PointCloud2 received on that topic, in metres; its comments state the scale. Throws UsageError, and
+/// NetworkError if none is received, it is invalid, or the topic has another type.
 PointCloud hearRosCloud(const std::string& topic, const RosListening& listening);
 
-/// What can be heard on a topic.
+/// What a topic carries.
 enum class RosContent { points, pictures };
-/// Which of the two is sent on a topic, as is discovered before a message comes. Throws UsageError, and NetworkError
-/// where it is something else, or nobody sends.
+/// Which of the two a topic carries, by discovery, before a message is received. Throws UsageError, and NetworkError if
+/// it carries another type or has no sender.
 RosContent whatRosSends(const std::string& topic, const RosListening& listening);
 
 struct RosWatching {
   RosListening listening;
-  std::optional<DepthCamera> camera;  ///< of pictures; nothing: as the CameraInfo beside them says
-  double depthScale = 0;              ///< of pictures, values per metre; 0: as their encoding says
-  std::string colorTopic =
-      {};                      ///< of pictures of colour that are registered with those of depth; empty: none are heard
-  bool needsPictures = false;  ///< points are of no use
-  unsigned threads = 0;        ///< for normals of points that come without; 0: one per core
+  std::optional<DepthCamera> camera;  ///< of depth images; empty: from the CameraInfo beside them
+  double depthScale = 0;              ///< of depth images, values per metre; 0: as their encoding says
+  std::string colorTopic = {};        ///< of colour images registered to the depth images; empty: none
+  bool needsPictures = false;         ///< points are not accepted
+  unsigned threads = 0;               ///< for estimating missing normals; 0: one per core
 };
-/// The messages of a topic, PointCloud2 or Image of depth, as frames that come as they are sent: in metres, in the axes
-/// of their frame_id. Points that come without normals get some that face the zero of those axes, where a sensor
-/// stands. A picture of depth has the colours that were taken with it; without any of its time it is lost, too. Waits
-/// for the first good one. What is none, or of another size or frame than the first one, is a lost frame (next() throws
-/// NetworkError); after three seconds without any nothing is there. Throws UsageError, NetworkError.
+/// Messages of a topic, PointCloud2 or depth Image, as frames: in metres, in the axes of their frame_id. Points without
+/// normals get estimated ones that face the origin of those axes, where a sensor stands. A depth image has the colours
+/// taken with it; without a colour image of its time it is lost, too.
+/// Waits for the first valid one. Invalid messages, and those of another size or frame than the first, are lost frames
+/// (next() throws NetworkError); after three seconds without a valid one no points are felt. Throws UsageError,
+/// NetworkError.
 std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosWatching& watching);
 
 }  // namespace palpate

@@ -28,7 +28,7 @@ class RosCamera::Link {
     const DVec3 at = camera.position * (mm_per_unit * kMetresPerMm);
     pose.pose.position = {at.x, at.y, at.z};
     pose.pose.orientation = {camera.turn.x, camera.turn.y, camera.turn.z, camera.turn.w};
-    poses_.write(pose);  // where readers do not keep up, the next one is as good
+    poses_.write(pose);  // for slow readers the next pose is as good
   }
 
  private:

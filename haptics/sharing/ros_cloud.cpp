@@ -41,7 +41,7 @@ class RosCloud::Link {
   std::uint64_t shown() const { return shown_; }
 
  private:
-  // Where those who read are not done with the last one it is left out, as it would be by ROS.
+  // Drops the cloud if readers are not done with the previous one, as ROS would.
   bool write() {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     RosPointCloud2 cloud{};
@@ -68,7 +68,7 @@ class RosCloud::Link {
   RosPublisher<RosPointCloud2> clouds_;
   std::optional<RosTransformPublisher> stands_;
   std::uint64_t shown_ = 0;
-  std::future<bool> writing_;  // ends before all that it uses
+  std::future<bool> writing_;  // destroyed before all that it uses
 };
 
 RosCloud::RosCloud(const RosPublishing& publishing) : link_(std::make_unique<Link>(publishing)) {}
@@ -84,7 +84,7 @@ void putInFrame(PointCloud& cloud, const CameraPose& pose) {
   for (Vec3& normal : cloud.normals) normal = Vec3(pose.turn * DVec3(normal));
 }
 
-// The first message of which it is known where it stands, which may be said later than what is in it.
+// The first message whose pose is known; its transform may be received later than the message.
 class FirstCloud {
  public:
   FirstCloud(dds_entity_t participant, const std::string& name, const RosListening& listening)
@@ -101,7 +101,7 @@ class FirstCloud {
     return isPlaced_;
   }
   bool hasCome() const { return taken_.has_value(); }
-  /// Why it is not known where it stands.
+  /// Why its pose is unknown.
   const std::string& why() const { return why_; }
   TakenRosPoints& taken() { return *taken_; }
 
@@ -143,18 +143,19 @@ PointCloud hearRosCloud(const std::string& topic, const RosListening& listening)
   if (!came && first.hasCome()) throw NetworkError("ros:{}: {}", topic, first.why());
   if (!came)
     throw NetworkError(
-        "ros:{}: no PointCloud2 has come in {:g} s; is the topic sent on domain {}, and on this network?", topic,
+        "ros:{}: no PointCloud2 was received in {:g} s; is the topic sent on domain {}, and on this network?", topic,
         listening.patience_s, listening.network.domain);
   TakenRosPoints& taken = first.taken();
   if (taken.cloud.empty())
-    throw NetworkError("ros:{}: a PointCloud2 has come without a point that has a place ({} have none)", topic,
+    throw NetworkError("ros:{}: the received PointCloud2 has no point with a valid position ({} without)", topic,
                        taken.skipped);
   if (listening.log)
-    listening.log->say("ros:{}: {} points{}", topic, taken.cloud.size(),
-                       taken.skipped > 0 ? fmt::format("; {} without a place are left out", taken.skipped) : "");
+    listening.log->say(
+        "ros:{}: {} points{}", topic, taken.cloud.size(),
+        taken.skipped > 0 ? fmt::format("; {} without a valid position are left out", taken.skipped) : "");
   sayScale(taken.cloud.storedAs.comments, kMmPerMetre);
   sayUnit(taken.cloud.storedAs.comments, LengthUnit::m);
-  // REP 103, of all frames but those of a camera.
+  // REP 103: z is up in all frames but those of a camera.
   if (!listening.frame.empty())
     taken.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
   return std::move(taken.cloud);

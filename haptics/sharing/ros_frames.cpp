@@ -16,9 +16,9 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kStaysTrue_s = 3;  // as of what others do in a session
+constexpr double kStaysTrue_s = 3;  // as for edits of others in a session
 
-/// The frames that all places are in is that of the first message.
+/// Requires the frame of the first message for all others.
 class OneFrame {
  public:
   void require(const RosHeader& header) {
@@ -40,34 +40,34 @@ RosPicture pictureOf(const RosImage& image) {
           .data = {image.data._buffer, image.data._length}};
 }
 
-/// Pictures of colour beside those of depth: the last ones, by their stamps.
+/// The last colour images, by stamp, for depth images.
 class ColorsBeside {
  public:
   ColorsBeside(dds_entity_t participant, const std::string& topic)
       : topic_(topic), intake_(participant, rosName(topic)) {}
 
-  /// The colours of the pixels of a picture of depth of that time. Waits a moment for those that come behind it. Throws
-  /// NetworkError where there are none, or they are none.
+  /// Colours of the pixels of a depth image of that time. Waits a moment for a colour image that is sent after it.
+  /// Throws NetworkError if there is none or it is invalid.
   void take(std::int64_t stamp_ns, const DepthCamera& camera, std::vector<std::array<std::uint8_t, 3>>& colors) {
     constexpr double kPatience_s = 0.1;
     for (const Stopwatch since; true;) {
       intake_.take(kLook_s, [&](const RosImage& image) { keep(image, camera); });
       const Kept* const nearest = nearestTo(stamp_ns);
       const bool isOver = since.elapsed_s() > kPatience_s;
-      // Behind one that is not older none comes that is nearer.
+      // After an image that is not older, no closer one follows.
       if (nearest && (hasNotOlder(stamp_ns) || isOver)) {
         colors = nearest->colors;
         return;
       }
       if (!isOver) continue;
-      throw NetworkError("has no picture of colour of its time beside it, on ros:{}{}", topic_,
+      throw NetworkError("has no colour image of its time beside it, on ros:{}{}", topic_,
                          why_.empty() ? why_ : ": " + why_);
     }
   }
 
  private:
   static constexpr double kLook_s = 0.005;
-  static constexpr std::int64_t kApart_ns = 50'000'000;  // that two pictures of one time are, at most
+  static constexpr std::int64_t kApart_ns = 50'000'000;  // maximum difference of the stamps of two images of one time
   static constexpr std::size_t kMax = 8;
   struct Kept {
     std::int64_t stamp_ns = 0;
@@ -104,10 +104,10 @@ class ColorsBeside {
   RosIntake<RosImage> intake_;
   std::array<Kept, kMax> kept_;
   std::size_t next_ = 0;
-  std::string why_;  // the last one was none
+  std::string why_;  // why the last one was invalid
 };
 
-/// Depths of the pictures of one camera.
+/// Depths from the images of one camera.
 class FromPictures {
  public:
   using Message = RosImage;
@@ -127,7 +127,7 @@ class FromPictures {
   std::unique_ptr<ColorsBeside> colors_;
 };
 
-/// Points with normals, no more than there is room for, which the first message says.
+/// Points with normals, up to a maximum that the first message defines.
 class FromPoints {
  public:
   using Message = RosPointCloud2;
@@ -153,7 +153,7 @@ class FromPoints {
   }
 
  private:
-  // A sensor without rows, which sends what its rays have met, may meet more.
+  // A sensor without rows sends only rays that hit something, so a later message may have more points.
   void requireRoom(std::size_t points, const RosPointCloud2& message) {
     constexpr std::uint64_t kMin = 65'536, kMax = 100'000'000;
     if (camera_.width == 0 && points > 0) {
@@ -194,13 +194,13 @@ class RosFrames final : public DepthStream {
         intake_(participant_, rosName(topic_)),
         transforms_(participant_, frame) {}
 
-  /// Waits for the first good frame, which next() gives again.
+  /// Waits for the first valid frame, which next() returns again.
   void begin(const RosListening& listening) {
-    std::string why = "none has come";
+    std::string why = "none was received";
     const bool came = waitFor(listening, topic_, [&] {
       try {
         if (!look(first_.emplace())) return false;
-        why = "they see nothing";
+        why = "they are empty";
         return hasSeen(*first_);
       } catch (const NetworkError& error) {
         why = error.what();
@@ -223,10 +223,10 @@ class RosFrames final : public DepthStream {
   void stop() noexcept override { stops_ = true; }
   bool isRecorded() const override { return false; }
   double staysTrue_s() const override { return kStaysTrue_s; }
-  void rewind() override { throw NetworkError("ros:{}: what is sent does not come again", topic_); }
+  void rewind() override { throw NetworkError("ros:{}: a live topic cannot be rewound", topic_); }
 
  private:
-  // Whether one has come. Of several that wait the last one is taken.
+  // Whether a frame was received. Of several pending ones the last is taken.
   bool look(DepthFrame& frame) {
     std::optional<std::string> why;
     bool isThere = false;
@@ -263,7 +263,7 @@ class RosFrames final : public DepthStream {
   std::atomic<bool> stops_ = false;
 };
 
-// A region of nothing, and one of all of the picture, are none.
+// An empty region, or one of the whole image, is not a part.
 bool isPart(const RosCameraInfo& info) {
   if (info.roi.width == 0 && info.roi.height == 0) return false;
   return info.roi.x_offset != 0 || info.roi.y_offset != 0 || info.roi.width != info.width ||
@@ -297,7 +297,7 @@ DepthCamera hearCamera(dds_entity_t participant, const std::string& pictures, co
     return camera.has_value();
   });
   if (!came)
-    throw NetworkError("ros:{}: no CameraInfo has come on {} in {:g} s; the camera's intrinsics can be given", pictures,
+    throw NetworkError("ros:{}: no CameraInfo was received on {} in {:g} s; give the camera's intrinsics", pictures,
                        topic, listening.patience_s);
   return *camera;
 }
@@ -306,14 +306,14 @@ RosContent discover(dds_entity_t participant, const std::string& topic, const Ro
   RosWriters writers(participant, rosName(topic));
   const char* const pictures = rosTypeOf<RosImage>().name();
   std::optional<std::string> sent;
-  if (listening.log) listening.log->say("ros:{}: waiting for who sends there", topic);
+  if (listening.log) listening.log->say("ros:{}: waiting for a sender", topic);
   const bool came = waitFor(listening, topic, [&] {
     sent = requireSent(topic, writers, {rosTypeOf<RosPointCloud2>().name(), pictures});
     if (!sent) std::this_thread::sleep_for(std::chrono::duration<double>(kRosLook_s));
     return sent.has_value();
   });
   if (!came)
-    throw NetworkError("ros:{}: nobody sends there in {:g} s; is the topic sent on domain {}, and on this network?",
+    throw NetworkError("ros:{}: no sender was found in {:g} s; is the topic sent on domain {}, and on this network?",
                        topic, listening.patience_s, listening.network.domain);
   return *sent == pictures ? RosContent::pictures : RosContent::points;
 }
@@ -341,8 +341,8 @@ std::shared_ptr<DepthStream> watchRosFrames(const std::string& topic, const RosW
   if (discover(participant, topic, listening) == RosContent::points) {
     if (watching.needsPictures || watching.camera || watching.depthScale > 0 || !watching.colorTopic.empty())
       throw NetworkError(
-          "ros:{}: what is sent there are points, and no pictures of depth, which alone have intrinsics, a "
-          "depth scale and pictures of colour, and become a map",
+          "ros:{}: the topic has points, not depth images; only those have intrinsics, a depth scale and colour "
+          "images, and become a map",
           topic);
     return begun(std::move(participant), topic, FromPoints(watching.threads), listening);
   }

@@ -15,7 +15,7 @@ using namespace sharing;
 namespace {
 
 constexpr double kMetresPerMm = 1e-3;
-constexpr std::size_t kWaiting = 1 << 13;  // ticks that may wait, eight seconds at 1 kHz
+constexpr std::size_t kWaiting = 1 << 13;  // maximum of queued ticks, eight seconds at 1 kHz
 constexpr auto kLook = std::chrono::milliseconds(2);
 
 std::int64_t now_ns() {
@@ -59,7 +59,7 @@ class RosHand::Link {
   void add(const Tick& tick) noexcept {
     constexpr double kRounding_s = 1e-9;
     if (next_s_ && tick.time_s < *next_s_ - kRounding_s) return;
-    // By a grid, so that what one was late the next one is not; unless whole ones were left out.
+    // On a grid, so that a late tick does not delay the next one, unless whole intervals were left out.
     next_s_ = next_s_ && tick.time_s < *next_s_ + least_s_ ? *next_s_ + least_s_ : tick.time_s + least_s_;
     const std::uint64_t next = added_.load(std::memory_order_relaxed);
     if (next - taken_.load(std::memory_order_acquire) == kWaiting) {
@@ -138,15 +138,15 @@ class RosHand::Link {
   RosPublisher<RosWrenchStamped> wrenches_;
   RosTransformPublisher frames_;
   std::optional<RosTransformPublisher> stands_;
-  std::optional<std::int64_t> began_ns_;  // of the session's time
+  std::optional<std::int64_t> began_ns_;  // wall clock at zero of the session's time
   std::uint64_t published_ = 0;
   std::exception_ptr failure_;
-  // The servo thread's.
+  // Used by the servo thread.
   std::optional<double> next_s_;
-  // Between both.
+  // Shared by both threads.
   std::vector<Tick> ticks_;
   std::atomic<std::uint64_t> added_ = 0, taken_ = 0, lost_ = 0;
-  std::jthread thread_;  // ends before all that it uses
+  std::jthread thread_;  // destroyed before all that it uses
 };
 
 RosHand::RosHand(const RosPublishing& publishing, double rate_Hz)

@@ -11,7 +11,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kLongestSide = 8192;  // pixels, as of pictures in files
+constexpr std::uint32_t kLongestSide = 8192;  // pixels, as for images in files
 constexpr double kFarthest_m = 1e5;
 constexpr std::string_view kCameraTopic = "camera_info";
 
@@ -28,7 +28,7 @@ template <class... Args>
   throw NetworkError("an Image {}", fmt::format(text, std::forward<Args>(args)...));
 }
 
-// What others have written stands in messages as a terminal shows it.
+// Foreign text for messages: characters that a terminal does not show are replaced.
 std::string shown(std::string_view text) {
   constexpr std::size_t kMax = 40;
   std::string plain(text.substr(0, kMax));
@@ -40,13 +40,14 @@ std::string shown(std::string_view text) {
 const Encoding& encodingOf(const RosPicture& picture) {
   const auto* const found = std::ranges::find(kEncodings, picture.encoding, &Encoding::name);
   if (found == kEncodings.end())
-    refuseImage("of depth is 16UC1 (millimetres) or 32FC1 (metres), and this one is '{}'", shown(picture.encoding));
+    refuseImage("of depth must be 16UC1 (millimetres) or 32FC1 (metres), and this one is '{}'",
+                shown(picture.encoding));
   return *found;
 }
 
 void requireWhole(const RosPicture& picture, const DepthCamera& camera, std::size_t bytes) {
   if (picture.width != camera.width || picture.height != camera.height)
-    refuseImage("of {} x {} pixels has come, and the camera has {} x {}", picture.width, picture.height, camera.width,
+    refuseImage("has {} x {} pixels, and the camera has {} x {}", picture.width, picture.height, camera.width,
                 camera.height);
   const std::uint64_t row = std::uint64_t{picture.width} * bytes;
   if (row > picture.step)
@@ -83,11 +84,10 @@ DepthCamera rosCamera(const RosCalibration& calibration, bool isRectified) {
   const auto refuseImage = [](const std::string& why) { throw NetworkError("a CameraInfo {}", why); };
   const bool distorts = std::ranges::any_of(calibration.d, [](double value) { return value != 0; });
   if (distorts && !isRectified)
-    refuseImage(
-        fmt::format("says that the lens distorts ({}); pictures that are rectified are without: a topic image_rect",
-                    shown(calibration.distortion)));
+    refuseImage(fmt::format("says that the lens distorts ({}); use rectified images: a topic image_rect",
+                            shown(calibration.distortion)));
   if (calibration.binningX > 1 || calibration.binningY > 1 || calibration.isPart)
-    refuseImage("is of pictures that are binned, or of a region; only whole ones are taken");
+    refuseImage("is of binned images, or of a region; only whole images are supported");
   const auto isSide = [](std::uint32_t side) { return side >= 2 && side <= kLongestSide; };
   if (!isSide(calibration.width) || !isSide(calibration.height))
     refuseImage(fmt::format("is of {} x {} pixels; sides are from 2 to {}", calibration.width, calibration.height,
@@ -100,7 +100,7 @@ DepthCamera rosCamera(const RosCalibration& calibration, bool isRectified) {
                            .fy = isRectified ? p[5] : k[4],
                            .cx = isRectified ? p[2] : k[2],
                            .cy = isRectified ? p[6] : k[5]};
-  // A camera that sees a millionth of a degree, or all around, is none; ROS says by 0 that it is not calibrated.
+  // A camera that sees a millionth of a degree, or all around, is not valid; ROS marks a missing calibration by 0.
   const auto isFocal = [](double pixels) { return pixels > 1e-2 && pixels < 1e7; };
   if (!isFocal(camera.fx) || !isFocal(camera.fy) || !(std::abs(camera.cx) < 1e7) || !(std::abs(camera.cy) < 1e7))
     refuseImage(fmt::format("has focal lengths of {} and {} pixels, about {}, {}: the camera is not calibrated",
@@ -126,7 +126,7 @@ void takeRosColors(const RosPicture& picture, const DepthCamera& camera,
                    std::vector<std::array<std::uint8_t, 3>>& colors) {
   const bool isBgr = picture.encoding == "bgr8";
   if (!isBgr && picture.encoding != "rgb8")
-    refuseImage("of colour is rgb8 or bgr8, and this one is '{}'", shown(picture.encoding));
+    refuseImage("of colour must be rgb8 or bgr8, and this one is '{}'", shown(picture.encoding));
   constexpr std::size_t kBytes = 3;
   requireWhole(picture, camera, kBytes);
   colors.resize(std::size_t{picture.width} * picture.height);
@@ -138,9 +138,9 @@ void takeRosColors(const RosPicture& picture, const DepthCamera& camera,
 }
 
 double RosFrameTimes::timeOf(std::int64_t stamp_ns, double arrived_s) {
-  constexpr double kMaxLate_s = 0.5;  // between two frames, of what the network does to them
+  constexpr double kMaxLate_s = 0.5;  // maximum deviation between two frames that the network causes
   const double waited_s = std::max(arrived_s - arrived_s_, 1e-6);
-  // Of whole numbers, however far apart: stamps are of the wall clock, or of anything at all.
+  // In integers, since stamps may be far apart: they are of the wall clock, or of anything else.
   const std::uint64_t step_ns = static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(stamp_ns_);
   const double step_s = stamp_ns > stamp_ns_ ? static_cast<double>(step_ns) * 1e-9 : 0;
   if (hasBegun_) time_s_ += step_s > 0 && std::abs(step_s - waited_s) < kMaxLate_s ? step_s : waited_s;

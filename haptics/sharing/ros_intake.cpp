@@ -10,7 +10,7 @@ RosWriters::RosWriters(dds_entity_t participant, std::string topic)
     : discovered_(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION), topic_(kRosTopics + std::move(topic)) {}
 
 const std::vector<std::string>& RosWriters::types() {
-  constexpr std::size_t kMax = 16;  // of one topic, whoever makes fun of it
+  constexpr std::size_t kMax = 16;  // per topic, however many are announced
   discovered_.take([&](const dds_builtintopic_endpoint_t& writer) {
     if (topic_ != writer.topic_name || types_.size() == kMax) return;
     if (std::ranges::count(types_, writer.type_name) == 0) types_.emplace_back(writer.type_name);
@@ -35,8 +35,8 @@ std::optional<std::string> requireSent(const std::string& topic, RosWriters& wri
   if (sent.empty()) return std::nullopt;
   std::vector<std::string> heard;
   for (const char* type : types) heard.push_back(rosTypeInWords(type));
-  throw NetworkError("ros:{}: what is sent there is {}, and what is heard here is {}", topic,
-                     rosTypeInWords(sent.front()), fmt::join(heard, " or "));
+  throw NetworkError("ros:{}: the topic has type {}, not {}", topic, rosTypeInWords(sent.front()),
+                     fmt::join(heard, " or "));
 }
 
 TakenRosPoints takeMessage(const RosPointCloud2& message, Log* log) {

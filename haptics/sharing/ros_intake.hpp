@@ -1,4 +1,4 @@
-// What programs of ROS send on a topic: which type it has, and its messages as they come.
+// What programs of ROS send on a topic: its type, and its messages as they are received.
 #pragma once
 
 #include <algorithm>
@@ -16,14 +16,14 @@
 
 namespace palpate::sharing {
 
-/// So often who waits for others looks whether it is to end.
+/// How often waiting functions check whether to stop.
 inline constexpr double kRosLook_s = 0.05;
 
-/// Looks for those who write on a topic.
+/// Finds the writers of a topic.
 class RosWriters {
  public:
   RosWriters(dds_entity_t participant, std::string topic);
-  /// The types that are written there, as far as they are discovered by now.
+  /// The types written there, as far as discovered.
   const std::vector<std::string>& types();
 
  private:
@@ -32,32 +32,33 @@ class RosWriters {
   std::vector<std::string> types_;
 };
 
-/// "sensor_msgs/msg/Image" of "sensor_msgs::msg::dds_::Image_", for people.
+/// "sensor_msgs/msg/Image" for "sensor_msgs::msg::dds_::Image_", for display.
 std::string rosTypeInWords(const std::string& type);
-/// The first of those types that is sent; nothing where nobody sends yet. Throws NetworkError where others alone are
-/// sent.
+/// The first of those types that is sent; nothing if there is no sender yet. Throws NetworkError if only other types
+/// are sent.
 std::optional<std::string> requireSent(const std::string& topic, RosWriters& writers,
                                        std::initializer_list<const char*> types);
 
-/// The fields of a message of DDS as RosPoints has them; `fields` outlives it.
+/// takeRosPoints() of a message of DDS.
 TakenRosPoints takeMessage(const RosPointCloud2& message, Log* log);
 
-/// Messages of a topic, however they are sent: of large ones no more are kept than are looked at. For one thread.
+/// Messages of a topic, whatever their delivery. Keeps only one message per reader, since they may be large. Not
+/// thread-safe.
 template <class T>
 class RosIntake {
  public:
   RosIntake(dds_entity_t participant, const std::string& topic)
       : topic_(participant, rosTypeOf<T>().descriptor, kRosTopics + topic), wait_(participant) {
-    // One that a sensor sends fits the first, a large one comes whole to the second, and the third gets one that was
-    // sent before.
+    // The first reader matches sensors, the second receives large messages whole, the third receives one that was sent
+    // earlier.
     for (const RosDelivery delivery : {RosDelivery::bestEffort, RosDelivery::reliable, RosDelivery::latched}) {
       const Qos qos = rosQos(delivery, rosTypeOf<T>());
       dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
       wait_.attach(readers_.emplace_back(participant, topic_, qos));
     }
   }
-  /// Sleeps until something has come, for so long at most, and shows it: each message once, and none after a later one
-  /// of the same writer.
+  /// Sleeps until something is received, `most_s` at most, and passes it to `visit`: each message once, and none after
+  /// a later one of the same writer.
   template <class Visit>
   void take(double most_s, Visit&& visit) {
     wait_.sleep(most_s);
@@ -69,9 +70,9 @@ class RosIntake {
   }
 
  private:
-  using Sent = std::pair<dds_instance_handle_t, dds_time_t>;  // who has, and when
-  // What one reader has had comes to the next one at once, or not at all. Where it is on its way there the next one
-  // still has what came before it.
+  using Sent = std::pair<dds_instance_handle_t, dds_time_t>;  // writer and time
+  // A message that one reader has had reaches the next reader at once or not at all. While it is in flight there, the
+  // next reader still holds the message before it.
   bool isNew(const Sent& sent) {
     const auto isLater = [&](const Sent& other) { return other.first == sent.first && other.second > sent.second; };
     if (std::ranges::count(seen_, sent) > 0 || std::ranges::any_of(shown_, isLater)) return false;
@@ -84,12 +85,12 @@ class RosIntake {
   ReaderWait wait_;
   std::vector<Reader<T>> readers_;
   std::array<Sent, 16> seen_{};
-  std::vector<Sent> shown_;  // since it slept
+  std::vector<Sent> shown_;  // since the last sleep
   std::size_t next_ = 0;
 };
 
-/// Waits for what `isThere` finds, as long as who listens has patience; whether it came. Throws NetworkError where it
-/// is to end.
+/// Waits until `isThere` returns true or the patience ends; returns whether it did. Throws NetworkError if it is to
+/// stop.
 template <class IsThere>
 bool waitFor(const RosListening& listening, const std::string& topic, IsThere&& isThere) {
   const Stopwatch since;

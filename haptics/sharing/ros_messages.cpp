@@ -12,13 +12,13 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr int kDepth = 10;  // ROS's own
-// Of a writer whose readers do not keep up; the next message comes soon.
+constexpr int kDepth = 10;  // ROS's default
+// Timeout of writers with slow readers; the next message follows soon.
 constexpr auto kRosPatience = DDS_MSECS(2);
 
 void setUserData(const Qos& qos, const std::string& text) { dds_qset_userdata(qos.get(), text.data(), text.size()); }
 
-// Letters, digits and single underscores, and no digit first.
+// Letters, digits and single underscores; does not begin with a digit.
 bool isToken(std::string_view token) {
   return !token.empty() && std::isdigit(static_cast<unsigned char>(token[0])) == 0 &&
          token.find("__") == std::string_view::npos &&
@@ -78,9 +78,8 @@ std::string rosName(const std::string& name) {
   }
   if (!isName)
     throw UsageError(
-        "ros: '{}' is no name there: letters, digits and single underscores between single slashes, none beginning "
-        "with a "
-        "digit",
+        "ros: '{}' is not a valid name: letters, digits and single underscores between single slashes, none beginning "
+        "with a digit",
         printable(name.c_str()));
   return std::string(relative);
 }

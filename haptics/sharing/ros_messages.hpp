@@ -1,4 +1,4 @@
-// What ROS 2 programs see of us on the wire, as those of rmw_cyclonedds write it: names of topics and types, and in the
+// What ROS 2 programs see of palpate on the wire, as rmw_cyclonedds writes it: names of topics and types, and in the
 // user data of readers, writers and participants the hash of the type and the enclave.
 #pragma once
 
@@ -22,10 +22,10 @@ using RosCameraInfo = sensor_msgs_msg_dds__CameraInfo_;
 struct RosType {
   const dds_topic_descriptor_t& descriptor;
   const char* hash;  ///< RIHS01, of REP-2016 (tests/sharing/ros_type_hashes.py)
-  /// On the wire.
+  /// Name on the wire.
   const char* name() const { return descriptor.m_typename; }
 };
-/// Of one of the messages that are topics.
+/// Type of a message that is sent on a topic.
 template <class T>
 RosType rosTypeOf();
 template <>
@@ -41,23 +41,23 @@ RosType rosTypeOf<RosImage>();
 template <>
 RosType rosTypeOf<RosCameraInfo>();
 
-/// How ROS keeps and hands on what is sent.
+/// Quality of service of a topic.
 enum class RosDelivery {
-  reliable,    ///< of now: its default
-  latched,     ///< and the last one for who comes later (transient local)
-  bestEffort,  ///< of now: of sensors; for readers, to whom every writer fits
+  reliable,    ///< volatile: ROS's default
+  latched,     ///< keeps the last one for late joiners (transient local)
+  bestEffort,  ///< volatile, as sensors send; as a reader, matches every writer
 };
 Qos rosQos(RosDelivery delivery, const RosType& type);
 
-/// What stands before the names of topics on the wire.
+/// Prefix of topic names on the wire.
 inline const std::string kRosTopics = "rt/";
-/// "camera/points" of that or of "/camera/points". Throws UsageError for what is no name in ROS.
+/// "camera/points" for that or "/camera/points". Throws UsageError for an invalid ROS name.
 std::string rosName(const std::string& name);
 
-/// A participant as a node of ROS has it.
+/// A participant like that of a ROS node.
 Participant rosParticipant(const NetworkConfig& network);
 
-/// A topic and what writes to it.
+/// A topic and its writer.
 template <class T>
 class RosPublisher {
  public:
@@ -65,14 +65,14 @@ class RosPublisher {
       : topic_(participant, rosTypeOf<T>().descriptor, topic),
         writer_(participant, topic_, rosQos(delivery, rosTypeOf<T>())) {}
   bool write(const T& message) const { return writer_.write(message); }
-  operator dds_entity_t() const { return writer_; }  // NOLINT: it is its handle wherever DDS wants one
+  operator dds_entity_t() const { return writer_; }  // NOLINT: passed as its handle to every function of DDS
 
  private:
   Topic<T> topic_;
   Writer<T> writer_;
 };
 
-/// Nanoseconds since 1970, as a header has them.
+/// Nanoseconds since 1970.
 void setStamp(RosHeader& header, std::int64_t time_ns);
 inline std::int64_t stampOf(const RosHeader& header) {
   return std::int64_t{header.stamp.sec} * 1'000'000'000 + header.stamp.nanosec;

@@ -28,7 +28,7 @@ template <class... Args>
   throw NetworkError("a PointCloud2 contradicts itself: {}", fmt::format(text, std::forward<Args>(args)...));
 }
 
-// The message says of all of it where it is, and it is there.
+// Requires that all announced data are present.
 void requireWhole(const RosPoints& points) {
   if (points.fields.size() > kMaxFields) refusePoints("its points have {} fields", points.fields.size());
   for (std::size_t i = 0; i < points.fields.size(); ++i) {
@@ -42,7 +42,7 @@ void requireWhole(const RosPoints& points) {
   if (points.height == 0 || points.width == 0) return;
   if (row > points.rowStep)
     refusePoints("a row of {} points of {} bytes has {}", points.width, points.pointStep, points.rowStep);
-  // Not even the bytes behind the last point of the last row are always sent.
+  // Some senders omit the padding behind the last point of the last row.
   const std::uint64_t least = std::uint64_t{points.height - 1} * points.rowStep + row;
   if (least > points.data.size())
     refusePoints("{} bytes of points are announced, and {} there", least, points.data.size());
@@ -94,7 +94,7 @@ DVec3 vectorAt(const std::array<Column, 3>& columns, const std::byte* point) {
   return {columns[0].value(point), columns[1].value(point), columns[2].value(point)};
 }
 
-// Four bytes, be they said to be a float or a whole number.
+// Four bytes, whether declared as a float or as an integer.
 std::optional<Column> colorOf(const RosPoints& points) {
   for (const char* name : {"rgb", "rgba"})
     if (auto column = columnOf(points, name); column && sizeOf(column->type()) == 4) return column;
@@ -106,7 +106,8 @@ struct OtherNumbers {
   Column column;
 };
 
-// What a file can name, one of each name; together no more than a point has bytes, whoever reads one of them twice.
+// Fields with names that a file can have, without duplicates; together at most as many bytes as a point has, even if
+// fields overlap.
 std::vector<OtherNumbers> othersOf(const RosPoints& points) {
   constexpr std::array<std::string_view, 15> kTaken{"x",        "y",   "z",     "normal_x", "normal_y",
                                                     "normal_z", "rgb", "rgba",  "nx",       "ny",
@@ -129,7 +130,7 @@ std::vector<OtherNumbers> othersOf(const RosPoints& points) {
   return others;
 }
 
-// Points that have a place, one after the other.
+// Points with a position, one after the other.
 class Taking {
  public:
   explicit Taking(const RosPoints& points)
@@ -139,14 +140,14 @@ class Taking {
         others_(othersOf(points)) {
     const auto places = vectorOf(points, {"x", "y", "z"});
     if (!places)
-      throw NetworkError("a PointCloud2 without places: x, y and z are float32 or float64, all three the same");
+      throw NetworkError("a PointCloud2 without positions: x, y and z must be float32 or float64, all three the same");
     places_ = *places;
     isWide_ = (*places)[0].type() == ScalarType::f64;
     for (const OtherNumbers& other : others_) cloud_.extra.push_back({.name = other.name, .type = other.column.type()});
   }
 
   void takeAll() {
-    if (points_.width == 0) return;  // however many rows of nothing are announced
+    if (points_.width == 0) return;  // however many empty rows are announced
     for (std::uint64_t row = 0; row < points_.height; ++row)
       for (std::uint64_t i = 0; i < points_.width; ++i) {
         const std::size_t before = count();

@@ -10,8 +10,8 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::int32_t kWaiting = 1000;  // messages that nobody has looked at, as many as a robot sends in seconds
-constexpr std::uint32_t kMaxOfMessage = 4096;  // transforms of one that are looked at
+constexpr std::int32_t kWaiting = 1000;        // unread messages, as many as a robot sends in some seconds
+constexpr std::uint32_t kMaxOfMessage = 4096;  // transforms of one message that are read
 
 const std::string kMovingTopic = kRosTopics + "tf", kFixedTopic = kRosTopics + "tf_static";
 
@@ -36,7 +36,7 @@ RosTransformIntake::RosTransformIntake(dds_entity_t participant, const std::stri
                            .movingReaders = {},
                            .fixedReaders = {},
                            .transforms = {}});
-  // One that is sent best effort fits the first alone; what was sent before comes to the last.
+  // Best-effort senders match only the first reader; earlier messages reach only the last one.
   for (const RosDelivery delivery : {RosDelivery::bestEffort, RosDelivery::reliable, RosDelivery::latched}) {
     const Qos qos = rosQos(delivery, type);
     dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kWaiting);
@@ -98,7 +98,8 @@ namespace palpate {
 void requireRosParent(const std::string& parent, const std::string& name) {
   using namespace sharing;
   requireRosFrame(parent);
-  if (rosFrameName(parent) == rosFrameName(name)) throw UsageError("ros: the frame '{}' is no parent of its own", name);
+  if (rosFrameName(parent) == rosFrameName(name))
+    throw UsageError("ros: the frame '{}' cannot be its own parent", name);
 }
 
 void requireRosFrame(const std::string& frame) {
@@ -106,7 +107,7 @@ void requireRosFrame(const std::string& frame) {
   const std::string_view name = rosFrameName(frame);
   if (name.empty() || name.size() > RosTransforms::kLongestName ||
       std::ranges::any_of(name, [](unsigned char c) { return c < 0x20; }))
-    throw UsageError("ros: '{}' is no name of a frame: 1 to {} bytes", printable(frame.c_str()),
+    throw UsageError("ros: '{}' is not a valid name of a frame: 1 to {} bytes", printable(frame.c_str()),
                      RosTransforms::kLongestName);
 }
 

@@ -1,4 +1,4 @@
-// Transforms of ROS (tf2_msgs/TFMessage) on the wire: those that others send, and those that palpate sends.
+// Transforms of ROS (tf2_msgs/TFMessage) on the wire, received and sent.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,12 @@
 
 namespace palpate::sharing {
 
-/// Hears /tf and /tf_static, and knows where a frame stands in one that was named. For one thread.
+/// Receives /tf and /tf_static, and finds poses of frames in a target frame. Not thread-safe.
 class RosTransformIntake {
  public:
-  /// `target`: a frame; empty: everything stays in the frame that it is in.
+  /// `target`: a frame; empty: positions stay in their own frame.
   RosTransformIntake(dds_entity_t participant, const std::string& target);
-  /// Whether there is one, which places are to be put in.
+  /// Whether there is a target.
   bool isNeeded() const { return hearing_.has_value(); }
   /// From the coordinates of a message's frame to the target's, at its time. Throws NetworkError that says what is
   /// missing.
@@ -37,7 +37,7 @@ class RosTransformIntake {
 /// Publishes one transform of a frame in its parent, as a message of its own.
 class RosTransformPublisher {
  public:
-  /// `isStatic`: on /tf_static, kept for who comes later; otherwise on /tf.
+  /// `isStatic`: on /tf_static, kept for late joiners; otherwise on /tf.
   RosTransformPublisher(dds_entity_t participant, std::string parent, std::string child, bool isStatic);
   bool write(std::int64_t time_ns, const DVec3& place_m, const DQuat& turn);
   operator dds_entity_t() const { return publisher_; }  // NOLINT: as RosPublisher
@@ -47,8 +47,8 @@ class RosTransformPublisher {
   RosPublisher<RosTFMessage> publisher_;
 };
 
-/// Where the frame of what is published stands in its parent, kept for who comes later while this lives; nothing where
-/// no parent is named.
+/// Publishes the pose of the published frame in its parent, kept for late joiners while this lives; nothing if no
+/// parent is named.
 std::optional<RosTransformPublisher> publishFrame(dds_entity_t participant, const RosPublishing& publishing);
 
 }  // namespace palpate::sharing

@@ -12,8 +12,8 @@ namespace palpate::sharing {
 namespace {
 
 constexpr std::size_t kMaxAncestors = 256;
-constexpr double kBack_ns = 10e9;           // farther than this messages do not overtake one another
-constexpr std::size_t kMaxPoses = 200'000;  // of all frames together, about: each has some
+constexpr double kBack_ns = 10e9;           // messages are not reordered by more than this
+constexpr std::size_t kMaxPoses = 200'000;  // of all frames together, approximately: each keeps some
 constexpr std::size_t kFewestPoses = 10;
 
 bool isName(std::string_view name) { return !name.empty() && name.size() <= RosTransforms::kLongestName; }
@@ -48,11 +48,11 @@ bool RosTransforms::add(const RosTransform& transform, bool isStatic) {
     found = links_.emplace(std::string(child), Link{}).first;
   }
   Link& link = found->second;
-  // Who has another parent now begins anew.
+  // A frame with a new parent starts again.
   if (link.parent != parent || link.isStatic != isStatic || isStatic) link.poses.clear();
   link.parent = parent;
   link.isStatic = isStatic;
-  // Time has gone back, as that of a recording that begins again: what was before is no past any more.
+  // Time has gone back, as in a recording that restarts: earlier poses are no longer the past.
   if (!isStatic && !link.poses.empty() &&
       static_cast<double>(link.poses.rbegin()->first) - static_cast<double>(transform.stamp_ns) > kBack_ns)
     link.poses.clear();
@@ -69,32 +69,31 @@ const CameraPose& RosTransforms::poseAt(const Links::value_type& of, std::int64_
   const auto after = link.poses.upper_bound(stamp_ns);
   if (after == link.poses.begin())
     throw NetworkError(
-        "where the frame '{}' stood in '{}' is not known of its time: what is heard of that is {:.3f} s newer",
+        "the pose of the frame '{}' in '{}' is unknown at its time: the oldest one received is {:.3f} s newer",
         printable(child.c_str()), printable(link.parent.c_str()),
         1e-9 * (static_cast<double>(after->first) - static_cast<double>(stamp_ns)));
   const auto& [at_ns, pose] = *std::prev(after);
   const double age_s = 1e-9 * (static_cast<double>(stamp_ns) - static_cast<double>(at_ns));
   if (age_s > kOldest_s)
-    throw NetworkError("where the frame '{}' stood in '{}' was heard {:.3f} s before its time, and is too old",
+    throw NetworkError("the pose of the frame '{}' in '{}' was received {:.3f} s before its time, and is too old",
                        printable(child.c_str()), printable(link.parent.c_str()), age_s);
   return pose;
 }
 
 CameraPose RosTransforms::find(std::string_view from, std::string_view to, std::int64_t stamp_ns) const {
   const std::string_view frame = rosFrameName(from), target = rosFrameName(to);
-  std::string why =
-      fmt::format("is in the frame '{}', from which nothing that is heard on /tf_static and /tf leads to '{}'",
-                  printable(std::string(frame).c_str()), printable(std::string(target).c_str()));
+  std::string why = fmt::format("is in the frame '{}', from which no transform on /tf_static and /tf leads to '{}'",
+                                printable(std::string(frame).c_str()), printable(std::string(target).c_str()));
   struct Ancestor {
     std::string_view name;
-    CameraPose pose;  // from where it began to this one's coordinates
+    CameraPose pose;  // from the coordinates of the first frame to this one's
   };
   const auto above = [&](const Ancestor& one) -> std::optional<Ancestor> {
     const auto link = links_.find(one.name);
     if (link == links_.end()) return std::nullopt;
     try {
       return Ancestor{link->second.parent, composed(poseAt(*link, stamp_ns), one.pose)};
-    } catch (const NetworkError& error) {  // perhaps nothing that lies behind it is needed
+    } catch (const NetworkError& error) {  // perhaps the frames beyond it are not needed
       why = error.what();
       return std::nullopt;
     }
@@ -106,8 +105,8 @@ CameraPose RosTransforms::find(std::string_view from, std::string_view to, std::
     ancestors.push_back(*next);
   }
   if (ancestors.size() > kMaxAncestors)
-    throw NetworkError("the frames above '{}' lead in a circle, or are more than {}",
-                       printable(std::string(frame).c_str()), kMaxAncestors);
+    throw NetworkError("the frames above '{}' form a cycle, or are more than {}", printable(std::string(frame).c_str()),
+                       kMaxAncestors);
   std::optional<Ancestor> up = Ancestor{target, {}};
   for (std::size_t steps = 0; up && steps <= kMaxAncestors; ++steps) {
     const auto common = std::ranges::find(ancestors, up->name, &Ancestor::name);

@@ -1,4 +1,4 @@
-// Where frames of ROS stand in one another, from the transforms that programs send (tf). Nothing of DDS is seen here.
+// Poses of ROS frames in one another, from received transforms (tf). Independent of DDS.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace palpate::sharing {
 
-/// One of a message: from the child's coordinates to its parent's, metres.
+/// Transform of a message: from the child's coordinates to its parent's, metres.
 struct RosTransform {
   std::string_view parent, child;
   std::int64_t stamp_ns = 0;
@@ -19,31 +19,31 @@ struct RosTransform {
   DQuat turn{1, 0, 0, 0};
 };
 
-/// As ROS compares names of frames: without a slash before them.
+/// Name of a frame as ROS compares it: without a leading slash.
 std::string_view rosFrameName(std::string_view name);
 
-/// The tree of frames. Static transforms hold at all times, others from their stamp on until the next one. What is
-/// foreign is looked at here: names and numbers, and no more is kept than there is room for.
+/// The tree of frames. Static transforms hold at all times, others from their stamp until the next one. Foreign names
+/// and numbers are validated here, and the memory is bounded.
 class RosTransforms {
  public:
   static constexpr std::size_t kMaxFrames = 4096, kLongestName = 256;
-  static constexpr std::size_t kKept = 1000;  ///< of a frame that moves: ten seconds at 100 Hz
-  static constexpr double kOldest_s = 1;      ///< that the transform of a frame that moves may be
+  static constexpr std::size_t kKept = 1000;  ///< transforms kept of a moving frame: ten seconds at 100 Hz
+  static constexpr double kOldest_s = 1;      ///< maximum age of a transform of a moving frame
 
-  /// False where it is none, or there is no room for one more frame.
+  /// False if the transform is invalid, or there is no room for one more frame.
   bool add(const RosTransform& transform, bool isStatic);
   /// From the coordinates of `frame` to those of `target` at that time. Throws NetworkError that says what is missing:
-  /// frames that nobody has joined, a circle, or no transform of that time.
+  /// unconnected frames, a cycle, or no transform of that time.
   CameraPose find(std::string_view frame, std::string_view target, std::int64_t stamp_ns) const;
 
  private:
   struct Link {
     std::string parent;
     bool isStatic = false;
-    std::map<std::int64_t, CameraPose> poses;  // by stamp; of a static one the only one
+    std::map<std::int64_t, CameraPose> poses;  // by stamp; a static link has only one
   };
   using Links = std::map<std::string, Link, std::less<>>;  // by child
-  // Newest, not newer than that.
+  // The newest pose up to that time.
   static const CameraPose& poseAt(const Links::value_type& link, std::int64_t stamp_ns);
 
   Links links_;

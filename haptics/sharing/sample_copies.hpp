@@ -9,10 +9,10 @@
 
 namespace palpate::sharing {
 
-/// For each who hears them. Four copies of what a hand does come to about that.
+/// Per receiver. Four copies of one hand's strokes need about that.
 inline constexpr double kCopies_B_per_s = 500e3;
 
-/// A Stroke or a Result that is kept for longer than DDS lends it.
+/// A Stroke or a Result that is kept beyond DDS's loan.
 template <class Sample>
 struct KeptSample {
   explicit KeptSample(const Sample& given)
@@ -24,10 +24,11 @@ struct KeptSample {
   std::vector<State> states;
 
  private:
-  Sample sample_;  // but for its states
+  Sample sample_;  // without its states
 };
 
-/// Sample: Stroke or Result, whose numbers say which copy comes first, and that a later one is none.
+/// Sample: Stroke or Result; their numbers tell which copy is the first one received, and that later ones are
+/// duplicates.
 template <class Sample>
 class SampleCopies {
  public:
@@ -36,13 +37,13 @@ class SampleCopies {
       : writer_(participant, topic, qos) {}
 
   void setRate(double bytes_per_s) { schedule_.setRate(bytes_per_s); }
-  /// It was written the reliable way just now.
+  /// The sample was just written on the reliable path.
   void wrote(const Sample& sample) {
-    constexpr std::size_t kHeaders = 160;  // of the sample, and of what it is wrapped in
+    constexpr std::size_t kHeaders = 160;  // of the sample, and of its packet
     schedule_.add(KeptSample<Sample>(sample), kHeaders + sample.states._length * sizeof(State), since_.elapsed_s());
   }
   void forget() { schedule_.clear(); }
-  /// Writes those that are due; so many seconds later there are more.
+  /// Writes those that are due; returns the seconds until the next ones.
   double write() {
     schedule_.sayDue(since_.elapsed_s(), [&](KeptSample<Sample>& kept) { writer_.write(kept.sample()); });
     return schedule_.next_s(since_.elapsed_s());

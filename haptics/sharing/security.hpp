@@ -1,5 +1,4 @@
-// Who may find, join and hear a session: keys for DDS Security, made and looked at. Nothing of DDS or OpenSSL is seen
-// here.
+// Who may find, join and hear a session: makes and checks keys for DDS Security. Independent of DDS and OpenSSL.
 #pragma once
 
 #include <array>
@@ -13,37 +12,37 @@
 namespace palpate {
 
 struct KeyRequest {
-  /// Of an authority and of all whom it gives keys: one that there is, or one that is made.
+  /// Folder of an authority and of all keys that it signs; an existing or a new one.
   std::filesystem::path folder;
-  std::string name;          ///< of who gets the keys; their folder in that one
-  std::uint32_t days = 365;  ///< for which they are good
-  /// Seconds since 1970 at which they are made; of the clock where nothing is said.
+  std::string name;          ///< of the holder, and of its folder within that one
+  std::uint32_t days = 365;  ///< of validity
+  /// Seconds since 1970 at which they are made; empty: now.
   std::optional<std::int64_t> now_s = std::nullopt;
 };
 
 struct MadeKeys {
-  std::filesystem::path folder;  ///< of the keys; it is what their holder is given
-  std::string authority;         ///< what it is called
+  std::filesystem::path folder;  ///< of the keys, to be given to their holder
+  std::string authority;         ///< its name
   bool isNewAuthority = false;
-  std::string until;  ///< a date
+  std::string until;  ///< end of validity, a date
 };
 
-/// Makes keys for one more: a certificate that the authority has signed, its private key, and what is allowed with it.
-/// The authority is made where there is none. All files are of this user alone, and nothing that is there is written
-/// over. Throws UsageError, FileError.
+/// Makes keys for one holder: a certificate that the authority has signed, its private key, and its permissions.
+/// Creates the authority if there is none. All files are private to this user, and existing ones are never overwritten.
+/// Throws UsageError, FileError.
 MadeKeys makeKeys(const KeyRequest& request);
 
-/// The keys of one participant, as read from a folder: the files of an enclave, as ROS 2 names them.
+/// The keys of one participant, as read from a folder: the files of an enclave, with ROS 2's names.
 struct SecurityProfile {
   static constexpr std::array<const char*, 6> kFiles{"identity_ca.cert.pem",    "cert.pem",       "key.pem",
                                                      "permissions_ca.cert.pem", "governance.p7s", "permissions.p7s"};
-  std::array<std::string, kFiles.size()> contents;  ///< of those
-  std::string authority;                            ///< what the one that has signed the certificate is called
+  std::array<std::string, kFiles.size()> contents;  ///< of those files
+  std::string authority;                            ///< name of the authority that signed the certificate
   std::string name;                                 ///< of the holder
 };
 
-/// Reads and judges a folder of keys. Throws FileError, which names the file, where one is missing, is readable by
-/// others than its owner, does not belong to the rest, is not signed, has expired, or asks for no encryption.
+/// Reads and checks a folder of keys. Throws FileError, which names the file, if one is missing, is readable by others
+/// than its owner, does not match the rest, is not signed, has expired, or requires no encryption.
 SecurityProfile readSecurityProfile(const std::filesystem::path& folder);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
-// Makes keys: an authority that says who somebody is (identity) and one that says what is allowed (permissions), and
-// for each holder a certificate of the first and a document of the second.
+// Makes keys: an authority for certificates (identity) and one for permissions, and for each holder a certificate of
+// the first and a document of the second.
 #include <openssl/rand.h>
 #include <openssl/x509v3.h>
 
@@ -25,8 +25,8 @@ constexpr std::int64_t kAuthorityDays = 3650;
 constexpr std::uint32_t kMaxDays = 3650;
 constexpr const char* kAuthority = "authority";
 
-// All of an authority is encrypted for those who have keys of it, on every domain, and nobody else is heard. What finds
-// participants is in the clear by its nature, and has no names in it.
+// All data of an authority are encrypted for the holders of its keys, on every domain, and other participants are not
+// accepted. Discovery of participants is in the clear by its nature; it contains no names of sessions or topics.
 constexpr const char* kGovernance = R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
      xsi:noNamespaceSchemaLocation="http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_governance.xsd">
@@ -78,7 +78,7 @@ constexpr const char* kPermissions = R"(<?xml version="1.0" encoding="UTF-8"?>
 </dds>
 )";
 
-// When something is good, in seconds since 1970. From a day before on: clocks of machines differ.
+// Period of validity, seconds since 1970. It starts a day early: clocks of machines differ.
 struct Validity {
   std::int64_t from_s, until_s;
 };
@@ -118,7 +118,7 @@ void extend(X509* certificate, int which, const char* value) {
   require(isAdded, "a certificate");
 }
 
-// A certificate of `key`, by `issuer`, or by itself where there is none.
+// A certificate of `key`, signed by `issuer`, or self-signed if that is null.
 Certificate certify(const std::string& name, const PrivateKey& key, const Validity& good, const Signer* issuer) {
   Certificate made(X509_new());
   require(made != nullptr, "a certificate");
@@ -158,16 +158,16 @@ std::string signedBy(const Signer& signer, const std::string& text) {
   return textOf(out);
 }
 
-// A folder that gets its name once all of it is written.
+// A folder that gets its name when it is complete.
 class FreshFolder {
  public:
   explicit FreshFolder(fs::path target) : target_(std::move(target)) {
     if (fs::exists(fs::symlink_status(target_)))
-      throw FileError(target_, "is there already, and is not written over; give another name");
+      throw FileError(target_, "exists already and is not overwritten; give another name");
     made_ = target_.parent_path() / fmt::format(".{}.{}.part", target_.filename().string(), processNumber());
     std::error_code fault;
     if (!fs::create_directory(made_, fault))
-      throw FileError(target_, fmt::format("cannot be made: {}", fault.message()));
+      throw FileError(target_, fmt::format("cannot be created: {}", fault.message()));
     fs::permissions(made_, fs::perms::owner_all);
   }
   ~FreshFolder() {
@@ -180,15 +180,15 @@ class FreshFolder {
   void add(const char* name, const std::string& content) const {
     const fs::path file = made_ / name;
     std::ofstream out(file, std::ios::binary);
-    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);  // the folder is nobody else's meanwhile
+    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);  // the folder is private meanwhile
     if (!out.write(content.data(), static_cast<std::streamsize>(content.size())).flush())
       throw FileError(target_ / name, whyNotWritten(errno));
   }
-  // Throws where somebody else has made one of that name meanwhile.
+  // Throws if that name was taken meanwhile.
   void finish() {
     std::error_code fault;
     fs::rename(made_, target_, fault);
-    if (fault) throw FileError(target_, fmt::format("cannot be made: {}", fault.message()));
+    if (fault) throw FileError(target_, fmt::format("cannot be created: {}", fault.message()));
     made_.clear();
   }
 
@@ -199,20 +199,20 @@ class FreshFolder {
 std::string contentOf(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string content((std::istreambuf_iterator<char>(in)), {});
-  if (!in || content.empty()) throw FileError(file, "cannot be read, and the authority is not whole without it");
+  if (!in || content.empty()) throw FileError(file, "cannot be read, and the authority is incomplete without it");
   return content;
 }
 
 Signer authorityIn(const fs::path& folder, const std::string& name) {
   const fs::path cert = folder / (name + "_ca.cert.pem"), key = folder / (name + "_ca.key.pem");
   Signer read{.certificate = certificateOf(contentOf(cert)), .key = privateKeyOf(contentOf(key))};
-  if (!read.certificate) throw FileError(cert, "is no certificate (PEM)");
+  if (!read.certificate) throw FileError(cert, "is not a certificate (PEM)");
   if (!read.key || X509_check_private_key(read.certificate.get(), read.key.get()) != 1)
     throw FileError(key, fmt::format("is not the key of {}", cert.filename().string()));
   return read;
 }
 
-// What a certificate can call it: the folder's name, as far as every program reads it.
+// Name of the authority in certificates: the folder's name, with characters that every program reads.
 std::string authorityName(const fs::path& folder) {
   constexpr std::size_t kLongest = 40;
   std::string name = fs::weakly_canonical(folder).filename().string().substr(0, kLongest);
@@ -245,26 +245,26 @@ std::string xmlTime(std::int64_t time_s) {
 }
 
 void requireHolder(const std::string& name) {
-  constexpr std::size_t kLongest = 64;  // of a common name
+  constexpr std::size_t kLongest = 64;  // maximum of a common name
   const bool isName = !name.empty() && name.size() <= kLongest && name != kAuthority && name[0] != '.' &&
                       name[0] != '-' && std::ranges::all_of(name, [](unsigned char c) {
                         return c < 0x7f && (std::isalnum(c) || c == '.' || c == '-' || c == '_');
                       });
   if (!isName)
     throw UsageError(
-        "name: '{}' is none for who gets keys: 1 to {} letters, digits, dots, dashes and underscores, and not '{}'",
+        "name: '{}' is not a valid holder's name: 1 to {} letters, digits, dots, dashes and underscores, and not '{}'",
         name, kLongest, kAuthority);
 }
 
-// Whether there is an authority already. A folder of other things becomes none.
+// Whether there is an authority already. Throws if the folder has other contents.
 bool hasAuthority(const fs::path& folder) {
   if (folder.empty()) throw UsageError("folder: has no name");
   std::error_code fault;
   if (fs::is_directory(folder / kAuthority, fault)) return true;
   if (fs::exists(folder, fault) && !fs::is_directory(folder, fault))
-    throw FileError(folder, "is there already, and is no folder");
+    throw FileError(folder, "exists already and is not a folder");
   if (fs::exists(folder, fault) && !fs::is_empty(folder, fault))
-    throw FileError(folder, "has other things in it and no authority; name a new folder");
+    throw FileError(folder, "has other contents and no authority; name a new folder");
   return false;
 }
 
@@ -274,7 +274,7 @@ MadeKeys makeKeys(const KeyRequest& request) {
   using namespace std::chrono;
   requireHolder(request.name);
   if (request.days == 0 || request.days > kMaxDays)
-    throw UsageError("days: is {}; there are 1 to {}", request.days, kMaxDays);
+    throw UsageError("days: {} is not between 1 and {}", request.days, kMaxDays);
   const std::int64_t now_s =
       request.now_s.value_or(duration_cast<seconds>(system_clock::now().time_since_epoch()).count());
   const fs::path authority = request.folder / kAuthority;
@@ -282,7 +282,7 @@ MadeKeys makeKeys(const KeyRequest& request) {
   if (isNew) {
     std::error_code fault;
     fs::create_directories(request.folder, fault);
-    if (fault) throw FileError(request.folder, fmt::format("cannot be made: {}", fault.message()));
+    if (fault) throw FileError(request.folder, fmt::format("cannot be created: {}", fault.message()));
     makeAuthority(request.folder, now_s);
   }
   const Signer identity = authorityIn(authority, "identity"), permitting = authorityIn(authority, "permissions");

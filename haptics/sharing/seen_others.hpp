@@ -1,4 +1,4 @@
-// Of each of the others what it has said last, for as long as it goes on saying so. Nothing of DDS is seen here.
+// The last message of each other client, until it times out. Independent of DDS.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@
 
 namespace palpate::sharing {
 
-/// Hands (SeenHand) or cameras (SeenCamera), at most 256. One thread uses it at a time.
+/// Hands (SeenHand) or cameras (SeenCamera), at most 256. Not thread-safe.
 template <class Seen>
 class SeenOthers {
  public:
-  /// `gone_s`: after which one that says nothing is gone.
+  /// `gone_s`: one that is silent for this long is gone.
   explicit SeenOthers(double gone_s) : gone_s_(gone_s) {}
 
-  /// `hand`: which one of the client's. `count`: counts what is said of it, so that what was overtaken is known.
+  /// `hand`: index of the client's hand. `count`: number of its message, so that messages out of order are ignored.
   void hear(const Id& client, std::uint8_t hand, std::uint32_t count, Seen seen) {
     const std::pair key(client, hand);
     const auto known = others_.find(key);
@@ -28,11 +28,11 @@ class SeenOthers {
     seen.number += hand;
     others_[key] = {.seen = std::move(seen), .count = count, .since = {}};
   }
-  /// Those that are gone.
+  /// Removes those that are gone.
   void forget() {
     std::erase_if(others_, [&](const auto& one) { return one.second.since.elapsed_s() > gone_s_; });
   }
-  /// With their ages, as of now.
+  /// With their current ages.
   std::vector<Seen> all() const {
     std::vector<Seen> seen;
     for (const auto& [key, other] : others_) {

@@ -77,7 +77,7 @@ void ServedBricks::show(const CloudFrame& frame, const std::unordered_set<BrickK
     const std::uint64_t checksum = checksumOf(*brick);
     const auto before = bricks_.find(key);
     const bool isSame = before != bricks_.end() && before->second.checksum == checksum;
-    // One version for all frames: a brick that nobody wanted for a while is never taken for the one that it was before.
+    // One version for all frames: a brick that was not wanted for a while is never mistaken for its earlier content.
     next[key] = {.version = isSame ? before->second.version : static_cast<std::uint32_t>(version_ + 1),
                  .ids = {},
                  .checksum = checksum,

@@ -1,4 +1,4 @@
-// The points that a server has, brick by brick. Nothing of DDS is seen here. One thread uses it at a time.
+// A server's points, brick by brick. Independent of DDS. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,44 +13,44 @@
 
 namespace palpate::sharing {
 
-/// Each brick with a version, which grows with every change of its points. Of points that stand still all bricks are
-/// kept, and follow what is done to them; of points that move those that somebody wants, from frame to frame.
+/// Each brick has a version, which grows with every change of its points. All bricks of static points are kept and
+/// follow the edits; of moving points only the wanted bricks are kept, frame by frame.
 class ServedBricks {
  public:
   explicit ServedBricks(double edge) : grid_(edge) {}
   const BrickGrid& grid() const { return grid_; }
 
-  /// Of points that stand still, by id; `points` outlives it.
+  /// For static points, by id; `points` must outlive it.
   void build(std::span<const PointState> points);
   /// The point of that id has changed.
   void follow(std::uint32_t id);
-  /// Of points that move: where they are now, for the bricks that are wanted.
+  /// For moving points: their current positions, for the wanted bricks.
   void show(const CloudFrame& frame, const std::unordered_set<BrickKey>& wanted);
-  /// When points that move are where they are.
+  /// Time of the moving points.
   double true_s() const { return true_s_; }
-  /// Grows whenever a brick does.
+  /// Grows with the version of any brick.
   std::uint64_t version() const { return version_; }
 
-  /// False for a brick of points that move which was not wanted yet.
+  /// False for a brick of moving points that was not wanted yet.
   bool knows(BrickKey key) const { return !moves_ || bricks_.contains(key); }
-  /// Of a brick; empty ones have their version, too.
+  /// Version of a brick; empty ones have one, too.
   std::uint32_t versionOf(BrickKey key) const;
   std::size_t sizeOf(BrickKey key) const;
-  /// As it is now.
+  /// Its current points.
   std::shared_ptr<const Brick> brick(BrickKey key) const;
 
  private:
   struct Kept {
     std::uint32_t version = 1;
-    std::vector<std::uint32_t> ids;  // of points that stand still
-    std::uint64_t checksum = 0;      // of points that move, and those
+    std::vector<std::uint32_t> ids;  // static points
+    std::uint64_t checksum = 0;      // of moving points, as is `moving`
     std::shared_ptr<const Brick> moving;
   };
   BrickKey keyOf(const PointState& point) const { return grid_.keyAt(DVec3(point.position)); }
 
   BrickGrid grid_;
   std::span<const PointState> points_;
-  std::vector<BrickKey> keys_;  // by id: where the point is kept; kNowhere where it is gone
+  std::vector<BrickKey> keys_;  // by id: brick that holds the point; kNowhere if it is removed
   std::unordered_map<BrickKey, Kept> bricks_;
   std::uint64_t version_ = 1;
   bool moves_ = false;

@@ -25,7 +25,7 @@ void ServerThread::run() {
   atRest_ = true;
   failure_ = failure;
   isServing_ = false;
-  changed_.notify_all();  // of those who wait for rest that the last turn has not woken
+  changed_.notify_all();  // wakes waiting threads that the last round has not woken
 }
 
 void ServerThread::stop() {

@@ -1,4 +1,4 @@
-// A cloud that is served on a thread of its own, for a program that does something else meanwhile.
+// Serves a cloud on a thread of its own, for a program that does something else meanwhile.
 #pragma once
 
 #include <atomic>
@@ -13,39 +13,39 @@
 
 namespace palpate {
 
-/// For any number of threads, but that one of them alone ends it.
+/// Thread-safe, but only one thread may end it.
 class ServerThread {
  public:
-  /// Serves at once, as CloudServer does, and throws as that does.
+  /// Starts serving, as CloudServer does, and throws as that does.
   ServerThread(const PointCloud& cloud, CloudServer::Parts parts);
   ~ServerThread() { stop(); }
   ServerThread(const ServerThread&) = delete;
   ServerThread& operator=(const ServerThread&) = delete;
 
-  /// Nobody is answered from then on. Not on the server's own thread, as a listener of its log is.
+  /// Ends serving. Must not be called on the server's own thread, as by a listener of its log.
   void stop();
-  /// False once it has been stopped, or has ended by itself: check() says why.
+  /// False after stop() or a failure; check() throws the failure.
   bool isServing() const { return isServing_; }
-  /// Throws what has ended it.
+  /// Rethrows the failure that has ended it.
   void check() const;
   ServedCounts counts();
-  /// By id, as they are.
+  /// Current points, by id.
   std::vector<PointState> points();
 
  private:
   void run();
-  // With the server at rest, which takes as long as it needs to look up.
+  // Calls `look` while the server is paused; first waits until it has paused.
   template <class Look>
   auto atRest(Look&& look);
 
   CloudServer server_;
   std::atomic<bool> pause_ = false, isServing_ = true;
-  mutable std::mutex lock_;  // of what follows
+  mutable std::mutex lock_;  // guards the members below
   std::condition_variable changed_;
-  int looking_ = 0;  // threads that look, or want to
+  int looking_ = 0;  // threads that look or wait to look
   bool atRest_ = false, stop_ = false;
   std::exception_ptr failure_;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
 }  // namespace palpate

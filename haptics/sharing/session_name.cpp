@@ -6,7 +6,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr double kOthers_s = 1;  // in which a session of the same name is found, if there is one
+constexpr double kOthers_s = 1;  // time to find another session of the same name
 constexpr double kNamePoll_s = 0.1;
 constexpr double kYoung_s = 10;  // later it has clients to lose
 
@@ -41,14 +41,13 @@ void SessionName::watch() {
     const bool isLater = std::pair(announced_ns_, session_) > std::pair(other.moment_ns, other.session);
     if (isYoung && isLater)
       throw NetworkError(
-          "a session named '{}' has begun at the same time, served by {}, and was announced before this one, which "
-          "gives way; who has joined this one is told; give it another name",
+          "a session named '{}' began at the same time, served by {}, and was announced before this one, which ends; "
+          "its clients are notified; give it another name",
           name_, other.host);
-    if (isYoung || std::exchange(isTold_, true)) continue;  // that one is about to give way, or does not
+    if (isYoung || std::exchange(isTold_, true)) continue;  // the other one is about to end, or this was logged before
     if (log_)
-      log_->say(
-          "another session named '{}' is served by {}: nobody can join either by that name until one of them ends",
-          name_, other.host);
+      log_->say("another session named '{}' is served by {}: neither can be joined by that name until one of them ends",
+                name_, other.host);
   }
 }
 

@@ -1,4 +1,4 @@
-// The name that a session is served by, which no other one of the network has.
+// The name of a session, unique on its network.
 #pragma once
 
 #include <string>
@@ -11,16 +11,16 @@ namespace palpate::sharing {
 
 class SessionName {
  public:
-  /// `log` may be null; what is given outlives this.
+  /// `log` may be null; the arguments must outlive this.
   SessionName(dds_entity_t participant, const Topics& topics, std::string name, Log* log);
-  /// Listens for a second. Throws NetworkError where somebody serves a session of that name.
+  /// Listens for a second. Throws NetworkError if another program serves a session of that name.
   void requireFree(const StopSign& stop);
-  /// From now on others find it, until this ends. The notice bears the name.
+  /// Publishes the notice, which has the name in it, until this is destroyed.
   void announce(const Notice& notice);
-  /// Looks from time to time for one of the same name that has begun in the same second, so that neither had heard the
-  /// other. Both see when both were announced, by whatever clocks: the later one, or of the same moment the one of the
-  /// greater id, gives way by a NetworkError. Who has been there for ten seconds gives way to nobody, whatever is
-  /// announced, and says so.
+  /// Checks from time to time for a session of the same name that began in the same second, so that neither had heard
+  /// the other. Both compare the times of their announcements, by whatever clocks: the later one, or at equal times the
+  /// one with the greater id, throws NetworkError. A session that is ten seconds old never ends for another one; it
+  /// logs the conflict.
   void watch();
 
  private:

@@ -8,7 +8,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMaxKnown = 1000;  // whoever floods the network is not listened to any more
+constexpr std::size_t kMaxKnown = 1000;  // more are ignored, in case the network is flooded
 
 }  // namespace
 

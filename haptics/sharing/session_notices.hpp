@@ -1,4 +1,4 @@
-// Which sessions are served on a network.
+// Finds the sessions served on a network.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace palpate::sharing {
 
-/// A Notice whose words and numbers have been looked at.
+/// A Notice whose texts and numbers are validated.
 struct SessionNotice {
   Id session{};
   std::uint32_t version = 0;
@@ -18,17 +18,17 @@ struct SessionNotice {
   double mm_per_unit = 0;
   bool colored = false, sculptable = false;
   std::uint64_t checksum = 0;
-  dds_time_t moment_ns = 0;  ///< at which it was announced, by its own clock
+  dds_time_t moment_ns = 0;  ///< time of its announcement, by its server's clock
 };
 
 class SessionNotices {
  public:
   SessionNotices(dds_entity_t participant, const Topics& topics);
-  /// All that are known now, and have not ended.
+  /// All known sessions that have not ended.
   const std::vector<SessionNotice>& known();
-  /// All that are known once `seconds` have passed. Throws NetworkError where it is to end before.
+  /// All sessions known after `seconds`. Throws NetworkError if it is stopped before.
   std::vector<SessionNotice> listen(double seconds, const StopSign& stop = {});
-  /// The same, or sooner: once one of that name is there.
+  /// The same, or sooner: once a session of that name is found.
   std::vector<SessionNotice> listenFor(const std::string& name, double seconds);
 
  private:

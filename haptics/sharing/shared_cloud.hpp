@@ -1,5 +1,5 @@
-// A cloud that one machine serves, and others join: they get its points, bit by bit, and feel and draw them as their
-// own.
+// A cloud that one machine serves and others join: they get an identical copy of its points, and feel and draw it
+// locally.
 #pragma once
 
 #include <atomic>
@@ -20,60 +20,59 @@
 
 namespace palpate {
 
-/// How much was handed out.
+/// Counts of what was served.
 struct ServedCounts {
-  std::uint64_t clients = 0;  ///< that have ever asked for points
+  std::uint64_t clients = 0;  ///< clients that have ever requested points
   std::uint64_t requests = 0, blocks = 0, pings = 0;
-  /// Requests that no client of ours makes, or of one more than there is room for, and pieces of strokes.
+  /// Invalid requests and pieces of strokes, and requests of clients beyond the maximum.
   std::uint64_t refused = 0;
-  std::uint64_t sculptors = 0;  ///< clients of whom strokes were taken, before the server was started again included
-  std::uint64_t pieces = 0, states = 0;  ///< of strokes; states of points in them
-  std::uint64_t copied = 0;              ///< of the pieces, whose best-effort copy came before they did
-  std::uint64_t again = 0;               ///< pieces that the reliable way had brought before, or before another one
-  std::uint64_t sent = 0;                ///< states, to all who follow
-  std::uint64_t near = 0;                ///< clients that have ever felt the points around their hands alone
-  std::uint64_t nearPoints = 0, nearSteps = 0;  ///< that went to them, and in how many steps
-  std::uint64_t frames = 0;                     ///< of points that move, that were shown
+  std::uint64_t sculptors = 0;  ///< clients whose strokes were taken, including those before a restart of the server
+  std::uint64_t pieces = 0, states = 0;         ///< of strokes; states of points in them
+  std::uint64_t copied = 0;                     ///< pieces whose best-effort copy was received first
+  std::uint64_t again = 0;                      ///< duplicate pieces on the reliable path, and those received too early
+  std::uint64_t sent = 0;                       ///< states, to all clients
+  std::uint64_t near = 0;                       ///< clients that have ever requested only the points around their hands
+  std::uint64_t nearPoints = 0, nearSteps = 0;  ///< points sent to those, in how many steps
+  std::uint64_t frames = 0;                     ///< of moving points, shown
 };
 
-/// Moves the points of a cloud: where they are at that time, s since it was begun, with hands in it that feel it from
-/// elsewhere. False where they are as at the last call. On a thread of its own.
+/// Moves the points of a cloud: positions at `time_s` seconds after the start, with remote hands that act on them.
+/// False if nothing has changed since the last call. Called on a thread of its own.
 using ServedMotion = std::function<bool(double time_s, std::span<const SeenHand> hands, CloudFrame& frame)>;
 
-/// Serves a cloud as it was loaded, and, where it is sculpted, what has been done to it since, in one order for all.
-/// Reads the cloud from one thread; nothing of it is written.
+/// Serves a cloud as loaded, and all edits since, in one order for all clients. Reads the cloud from one thread, and
+/// never writes to it.
 class CloudServer {
  public:
   struct Parts {
     NetworkConfig network;
-    std::string name;   ///< by which it is joined
-    std::string model;  ///< what the points are, in words
+    std::string name;   ///< by which clients join it
+    std::string model;  ///< what the points are, for display
     double mm_per_unit = 1;
-    bool sculptable = true;         ///< whoever joins can sculpt
-    std::filesystem::path journal;  ///< of the strokes: made, or gone on with; empty: none
-    Log* log = nullptr;             ///< hears of who comes; outlives this
-    /// What has been measured of the cloud; nothing: that is done here.
+    bool sculptable = true;         ///< clients can sculpt
+    std::filesystem::path journal;  ///< of the strokes: created or continued; empty: none
+    Log* log = nullptr;             ///< logs new clients; must outlive this
+    /// Measured properties of the cloud; empty: they are measured here.
     std::optional<FarFacts> facts = {};
-    /// Empty: the cloud stands still. Otherwise it is as the motion begins, and is not sculptable.
+    /// Empty: the cloud is static. Otherwise `cloud` is its first frame, and it is not sculptable.
     ServedMotion motion = {};
-    double motion_Hz = 60;  ///< frames a second, at most
-    /// How often the motion has begun anew, for any thread: those who feel it are told. Empty: it never does.
+    double motion_Hz = 60;  ///< maximum of frames a second
+    /// Restarts of the motion, of which clients are notified; thread-safe. Empty: it never restarts.
     std::function<Restarts()> restarts = {};
-    StopSign stop = {};  ///< ends the constructor, which listens for a second for another session of the name
+    StopSign stop = {};  ///< interrupts the constructor, which listens for a second for another session of the name
   };
-  /// `cloud` has normals, and outlives this. Throws UsageError for a name that cannot be, NetworkError where a session
-  /// of that name is served already, or nothing can be, FileError of the journal.
+  /// `cloud` must have normals and outlive this. Throws UsageError for an invalid name, NetworkError if a session of
+  /// that name is served already or the network cannot be used, FileError for the journal.
   CloudServer(const PointCloud& cloud, Parts parts);
   ~CloudServer();
   CloudServer(const CloudServer&) = delete;
   CloudServer& operator=(const CloudServer&) = delete;
 
-  /// Answers until `stop` is true, or `seconds` have passed, where they are more than 0. Throws NetworkError, also
-  /// where another session of its name has begun at the same time and this is the one to give way, and what the motion
-  /// has thrown.
+  /// Serves until `stop` is true, or `seconds` have passed if that is positive. Throws NetworkError, also if another
+  /// session of its name has begun at the same time and takes precedence, and rethrows what the motion has thrown.
   void serve(const std::atomic<bool>& stop, double seconds = 0);
   ServedCounts counts() const;
-  /// The points as they are, by id; those of the cloud where nobody has sculpted. Between calls of serve().
+  /// Current points, by id; those of the cloud if it was not sculpted. Only between calls of serve().
   std::span<const PointState> points() const;
 
  private:
@@ -84,28 +83,28 @@ class CloudServer {
 class JoinedSession;
 
 struct JoinedCloud {
-  PointCloud cloud;  ///< as it was loaded; what was done to it since comes by shareEdits()
+  PointCloud cloud;  ///< as loaded; edits since are received by shareEdits()
   double mm_per_unit = 0;
   std::string host, model;
   bool sculptable = false;
   std::shared_ptr<const JoinedSession> session;
-  /// Where the points around the hands alone come here: `cloud` are a few thousand of them, from all over it.
+  /// If only the points around the hands are streamed: `cloud` is then a subsample of a few thousand points.
   std::shared_ptr<FarCloud> far;
-  std::optional<FarFacts> facts;  ///< of all points, then
+  std::optional<FarFacts> facts;  ///< of all points; set with `far`
 };
 
 struct JoinOptions {
   NetworkConfig network;
-  bool present = false;  ///< with what has been done to it so far, to be looked at; it is not shared then
-  bool near = false;     ///< the points around the hands alone; so it is in any case where they move, unless `present`
-  double patience_s = 10;  ///< for the session to be found, and for each next piece of it
-  Log* log = nullptr;      ///< hears how far it has come; outlives the call
-  StopSign stop = {};      ///< ends it
+  bool present = false;    ///< with all edits so far, for display; edits are not shared then
+  bool near = false;       ///< stream only the points around the hands; moving points always are, unless `present`
+  double patience_s = 10;  ///< timeout for finding the session, and for each next part of it
+  Log* log = nullptr;      ///< logs progress; must outlive the call
+  StopSign stop = {};      ///< interrupts it
 };
 
-/// The points of the session of that name, as they are served. Takes memory as they come, and no more for what is only
-/// announced. Throws NetworkError where there is none, or two of that name, or one of another version, or its points
-/// are none, or not those that it announced.
+/// The points of the session of that name, as served. Allocates memory as they are received, not as announced. Throws
+/// NetworkError if there is no such session, two of that name, or one of another version, or if its points are invalid
+/// or differ from those announced.
 JoinedCloud joinCloud(const std::string& name, const JoinOptions& options);
 
 }  // namespace palpate

@@ -23,14 +23,14 @@ using namespace sharing;
 
 namespace {
 
-constexpr double kEditPoll_s = 0.004;   // how often what can be offered is looked for; what this hand has done wakes
-constexpr double kServerSilence_s = 3;  // after which the server is asked again
-constexpr double kPieceTimeout_s = 5;   // the same for pieces that were sent and not taken
-constexpr double kNear = 3;             // cells of the index from a proxy, within which a change may be felt there
-constexpr double kSettled_s = 0.3;      // at rest, before it is judged whether the points are the same
+constexpr double kEditPoll_s = 0.004;   // polling interval for offers; the hand's own edits wake the thread
+constexpr double kServerSilence_s = 3;  // then the server is asked again
+constexpr double kPieceTimeout_s = 5;   // then pieces that were sent and not taken are sent again
+constexpr double kNear = 3;             // cells of the index around a proxy within which a change may be felt
+constexpr double kSettled_s = 0.3;      // at rest, before the points are compared
 constexpr int kMaxDiffered = 3;
-constexpr std::int32_t kMaxCopiesWaiting = 4096;  // which come the reliable way where they do not as copies
-constexpr int kMaxPieceRetries = 12;              // times in a row that nothing was taken, though the server is heard
+constexpr std::int32_t kMaxCopiesWaiting = 4096;  // dropped ones are received on the reliable path
+constexpr int kMaxPieceRetries = 12;              // in a row without progress, while the server is heard
 
 class SharedEdits final : public SharedFollower {
  public:
@@ -103,7 +103,7 @@ class SharedEdits final : public SharedFollower {
  private:
   void run(const std::stop_token& stop) {
     try {
-      while (!stop.stop_requested() && fault_.empty()) {  // which this thread alone sets
+      while (!stop.stop_requested() && fault_.empty()) {  // only this thread sets fault_
         wait_->sleep(kEditPoll_s);
         wakeUp_.take();
         {
@@ -117,7 +117,7 @@ class SharedEdits final : public SharedFollower {
       fail(error.what());
     }
     tell();
-    // What comes from now on is not kept for anybody.
+    // From now on nothing that is received is kept.
     wait_.reset();
     results_ = {};
     resultCopies_ = {};
@@ -138,8 +138,7 @@ class SharedEdits final : public SharedFollower {
   void hear() {
     bool gap = false;
     results_.take([&](const Result& result) { gap = gap || hear(result) == EditExchange::Heard::gap; });
-    // Of a copy that comes too early the one before it is under way: it waits for that, and nothing has to be asked
-    // for.
+    // If a copy is early, the one before it is in flight: the copy waits for that, and nothing has to be requested.
     resultCopies_.take([&](const Result& result) { hearCopy(result); });
     while (auto next = early_.takeAfter(lastCounter_)) hearCopy(next->sample());
     if (gap) resume(exchange_.resume());
@@ -169,30 +168,29 @@ class SharedEdits final : public SharedFollower {
     return heard;
   }
 
-  // What silence does to the force is said, and that it does so no more.
+  // Logs when silence starts or stops reducing the force.
   void sayForce() {
     const double share = known_.share(), silent_s = lastHeard_.elapsed_s();
     const Felt now = share >= 1 ? Felt::whole : share > 0 ? Felt::fading : Felt::gone;
     if (now == std::exchange(felt_, now)) return;
     if (now == Felt::whole)
-      say(fmt::format("{} of {} is heard again: the force comes back", session_.name, session_.host));
+      say(fmt::format("{} of {} is heard again: the force returns", session_.name, session_.host));
     if (now == Felt::fading)
-      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; what is done here is kept for it",
+      say(fmt::format("{} of {} has not been heard for {:.1f} s: the force fades; edits made here are kept for it",
                       session_.name, session_.host, silent_s));
     if (now == Felt::gone)
       say(fmt::format("{} of {} has not been heard for {:.1f} s: there is no force until it is", session_.name,
                       session_.host, silent_s));
   }
 
-  // A server that takes nothing, or has begun anew, is said.
+  // Reports a server that takes nothing or has restarted as another session.
   void watchServer() {
     if (lastHeard_.elapsed_s() <= kServerSilence_s) {
       if (exchange_.isDelivered()) lastTaken_ = {};
       if (lastTaken_.elapsed_s() > kPieceTimeout_s) {
         if (++stuck_ > kMaxPieceRetries)
-          return fail(
-              fmt::format("'{}' of {} takes nothing of what this hand does; save what is here, and join it again",
-                          session_.name, session_.host));
+          return fail(fmt::format("'{}' of {} accepts no edits of this hand; save the cloud, and join it again",
+                                  session_.name, session_.host));
         resume(exchange_.resume());
         lastTaken_ = {};
       }
@@ -201,10 +199,10 @@ class SharedEdits final : public SharedFollower {
     if (lastResumed_.elapsed_s() > kServerSilence_s) resume(exchange_.resume());
     for (const SessionNotice& notice : notices_.known()) {
       if (notice.name != session_.name || notice.session == session_.session) continue;
-      fail(fmt::format(
-          "'{}' of {} was served anew, without what had been done to it: this hand's part of it has nowhere to "
-          "go; save what is here, and join it again",
-          session_.name, session_.host));
+      fail(
+          fmt::format("'{}' of {} was restarted without its edits: those of this hand cannot be sent; save the cloud, "
+                      "and join it again",
+                      session_.name, session_.host));
       return;
     }
   }
@@ -229,7 +227,7 @@ class SharedEdits final : public SharedFollower {
     const std::span<const PointChange> changes = exchange_.nextOffer();
     if (!changes.empty())
       isOfferNear_ = std::ranges::any_of(changes, [&](const PointChange& each) { return isNear(each); });
-    // Before it is carried out, and until that is known.
+    // Set before the change takes effect, and until it is known to have.
     if (isOfferNear_ && exchange_.isOffering()) known_.changed();
     if (!changes.empty() && backend_.offer(changes, exchange_.changesFollowed())) exchange_.offered();
   }
@@ -247,7 +245,7 @@ class SharedEdits final : public SharedFollower {
     return isWithin(change.from.position) || isWithin(change.to.position);
   }
 
-  // At rest the points are everywhere the same. Where they are not, all that was ever done is asked for again.
+  // At rest the points are the same everywhere. If they are not, all edits ever made are requested again.
   void judge() {
     if (!exchange_.isAtRest() || exchange_.isSame()) {
       unequal_ = {};
@@ -273,8 +271,8 @@ class SharedEdits final : public SharedFollower {
     untold_.push_back(std::move(what));
   }
 
-  // Without the lock, which who answers the hand may wait for: who listens takes as long as it likes. It may also end
-  // what says it (LogListener), which would be this hand's part in the session.
+  // Without the lock, which the thread that answers the hand may wait for: the log may take long. Exceptions of its
+  // listeners are ignored, since they would end this hand's part in the session (LogListener).
   void tell() {
     std::vector<std::string> said;
     {
@@ -295,7 +293,7 @@ class SharedEdits final : public SharedFollower {
   Log* log_;
   LatestValue<HandPlaces> hands_;
 
-  mutable std::mutex lock_;  // of all that follows but what says otherwise
+  mutable std::mutex lock_;  // guards all members below, unless stated otherwise
   EditExchange exchange_;
   StrokeSender strokes_;
   Writer<ResumeRequest> resumes_;
@@ -304,10 +302,10 @@ class SharedEdits final : public SharedFollower {
   LinkProbe probe_;
   SessionNotices notices_;
   WakeUp wakeUp_;
-  std::optional<ReaderWait> wait_;  // the thread's alone
+  std::optional<ReaderWait> wait_;  // used by the thread only
   SharedCounts counts_;
   std::string fault_;
-  std::vector<std::string> said_, untold_;  // what nobody has taken, and what the log has not heard
+  std::vector<std::string> said_, untold_;  // not read yet; not logged yet
   std::uint64_t lastAcked_ = 0, lastCounter_ = 0;
   int stuck_ = 0;
   bool isOfferNear_ = false;
@@ -315,7 +313,7 @@ class SharedEdits final : public SharedFollower {
   Stopwatch lastHeard_, lastTaken_, lastResumed_, unequal_;
   enum class Felt { whole, fading, gone } felt_ = Felt::whole;
   InformationAge known_;
-  std::jthread thread_;  // goes first
+  std::jthread thread_;  // destroyed first
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A joined cloud that is sculpted: what this hand does goes to the server, and what the others do comes here.
+// Shares the edits of a joined cloud: this hand's are sent to the server, and those of others are received.
 #pragma once
 
 #include <memory>
@@ -11,18 +11,18 @@
 
 namespace palpate {
 
-/// The session that a cloud was joined from (joinCloud()).
+/// Session that a cloud was joined from (joinCloud()).
 class JoinedSession;
 
 struct SharedParts {
   std::shared_ptr<const JoinedSession> session;
-  const PointCloud& cloud;  ///< as it was joined
-  TouchBackend& backend;  ///< made of it, with a brush that keeps points, which may be taken away again; it keeps edits
-  Log* log = nullptr;     ///< hears of silence and of its end
+  const PointCloud& cloud;  ///< as joined
+  TouchBackend& backend;    ///< of `cloud`, without resampling; its brush may be removed again; it logs edits
+  Log* log = nullptr;       ///< logs silence and its end
 };
 
-/// Begins to exchange strokes, on a thread of its own. What goes wrong there for good is thrown by catchUp(), as a
-/// NetworkError. All that `parts` refers to outlives it.
+/// Starts exchanging strokes on a thread of its own. Permanent failures there are thrown by catchUp(), as NetworkError.
+/// All that `parts` refers to must outlive it.
 std::unique_ptr<SharedFollower> shareEdits(const SharedParts& parts);
 
 }  // namespace palpate

@@ -8,8 +8,8 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMaxPointClients = 4096;  // of whom it is known which of their pieces have been taken
-constexpr std::size_t kMinOrder = 1 << 20;      // of the order that is kept
+constexpr std::size_t kMaxPointClients = 4096;  // whose last taken pieces are known
+constexpr std::size_t kMinOrder = 1 << 20;      // entries of the order that are kept
 constexpr float kLongestNormal = 1.01F;
 
 }  // namespace
@@ -79,7 +79,7 @@ void SharedPoints::collect(Place& place, const Id& receiver, std::size_t most, s
     const std::uint64_t number = place.upTo + 1;
     const std::uint32_t point = order_[number - first_];
     const Last& last = last_[point];
-    // It comes with its last number, once.
+    // Given once, at its last number.
     if (last.number == number && !(last.client == own && number > place.ownUpTo)) states.push_back(points_[point]);
   }
 }

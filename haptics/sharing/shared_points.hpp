@@ -1,5 +1,5 @@
-// What a server knows of a cloud that several sculpt: each point as it is, and in which order it became so. Nothing of
-// DDS is seen here. One thread uses it at a time.
+// A server's state of a cloud that several clients sculpt: each point as it is, and the order of all changes.
+// Independent of DDS. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -15,39 +15,39 @@
 
 namespace palpate::sharing {
 
-/// The points of a session. Clients send the states that their brushes have made, in numbered pieces; each state that
-/// is taken gets the next number of one order for all, and the last one of a point is what it is.
+/// The points of a session. Clients send the states that their brushes have made, in numbered pieces. Each state that
+/// is taken gets the next number of one common order; the last state of a point is its current one.
 class SharedPoints {
  public:
-  /// `points`: by id, as they are served.
+  /// `points`: by id, as served.
   explicit SharedPoints(std::vector<PointState> points);
 
   enum class Taken {
     taken,
-    known,   ///< it has been taken before: nothing is done twice
-    early,   ///< one before it is missing: it has to come again
-    refused  ///< no client of ours makes it
+    known,   ///< a duplicate: nothing is done
+    early,   ///< an earlier piece is missing: it has to be sent again
+    refused  ///< no palpate client makes it
   };
-  /// The `number`-th piece of `client`, from 1 on; all of it or nothing.
+  /// The `number`-th piece of `client`, from 1; it is taken as a whole or not at all.
   Taken take(const Id& client, std::uint64_t number, std::span<const PointState> states);
   /// The last piece of a client that was taken; 0 before the first.
   std::uint64_t lastOf(const Id& client) const;
 
-  /// Of the last state that was taken; 0 before the first.
+  /// Number of the last state that was taken; 0 before the first.
   std::uint64_t head() const { return first_ + order_.size() - 1; }
   std::uint64_t digest() const { return digest_.value(); }
   std::span<const PointState> points() const { return points_; }
   std::size_t clients() const { return clients_.size(); }
 
-  /// How far somebody who follows has come.
+  /// How far a client has followed the order.
   struct Place {
-    std::uint64_t upTo = 0;     ///< has all states up to this one, or later ones of the same points
-    std::uint64_t scanned = 0;  ///< points that were looked through, where the order before is not kept any more
-    std::uint64_t scanEnd = 0;  ///< head() when the scan began; 0: none is under way
-    std::uint64_t ownUpTo = 0;  ///< up to here it gets what it has made itself, too
+    std::uint64_t upTo = 0;     ///< it has all states up to this one, or later ones of the same points
+    std::uint64_t scanned = 0;  ///< points scanned, if the order before is no longer kept
+    std::uint64_t scanEnd = 0;  ///< head() when the scan began; 0: no scan is in progress
+    std::uint64_t ownUpTo = 0;  ///< up to here it gets its own changes, too
   };
-  /// Appends at most `most` states that are newer than `place`, as they are now, and moves it. What `receiver` made
-  /// last is left out, beyond Place::ownUpTo. Where a point has changed again since, its last state is given once.
+  /// Appends at most `most` states that are newer than `place`, as they are now, and advances it. Points that
+  /// `receiver` changed last are left out beyond Place::ownUpTo. A point that has changed several times is given once.
   void collect(Place& place, const Id& receiver, std::size_t most, std::vector<PointState>& states) const;
   bool isBehind(const Place& place) const { return place.upTo < head(); }
 
@@ -57,7 +57,7 @@ class SharedPoints {
     std::uint64_t last = 0;
   };
   struct Last {
-    std::uint64_t number = 0;  // in the order of all; 0: as it was served
+    std::uint64_t number = 0;  // in the common order; 0: as served
     std::uint32_t client = 0;
   };
   void scan(Place& place, std::uint32_t receiver, std::size_t end, std::vector<PointState>& states) const;
@@ -65,13 +65,13 @@ class SharedPoints {
   std::vector<PointState> points_;
   std::vector<Last> last_;  // by point
   std::map<Id, Client> clients_;
-  std::deque<std::uint32_t> order_;  // points, from the first_-th number on
+  std::deque<std::uint32_t> order_;  // points, beginning with the number first_
   std::uint64_t first_ = 1;
   std::size_t mostOrder_;
   PointDigest digest_;
 };
 
-/// Whether a client of ours can have made it of a cloud of so many points.
+/// Whether a palpate client can have made it, for a cloud of that many points.
 bool isWhole(const PointState& state, std::size_t points);
 
 }  // namespace palpate::sharing

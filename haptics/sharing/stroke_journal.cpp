@@ -17,7 +17,7 @@ struct Header {
   std::array<char, 16> magic{'p', 'a', 'l', 'p', 'a', 't', 'e', ' ', 's', 't', 'r', 'o', 'k', 'e', 's', '\n'};
   std::uint64_t version = 1;
   Id session{};
-  std::uint64_t points = 0, checksum = 0;  // of what is served
+  std::uint64_t points = 0, checksum = 0;  // of the served points
   bool operator==(const Header&) const = default;
 };
 static_assert(sizeof(Header) == 56);
@@ -26,12 +26,12 @@ struct Head {  // of a piece; its states follow
   Id client{};
   std::uint64_t number = 0;
   std::uint64_t states = 0;
-  std::uint64_t checksum = 0;  // of all of it, with this 0
+  std::uint64_t checksum = 0;  // of all of it, with this field 0
 };
 static_assert(sizeof(Head) == 40);
 static_assert(sizeof(PointState) == 36);
 
-constexpr std::uint64_t kMaxStates = 1024;  // of a piece
+constexpr std::uint64_t kMaxStates = 1024;  // per piece
 
 std::uint64_t checksumOf(Head head, std::span<const PointState> states) {
   head.checksum = 0;
@@ -67,7 +67,7 @@ void StrokeJournal::goOn(std::uint64_t points, std::uint64_t checksum, const std
   const std::uint64_t size = std::filesystem::file_size(file_);
   Header header;
   if (size < sizeof header || std::fread(&header, sizeof header, 1, stream) != 1 || header.magic != Header().magic)
-    throw FileError(file_, "is no journal of strokes; give another name, or take it away");
+    throw FileError(file_, "is not a journal of strokes; give another name, or remove it");
   if (header.version != Header().version)
     throw FileError(file_, fmt::format("is a journal of version {}; this palpate knows version 1", header.version));
   if (header.points != points || header.checksum != checksum)
@@ -81,14 +81,14 @@ void StrokeJournal::goOn(std::uint64_t points, std::uint64_t checksum, const std
     Head head;
     if (std::fread(&head, sizeof head, 1, stream) != 1) throw FileError::atByte(file_, at, "cannot be read");
     if (head.states == 0 || head.states > kMaxStates)
-      throw FileError::atByte(file_, at, "is damaged: no piece of a stroke");
+      throw FileError::atByte(file_, at, "is damaged: not a piece of a stroke");
     const std::uint64_t bytes = head.states * sizeof(PointState);
     if (size - at - sizeof head < bytes) break;
     states.resize(head.states);
     if (std::fread(states.data(), bytes, 1, stream) != 1) throw FileError::atByte(file_, at, "cannot be read");
     if (checksumOf(head, states) != head.checksum) {
       if (at + sizeof head + bytes == size) break;
-      throw FileError::atByte(file_, at, "is damaged: a piece of a stroke is not as it was written");
+      throw FileError::atByte(file_, at, "is damaged: a piece of a stroke has a wrong checksum");
     }
     take({.client = head.client, .number = head.number, .states = states});
     ++pieces_;

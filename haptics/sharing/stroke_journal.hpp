@@ -1,4 +1,4 @@
-// The strokes of a shared session on disk: what a server has taken outlives it. Nothing of DDS is seen here.
+// Stores the strokes of a shared session on disk, so that they outlive the server. Independent of DDS.
 #pragma once
 
 #include <cstdio>
@@ -12,8 +12,8 @@
 
 namespace palpate::sharing {
 
-/// A file that each piece of a stroke is added to before its client hears that it was taken: a server that is killed
-/// and started again with it goes on where it was, and its clients with it. Numbers are little-endian.
+/// A file to which each piece of a stroke is added before its client is told that it was taken. A server that is killed
+/// and restarted with it continues where it was, and so do its clients. Numbers are little-endian.
 class StrokeJournal {
  public:
   struct Piece {
@@ -21,18 +21,18 @@ class StrokeJournal {
     std::uint64_t number;
     std::span<const PointState> states;
   };
-  /// Makes the file, or goes on with it: `take` gets all pieces that it has, in order. `checksum`: of the `points` that
-  /// are served. A last piece that was cut off, as by a kill, is taken away: no client has heard that it was taken.
-  /// Throws FileError for a file that is none, is of other points, or is damaged, and leaves it as it was.
+  /// Creates the file, or continues it: `take` gets all its pieces, in order. `checksum`: of the `points` that are
+  /// served. A truncated last piece, as after a kill, is removed: no client was told that it was taken. Throws
+  /// FileError for a file that is not a journal, belongs to other points, or is damaged, and leaves it unchanged.
   StrokeJournal(std::filesystem::path file, std::uint64_t points, std::uint64_t checksum, const Id& fresh,
                 const std::function<void(const Piece&)>& take);
 
-  /// Of the session that it is of: `fresh`, or what the file says.
+  /// Session of the journal: `fresh`, or the one in the file.
   const Id& session() const { return session_; }
   std::uint64_t pieces() const { return pieces_; }
-  /// Bytes that were cut off as the file was opened.
+  /// Bytes that were truncated when the file was opened.
   std::uint64_t tornBytes() const { return tornBytes_; }
-  /// In the file when it returns, whatever becomes of this program. Throws FileError.
+  /// The piece is in the file when this returns, even if this program is killed. Throws FileError.
   void add(const Piece& piece);
 
  private:

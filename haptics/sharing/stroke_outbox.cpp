@@ -6,7 +6,7 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMaxUnackedPieces = 4096;  // pieces; what is made meanwhile goes together, each point once
+constexpr std::size_t kMaxUnackedPieces = 4096;  // meanwhile edits are merged, each point once
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// What a hand has made, said to the server: the reliable way, and what is small as copies, too.
+// Sends the edits of a hand to the server on the reliable path, and small ones also as copies.
 #pragma once
 
 #include <vector>
@@ -11,11 +11,11 @@ namespace palpate::sharing {
 
 class StrokeSender {
  public:
-  /// `session` outlives it.
+  /// `session` must outlive it.
   explicit StrokeSender(const JoinedSession& session);
-  /// All that waits, to the server of that session, as far as the link has room; and the copies that are due.
+  /// Sends all that is pending to the server of that session, as far as the link has room, and the copies that are due.
   void send(StrokeOutbox& outbox, const Id& server);
-  /// What was sent goes again: of it there are no more copies.
+  /// Sent pieces are sent again: drops the copies of them.
   void forgetCopies() { copies_.forget(); }
 
  private:

@@ -7,17 +7,17 @@ namespace palpate::sharing {
 
 namespace {
 
-constexpr std::size_t kMaxStrokeFollowers = 64;   // at a time; one more takes the place of who was heard longest ago,
-constexpr double kWriterTimeout_s = 5;            // and so long ago: who follows pings
-constexpr std::int32_t kMaxSamples = 32'768;      // samples of each kind, of 1.4 KB; what is lost of them is sent again
-constexpr std::int32_t kMaxCopiesWaiting = 4096;  // of strokes, which have to come the reliable way where these do not
-constexpr double kAllCopies_B_per_s = 4e6;        // of results, to all who follow
-constexpr std::uint32_t kMaxResults = 2048;       // results that are kept for one who may not have them yet
-constexpr double kApart_s = 0.008;                // what is done within goes together, each point once
-/// After which who follows hears that there is nothing. On a link that loses, each word that has to come again holds up
-/// those behind it for a round trip, so that there are few.
+constexpr std::size_t kMaxStrokeFollowers = 64;  // at a time; one more replaces the client that was silent for longest,
+constexpr double kWriterTimeout_s = 5;           // if it was silent for this long: followers ping
+constexpr std::int32_t kMaxSamples = 32'768;     // of each kind, 1.4 KB each; dropped ones are sent again
+constexpr std::int32_t kMaxCopiesWaiting = 4096;  // of strokes; dropped ones are received on the reliable path
+constexpr double kAllCopies_B_per_s = 4e6;        // of results, to all followers
+constexpr std::uint32_t kMaxResults = 2048;       // kept for a follower that may not have them yet
+constexpr double kApart_s = 0.008;                // edits within this time are merged, each point once
+/// Then a follower gets an empty result. On a link with losses each retransmission delays the following results by a
+/// round trip, so empty ones are rare.
 constexpr double kSilence_s = 0.5;
-constexpr int kInTurn = 64;  // results for one before it is the next one's turn
+constexpr int kInTurn = 64;  // results for one follower before the next one has its turn
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void StrokeServer::attach(ReaderWait& wait) const {
 void StrokeServer::take() {
   strokes_.take([&](const Stroke& stroke) { take(stroke, Way::reliable); });
   strokeCopies_.take([&](const Stroke& stroke) { take(stroke, Way::copy); });
-  // Behind them, so that the answer to a question holds all that had come before it.
+  // Last, so that the reply to a request contains all that was received before it.
   resumes_.take([&](const ResumeRequest& request) { take(request); });
 }
 
@@ -71,12 +71,12 @@ void StrokeServer::take(const ResumeRequest& request) {
   if (request.epoch <= follower.epoch) return;
   follower.epoch = request.epoch;
   follower.counter = 0;
-  // Who begins anew hears of its own strokes, too.
+  // A client that starts from the beginning gets its own strokes, too.
   follower.place = {.upTo = std::min<std::uint64_t>(request.upTo, parts_.points.head()),
                     .ownUpTo = request.upTo == 0 ? parts_.points.head() : 0};
   follower.holds = false;
   follower.copies.forget();
-  follower.toldAcked = ~std::uint64_t{0};  // it hears at once
+  follower.toldAcked = ~std::uint64_t{0};  // it gets a result at once
 }
 
 void StrokeServer::heard(const Id& client) {
@@ -128,7 +128,7 @@ void StrokeServer::count(const Id& client, std::uint64_t number, Way way, Shared
       break;
     case SharedPoints::Taken::known:
     case SharedPoints::Taken::early: {
-      // Copies come again as a matter of course, and so does, once, what a copy has brought before.
+      // Copies are duplicates by design, and so is a piece on the reliable path, once, if a copy was received before.
       const auto last = reliable_.find(client);
       counts_.again +=
           !isCopy && (last == reliable_.end() || number <= last->second || taken == SharedPoints::Taken::early);
@@ -137,8 +137,8 @@ void StrokeServer::count(const Id& client, std::uint64_t number, Way way, Shared
     case SharedPoints::Taken::refused:
       if (counts_.refused++ == 0 && parts_.log)
         parts_.log->say(
-            "a piece of a stroke was refused, as others may be: no hand of ours makes it, or {} hands have sculpted "
-            "and no more can",
+            "a piece of a stroke was refused, as others may be: it is invalid, or {} hands have sculpted, which is the "
+            "maximum",
             parts_.points.clients());
       break;
   }
@@ -176,8 +176,7 @@ double StrokeServer::writeResults(const Id& client, Follower& follower) {
 
 bool StrokeServer::writeOne(const Id& client, Follower& follower) {
   Result& result = follower.next;
-  // What a client hears of its own strokes is of the moment at which the states were looked up: what was taken of it
-  // since comes after them.
+  // `acked` is of the moment at which the states were collected: strokes of this client taken since come after them.
   if (!std::exchange(follower.holds, true)) {
     states_.clear();
     parts_.points.collect(follower.place, client, kStates, states_);

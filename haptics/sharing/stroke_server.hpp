@@ -1,4 +1,4 @@
-// Takes the strokes of all who have joined a session, and tells each what the others do.
+// Takes the strokes of all clients of a session, and sends each the edits of the others.
 #pragma once
 
 #include <map>
@@ -15,12 +15,12 @@
 namespace palpate::sharing {
 
 struct StrokeTally {
-  std::uint64_t pieces = 0, states = 0;  ///< of strokes, that were taken; those in the journal included
-  std::uint64_t copied = 0;              ///< of the pieces, whose copy came before they did
-  std::uint64_t again = 0;               ///< that the reliable way brought before, or too early
-  std::uint64_t refused = 0;             ///< that no client of ours makes; and who would follow and has no room
+  std::uint64_t pieces = 0, states = 0;  ///< of strokes, taken, including those in the journal
+  std::uint64_t copied = 0;              ///< pieces whose copy was received first
+  std::uint64_t again = 0;               ///< duplicates on the reliable path, and those received too early
+  std::uint64_t refused = 0;             ///< invalid pieces, and followers beyond the maximum
   std::uint64_t sent = 0;                ///< states, to all clients together
-  std::uint64_t sculptors = 0;           ///< clients that have ever sent a piece that was taken
+  std::uint64_t sculptors = 0;           ///< clients of which at least one piece was taken
 };
 
 class StrokeServer {
@@ -30,33 +30,33 @@ class StrokeServer {
     const Topics& topics;
     Id session;
     SharedPoints& points;
-    StrokeJournal* journal = nullptr;  ///< has each piece before its client hears of it; may be null
-    Log* log = nullptr;                ///< hears of who comes
+    StrokeJournal* journal = nullptr;  ///< has each piece before its client is notified; may be null
+    Log* log = nullptr;                ///< logs new clients
   };
-  /// All that `parts` refers to outlives it.
+  /// All that `parts` refers to must outlive it.
   explicit StrokeServer(const Parts& parts);
   void attach(ReaderWait& wait) const;
-  /// What has come. Throws FileError of the journal.
+  /// Processes what was received. Throws FileError for the journal.
   void take();
-  /// Somebody who may be one of those who follow is there.
+  /// That client, which may be a follower, was heard.
   void heard(const Id& client);
-  /// What is due, as far as the links take it; so many seconds later there is more to do.
+  /// Sends what is due, as far as the links accept it. Returns the seconds until there is more to do.
   double write();
   const StrokeTally& counts() const { return counts_; }
 
  private:
-  // Somebody who hears of the others.
+  // A client that receives the edits of others.
   struct Follower {
     Writer<Result> results;  // in its partition
     std::uint32_t epoch = 0;
     std::uint64_t counter = 0, toldAcked = 0;
     SharedPoints::Place place;
     Result next{};              // as it was when its states were collected
-    std::vector<State> states;  // of it
-    bool holds = false;         // it is to be written
-    std::uint32_t unacked = 0;  // results that were written since all had come, at most
+    std::vector<State> states;  // of `next`
+    bool holds = false;         // `next` is still to be written
+    std::uint32_t unacked = 0;  // results written since all were acknowledged; an upper bound
     SampleCopies<Result> copies;
-    EarlyCopies<std::vector<PointState>> early;  // pieces of its own
+    EarlyCopies<std::vector<PointState>> early;  // of its own strokes
     Stopwatch lastHeard, lastWritten;
   };
   enum class Way { reliable, copy };
@@ -72,7 +72,7 @@ class StrokeServer {
   Reader<Stroke> strokes_, strokeCopies_;
   Reader<ResumeRequest> resumes_;
   std::map<Id, Follower> followers_;
-  std::map<Id, std::uint64_t> reliable_;  // by client, the last piece that has come the reliable way
+  std::map<Id, std::uint64_t> reliable_;  // by client: last piece received on the reliable path
   std::vector<PointState> states_;
   StrokeTally counts_;
 };

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kSays = "palpate=";
 
-// Nothing for who is none of ours, or says no number.
+// Nothing if the participant is not palpate's, or states no number.
 std::optional<std::uint32_t> versionOf(const dds_builtintopic_participant_t& participant) {
   void* data = nullptr;
   std::size_t size = 0;
@@ -45,11 +45,11 @@ std::set<std::uint32_t> VersionWatch::fresh() {
     constexpr std::uint32_t kAtOnce = 16;
     void* samples[kAtOnce] = {};
     dds_sample_info_t about[kAtOnce];
-    const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "who is there");
+    const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "participants");
     for (dds_return_t i = 0; i < count; ++i) {
       if (!about[i].valid_data) continue;
       const auto version = versionOf(*static_cast<const dds_builtintopic_participant_t*>(samples[i]));
-      constexpr std::size_t kMaxKnown = 16;  // whoever makes up more of them is not listened to any more
+      constexpr std::size_t kMaxKnown = 16;  // more are ignored, in case they are made up
       if (version && *version != kVersion && known_.size() < kMaxKnown && known_.insert(*version).second)
         versions.insert(*version);
     }

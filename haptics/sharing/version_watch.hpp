@@ -1,4 +1,4 @@
-// Who is on the network with another version of palpate, and cannot join what is served here.
+// Detects programs of other palpate versions on the network, which cannot join sessions served here.
 #pragma once
 
 #include <set>
@@ -7,14 +7,14 @@
 
 namespace palpate::sharing {
 
-/// What the participant of who joins says of itself, so that servers of other versions know who it was.
+/// User data with the version of a joining participant, so that servers of other versions can report it.
 Qos versionQos(std::uint32_t version);
 
-/// One thread uses it at a time.
+/// Not thread-safe.
 class VersionWatch {
  public:
   explicit VersionWatch(const Participant& participant);
-  /// The versions, other than this one's, of those that have come since the last call; each once.
+  /// Versions other than this one that have appeared since the last call; each once.
   std::set<std::uint32_t> fresh();
 
  private:

@@ -101,7 +101,7 @@ TEST_CASE("bench share says how long it takes until a press is felt by another h
   CHECK(share["same"] == true);
   const Outcome none = palpate("bench share --join nobody" + domain);
   CHECK(none.code == 1);
-  CHECK(says(none.text, "nobody serves a session named 'nobody'"));
+  CHECK(says(none.text, "no session named 'nobody' is served"));
 }
 
 TEST_CASE("bench refuses a method or a back end that there is not, and measures only what it is told") {

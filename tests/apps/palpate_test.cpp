@@ -287,7 +287,7 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("touch " + model + " --path builtin:dance", 2, "press");
   fails("touch " + model + " --edit push --beta 2", 2, "--beta");
   fails("touch " + model + " --radius -1", 2, "--radius");
-  fails("touch " + model + " --passivity on", 2, "yields to no force");
+  fails("touch " + model + " --passivity on", 2, "does not yield to forces");
   fails("touch " + model + " --hand-stiffness 1", 2, "--device sim");
   fails("touch " + model + " --device sim --map large", 2, "--map");
   fails("touch " + model + " --device hid --duration 1", 2, "--device hid: a person lives in real time");

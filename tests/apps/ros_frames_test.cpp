@@ -113,7 +113,7 @@ TEST_CASE("what a camera sees is felt in the frame that is asked for, and a clou
   const Outcome lonely = palpate(fmt::format("convert ros:placed/cloud {} --ros-frame mars --domain {}",
                                              (folder / "m.ply").string(), network().domain));
   CHECK(lonely.code == 1);
-  CHECK(lonely.text.find("nothing that is heard on /tf_static and /tf leads to 'mars'") != std::string::npos);
+  CHECK(lonely.text.find("no transform on /tf_static and /tf leads to 'mars'") != std::string::npos);
 }
 
 TEST_CASE("pictures of ROS become a map, which is kept, and are seen in the window as they come" * kClock) {

@@ -68,7 +68,7 @@ TEST_CASE("a camera of ROS that sends nothing any more but lies is said, and aft
   CHECK_FALSE(rows.back().contact);
   const auto frames = jsonOf(folder / "r.json")["frames"];
   CHECK(frames["lost"] > 50);
-  CHECK(frames["last_loss"].get<std::string>().find("4000000 x 48 pixels has come, and the camera has 64 x 48") !=
+  CHECK(frames["last_loss"].get<std::string>().find("4000000 x 48 pixels, and the camera has 64 x 48") !=
         std::string::npos);
   CHECK_FALSE(frames["silent_since_s"].is_null());
 }
@@ -84,12 +84,12 @@ TEST_CASE("topics of ROS that are no live camera, and options that do not go wit
     CHECK(outcome.code == code);
     CHECK(outcome.text.find(words) != std::string::npos);
   };
-  refuses("touch ros:/pose --realtime", 1, "what is sent there is geometry_msgs/msg/PoseStamped");
+  refuses("touch ros:/pose --realtime", 1, "the topic has type geometry_msgs/msg/PoseStamped");
   refuses("touch ros:/depth/image_raw", 2, "--realtime: what is live goes by the clock; turn it on");
-  refuses("touch --live ros:/points --realtime --fuse on", 1, "what is sent there are points");
+  refuses("touch --live ros:/points --realtime --fuse on", 1, "the topic has points");
   refuses("touch ros:/points --loop", 2, "is no recorded depth camera");
-  refuses("convert ros:/depth/image_raw never.ply", 1, "what is sent there is sensor_msgs/msg/Image");
-  refuses("touch --live ros:/a//b --realtime", 2, "is no name there");
+  refuses("convert ros:/depth/image_raw never.ply", 1, "the topic has type sensor_msgs/msg/Image");
+  refuses("touch --live ros:/a//b --realtime", 2, "is not a valid name");
 }
 
 }  // namespace palpate::ros_scanner_test

@@ -135,11 +135,11 @@ TEST_CASE("what ROS cannot name, and options of its network without it, are refu
     CHECK(outcome.code == 2);
     CHECK(outcome.text.find(words) != std::string::npos);
   };
-  refuses("touch a.ply --ros 2nd", "is no name there");
-  refuses("serve a.ply --name a --ros a-b", "is no name there");
-  refuses("touch ros:a//b", "is no name there");
+  refuses("touch a.ply --ros 2nd", "is not a valid name");
+  refuses("serve a.ply --name a --ros a-b", "is not a valid name");
+  refuses("touch ros:a//b", "is not a valid name");
   refuses("touch a.ply --ros-rate 0 --ros a", "--ros-rate");
-  refuses("touch a.ply --ros lab --ros-parent lab", "is no parent of its own");
+  refuses("touch a.ply --ros lab --ros-parent lab", "cannot be its own parent");
   refuses("touch a.ply --ros-parent map", "--ros-parent: is for --ros");
   refuses("touch a.ply --ros lab --ros-pose 1,2,3", "--ros-pose: is for --ros-parent");
   for (const char* pose : {"1,2", "1,2,3,4", "1,2,x", "1,2,nan", "0,0,0,1,1,0,0", "0,0,0,0,0,0,0", "1e10,0,0"})
@@ -148,8 +148,8 @@ TEST_CASE("what ROS cannot name, and options of its network without it, are refu
   refuses("serve a.ply --name a --ros-frame map", "--ros-frame and --color-topic: are for a topic of ROS");
   refuses("convert a.ply b.ply --ros-frame map", "--ros-frame and --color-topic: are for a topic of ROS");
   refuses("view a.ply --color-topic rgb", "--ros-frame and --color-topic: are for a topic of ROS");
-  refuses("touch ros:a --color-topic a//b", "is no name there");
-  refuses("touch ros:a --ros-frame /", "is no name of a frame");
+  refuses("touch ros:a --color-topic a//b", "is not a valid name");
+  refuses("touch ros:a --ros-frame /", "is not a valid name of a frame");
   refuses("touch a.ply --domain 3", "for --as and --near for ROS");
   CHECK(palpate("mesh ros:a -o never.ply").text.find("are not heard here") != std::string::npos);
 }

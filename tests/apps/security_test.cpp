@@ -58,7 +58,7 @@ TEST_CASE(
   CHECK(jsonOf(in("keys.json"))["new_authority"] == false);
   const Outcome twice = palpate("keys '" + in("the lab") + "' --name surgeon");
   CHECK(twice.code == 1);
-  CHECK(says(twice.text, "is there already"));
+  CHECK(says(twice.text, "exists already"));
   const std::string own = " --security '" + in("the lab") + "/surgeon'",
                     others = " --security " + in("other") + "/surgeon";
   WireCapture wire(domainNumber());
@@ -79,9 +79,9 @@ TEST_CASE(
   for (RunningProgram* outside : {&none, &wrong}) CHECK(outside->waitFor([&] { return outside->ended(); }));
   CHECK(none.wait(0) != 0);
   CHECK(wrong.wait(0) != 0);
-  CHECK(says(contentOf(folder / "none.said"), "nobody serves a session named 'clay'"));
-  CHECK(says(contentOf(folder / "none.said"), "only holders of their keys hear"));
-  CHECK(says(contentOf(folder / "wrong.said"), "nobody serves a session named 'clay'"));
+  CHECK(says(contentOf(folder / "none.said"), "no session named 'clay' is served"));
+  CHECK(says(contentOf(folder / "none.said"), "there are programs with keys, and this one has none"));
+  CHECK(says(contentOf(folder / "wrong.said"), "no session named 'clay' is served"));
   CHECK(says(contentOf(folder / "wrong.said"), "are they of the authority of"));
   const Outcome second = palpate("serve " + in("m.ply") + " --name clay" + domain() + own);
   CHECK(second.code == 1);
@@ -130,7 +130,7 @@ TEST_CASE("keys that cannot be used are refused before anything is sent, and so 
   works("make sphere -n 1000 -o " + in("m.ply"));
   works("keys " + in("lab") + " --name a");
   refuses("keys " + in("lab"), 2, "--name");
-  refuses("keys " + in("lab") + " --name a/b", 2, "is none for who gets keys");
+  refuses("keys " + in("lab") + " --name a/b", 2, "is not a valid holder's name");
   refuses("keys " + in("lab") + " --name b --days 0", 2, "--days");
   refuses("touch a.ply --security " + in("lab/a"), 2, "are for --join");
   refuses("doctor --security " + in("lab/a"), 2, "are for --network");

@@ -172,7 +172,7 @@ TEST_CASE("a log that was cut off gives what is whole, and says where it ends") 
   std::ofstream(scene.folder / "cut", std::ios::binary) << whole.substr(0, whole.size() - 5000);
   const Outcome outcome = palpate("replay " + scene.file("cut") + " --json " + scene.file("c.json"));
   CHECK(outcome.code == 0);
-  CHECK_MESSAGE(outcome.text.find("it is torn at byte") != std::string::npos, outcome.text);
+  CHECK_MESSAGE(outcome.text.find("it is truncated at byte") != std::string::npos, outcome.text);
   const auto json = jsonOf(scene.folder / "c.json");
   CHECK(json["gaps"].size() == 1);
   CHECK(json["gaps"][0]["edits"].is_null());
@@ -234,7 +234,7 @@ TEST_CASE("what cannot be replayed is one clear line") {
     CHECK_MESSAGE(outcome.text.find(reason) != std::string::npos, outcome.text);
   };
   const std::string log = scene.file("log"), model = scene.file("model.ply");
-  fails("replay " + model, 1, "no session log");
+  fails("replay " + model, 1, "not a session log");
   fails("replay " + scene.file("none"), 1, "cannot be opened");
   fails("replay " + log + " --model " + scene.file("none.ply"), 1, "--model");
   works("make sphere -n 5001 -o " + scene.file("more.ply"));
@@ -294,8 +294,8 @@ TEST_CASE("a killed session loses no more than its last second, and the rest is 
   const auto json = replay(scene, scene.file("log") + " --trace " + scene.file("t.csv"));
   CHECK(json["ended"] == false);
   const Outcome said = palpate("replay " + scene.file("log"));
-  const bool tells = said.text.find("session's end; what came after") != said.text.npos;
-  CHECK_MESSAGE((tells || says(said.text, "it is torn at byte")), said.text);
+  const bool tells = said.text.find("session's end; everything after") != said.text.npos;
+  CHECK_MESSAGE((tells || says(said.text, "it is truncated at byte")), said.text);
   CHECK(json["edits"] > 0);                                   // a busy machine drops most of them
   CHECK(readTrace(scene.folder / "t.csv").back().t_s > 1.9);  // of 5 s and more, on a busy machine
   replay(scene, scene.file("log") + " --recover --save " + scene.file("r.ply"));
@@ -333,7 +333,7 @@ TEST_CASE("on a full disk the log ends, the session goes on, and what was there 
   CHECK(limited("--log " + scene.file("log")) == 1);
   said = contentOf(scene.folder / "said");
   CHECK_MESSAGE(said.find("log: cannot be written") != std::string::npos, said);
-  CHECK(said.find("the session goes on") == said.rfind("the session goes on"));  // once
+  CHECK(said.find("the session continues") == said.rfind("the session continues"));  // once
   CHECK(said.find("are missing in it") != std::string::npos);
   CHECK(said.find("peak force") != std::string::npos);
   const auto json = replay(scene, scene.file("log"));

@@ -105,9 +105,9 @@ TEST_CASE("a hand that is killed in mid-stroke leaves whole pieces, and the othe
   CHECK(pointsOf(in("other.ply")) == pointsOf(in("end.ply")));
   // Each piece is complete in the journal, too: a server restarted from it has the same points.
   Serving again(serve + " --save " + in("again.ply"), folder / "again.said");
-  CHECK(
-      has(contentOf(folder / "again.said"), "goes on with " + std::to_string(served["pieces"].get<int>()) + " pieces"));
-  CHECK_FALSE(has(contentOf(folder / "again.said"), "no whole piece"));
+  CHECK(has(contentOf(folder / "again.said"),
+            "continues with " + std::to_string(served["pieces"].get<int>()) + " pieces"));
+  CHECK_FALSE(has(contentOf(folder / "again.said"), "incomplete piece"));
   CHECK(again.program.wait(SIGINT) == 0);
   CHECK(pointsOf(in("again.ply")) == pointsOf(in("end.ply")));
 }
@@ -143,7 +143,7 @@ TEST_CASE(
   hand.waitFor([&] { return hand.ended(); });
   safe.waitFor([&] { return safe.ended(); });
   CAPTURE(contentOf(folder / "hand.said"));
-  CHECK(has(contentOf(folder / "hand.said"), "is heard again: the force comes back"));
+  CHECK(has(contentOf(folder / "hand.said"), "is heard again: the force returns"));
   const Result report = jsonOf(in("clay.json"));
   CHECK(report["safety"]["aged_ticks"] > 700);
   CHECK(report["shared"]["oldest_s"] > 2);

@@ -268,7 +268,7 @@ TEST_CASE(
   }));
   CHECK(serving->program.wait(SIGKILL) != 0);
   serving.emplace(serve + " --save " + in("end.ply") + " --json " + in("s.json"), folder / "said2");
-  CHECK(contentOf(folder / "said2").find("goes on with") != std::string::npos);
+  CHECK(contentOf(folder / "said2").find("continues with") != std::string::npos);
   hand.waitFor([&] { return hand.ended(); });
   const Result shared = jsonOf(in("h.json"))["shared"];
   CHECK(shared["delivered"] == true);
@@ -505,7 +505,7 @@ TEST_CASE(
                            " --second-device path --second-path " + in("b.csv") + " --json " + in("j.json"),
                        folder / "hands.said");
   CHECK(hands.waitFor(
-      [&] { return contentOf(folder / "hands.said").find("'fine' has begun anew") != std::string::npos; }));
+      [&] { return contentOf(folder / "hands.said").find("'fine' has restarted") != std::string::npos; }));
   hands.wait(SIGINT);
   if (window.valid()) {
     std::ofstream(in("go")) << "now";
@@ -513,7 +513,7 @@ TEST_CASE(
     const Result seen = jsonOf(in("w.json"));
     CAPTURE(seen.dump());
     CHECK(seen["others"]["restarts"] >= 1);
-    CHECK(seen["last_message"].get<std::string>().find("'fine' has begun anew") != std::string::npos);
+    CHECK(seen["last_message"].get<std::string>().find("'fine' has restarted") != std::string::npos);
   }
   const std::string said = contentOf(folder / "said");
   CHECK(said.find(": it begins anew") != std::string::npos);
@@ -577,7 +577,7 @@ TEST_CASE("what joins and cannot be served says so, and so do options that do no
   refuses("render -o " + (folder / "p.png").string(), "a session with --join");
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 1000 -o " + model);
-  refuses("serve " + model + " --name ''", "is none for a session");
+  refuses("serve " + model + " --name ''", "is not a valid session name");
   refuses("serve " + model, "--name");
   CHECK(palpate("serve " + (folder / "none.ply").string() + " --name a").code == 1);
   CHECK(palpate("doctor --network --interface nowhere0").text.find("nowhere0") != std::string::npos);

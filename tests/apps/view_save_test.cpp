@@ -216,7 +216,8 @@ TEST_CASE("a recording that meets a full disk is told once, and the session goes
   CHECK(played->state("ended.json")["recording"] == false);
   CHECK(played->state("ended.json")["last_message"] == full["last_message"]);  // nothing more is said
   const std::string& text = played->outcome.text;
-  CHECK(text.find("the session goes on") == text.rfind("the session goes on"));
+  REQUIRE(says(text, "the session continues"));
+  CHECK(text.find("the session continues") == text.rfind("the session continues"));
   const Outcome replayed = palpate("replay --recover --save " + (folder / "r.ply").string() + " " +
                                    (played->folder.path() / "take.log").string());
   CHECK_MESSAGE(replayed.code == 0, replayed.text);

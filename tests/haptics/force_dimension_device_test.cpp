@@ -78,7 +78,7 @@ TEST_CASE("what goes wrong with a Force Dimension is said in words") {
     const FakeDriver driver("fake_dhd", "fault nan 0 0.45", kPressing);
     const ServoResult result = feel();
     CHECK(result.deviceFailed);
-    CHECK(result.fault.find("a position that is no number") != std::string::npos);
+    CHECK(result.fault.find("a position that is not a number") != std::string::npos);
     CHECK(driver.lastForce_N() == DVec3(0));
   }
 }

@@ -123,7 +123,7 @@ TEST_CASE("a driver that cannot open the device says why") {
   }
   SUBCASE("no joint data") {
     const FakeDriver driver("fake_hd", "fault frozen");
-    CHECK(says(complaintOf(), "(0, -110, -35) mm for ever"));
+    CHECK(says(complaintOf(), "always reports the position (0, -110, -35) mm"));
     CHECK(driver.note().closed == 1);
   }
 }
@@ -210,7 +210,7 @@ TEST_CASE("an error of the driver in mid-touch does to the force what it means")
     const FakeDriver driver("fake_hd", "fault nan 0 0.45", kPressing);
     const Felt felt = feel();
     CHECK(felt.result.deviceFailed);
-    CHECK(says(felt.result.fault, "a position that is no number"));
+    CHECK(says(felt.result.fault, "a position that is not a number"));
     CHECK(driver.lastForce_N() == DVec3(0));
   }
   SUBCASE("the driver stops calling") {
@@ -295,7 +295,7 @@ TEST_CASE("an emergency stop from another thread waits for the driver to send th
 TEST_CASE("the driver's servo loop takes another rate, or says that it does not") {
   const FakeDriver driver("fake_hd", "", kPressing);
   CHECK(OpenHapticsDevice({.rate_Hz = 500}).name() == "Touch");
-  CHECK(says(complaintOf({.rate_Hz = 777}), "does not run at 777 Hz; take a rate of 1000 Hz"));
+  CHECK(says(complaintOf({.rate_Hz = 777}), "does not run at 777 Hz; use a rate of 1000 Hz"));
 }
 
 TEST_CASE("every error of the interface has a meaning and an advice") {

@@ -40,8 +40,8 @@ TEST_CASE("a killed process leaves all but the last moments of its session") {
   CHECK_FALSE(record.end);
   CHECK(record.ticks.size() > 300);
   CHECK(record.edits.points.size() > 900);
-  CHECK(
-      saysOneOf(whatIsMissing(record), fmt::format("what came after {:.3f} s is missing", record.ticks.back().time_s)));
+  CHECK(saysOneOf(whatIsMissing(record),
+                  fmt::format("everything after {:.3f} s is missing", record.ticks.back().time_s)));
 }
 
 namespace {

@@ -71,7 +71,7 @@ TEST_CASE("a byte that changed costs the block that it is in, and that is said; 
     } else {  // it was the last block, which contains the session's end
       CHECK(record.ticks.size() == 700);
       CHECK(record.edits.points.size() == 3 * 700);
-      CHECK(saysOneOf(whatIsMissing(record), "torn at byte"));
+      CHECK(saysOneOf(whatIsMissing(record), "truncated at byte"));
     }
   }
   CHECK(ends > 150);
@@ -193,7 +193,7 @@ TEST_CASE("a log of version 2 is read, and a byte that changed costs its block t
     CHECK(record.edits.points.size() == 1800);
     REQUIRE(record.gaps.size() == 1);
     CHECK_FALSE(record.gaps[0].ticks);
-    CHECK(saysOneOf(whatIsMissing(record), record.end ? "are damaged: ticks and edits" : "torn at byte"));
+    CHECK(saysOneOf(whatIsMissing(record), record.end ? "are damaged: ticks and edits" : "truncated at byte"));
   }
   std::string changed = whole;
   changed[20] ^= 1;  // the only header

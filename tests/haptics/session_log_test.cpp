@@ -41,7 +41,7 @@ TEST_CASE("what is no log, is missing, or is of another version is an error that
   CHECK_THROWS_WITH_AS(readSessionLog(folder / "none"), doctest::Contains("cannot be opened"), FileError);
   for (const std::string& content : {std::string(), std::string("ply\n"), std::string(1000, 'x')}) {
     write(folder / "bad", content);
-    CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("no session log"), FileError);
+    CHECK_THROWS_WITH_AS(readSessionLog(folder / "bad"), doctest::Contains("not a session log"), FileError);
   }
   writeSession(folder / "log", 10);
   std::string newer = contentOf(folder / "log");

@@ -151,7 +151,7 @@ TEST_CASE("a session has as many hands as are answered, and one at least") {
   SphereContact one(kRadius);
   SharedSphere two(2);
   CHECK_THROWS_WITH_AS(ServoLoop(one, {handOf(first), handOf(second)}, kSession),
-                       doctest::Contains("a session of 2 hands, and what answers them knows 1"), UsageError);
+                       doctest::Contains("a session of 2 hands, and a back end for 1"), UsageError);
   CHECK_THROWS_AS(ServoLoop(two, {handOf(first)}, kSession), UsageError);
   CHECK_THROWS_AS(ServoLoop(one, {}, kSession), UsageError);
 }

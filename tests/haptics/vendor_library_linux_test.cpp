@@ -52,9 +52,9 @@ TEST_CASE("a library that is there and of no use is told from one that is not th
   const VendorLibrary library(hdapi::librarySearch());
   CHECK_FALSE(library.isLoaded());
   const std::string text = library.whyNot();
-  CHECK(says(text, "is there but cannot be loaded: " + file.string()));
+  CHECK(says(text, "was found but cannot be loaded: " + file.string()));
   CHECK(says(text, part));
-  CHECK(says(text, "PALPATE_HD_LIBRARY names it; mend that or unset it"));
+  CHECK(says(text, "PALPATE_HD_LIBRARY names it; correct or unset it"));
 }
 
 }  // namespace palpate::vendor_library_test

@@ -22,7 +22,7 @@ TEST_CASE("a library that is there and of no use is told from one that is not th
   const Variable variable("PALPATE_HD_LIBRARY", file);
   const VendorLibrary library(hdapi::librarySearch());
   CHECK_FALSE(library.isLoaded());
-  CHECK(says(library.whyNot(), "is there but cannot be loaded: " + file));
+  CHECK(says(library.whyNot(), "was found but cannot be loaded: " + file));
 }
 
 }  // namespace palpate::vendor_library_test

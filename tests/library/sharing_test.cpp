@@ -112,7 +112,7 @@ TEST_CASE("two hands sculpt what is served, by path: in the end all three have t
   CHECK(serving.info().sculptors == 2);
   CHECK(serving.info().clients == 2);
   CHECK(serving.info().states > 20);
-  CHECK(std::string(serving.info().openness).find("this machine alone") != std::string::npos);
+  CHECK(std::string(serving.info().openness).find("programs of this machine") != std::string::npos);
 
   // This hand's stroke, where nobody else has changed the points since; who comes later gets all of it.
   std::uint64_t done = 0;
@@ -267,7 +267,7 @@ TEST_CASE(
   }));
   CHECK(lengthOf(contact.force_N) == 0);
   CHECK(pp_session_follow(session) == PP_ERROR_NETWORK);
-  CHECK(lastErrorSays("was served anew"));
+  CHECK(lastErrorSays("was restarted without its edits"));
   CHECK(std::string(pp_status_name(pp_last_status())) == "network");
   const auto path = pressPath(1);
   const pp_path way = pathOf(path);

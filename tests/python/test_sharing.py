@@ -192,11 +192,11 @@ def test_a_server_that_is_served_anew_ends_a_hands_part_in_words(ball):
     assert until(lambda: not s.sharing.heard) and s.sharing.silent_s > 1.8
     with pp.serve(ball, name, NETWORK):
         assert until(lambda: s.sharing.fault)
-        with pytest.raises(pp.Error, match="served anew") as caught:
+        with pytest.raises(pp.Error, match="was restarted without its edits") as caught:
             live.wait(5)
         assert caught.value.status == "network"
         live.stop()
-        with pytest.raises(pp.Error, match="served anew"):
+        with pytest.raises(pp.Error, match="was restarted without its edits"):
             s.touch(press_path(1))
         assert len(s.cloud()) == 20_000  # which are not lost
         s.close()
@@ -244,10 +244,10 @@ def test_a_server_whose_journal_cannot_be_written_any_more_ends_and_says_why(tmp
 def test_what_cannot_be_is_said(ball, served):
     for wrong, error, words in (
         (lambda: pp.serve(ball, served.name, NETWORK), pp.Error, "another name"),
-        (lambda: pp.serve(ball, "", NETWORK), pp.UsageError, "none for a session"),
+        (lambda: pp.serve(ball, "", NETWORK), pp.UsageError, "not a valid session name"),
         (lambda: pp.serve(ball, "free", pp.Network("nowhere0", domain=NETWORK.domain + 100)), pp.Error, "nowhere0"),
         (lambda: pp.serve(ball, "free", pp.Network(domain=1000)), pp.UsageError, "domain"),
-        (lambda: pp.serve(ball, "free", pp.Network(security="/nowhere/keys")), pp.Error, "no folder of keys"),
+        (lambda: pp.serve(ball, "free", pp.Network(security="/nowhere/keys")), pp.Error, "not a folder of keys"),
         (lambda: pp.serve(ball, "free", NETWORK, mm_per_unit=-1), pp.UsageError, "mm_per_unit"),
         (lambda: pp.serve(ball, "free", NETWORK, read_only=True, journal="j"), pp.UsageError, "journal"),
         (lambda: pp.serve(pp.Cloud(np.zeros((0, 3))), "free", NETWORK), pp.UsageError, "no points"),
@@ -288,7 +288,7 @@ def test_names_that_are_cut_off_in_a_character_are_told_as_well_as_they_can_be(b
 def test_what_is_closed_says_so_and_says_what_it_was(served):
     s = joined(served)
     assert "20000 points" in repr(s) and served.name in repr(served)
-    assert "this machine alone" in served.openness and any("takes the points" in line for line in served.remarks)
+    assert "programs of this machine" in served.openness and any("takes the points" in line for line in served.remarks)
     s.close()
     served.close()
     served.close()  # once more does no harm

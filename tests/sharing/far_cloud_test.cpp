@@ -89,7 +89,7 @@ class Lines final : public LogListener {
  public:
   void said(std::string_view line) override {
     const std::scoped_lock hold(lock_);
-    if (line.find("begun anew") != std::string_view::npos) restarts_.emplace_back(line);
+    if (line.find("has restarted") != std::string_view::npos) restarts_.emplace_back(line);
   }
   void progressed(std::string_view, double) override {}
   std::vector<std::string> restarts() const {
@@ -513,7 +513,7 @@ TEST_CASE("a sample that is no piece of the cloud is no more than one that is mi
   CHECK(joined.far->known().isTrue());
   served.reset();
   CHECK(forger.forge(30, [&] { return !joined.far->known().isTrue(); }));
-  CHECK_THROWS_WITH_AS(joined.far->check(), doctest::Contains("a brick has no such place"), NetworkError);
+  CHECK_THROWS_WITH_AS(joined.far->check(), doctest::Contains("a brick has an invalid position"), NetworkError);
 }
 
 TEST_CASE("what another hand does within reach of who is near his is a change under that hand") {
@@ -720,7 +720,7 @@ TEST_CASE(
       hand.far().check();
       return false;
     } catch (const NetworkError& error) {
-      return std::string(error.what()).find("was served anew, without what had been done to it") != std::string::npos;
+      return std::string(error.what()).find("was restarted without its edits") != std::string::npos;
     }
   }));
   CHECK_FALSE(hand.far().known().isTrue());

@@ -104,31 +104,31 @@ TEST_CASE("another version is named, and so are numbers that are no cloud's") {
   CHECK(has(newer.joined(leave), "another version"));
   ForeignServer unscaled("unscaled");
   unscaled.notice.mm_per_unit = std::numeric_limits<double>::quiet_NaN();
-  CHECK(has(unscaled.joined(leave), "no cloud"));
+  CHECK(has(unscaled.joined(leave), "invalid cloud"));
   ForeignServer nowhere("nowhere");
   nowhere.notice.origin[1] = std::numeric_limits<double>::infinity();
-  CHECK(has(nowhere.joined(leave), "no cloud"));
+  CHECK(has(nowhere.joined(leave), "invalid cloud"));
   ForeignServer endless("endless", std::uint64_t{1} << 62);
-  CHECK(has(endless.joined(leave), "no cloud"));
+  CHECK(has(endless.joined(leave), "invalid cloud"));
 }
 
 TEST_CASE("points that are none, too few or too many, and others than were announced, are refused") {
   CHECK(has(ForeignServer("short").joined([](Block&, std::vector<Point>& points) { points.pop_back(); }),
-            "44 points in place of 45"));
+            "44 points instead of 45"));
   CHECK(has(ForeignServer("long").joined([](Block&, std::vector<Point>& points) { points.resize(64); }),
-            "64 points in place of"));
+            "64 points instead of"));
   CHECK(has(ForeignServer("holes").joined([](Block&, std::vector<Point>& points) {
     points[7].position[2] = std::numeric_limits<float>::quiet_NaN();
   }),
-            "it has no place"));
+            "it has no position"));
   CHECK(has(ForeignServer("spikes").joined([](Block&, std::vector<Point>& points) { points[0].normal[0] = 1e20f; }),
             "no normal"));
   CHECK(has(ForeignServer("others").joined(leave), "not those that were announced"));
   // Blocks of other sessions and beyond the end are ignored.
   CHECK(has(ForeignServer("strange").joined([](Block& block, std::vector<Point>&) { block.number += 1'000'000; }),
-            "nothing has come"));
+            "nothing received"));
   CHECK(has(ForeignServer("mixed").joined([](Block& block, std::vector<Point>&) { block.session[3] ^= 1; }),
-            "nothing has come"));
+            "nothing received"));
 }
 
 TEST_CASE("who announces billions of points takes the memory of those alone that come") {

@@ -117,7 +117,7 @@ TEST_CASE("a camera that is given needs none beside the pictures, and without ei
   SentPicture picture = pictureOf(kCamera, flat);
   CHECK(alone.write(picture.message()));
   CHECK(says(refusal([&] { watchRosFrames("alone/image_raw", watching(0.5)); }),
-             "no CameraInfo has come on alone/camera_info in 0.5 s"));
+             "no CameraInfo was received on alone/camera_info in 0.5 s"));
 }
 
 TEST_CASE("pictures that lie, or are of another size, encoding or frame, are lost one by one in words") {
@@ -134,7 +134,7 @@ TEST_CASE("pictures that lie, or are of another size, encoding or frame, are los
   CHECK(read.frames.size() >= 3);
   std::string all;
   for (const std::string& loss : read.losses) all += loss + "\n";
-  CHECK(says(all, "of 16 x 12 pixels has come, and the camera has 32 x 24"));
+  CHECK(says(all, "has 16 x 12 pixels, and the camera has 32 x 24"));
   CHECK(says(all, "and this one is 'rgb8'"));
   CHECK(says(all, "contradicts itself"));
   CHECK(says(all, "is in the frame 'elsewhere', and the first one was in 'camera'"));
@@ -194,7 +194,7 @@ TEST_CASE("points in rows come as frames with normals that face the sensor, and 
   }
   RosWatching fused = watching();
   fused.needsPictures = true;
-  CHECK(says(refusal([&] { watchRosFrames("rows", fused); }), "what is sent there are points"));
+  CHECK(says(refusal([&] { watchRosFrames("rows", fused); }), "the topic has points"));
 }
 
 TEST_CASE("more points than the first message has room for are a lost frame") {
@@ -251,8 +251,8 @@ TEST_CASE("pictures of depth have the colours that were taken with them, and wit
     const Read lost = readUntil(*stream, [](const Read& r) { return r.losses.size() == 1; });
     return lost.losses.empty() ? std::string() : lost.losses.front();
   };
-  CHECK(says(lossOf(Sent::depthsAlone), "has no picture of colour of its time beside it, on ros:/dyed/color"));
-  CHECK(says(lossOf(Sent::larger), "an Image of 33 x 24 pixels has come, and the camera has 32 x 24"));
+  CHECK(says(lossOf(Sent::depthsAlone), "has no colour image of its time beside it, on ros:/dyed/color"));
+  CHECK(says(lossOf(Sent::larger), "an Image has 33 x 24 pixels, and the camera has 32 x 24"));
   sends = Sent::both;
   CHECK(readUntil(*stream, [](const Read& r) { return r.frames.size() == 3; }).frames.size() == 3);
 }
@@ -304,7 +304,7 @@ TEST_CASE("what sensors see is put in the frame that is asked for, over static a
   armMoves = false;
   const Read read = readUntil(*stream, [](const Read& r) { return r.losses.size() == 2; });
   REQUIRE(read.losses.size() == 2);
-  CHECK(says(read.losses[0], "where the frame 'arm' stood in 'mast' was heard"));
+  CHECK(says(read.losses[0], "the pose of the frame 'arm' in 'mast' was received"));
   CHECK(says(read.losses[0], "too old"));
 }
 
@@ -322,8 +322,7 @@ TEST_CASE(
   });
   RosWatching inMap = watching(0.6);
   inMap.listening.frame = "map";
-  const std::string words =
-      "is in the frame 'lonely', from which nothing that is heard on /tf_static and /tf leads to 'map'";
+  const std::string words = "is in the frame 'lonely', from which no transform on /tf_static and /tf leads to 'map'";
   CHECK(says(refusal([&] { watchRosFrames("unjoined", inMap); }), words));
   CHECK(says(refusal([&] { hearRosCloud("unjoined_still", inMap.listening); }), words));
   std::jthread late([&](const std::stop_token& stops) {
@@ -361,7 +360,7 @@ TEST_CASE("messages of transforms that are long, or of nothing, move nothing and
   CHECK(good.write(0, {1, 0, 0}, DQuat(1, 0, 0, 0)));
   RosHeader header{};
   header.frame_id = child;
-  CHECK(says(refusal([&] { intake.poseOf(header); }), "nothing that is heard"));
+  CHECK(says(refusal([&] { intake.poseOf(header); }), "no transform on"));
   char name[] = "good";
   header.frame_id = name;
   CHECK(comesTrue([&] {
@@ -376,12 +375,12 @@ TEST_CASE("messages of transforms that are long, or of nothing, move nothing and
 TEST_CASE("a topic of something else, and one where nobody sends, is said before a message comes") {
   const Participant participant = rosParticipant(ownNetwork());
   const RosPublisher<RosPoseStamped> pose(participant, "rt/pose", RosDelivery::reliable);
-  const std::string words = "what is sent there is geometry_msgs/msg/PoseStamped, and what is heard here is ";
+  const std::string words = "the topic has type geometry_msgs/msg/PoseStamped, not ";
   CHECK(says(refusal([&] { whatRosSends("pose", watching().listening); }),
              words + "sensor_msgs/msg/PointCloud2 or sensor_msgs/msg/Image"));
   CHECK(says(refusal([&] { hearRosCloud("/pose", watching().listening); }), words + "sensor_msgs/msg/PointCloud2"));
-  CHECK(says(refusal([&] { watchRosFrames("nobody", watching(0.3)); }), "nobody sends there in 0.3 s"));
-  CHECK(says(refusal([&] { watchRosFrames("a//b", watching()); }), "is no name there"));
+  CHECK(says(refusal([&] { watchRosFrames("nobody", watching(0.3)); }), "no sender was found in 0.3 s"));
+  CHECK(says(refusal([&] { watchRosFrames("a//b", watching()); }), "is not a valid name"));
   const std::atomic<bool> stop = true;
   RosWatching stopped = watching();
   stopped.listening.stop = &stop;

@@ -107,12 +107,11 @@ TEST_CASE("a picture that contradicts itself, or the camera, is refused in words
   CHECK(spoiled([](Picture& p) { p.says.step = 5; }) == "an Image contradicts itself: a row of 3 pixels has 5 bytes");
   CHECK(spoiled([](Picture& p) { p.says.step = kMax; }).find("bytes are announced") != std::string::npos);
   CHECK(spoiled([](Picture& p) { p.says.width = kMax; }) ==
-        "an Image of 4294967295 x 2 pixels has come, and the camera has 3 x 2");
-  CHECK(spoiled([](Picture& p) { p.says.height = 3; }) ==
-        "an Image of 3 x 3 pixels has come, and the camera has 3 x 2");
+        "an Image has 4294967295 x 2 pixels, and the camera has 3 x 2");
+  CHECK(spoiled([](Picture& p) { p.says.height = 3; }) == "an Image has 3 x 3 pixels, and the camera has 3 x 2");
   CHECK(spoiled([](Picture& p) { p.data.clear(); }, "32FC1").find("and 0 there") != std::string::npos);
   CHECK(spoiled([](Picture& p) { p.says.encoding = "rgb8\x1b"; }) ==
-        "an Image of depth is 16UC1 (millimetres) or 32FC1 (metres), and this one is 'rgb8?'");
+        "an Image of depth must be 16UC1 (millimetres) or 32FC1 (metres), and this one is 'rgb8?'");
 }
 
 TEST_CASE("colours of either order of bytes come pixel by pixel, and other pictures are refused in words") {
@@ -139,8 +138,8 @@ TEST_CASE("colours of either order of bytes come pixel by pixel, and other pictu
     INFO(text);
     CHECK(text.find(words) != std::string::npos);
   };
-  says(refused([](RosPicture& p) { p.encoding = "rgba8"; }), "of colour is rgb8 or bgr8, and this one is 'rgba8'");
-  says(refused([](RosPicture& p) { p.width = 2; }), "of 2 x 2 pixels has come, and the camera has 3 x 2");
+  says(refused([](RosPicture& p) { p.encoding = "rgba8"; }), "of colour must be rgb8 or bgr8, and this one is 'rgba8'");
+  says(refused([](RosPicture& p) { p.width = 2; }), "has 2 x 2 pixels, and the camera has 3 x 2");
   says(refused([](RosPicture& p) { p.step = 8; }), "a row of 3 pixels has 8 bytes");
   says(refused([](RosPicture& p) { p.data = p.data.first(18); }), "19 bytes are announced, and 18 there");
   says(refused([](RosPicture& p) { p.step = 0xffffffff; }), "contradicts itself");

@@ -360,8 +360,8 @@ TEST_CASE("what does not come, and what comes and is none, is said") {
     }
     CHECK_MESSAGE(false, "nothing was said");
   };
-  says("nothing", "no PointCloud2 has come in 0.5 s");
-  says("no name", "is no name there");
+  says("nothing", "no PointCloud2 was received in 0.5 s");
+  says("no name", "is not a valid name");
   const Participant participant = rosParticipant(ownNetwork());
   const RosPublisher<RosPointCloud2> foreign(participant, "rt/foreign", RosDelivery::latched);
   RosPointCloud2 cloud{};

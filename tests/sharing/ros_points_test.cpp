@@ -182,16 +182,16 @@ TEST_CASE("a message that contradicts itself is refused in words, and takes no m
   spoiled([](Message& m) { m.fields[1].type = 0; }, "field 2 has type 0");
   spoiled([](Message& m) { m.fields[1].type = 9; }, "field 2 has type 9");
   spoiled([](Message& m) { m.fields.resize(257); }, "257 fields");
-  spoiled([](Message& m) { m.fields.pop_back(); }, "without places");
-  spoiled([](Message& m) { m.fields[1].type = RosField::i32; }, "without places");
-  spoiled([](Message& m) { m.fields[1].count = 0; }, "without places");
+  spoiled([](Message& m) { m.fields.pop_back(); }, "without positions");
+  spoiled([](Message& m) { m.fields[1].type = RosField::i32; }, "without positions");
+  spoiled([](Message& m) { m.fields[1].count = 0; }, "without positions");
   spoiled(
       [](Message& m) {
         m.fields.clear();
         m.says.pointStep = m.says.rowStep = 0;
         m.says.width = m.says.height = kMax;
       },
-      "without places");
+      "without positions");
 }
 
 TEST_CASE("random bytes in place of a message are read or refused, and never anything else") {

@@ -94,16 +94,16 @@ TEST_CASE("nothing that is there is written over") {
   makeKeys({.folder = lab, .name = "server"});
   const std::string key = contentOf(lab / "server" / "key.pem"),
                     authority = contentOf(lab / "authority" / "identity_ca.key.pem");
-  checkSays(errorOf([&] { makeKeys({.folder = lab, .name = "server"}); }), {"lab/server", "is there already"});
+  checkSays(errorOf([&] { makeKeys({.folder = lab, .name = "server"}); }), {"lab/server", "exists already"});
   CHECK(contentOf(lab / "server" / "key.pem") == key);
   CHECK(contentOf(lab / "authority" / "identity_ca.key.pem") == authority);
   fs::create_symlink("nowhere", lab / "link");
-  checkSays(errorOf([&] { makeKeys({.folder = lab, .name = "link"}); }), {"lab/link", "is there already"});
+  checkSays(errorOf([&] { makeKeys({.folder = lab, .name = "link"}); }), {"lab/link", "exists already"});
   fs::create_directory(scratch / "photos");
   write(scratch / "photos" / "cat.jpg", "a cat");
   checkSays(errorOf([&] { makeKeys({.folder = scratch / "photos", .name = "a"}); }), {"photos", "no authority"});
   checkSays(errorOf([&] { makeKeys({.folder = scratch / "photos" / "cat.jpg", .name = "a"}); }),
-            {"cat.jpg", "no folder"});
+            {"cat.jpg", "not a folder"});
   CHECK(contentOf(scratch / "photos" / "cat.jpg") == "a cat");
   fs::remove(lab / "authority" / "identity_ca.key.pem");
   checkSays(errorOf([&] { makeKeys({.folder = lab, .name = "b"}); }), {"identity_ca.key.pem", "cannot be read"});
@@ -142,7 +142,7 @@ TEST_CASE("what is wrong with a folder of keys is said of the file that it is wr
                 fs::remove(tried / file);
                 fs::create_directory(tried / file);
               }),
-              {file, "is no file"});
+              {file, "is not a file"});
   }
   for (const fs::perms open : {fs::perms::group_read, fs::perms::others_read, fs::perms::group_write})
     checkSays(fault([&] { fs::permissions(tried / "key.pem", open, fs::perm_options::add); }),
@@ -158,7 +158,7 @@ TEST_CASE("what is wrong with a folder of keys is said of the file that it is wr
             }),
             {"governance.p7s", "is not signed"});
   checkSays(errorOf([&] { readSecurityProfile(lab); }), {"lab", "name the folder of one of them"});
-  checkSays(errorOf([&] { readSecurityProfile(scratch / "nowhere"); }), {"nowhere", "no such folder"});
+  checkSays(errorOf([&] { readSecurityProfile(scratch / "nowhere"); }), {"nowhere", "it does not exist"});
 }
 
 TEST_CASE("keys that are no longer good, or not yet, are refused with the day") {
@@ -192,9 +192,9 @@ TEST_CASE("rules that encrypt nothing or let anybody in are refused, whoever has
   };
   CHECK(judged("ENCRYPT", "NONE", "false").empty());
   CHECK(judged("SIGN", "ENCRYPT", "false").empty());  // as ROS 2 makes them
-  checkSays(judged("SIGN", "SIGN", "false"), {"governance.p7s", "does not have what is sent encrypted"});
-  checkSays(judged("NONE", "NONE", "false"), {"governance.p7s", "does not have what is sent encrypted"});
-  checkSays(judged("ENCRYPT", "ENCRYPT", "true"), {"governance.p7s", "lets programs without keys in"});
+  checkSays(judged("SIGN", "SIGN", "false"), {"governance.p7s", "does not require encryption"});
+  checkSays(judged("NONE", "NONE", "false"), {"governance.p7s", "does not require encryption"});
+  checkSays(judged("ENCRYPT", "ENCRYPT", "true"), {"governance.p7s", "admits programs without keys"});
   write(lab / "a" / "governance.p7s", signedBy(lab / "authority", "<dds></dds>"));
   checkSays(errorOf([&] { readSecurityProfile(lab / "a"); }), {"governance.p7s", "no rules"});
 }
@@ -210,15 +210,15 @@ TEST_CASE("what DDS itself refuses is said with the folder; one domain has one s
   {
     const PointCloud cloud;
     const CloudServer server(cloud, {.network = network, .name = "kept", .model = "nothing"});
-    checkSays(errorOf([] { surveyNetwork(ownNetwork(), 0.1); }), {"with other keys, already"});
+    checkSays(errorOf([] { surveyNetwork(ownNetwork(), 0.1); }), {"with other keys"});
     network.security = (lab / "b").string();
-    checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"with other keys, already"});
+    checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"with other keys"});
   }
   // Another holder's permissions do not apply.
   fs::copy_file(lab / "a" / "permissions.p7s", lab / "b" / "permissions.p7s", fs::copy_options::overwrite_existing);
   checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"lab/b", "these keys cannot be used"});
   network.security = (lab / "c").string();
-  checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"lab/c", "no such folder"});
+  checkSays(errorOf([&] { surveyNetwork(network, 0.1); }), {"lab/c", "it does not exist"});
 }
 
 }  // namespace palpate::security_test

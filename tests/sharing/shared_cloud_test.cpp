@@ -82,9 +82,9 @@ TEST_CASE("of one name there is one session; a name that is not there is said wi
   Served served(cloud, "city"), other(cloud, "another");
   CHECK(says([&] { Served second(cloud, "city"); }, "give this one another name"));
   CHECK(says([] { joinCloud("town", {.network = ownNetwork(), .patience_s = 0.5}); }, "'city'"));
-  CHECK(says([&] { Served bad(cloud, ""); }, "is none for a session"));
-  CHECK(says([&] { Served bad(cloud, "a\nb"); }, "is none for a session"));
-  CHECK(says([&] { Served bad(cloud, std::string(201, 'x')); }, "is none for a session"));
+  CHECK(says([&] { Served bad(cloud, ""); }, "is not a valid session name"));
+  CHECK(says([&] { Served bad(cloud, "a\nb"); }, "is not a valid session name"));
+  CHECK(says([&] { Served bad(cloud, std::string(201, 'x')); }, "is not a valid session name"));
 }
 
 namespace {
@@ -198,11 +198,11 @@ TEST_CASE("of two that take one name in the same second one gives way in words, 
     sharing::set(notice.session, sharing::freshId());
     writer.writeAt(notice, before);
     CHECK(comes(5, [&] { return late.hasEnded(); }));
-    CHECK(late.why().find("gives way") != std::string::npos);
+    CHECK(late.why().find("before this one, which ends") != std::string::npos);
     CHECK(late.why().find("elsewhere") != std::string::npos);
     // A client of the ended session receives the reason.
     CHECK(comes(10, [&] { return !hand.counts().fault.empty(); }));
-    CHECK(hand.counts().fault.find("has nowhere to go") != std::string::npos);
+    CHECK(hand.counts().fault.find("was restarted without its edits") != std::string::npos);
   }
   {
     ServedToTheEnd early(cloud, "alike");
@@ -234,8 +234,8 @@ TEST_CASE("networks that cannot be are refused by name") {
   CHECK(says([] { surveyNetwork({.interface = "nowhere0", .domain = 201}, 0.1); }, "nowhere0"));
   CHECK(says([] { surveyNetwork({.interface = "a\"/><x"}, 0.1); }, "neither the name of an interface"));
   CHECK(says([] { surveyNetwork({.peers = {"<x>"}}, 0.1); }, "neither the name of an interface"));
-  CHECK(says([] { surveyNetwork({.domain = 1000}, 0.1); }, "there are 0 to"));
-  CHECK(opennessOf({}).find("this machine alone") != std::string::npos);
+  CHECK(says([] { surveyNetwork({.domain = 1000}, 0.1); }, "is not between 0 and"));
+  CHECK(opennessOf({}).find("programs of this machine") != std::string::npos);
   CHECK(opennessOf({.interface = "eth0"}).find("nothing is encrypted") != std::string::npos);
 }
 
