@@ -30,7 +30,7 @@ cp /etc/resolv.conf "$debian/etc/resolv.conf" 2> /dev/null || true
 cp -r /etc/apt/apt.conf.d/. "$debian/etc/apt/apt.conf.d/"  # how this machine reaches the network
 mkdir "$debian/packages"
 cp "$packages"/*.deb "$debian/packages/"
-cp -r tests/consumers "$debian/consumers"
+cp -r apps/examples "$debian/examples"
 
 inside() {  # COMMANDS: as a newcomer's shell there
   chroot "$debian" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
@@ -42,7 +42,7 @@ install() {
 }
 
 inside 'apt-get update > /tmp/apt.log 2>&1 || { tail /tmp/apt.log; exit 1; }; dpkg-query -W | wc -l > /tmp/before'
-inside 'find / -xdev -path /packages -prune -o -path /consumers -prune -o -iname "*palpate*" -print' \
+inside 'find / -xdev -path /packages -prune -o -path /examples -prune -o -iname "*palpate*" -print' \
   > build/clean_debian.log
 [ -s build/clean_debian.log ] && fail "it has of palpate already: $(cat build/clean_debian.log)"
 
@@ -66,21 +66,21 @@ inside 'awk "BEGIN {print \"x,y,z\"; for (i = -60; i <= 60; ++i) for (j = -60; j
 
 say "Python"
 install '/packages/libpalpate0_*.deb' '/packages/python3-palpate_*.deb'
-inside 'python3 /consumers/dent.py hump.csv dented.ply; test "$(head -c 3 dented.ply)" = ply
+inside 'python3 /examples/dent.py hump.csv dented.ply; test "$(head -c 3 dented.ply)" = ply
   python3 -c "import palpate, time; print(palpate.__version__, palpate.Session(palpate.read(\"cloud.laz\"), gpu=None))"'
 
 say "programs in C and C++"
 install '/packages/libpalpate-dev_*.deb' g++ cmake make pkg-config
-inside 'cmake -S /consumers -B built -DCMAKE_BUILD_TYPE=Release > cmake.log || { cat cmake.log; exit 1; }
+inside 'cmake -S /examples -B built -DCMAKE_BUILD_TYPE=Release > cmake.log || { cat cmake.log; exit 1; }
   cmake --build built > cmake.log || { cat cmake.log; exit 1; }
   built/press; built/dent hump.csv dented.ply; built/stir
-  cc -o press /consumers/press.c $(pkg-config --cflags --libs palpate) -lm; ./press'
+  cc -o press /examples/press.c $(pkg-config --cflags --libs palpate) -lm; ./press'
 
 say "taken away again"
 inside 'apt-get purge -y palpate libpalpate0 libpalpate-dev python3-palpate > /tmp/apt.log 2>&1 \
     || { tail /tmp/apt.log; exit 1; }
   rm -rf /root/*'
-left=$(inside 'find / -xdev -path /packages -prune -o -path /consumers -prune -o -path /proc -prune \
+left=$(inside 'find / -xdev -path /packages -prune -o -path /examples -prune -o -path /proc -prune \
   -o -path /root -prune -o -iname "*palpate*" -print')
 [ -z "$left" ] || fail "left behind: $left"
 echo "try_packages.sh: all of them were installed, used and taken away"

@@ -177,8 +177,10 @@ void BrushStroke::goOnTo(const Place& place) {
     return;
   }
   if (wayCount_ == kMaxWay) {
+    const bool skipsJump = at(0).jumps;
     wayFirst_ = (wayFirst_ + 1) % kMaxWay;
     --wayCount_;
+    at(0).jumps |= skipsJump;
   }
   at(wayCount_) = place;
   at(wayCount_++).jumps = jumps;

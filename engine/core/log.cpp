@@ -26,7 +26,7 @@ void Log::endProgress() {
   const std::scoped_lock lock(lock_);
   clearBar();
   progressOf_.clear();
-  lastTenth_ = -1;
+  lastStep_ = -1;
 }
 
 void Log::progress(std::string_view what, double fraction) {
@@ -36,15 +36,17 @@ void Log::progress(std::string_view what, double fraction) {
   if (quiet_) return;
   constexpr double kShort_us = 1e6;
   if (what != progressOf_) {
+    clearBar();
+    lastStep_ = -1;
     progressOf_ = what;
     progressSince_ = Stopwatch();
   }
   if (progressSince_.elapsed_us() < kShort_us && !barShown_) return;
   const int percent = static_cast<int>(fraction * 100);
   const int step = terminal_ ? percent : percent / 25;
-  if (step == lastTenth_) return;
-  lastTenth_ = step;
-  if (fraction >= 1) lastTenth_ = -1;
+  if (step == lastStep_) return;
+  lastStep_ = step;
+  if (fraction >= 1) lastStep_ = -1;
   if (!terminal_) {
     fmt::print(stderr, "{}: {} %\n", what, percent);
     return;

@@ -51,7 +51,7 @@ class Log {
   Stopwatch progressSince_;
   bool quiet_;
   bool terminal_;
-  int lastTenth_ = -1;
+  int lastStep_ = -1;
   bool barShown_ = false;
 };
 

@@ -106,7 +106,6 @@ class SoftBody {
   using LanesOfCorners = shared::CornersOf<Lanes>;
 
   void pushCells(std::size_t block);
-  void moveWithRest(std::span<const RestPlace> places, std::span<const Vec3> before);
   glm::mat3 elasticAt(std::size_t node) const;
   void moveNodes(std::size_t block, const Vec3& fall, float step_s, SoftSums& sums);
   Vec3 ofCells(std::size_t node) const;

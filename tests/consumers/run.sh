@@ -35,35 +35,41 @@ done
 
 # A tree that has been moved works as well.
 mv "$scratch/installed" "$scratch/moved"
-cmake -S "$here" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$scratch/moved" -DCMAKE_BUILD_TYPE=Release \
-  > "$scratch/configure.log" || fail "$(cat "$scratch/configure.log")"
-cmake --build "$scratch/build"
+examples=$scratch/moved/share/doc/palpate/examples
+strict="-Wall -Wextra -Wpedantic -Wshadow -Werror"
+for programs in "$examples" "$here"; do
+  to=$scratch/build/$(basename "$programs")
+  cmake -S "$programs" -B "$to" -DCMAKE_PREFIX_PATH="$scratch/moved" -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_C_FLAGS="$strict -Wstrict-prototypes" -DCMAKE_CXX_FLAGS="$strict" \
+    > "$scratch/configure.log" || fail "$(cat "$scratch/configure.log")"
+  cmake --build "$to"
+done
 felt() {  # COMMAND...: it says a force that 1 mm gives at 0.8 N/mm
   "$@" | tee "$scratch/felt.txt"
   awk '{exit !($2 > 0.6 && $2 < 0.9)}' "$scratch/felt.txt" || fail "the force is not that of 1 mm at 0.8 N/mm"
 }
-felt "$scratch/build/press"
-felt "$scratch/build/hosted"
+felt "$scratch/build/examples/press"
+felt "$scratch/build/consumers/hosted"
 
 # A model that anybody can write: a plane with a hump.
 awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)
   printf "%g,%g,%g\n", i, j, 20 * exp(-(i * i + j * j) / 800)}' > "$scratch/hump.csv"
-"$scratch/build/dent" "$scratch/hump.csv" "$scratch/dented.ply"
+"$scratch/build/examples/dent" "$scratch/hump.csv" "$scratch/dented.ply"
 [ "$(head -c 3 "$scratch/dented.ply")" = ply ] || fail "nothing was saved"
-"$scratch/build/stir"
+"$scratch/build/examples/stir"
 
 # One serves a cloud, and two others dent it.
 source "$(dirname "$0")/../own_domain.sh"
 mkfifo "$scratch/end"
 exec 3<> "$scratch/end"
-"$scratch/build/share" serve "$domain" < "$scratch/end" > "$scratch/serve.txt" &
+"$scratch/build/examples/share" serve "$domain" < "$scratch/end" > "$scratch/serve.txt" &
 server=$!
 trap 'kill "$server" 2> /dev/null || true; rm -rf "$scratch"' EXIT
 until grep -q serving "$scratch/serve.txt" 2> /dev/null; do kill -0 "$server" 2> /dev/null || break; sleep 0.1; done
 if grep -q serving "$scratch/serve.txt"; then
-  "$scratch/build/share" join "$domain" 0 > "$scratch/one.txt" &
+  "$scratch/build/examples/share" join "$domain" 0 > "$scratch/one.txt" &
   one=$!
-  "$scratch/build/share" join "$domain" 6 > "$scratch/two.txt" || fail 'the second hand did not dent what is served'
+  "$scratch/build/examples/share" join "$domain" 6 > "$scratch/two.txt" || fail 'the second hand did not dent what is served'
   wait "$one" || fail 'the first hand did not dent what is served'
   echo >&3
   wait "$server" || fail 'the server failed'
@@ -72,7 +78,7 @@ if grep -q serving "$scratch/serve.txt"; then
   # Who was done last has what the server has; the other one may have been done before that.
   grep -qxF "$points" "$scratch/one.txt" "$scratch/two.txt" ||
     fail "the points differ: $(cat "$scratch"/{serve,one,two}.txt)"
-  "$scratch/build/together" "$domain" || fail 'a cloud is not the same everywhere in one program'
+  "$scratch/build/consumers/together" "$domain" || fail 'a cloud is not the same everywhere in one program'
   echo "share: $points, of two hands and their server"
 else
   code=0
@@ -85,14 +91,14 @@ if command -v pkg-config > /dev/null; then
   export PKG_CONFIG_PATH
   PKG_CONFIG_PATH=$(dirname "$(find "$scratch/moved" -name palpate.pc)")
   # shellcheck disable=SC2046
-  ${CC:-cc} -o "$scratch/press" "$here/press.c" $(pkg-config --cflags --libs palpate) -lm
+  ${CC:-cc} -o "$scratch/press" "$examples/press.c" $(pkg-config --cflags --libs palpate) -lm
   LD_LIBRARY_PATH=$(dirname "$(find "$scratch/moved" -name libpalpate.so.0)") felt "$scratch/press"
 else
   echo "consumers: skipped: pkg-config, which is not here"
 fi
 
 if command -v mcs > /dev/null && command -v mono > /dev/null; then
-  mcs -out:"$scratch/Press.exe" "$here/Press.cs"
+  mcs -out:"$scratch/Press.exe" "$examples/Press.cs"
   LD_LIBRARY_PATH=$(dirname "$(find "$scratch/moved" -name libpalpate.so)") felt mono "$scratch/Press.exe"
 else
   echo "consumers: skipped: C#, whose compiler is not here (mono-mcs, mono-runtime)"
@@ -100,7 +106,7 @@ fi
 
 module=$(find "$scratch/moved" -name 'palpate' -path '*dist-packages*')
 if [ -n "$module" ]; then
-  PYTHONPATH=$(dirname "$module") "$python" "$here/dent.py" "$scratch/hump.csv" "$scratch/python.ply"
+  PYTHONPATH=$(dirname "$module") "$python" "$examples/dent.py" "$scratch/hump.csv" "$scratch/python.ply"
   [ "$(head -c 3 "$scratch/python.ply")" = ply ] || fail "Python saved nothing"
 else
   echo "consumers: skipped: Python, whose module was not built"

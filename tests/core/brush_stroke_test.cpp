@@ -126,6 +126,13 @@ TEST_CASE(
   hand.feel({30, 0, -2});
   CHECK(hand.next().center.x == near(30, 1e-12));
   CHECK(hand.stroke.number() == 1);
+  // Neither is the jump lost when more positions follow it than are kept.
+  Hand late(BrushKind::carve);
+  late.feel({0, 0, -2});
+  late.next();
+  late.feel({0, 0, 3});
+  for (int k = 0; k < 1500; ++k) late.feel({35 + 5 * std::cos(0.5 * k), 5 * std::sin(0.5 * k), -2});
+  CHECK(late.next().center.x >= 30);
   // A pause of one tick, as of a hand that trembles, is no jump.
   hand.feel({30, 0, -1.9});
   hand.feel({30.5, 0, -2});

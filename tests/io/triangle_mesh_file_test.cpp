@@ -10,7 +10,7 @@
 
 namespace palpate::test::triangle_mesh_file_test {
 
-TEST_CASE("a mesh comes from a PLY file with faces; one without is refused") {
+TEST_CASE("a triangle mesh is read from files with faces; one without faces is refused") {
   const ScratchFolder folder;
   const auto file = folder / "mesh.ply";
   const std::string head =
@@ -23,6 +23,9 @@ TEST_CASE("a mesh comes from a PLY file with faces; one without is refused") {
   CHECK(square.triangleCount() == 2);
   CHECK(square.signedDistance({0.25, 0.5, 2}) == near(2, 1e-6));
   CHECK(square.signedDistance({0.25, 0.5, -2}) == near(-2, 1e-6));
+  const auto off = folder / "mesh.off";
+  std::ofstream(off) << "OFF\n4 1 0\n" << places << "4 0 1 2 3\n";
+  CHECK(readTriangleMesh(off).triangleCount() == 2);
   std::ofstream(file) << head << "end_header\n" << places;
   CHECK_THROWS_AS(readTriangleMesh(file), FileError);
 }
