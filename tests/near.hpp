@@ -12,6 +12,7 @@
 #ifdef _WIN32
 #include <windows.h>  // included first, because it defines `near` as an empty macro
 #undef near
+#undef far
 #endif
 
 namespace palpate {

@@ -4,6 +4,8 @@
 set -u
 export WINEPREFIX=${WINEPREFIX:-$(dirname "$(readlink -f "$0")")/../build/windows-libraries/wine}
 export WINEDEBUG=${WINEDEBUG:--all} LC_ALL=C.UTF-8  # in which names of files have all letters
+# No debugger starts at a crash: it would wait forever.
+export WINEDLLOVERRIDES="winedbg.exe=d${WINEDLLOVERRIDES:+;$WINEDLLOVERRIDES}"
 WINEPREFIX=$(readlink -f "$WINEPREFIX")
 output=$(mktemp)
 trap 'rm -f "$output"' EXIT
