@@ -117,7 +117,7 @@ TEST_CASE_TEMPLATE("a sphere surface passes through its points, and an average s
     }
     const auto sphere = shared::surfaceFrom(sums, static_cast<Real>(radius), shared::kSurfaceSphere);
     REQUIRE(sphere.defined);
-    // The regularization of the spread flattens the sphere a little.
+    // The minimum spread in the formula flattens the sphere a little.
     CHECK(std::abs(static_cast<double>(sphere.distance) - height) < 1e-4 + kRounding<Real>);
     // It also tilts the sphere, in proportion to the offset of the points to one side.
     CHECK(off(sphere.normal, DVec3(0, 0, 1)) < 1e-5 + 20 * kRounding<Real>);
