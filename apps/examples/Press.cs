@@ -1,4 +1,4 @@
-// A ball of 20,000 points of 50 mm, and a hand that goes 1 mm into it: palpate as Unity would call it, by P/Invoke.
+// A ball of 20,000 points of 50 mm, and a hand that presses 1 mm into it: palpate called as from Unity, by P/Invoke.
 using System;
 using System.Runtime.InteropServices;
 

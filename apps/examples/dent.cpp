@@ -1,4 +1,4 @@
-// Reads a model, dents it, takes that back and does it again, and saves it: dent MODEL OUT
+// Reads a model, dents it, undoes and redoes the dent, and saves it: dent MODEL OUT
 #include <cstdio>
 #include <palpate/palpate.hpp>
 

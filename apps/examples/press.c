@@ -1,4 +1,4 @@
-/* A servo loop of one's own: a ball of 20,000 points of 50 mm, and a hand that goes 1 mm into it. */
+/* A servo loop of the caller: a ball of 20,000 points of 50 mm, and a hand that presses 1 mm into it. */
 #include <math.h>
 #include <palpate/palpate.h>
 #include <stdio.h>

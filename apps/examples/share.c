@@ -1,6 +1,6 @@
 /* A cloud that one program serves and others join and dent, each a process of its own:
- *   share serve DOMAIN       until a line comes; says what its points are then
- *   share join DOMAIN X      dents the ball at X, says what its points are, and ends without closing anything
+ *   share serve DOMAIN       until a line is read; then prints a hash of its points
+ *   share join DOMAIN X      dents the ball at X, prints a hash of its points, and ends without closing anything
  * 77: this library was built without DDS. */
 #include <math.h>
 #include <palpate/palpate.h>
@@ -61,7 +61,7 @@ static void serve(const pp_network* network) {
   const pp_cloud cloud = ball();
   pp_server server;
   expect(pp_serve(cloud, NAME, &options, &server));
-  expect(pp_cloud_close(cloud)); /* it keeps what it needs */
+  expect(pp_cloud_close(cloud)); /* the server keeps what it needs of it */
   puts("serving");
   fflush(stdout);
   getchar();

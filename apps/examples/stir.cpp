@@ -1,4 +1,4 @@
-// Water in a tank: it falls by itself, and then two hands stir it: stir
+// Water in a tank, first alone, then stirred by two hands: stir
 #include <cstdio>
 #include <palpate/palpate.hpp>
 

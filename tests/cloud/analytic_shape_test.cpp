@@ -31,7 +31,7 @@ bool sameBytes(const PointCloud& a, const PointCloud& b) {
 
 }  // namespace
 
-TEST_CASE("every shape gives exactly the number of points asked for, on its surface and with its normals") {
+TEST_CASE("every shape gives exactly the requested number of points, on its surface and with its normals") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(std::string(name));
     const auto shape = makeShape(name);
@@ -50,7 +50,7 @@ TEST_CASE("every shape gives exactly the number of points asked for, on its surf
   }
 }
 
-TEST_CASE("the longest side is the size and the middle is the centre") {
+TEST_CASE("the longest side of a shape is its size, and the middle is its centre") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(std::string(name));
     const DVec3 center(3, -4, 5);
@@ -98,7 +98,7 @@ TEST_CASE("the closest point is as close as any sample") {
   }
 }
 
-TEST_CASE("closed forms give their known answers") {
+TEST_CASE("shapes with closed forms have their known distances and nearest points") {
   CHECK(makeShape("sphere")->signedDistance({0, 0, 60}) == near(10, 1e-6));
   CHECK(makeShape("sphere")->signedDistance({0, 0, 0}) == near(-50, 1e-6));
   CHECK(makeShape("torus")->signedDistance({0, 0, 0}) == near(20, 1e-6));
@@ -111,7 +111,7 @@ TEST_CASE("closed forms give their known answers") {
   CHECK(glm::distance(corner, DVec3(1 / std::sqrt(3.0))) < 1e-12);
 }
 
-TEST_CASE("points are spread evenly") {
+TEST_CASE("points of a shape are spread evenly") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(std::string(name));
     const PointCloud cloud = sampleShape(*makeShape(name), {.count = 50'000});
@@ -131,7 +131,7 @@ TEST_CASE("points are spread evenly") {
   }
 }
 
-TEST_CASE("the same seed gives the same bytes with any number of threads, another seed others") {
+TEST_CASE("the same seed gives the same points bit by bit with any number of threads, another seed others") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(std::string(name));
     const auto shape = makeShape(name);
@@ -145,7 +145,7 @@ TEST_CASE("the same seed gives the same bytes with any number of threads, anothe
   }
 }
 
-TEST_CASE("noise has the deviation asked for and leaves the normals true") {
+TEST_CASE("noise has the requested deviation and leaves the normals true") {
   const auto shape = makeShape("plane");
   const PointCloud clean = sampleShape(*shape, {.count = 50'000});
   const PointCloud noisy = sampleShape(*shape, {.count = 50'000, .noise = 0.25});
@@ -162,7 +162,7 @@ TEST_CASE("noise has the deviation asked for and leaves the normals true") {
   }
 }
 
-TEST_CASE("a far centre moves the origin and loses nothing") {
+TEST_CASE("a far centre moves the origin without loss of precision") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(std::string(name));
     const DVec3 center(1e6, -2e6, 3e6);
@@ -174,7 +174,7 @@ TEST_CASE("a far centre moves the origin and loses nothing") {
   }
 }
 
-TEST_CASE("a wrong name or size is wrong usage that names the right ones") {
+TEST_CASE("an invalid name or size of a shape is a usage error with the valid ones") {
   CHECK_THROWS_WITH_AS(makeShape("ball"),
                        "there is no shape 'ball'; there are plane, cube, sphere, torus, bumpy-sphere, sculpture",
                        UsageError);
@@ -182,7 +182,7 @@ TEST_CASE("a wrong name or size is wrong usage that names the right ones") {
   CHECK_THROWS_AS(makeShape("cube", 1, DVec3(HUGE_VAL)), UsageError);
 }
 
-TEST_CASE("an area table sends equal shares to equal masses") {
+TEST_CASE("an area table maps equal shares to equal masses") {
   // Density 1 + x + 2 y over the unit square, with a known mass below (x, y).
   const AreaTable table(
       8, 8, [](const DVec2& at) { return 1 + at.x + 2 * at.y; }, 1);

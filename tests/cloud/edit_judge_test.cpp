@@ -52,7 +52,7 @@ struct Edited {
 
 }  // namespace
 
-TEST_CASE("the way of a brush is the line through its places") {
+TEST_CASE("the path of a brush is the line through its positions") {
   const std::vector<DVec3> way{{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
   CHECK(distanceToWay({5, 3, 0}, way) == near(3, 1e-6));
   CHECK(distanceToWay({12, 5, 0}, way) == near(2, 1e-6));
@@ -61,7 +61,7 @@ TEST_CASE("the way of a brush is the line through its places") {
   CHECK(std::isinf(distanceToWay({0, 0, 0}, {})));
 }
 
-TEST_CASE("an edit within its bounds breaks nothing") {
+TEST_CASE("an edit within its bounds has no violations") {
   Edited edited(grid(41));
   const std::uint32_t moved = edited.at(1, 0), gone = edited.at(2, 0), painted = edited.at(0, 1);
   edited.states[moved].position.z = -0.1F;
@@ -79,7 +79,7 @@ TEST_CASE("an edit within its bounds breaks nothing") {
   CHECK(verdict.broken(true) == Words{});
 }
 
-TEST_CASE("points that move, go or change colour beyond the brush are told") {
+TEST_CASE("points that move, are removed or change colour beyond the brush are reported") {
   for (const int what : {0, 1, 2}) {
     Edited edited(grid(41));
     PointState& far = edited.states[edited.at(4, 0)];
@@ -91,7 +91,7 @@ TEST_CASE("points that move, go or change colour beyond the brush are told") {
   }
 }
 
-TEST_CASE("new points beyond the brush and a support radius are told") {
+TEST_CASE("new points beyond the brush and a support radius are reported") {
   Edited edited(grid(41));
   edited.insert({7.5, 0.5, 0}, 0);
   CHECK(edited.verdict().broken(false) == Words{"inserts far"});
@@ -99,7 +99,7 @@ TEST_CASE("new points beyond the brush and a support radius are told") {
   CHECK(edited.verdict({.centers = {}, .radius = 3, .support = 4}).broken(false) == Words{"inserts far"});
 }
 
-TEST_CASE("a new point too near to another of its sheet is told, and one near to another sheet is not") {
+TEST_CASE("a new point too near to another of its sheet is reported, but not one near to another sheet") {
   Edited edited(grid(41));
   edited.insert({0.2, 0, 0}, edited.at(0, 0));
   CHECK(edited.verdict().crowded == 1);
@@ -109,7 +109,7 @@ TEST_CASE("a new point too near to another of its sheet is told, and one near to
   CHECK(edited.verdict().crowded == 0);
 }
 
-TEST_CASE("without any allowance one point too near, one normal turned and a thousandth of a radius are told") {
+TEST_CASE("without tolerance one crowded point, one flipped normal and a thousandth of a radius are reported") {
   Edited edited(grid(41));
   edited.insert({0.35, 0, 0}, edited.at(0, 0));
   CHECK(edited.verdict().crowded == 1);
@@ -126,7 +126,7 @@ TEST_CASE("without any allowance one point too near, one normal turned and a tho
   CHECK(nothing.broken(true, true) == Words{});
 }
 
-TEST_CASE("a share of the points up to what is allowed for is let be, and one more is not") {
+TEST_CASE("a share of points up to the tolerance is accepted, and one more is not") {
   for (const auto& [crowded, outside, turned, words] :
        {std::tuple(20u, 10u, 10u, Words{}), std::tuple(21u, 10u, 10u, Words{"crowds"}),
         std::tuple(20u, 11u, 10u, Words{"grows"}), std::tuple(20u, 10u, 11u, Words{"turns normals"})}) {
@@ -136,7 +136,7 @@ TEST_CASE("a share of the points up to what is allowed for is let be, and one mo
   }
 }
 
-TEST_CASE("two new points on top of one another are told, whatever stands around them") {
+TEST_CASE("two coincident new points are reported, whatever is around them") {
   Edited edited(grid(41));
   edited.insert({0.5, 0.5, 0}, edited.at(0, 0));
   CHECK(edited.verdict().broken(false) == Words{});
@@ -145,7 +145,7 @@ TEST_CASE("two new points on top of one another are told, whatever stands around
   CHECK(edited.verdict().broken(false) == Words{"crowds"});
 }
 
-TEST_CASE("the spacing of a place is that of its own sheet and density") {
+TEST_CASE("the spacing at a position is that of its own sheet and density") {
   for (const double spacing : {0.1, 1.0, 20.0}) {
     const PointCloud even = grid(41, spacing);
     // Disc counts are between those of a lattice and of random points: 2.2 % wide here.
@@ -166,7 +166,7 @@ TEST_CASE("the spacing of a place is that of its own sheet and density") {
   CHECK(EditJudge(twice).spacingAt({0.3, 0, 0}, {0, 0, 1}) == near(1, 0.1));
 }
 
-TEST_CASE("height above a surface is that of the truth, on curves, on plates and at edges") {
+TEST_CASE("height above a surface is exact on curves, on plates and at edges") {
   const UnevenCloud sphere = makeUnevenCloud("gradient", 15'000), plate = makeUnevenCloud("plate", 20'000);
   const EditJudge onSphere(sphere.cloud), onPlate(plate.cloud);
   for (const double height : {-3.0, -0.5, 0.0, 0.2, 2.0, 6.0})
@@ -185,7 +185,7 @@ TEST_CASE("height above a surface is that of the truth, on curves, on plates and
   CHECK(onCube.heightAt({0, 0, 0}) < -8);
 }
 
-TEST_CASE("of a noisy surface the highest point of a place is its height") {
+TEST_CASE("the height of a noisy surface is that of its highest point nearby") {
   Edited edited(grid(41));
   for (std::size_t i = 0; i < edited.cloud.size(); ++i) edited.cloud.positions[i].z = i % 3 == 0 ? 0.8F : -0.4F;
   const EditJudge judge(edited.cloud);
@@ -193,7 +193,7 @@ TEST_CASE("of a noisy surface the highest point of a place is its height") {
   CHECK(judge.heightAt({0.5, 0.5, 1.8}) == near(1, 0.2));
 }
 
-TEST_CASE("new points outside the old surface are growth where the brush carves, and only there") {
+TEST_CASE("new points outside the old surface count as growth only where the brush carves") {
   Edited edited(grid(41));
   edited.insert({0.5, 0.5, 0.4}, edited.at(0, 0));
   CHECK(edited.verdict(middleTool(true)).broken(true) == Words{});
@@ -208,7 +208,7 @@ TEST_CASE("new points outside the old surface are growth where the brush carves,
   CHECK(edited.verdict(middleTool(true)).broken(false) == Words{});
 }
 
-TEST_CASE("a wall under a roof and over a floor stands outside neither, and what grows from the roof does") {
+TEST_CASE("a wall between roof and floor is not outside, and points that grow out of the roof are") {
   // The floor is farther from the roof than the spacing: no path connects them.
   Edited edited(grid(41, 0.5));
   PointCloud& cloud = edited.cloud;
@@ -226,7 +226,7 @@ TEST_CASE("a wall under a roof and over a floor stands outside neither, and what
   CHECK(edited.verdict(way).outside == 1);
 }
 
-TEST_CASE("normals are held against a fit of their own sheet, and those that look inwards are counted") {
+TEST_CASE("normals are compared with a fit of their own sheet, and those that face inwards are counted") {
   Edited edited(makePlate(20'000, 0.8));
   std::vector<std::uint32_t> middle;
   for (std::uint32_t i = 0; i < edited.cloud.size(); ++i)
@@ -247,7 +247,7 @@ TEST_CASE("normals are held against a fit of their own sheet, and those that loo
   CHECK(edited.verdict().broken(false) == Words{"turns normals"});
 }
 
-TEST_CASE("a carved wall looks at the ball, wherever its sheet looked before") {
+TEST_CASE("a carved wall faces the ball, wherever its sheet faced before") {
   // A ball of radius 3 carved 5 deep into a block: the lower half of its wall is below the old surface's side.
   Edited edited(grid(61, 0.4));
   const DVec3 center(0, 0, -2);
@@ -261,7 +261,7 @@ TEST_CASE("a carved wall looks at the ball, wherever its sheet looked before") {
   CHECK(edited.verdict(way).turned == edited.verdict(way).sided);
 }
 
-TEST_CASE("a ball that goes in sideways lines its tunnel with the sheet before it, and lifts the one above it") {
+TEST_CASE("a ball that moves sideways lines its tunnel with the sheet ahead, and lifts the one above") {
   // Straight down into a plane until the ball is below it, then along: the tunnel's ceiling is below the plane, which
   // the ball pushes up.
   Edited edited(grid(61, 0.5));
@@ -285,7 +285,7 @@ TEST_CASE("a ball that goes in sideways lines its tunnel with the sheet before i
   CHECK(edited.verdict(way).turned > 500);
 }
 
-TEST_CASE("a sheet that a brush has bent over faces to where its bend has brought it") {
+TEST_CASE("a sheet bent over by a brush faces the bent direction") {
   // The part to the right of the centre is rolled up around a cylinder of radius 1, by three quarters of a turn.
   Edited edited(grid(61, 0.1));
   const BrushPath way{.centers = {DVec3(0)}, .radius = 6, .support = 2};
@@ -304,7 +304,7 @@ TEST_CASE("a sheet that a brush has bent over faces to where its bend has brough
   CHECK(edited.verdict(way).broken(false) == Words{"turns normals"});
 }
 
-TEST_CASE("a normal that lies along its surface does not say where outside is") {
+TEST_CASE("a normal tangential to its surface does not decide which side is outside") {
   Edited edited(grid(41));
   const std::uint32_t moved = edited.at(1, 0);
   edited.states[moved].position.z = -0.1F;
@@ -314,7 +314,7 @@ TEST_CASE("a normal that lies along its surface does not say where outside is") 
   CHECK(edited.verdict().turned == 0);
 }
 
-TEST_CASE("a new point near its ancestor is of that one's sheet, one far from it of the sheet that it is on") {
+TEST_CASE("a new point near its ancestor belongs to its sheet, and one far away to the nearest sheet") {
   Edited edited(makePlate(20'000, 0.8));
   const auto lower = static_cast<std::uint32_t>(edited.cloud.size() - 1);
   REQUIRE(edited.cloud.normals[lower].z == -1);
@@ -325,7 +325,7 @@ TEST_CASE("a new point near its ancestor is of that one's sheet, one far from it
   CHECK(edited.verdict().turned == 1);
 }
 
-TEST_CASE("a normal at rest that turns over is told wherever it is") {
+TEST_CASE("a flipped normal of a point at rest is reported anywhere") {
   Edited edited(grid(41));
   edited.states[edited.at(15, 15)].normal = Vec3(0, 0, -1);
   CHECK(edited.verdict().turnedAtRest == 1);

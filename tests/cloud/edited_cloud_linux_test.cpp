@@ -15,7 +15,7 @@
 
 namespace palpate::edited_cloud_test {
 
-TEST_CASE("saving onto a full disk says so, and leaves the older file and nothing else") {
+TEST_CASE("saving to a full disk is an error, and leaves only the older file") {
   const ScratchFolder folder;
   PointCloud cloud;
   for (int i = 0; i < 100; ++i) cloud.positions.emplace_back(i, 0, 0);

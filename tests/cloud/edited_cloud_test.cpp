@@ -39,7 +39,7 @@ std::int16_t qualityOf(const PointCloud& cloud, std::size_t i) {
 
 }  // namespace
 
-TEST_CASE("a cloud whose points are as they were is written byte by byte as it was") {
+TEST_CASE("an unchanged cloud is written byte by byte as it was read") {
   const ScratchFolder folder;
   const PointCloud cloud = richCloud();
   auto points = statesOf(cloud);
@@ -50,7 +50,7 @@ TEST_CASE("a cloud whose points are as they were is written byte by byte as it w
   CHECK(contentOf(folder / "a.ply") == contentOf(folder / "b.ply"));
 }
 
-TEST_CASE("points that are gone are left out, new ones stand behind with their parents' properties") {
+TEST_CASE("removed points are left out, and new ones are appended with their parents' properties") {
   const PointCloud cloud = richCloud();
   auto points = statesOf(cloud);
   points[3].id |= PointState::kGone;
@@ -73,7 +73,7 @@ TEST_CASE("points that are gone are left out, new ones stand behind with their p
   CHECK_FALSE(edited.hasColors());
 }
 
-TEST_CASE("paint on a cloud without colours gives it some; on one with colours it replaces them") {
+TEST_CASE("paint on a cloud without colours adds colours; on one with colours it replaces them") {
   PointCloud cloud = richCloud();
   auto points = statesOf(cloud);
   points[1].color = 0xFF0000FFu;
@@ -91,7 +91,7 @@ TEST_CASE("paint on a cloud without colours gives it some; on one with colours i
   CHECK(again.colors[5] == std::array<std::uint8_t, 4>{0, 0, 0, 0});
 }
 
-TEST_CASE("a cloud without points left is written and read") {
+TEST_CASE("a cloud without remaining points is written and read") {
   const ScratchFolder folder;
   const PointCloud cloud = richCloud();
   auto points = statesOf(cloud);

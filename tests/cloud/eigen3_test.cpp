@@ -29,7 +29,7 @@ void checkEigen(const SymmetricMatrix3& m) {
 
 }  // namespace
 
-TEST_CASE("random symmetric matrices of any scale") {
+TEST_CASE("eigenvalues of random symmetric matrices of any scale are right") {
   for (std::uint64_t i = 0; i < 300; ++i) {
     const DVec3 diagonal = randomNormal3(1, i), rest = randomNormal3(2, i);
     for (const double scale : {1.0, 1e-150, 1e150, 1e-6}) {
@@ -39,7 +39,7 @@ TEST_CASE("random symmetric matrices of any scale") {
   }
 }
 
-TEST_CASE("matrices with equal, vanishing and negative eigenvalues") {
+TEST_CASE("matrices with equal, zero and negative eigenvalues are solved") {
   checkEigen({});
   checkEigen({1, 1, 1, 0, 0, 0});
   checkEigen({-3, -3, 5, 0, 0, 0});

@@ -28,7 +28,7 @@ Points inSquare(std::size_t count, float side) {
 
 }  // namespace
 
-TEST_CASE("points are chosen so that none is too close and none could be added, with any number of threads") {
+TEST_CASE("even points are never too close, and none could be added, with any number of threads") {
   for (const std::size_t count : {0u, 1u, 2u, 1000u, 20'000u}) {
     const Points points = inSquare(count, 20);
     const BareVector<std::uint32_t> chosen = evenlySpaced(points.places, points.normals, 1, 1);
@@ -45,7 +45,7 @@ TEST_CASE("points are chosen so that none is too close and none could be added, 
   }
 }
 
-TEST_CASE("the two faces of a sheet do not crowd each other out, and coincident points of one face do") {
+TEST_CASE("the two faces of a sheet do not exclude each other's points, and coincident points of one face do") {
   Points points = inSquare(1, 1);
   for (int copy = 0; copy < 5; ++copy) {
     points.places.push_back(points.places[0]);
@@ -56,7 +56,7 @@ TEST_CASE("the two faces of a sheet do not crowd each other out, and coincident 
   CHECK(evenlySpaced(points.places, points.normals, 1) == BareVector<std::uint32_t>{0, 3});
 }
 
-TEST_CASE("points without company are left out: those that are alone, and those whose neighbours look elsewhere") {
+TEST_CASE("isolated points, and points whose neighbours face elsewhere, are left out") {
   Points points = inSquare(500, 5);
   const auto others = [&](std::size_t i) {
     std::size_t count = 0;
@@ -75,7 +75,7 @@ TEST_CASE("points without company are left out: those that are alone, and those 
   for (const unsigned threads : {1u, 4u}) CHECK(inCompany(points.places, points.normals, 0.4f, 8, threads) == expected);
 }
 
-TEST_CASE("noise in normals is averaged out, and an edge between two faces stays") {
+TEST_CASE("noise in normals is averaged, and an edge between two faces is kept") {
   Points points = inSquare(4000, 10);
   SceneRandom random(4);
   for (std::size_t i = 0; i < points.places.size(); ++i) {

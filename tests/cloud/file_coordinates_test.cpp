@@ -4,7 +4,7 @@
 
 namespace palpate::file_coordinates_test {
 
-TEST_CASE("the box of a cloud far from zero has the digits of its file") {
+TEST_CASE("the bounding box of a cloud far from zero has the digits of its file") {
   PointCloud cloud;
   cloud.origin = {637000, 4877000, 0};
   const std::vector<DVec3> places{{637177.98, 4877754.178, 421.33}, {637200.01, 4877800.5, 400.07}};

@@ -40,7 +40,7 @@ double densityAt(const GaussianDisc& disc, const Vec3& place) {
 
 }  // namespace
 
-TEST_CASE("seeds are in the order of their voxels, one in each, on the discs that they name") {
+TEST_CASE("seeds are in the order of their voxels, one per voxel, on the discs that they name") {
   const std::vector<GaussianDisc> discs = someDiscs(3000);
   const BareVector<GaussianSeed> seeds = seedsOver(discs, 1);
   CHECK(seeds.size() > 3000);
@@ -60,7 +60,7 @@ TEST_CASE("seeds are in the order of their voxels, one in each, on the discs tha
   }
 }
 
-TEST_CASE("of discs in one place the first one has the seeds, and nothing has none") {
+TEST_CASE("of coincident discs the first one gets the seeds, and no discs give none") {
   std::vector<GaussianDisc> discs(50, someDiscs(1)[0]);
   for (GaussianDisc& disc : discs) disc.longest.x = disc.middle.y = 5;
   const BareVector<GaussianSeed> seeds = seedsOver(discs, 3);
@@ -70,7 +70,7 @@ TEST_CASE("of discs in one place the first one has the seeds, and nothing has no
   CHECK(seedsOver({}, 3).empty());
 }
 
-TEST_CASE("at each seed all is felt whose reach it is within, and nothing twice") {
+TEST_CASE("each seed gathers exactly the Gaussians within reach, without duplicates") {
   const std::vector<GaussianDisc> discs = someDiscs(3000);
   const BareVector<GaussianSeed> seeds = seedsOver(discs, 1);
   for (const float margin : {0.0f, 2.0f, 5.0f}) {

@@ -121,7 +121,7 @@ GaussianScene square(int side) {
 
 }  // namespace
 
-TEST_CASE("points lie on the shape that the Gaussians were put on, with its normals, everywhere and nowhere else") {
+TEST_CASE("points cover the shape of the Gaussians, with its normals, and lie nowhere else") {
   for (const char* name : {"sphere", "torus", "cube", "plane"}) {
     CAPTURE(name);
     const KnownShape truth = shapeNamed(name);
@@ -147,7 +147,7 @@ TEST_CASE("points lie on the shape that the Gaussians were put on, with its norm
   }
 }
 
-TEST_CASE("no two points of a face stand closer than three quarters of the spacing that is told") {
+TEST_CASE("no two points of a face are closer than three quarters of the reported spacing") {
   const KnownShape truth = shapeNamed("torus");
   const GaussianSurface surface = surfaceOf(gaussiansOn(*truth.shape, truth.area, trained()).scene);
   const PointTree tree(surface.cloud.positions);
@@ -172,7 +172,7 @@ TEST_CASE("a point has the colour of the Gaussians around it") {
   CHECK(worst < 4);
 }
 
-TEST_CASE("the surface does not depend on the number of threads") {
+TEST_CASE("the Gaussian surface does not depend on the number of threads") {
   const KnownShape truth = shapeNamed("torus");
   const GaussianScene scene = gaussiansOn(*truth.shape, truth.area, trained()).scene;
   const PointCloud once = surfaceOf(scene, 1).cloud;
@@ -180,7 +180,7 @@ TEST_CASE("the surface does not depend on the number of threads") {
   for (const unsigned threads : {2u, 3u, 7u}) CHECK(sameBytes(surfaceOf(scene, threads).cloud, once));
 }
 
-TEST_CASE("far from the origin the surface is the same, moved") {
+TEST_CASE("far from the origin the Gaussian surface is the same, shifted") {
   const DVec3 far(1e6, -3e6, 5e5);
   const KnownShape truth = shapeNamed("sphere", far);
   const KnownScene known = gaussiansOn(*truth.shape, truth.area, {.count = 5000});
@@ -205,7 +205,7 @@ TEST_CASE("the unit of a scene does not matter, from a billionth to a billion") 
   }
 }
 
-TEST_CASE("scenes that show nothing have no surface") {
+TEST_CASE("scenes without visible Gaussians have no surface") {
   CHECK(surfaceOf({}).cloud.empty());
   GaussianScene faint = square(10);
   for (float& logit : faint.opacityLogits) logit = -6;
@@ -221,7 +221,7 @@ TEST_CASE("scenes that show nothing have no surface") {
   }
 }
 
-TEST_CASE("one Gaussian, and many that are all the same, are a small surface of their own") {
+TEST_CASE("one Gaussian, or many identical ones, give a small surface") {
   GaussianScene scene = square(1);
   const PointCloud one = surfaceOf(scene).cloud;
   CHECK_FALSE(one.empty());
@@ -233,7 +233,7 @@ TEST_CASE("one Gaussian, and many that are all the same, are a small surface of 
   CHECK(isRight(many));
 }
 
-TEST_CASE("some Gaussians with absurd sizes, logits and rotations change nothing for the others") {
+TEST_CASE("Gaussians with absurd sizes, logits and rotations do not affect the others") {
   const GaussianScene scene = square(30);
   GaussianScene odd = scene;
   const auto add = [&](const DVec3& center, const Vec3& logs, const Vec4& rotation, float logit) {
@@ -257,7 +257,7 @@ TEST_CASE("some Gaussians with absurd sizes, logits and rotations change nothing
   CHECK(static_cast<double>(surface.cloud.size()) == near(static_cast<double>(plain.cloud.size()), 0.05));
 }
 
-TEST_CASE("a rotation of length zero turns nothing, and lengths do not matter") {
+TEST_CASE("the length of a quaternion does not matter, and one of length zero means no rotation") {
   GaussianScene scene = square(20), zero = scene, longer = scene;
   for (Vec4& rotation : zero.rotations) rotation = Vec4(0);
   for (Vec4& rotation : longer.rotations) rotation *= 1e-25f;
@@ -269,7 +269,7 @@ TEST_CASE("a rotation of length zero turns nothing, and lengths do not matter") 
   }
 }
 
-TEST_CASE("flat Gaussians and thick ones of a plane make the same plane") {
+TEST_CASE("flat and thick Gaussians of a plane give the same plane") {
   for (const float thickness : {-100.0f, -3.0f, -0.5f}) {
     GaussianScene scene = square(30);
     for (Vec3& logs : scene.logScales) logs.z = thickness;

@@ -4,7 +4,7 @@
 
 namespace palpate::length_text_test {
 
-TEST_CASE("a length is shown with its unit, and never loses a whole digit") {
+TEST_CASE("a length is shown with its unit, and with all digits before the decimal point") {
   CHECK(lengthText(2.31, LengthUnit::m) == "2.31 m");
   CHECK(lengthText(0.0123456789, LengthUnit::unknown) == "0.0123457 units");
   CHECK(lengthText(4877754.178, LengthUnit::foot) == "4877754 ft");
@@ -14,7 +14,7 @@ TEST_CASE("a length is shown with its unit, and never loses a whole digit") {
   CHECK(lengthText(0) == "0");
 }
 
-TEST_CASE("a coordinate is shown with all digits that are known, and none that are not") {
+TEST_CASE("a coordinate is shown with exactly its known digits") {
   CHECK(coordinateText(4877754.178, 0) == "4877754.178");
   CHECK(coordinateText(637177.98, 0) == "637177.98");
   CHECK(coordinateText(-0.5, 0) == "-0.5");
@@ -30,7 +30,7 @@ TEST_CASE("a coordinate is shown with all digits that are known, and none that a
   CHECK(coordinateText(DVec3(1, 2.5, -3), 0, ",") == "1,2.5,-3");
 }
 
-TEST_CASE("the touch scale says once how large a model is in the hand") {
+TEST_CASE("the touch scale shows the size of the model in the hand once") {
   CHECK(touchScaleText({100 / 2.31}, 2.31, LengthUnit::m) == "100 mm in the hand for 2.31 m");
   CHECK(touchScaleText({2}, 0, LengthUnit::unknown) == "2 mm in the hand for 1 units");
 }

@@ -10,7 +10,7 @@
 
 namespace palpate::length_unit_test {
 
-TEST_CASE("a unit is what a comment of the file says it is") {
+TEST_CASE("the unit is read from a comment of the file") {
   const auto said = [](const char* comment) {
     return unitSaidIn(std::vector<std::string>{"comment made by a scanner in a museum", comment});
   };
@@ -28,7 +28,7 @@ TEST_CASE("a unit is what a comment of the file says it is") {
   CHECK(nameOf(LengthUnit::unknown) == "units");
 }
 
-TEST_CASE("a scale is what a comment says it is, and one that is said takes the place of another") {
+TEST_CASE("the scale is read from a comment, and a given one overrides it") {
   const auto said = [](const std::string& comment) {
     return scaleSaidIn(std::vector<std::string>{"comment units: m", comment});
   };
@@ -46,7 +46,7 @@ TEST_CASE("a scale is what a comment says it is, and one that is said takes the 
   CHECK(unitSaidIn(comments) == LengthUnit::unknown);
 }
 
-TEST_CASE("a round length is 1, 2 or 5 times a power of ten, and not above") {
+TEST_CASE("a round length is 1, 2 or 5 times a power of ten, and not larger than requested") {
   CHECK(roundLength(1) == near(1, 1e-6));
   CHECK(roundLength(1.99) == near(1, 1e-6));
   CHECK(roundLength(2) == near(2, 1e-6));

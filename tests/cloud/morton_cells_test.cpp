@@ -31,12 +31,12 @@ constexpr std::int32_t kReaches[] = {1, 2, 3, 500, 100'000, kMortonReach};
 
 }  // namespace
 
-TEST_CASE("a code gives its cell back") {
+TEST_CASE("a Morton code is decoded to its cell") {
   for (const IVec3 cell : {IVec3(0), IVec3(1, 2, 3), IVec3(2 * kMortonReach - 1, 0, 77), IVec3(2 * kMortonReach - 1)})
     CHECK(mortonCellOf(mortonCode(cell)) == cell);
 }
 
-TEST_CASE("sorting by the bits that tell cells apart is sorting by all, however far cells are from the middle") {
+TEST_CASE("sorting by the distinguishing bits equals sorting by all, however far cells are from the middle") {
   struct Entry {
     std::uint64_t code;
     std::size_t number;
@@ -57,7 +57,7 @@ TEST_CASE("sorting by the bits that tell cells apart is sorting by all, however 
     }
 }
 
-TEST_CASE("around a cell all that are occupied are found, each once, with any number of threads") {
+TEST_CASE("all occupied cells around a cell are found once, with any number of threads") {
   for (const std::int32_t reach : kReaches)
     for (const std::size_t count : {0u, 1u, 2u, 1023u, 1025u, 20'000u}) {
       CAPTURE(reach);

@@ -53,7 +53,7 @@ TEST_CASE("the noise of every shape is measured, and exact points have next to n
   }
 }
 
-TEST_CASE("noise is measured where folds are not much wider than the places that are looked at" * kMoreInFull) {
+TEST_CASE("noise is measured also if folds are hardly wider than the examined neighbourhoods" * kMoreInFull) {
   constexpr std::size_t kPoints = 100'000;
   const auto shape = makeShape("sculpture");
   CHECK(measured(noisyCloud(*shape, 0, kPoints)) < 0.03);
@@ -63,7 +63,7 @@ TEST_CASE("noise is measured where folds are not much wider than the places that
   CHECK(measured(noisyCloud(*shape, 0.5, kPoints)) == near(0.47, 0.06));
 }
 
-TEST_CASE("noise is told in spacings of the place where density changes") {
+TEST_CASE("noise is measured in local spacings where density changes") {
   const PointCloud clean = thinnedAlong(noisyCloud("sphere", 0), 10);
   CHECK(measured(clean) < 0.001);
   // The dense half has a noise of a quarter of its spacing, the sparse half, three times as far apart, a quarter of its
@@ -74,7 +74,7 @@ TEST_CASE("noise is told in spacings of the place where density changes") {
   CHECK(measured(cloud) == near(0.25, 0.08));
 }
 
-TEST_CASE("edges, coincident points and outliers are not taken for noise") {
+TEST_CASE("edges, coincident points and outliers do not count as noise") {
   // A twentieth of the points is a spacing off: half of the neighbourhoods contain one of them.
   PointCloud cloud = noisyCloud("cube", 0);
   const double spacing = meanSpacing(cloud);
@@ -92,11 +92,11 @@ TEST_CASE("noise far from the origin is that of the points, not of rounding") {
   CHECK(measured(noisyCloud("sphere", 0.25, 100'000, DVec3(1e6))) == near(0.25, 0.08));
 }
 
-TEST_CASE("a cloud of millions is measured by a part of it, and its noise told in its own spacings") {
+TEST_CASE("the noise of a cloud of millions is measured on a sample, in the cloud's spacings") {
   CHECK(measured(noisyCloud("torus", 0.25, 2'500'000)) == near(0.25, 0.1));
 }
 
-TEST_CASE("no noise where there is no surface") {
+TEST_CASE("a cloud without a surface has no noise") {
   PointCloud cloud;
   CHECK(measured(cloud) == 0);
   cloud.positions = {Vec3(1)};
@@ -110,12 +110,12 @@ TEST_CASE("no noise where there is no surface") {
   CHECK(measured(cloud) == 0);
 }
 
-TEST_CASE("the noise does not depend on the number of threads") {
+TEST_CASE("the measured noise does not depend on the number of threads") {
   const PointCloud cloud = noisyCloud("bumpy-sphere", 0.1, 20'000);
   CHECK(spacingRange(cloud, 1).noise == spacingRange(cloud, 5).noise);
 }
 
-TEST_CASE("points off a quadric have the variance that they were given, in any unit") {
+TEST_CASE("points off a quadric have their given variance, in any unit") {
   const auto exact = varianceOffQuadric(quadricPoints(40, 0));
   REQUIRE(exact);
   CHECK(*exact < 1e-4);  // third-order terms remain, because it is tilted against the fitted plane

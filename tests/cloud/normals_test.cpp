@@ -21,14 +21,14 @@ float worstCosine(PointCloud cloud, unsigned threads = 0) {
 
 }  // namespace
 
-TEST_CASE("estimated normals are true within degrees and look outwards") {
+TEST_CASE("estimated normals are accurate within degrees and face outwards") {
   CHECK(worstCosine(sampleShape(*makeShape("torus"), {.count = 50'000})) > std::cos(0.03));
   CHECK(worstCosine(sampleShape(*makeShape("bumpy-sphere"), {.count = 50'000})) > std::cos(0.05));
   CHECK(worstCosine(sampleShape(*makeShape("torus"), {.count = 50'000, .noise = 0.1})) > std::cos(0.35));
   CHECK(worstCosine(sampleShape(*makeShape("plane", 1e-4), {.count = 1000})) > 0.9999f);
 }
 
-TEST_CASE("each connected part looks outwards for itself") {
+TEST_CASE("each connected part of a cloud has normals that face outwards") {
   PointCloud cloud = sampleShape(*makeShape("sphere", 10), {.count = 5000});
   const PointCloud other = sampleShape(*makeShape("torus", 10, DVec3(30, 0, -7)), {.count = 5000});
   cloud.positions.insert(cloud.positions.end(), other.positions.begin(), other.positions.end());
@@ -36,7 +36,7 @@ TEST_CASE("each connected part looks outwards for itself") {
   CHECK(worstCosine(cloud) > std::cos(0.1));
 }
 
-TEST_CASE("edges are kept where planes cut across them, and what is smooth is left as it is") {
+TEST_CASE("edges between planes are kept, and smooth surfaces are unchanged") {
   for (const char* shape : {"cube", "bumpy-sphere"}) {
     const PointCloud cloud = sampleShape(*makeShape(shape), {.count = 20'000});
     std::vector<FittedPlane> planes(cloud.size());
@@ -62,7 +62,7 @@ TEST_CASE("edges are kept where planes cut across them, and what is smooth is le
   }
 }
 
-TEST_CASE("duplicates and thread counts change nothing") {
+TEST_CASE("normals do not depend on duplicates or the number of threads") {
   PointCloud cloud = sampleShape(*makeShape("torus"), {.count = 5000});
   PointCloud doubled = cloud;
   for (int copy = 0; copy < 20; ++copy)
@@ -72,7 +72,7 @@ TEST_CASE("duplicates and thread counts change nothing") {
   for (std::size_t i = 0; i < doubled.size(); ++i) REQUIRE(doubled.normals[i] == cloud.normals[i % cloud.size()]);
 }
 
-TEST_CASE("degenerate clouds still get unit normals") {
+TEST_CASE("degenerate clouds get unit normals") {
   PointCloud cloud;
   estimateNormals(cloud);
   CHECK_FALSE(cloud.hasNormals());

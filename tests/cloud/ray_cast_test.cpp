@@ -7,7 +7,7 @@
 
 namespace palpate::ray_cast_test {
 
-TEST_CASE("rays meet a sphere where geometry says") {
+TEST_CASE("rays hit a sphere where geometry predicts") {
   const DVec3 center(3, -2, 5);
   const auto sphere = makeShape("sphere", 2, center);
   std::size_t hits = 0;
@@ -28,7 +28,7 @@ TEST_CASE("rays meet a sphere where geometry says") {
   CHECK(hits > 100);
 }
 
-TEST_CASE("rays meet every shape on its surface, from the side that its normal points to") {
+TEST_CASE("rays hit every shape on its surface, from the side that its normal faces") {
   for (const char* name : {"cube", "torus", "bumpy-sphere"}) {
     CAPTURE(name);
     const auto shape = makeShape(name, 100);

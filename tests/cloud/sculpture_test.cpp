@@ -10,7 +10,7 @@
 
 namespace palpate::test::sculpture_test {
 
-TEST_CASE("the sculpture is closed: the solid angle seen from any point is all or nothing") {
+TEST_CASE("the sculpture is closed: the solid angle seen from any point is full or zero") {
   // Gauss: the flux of (q - p) / |q - p|^3 through a closed surface is 4 pi for p inside and 0 outside.
   const auto shape = makeShape("sculpture");
   const PointCloud cloud = sampleShape(*shape, {.count = 300'000});

@@ -40,7 +40,7 @@ TEST_CASE("the wide spacing is that of the sparsest region") {
   CHECK(range.wide < 0.024);
 }
 
-TEST_CASE("neither one far point nor duplicates change the spacing") {
+TEST_CASE("neither one distant point nor duplicates change the spacing") {
   PointCloud cloud = sampleShape(*makeShape("sphere"), {.count = 50'000});
   const double spacing = meanSpacing(cloud);
   cloud.positions.emplace_back(1e9f, 0.0f, 0.0f);
@@ -50,13 +50,13 @@ TEST_CASE("neither one far point nor duplicates change the spacing") {
   CHECK(meanSpacing(cloud) == near(spacing, 0.01));
 }
 
-TEST_CASE("a cloud of millions is measured by a part of it") {
+TEST_CASE("the spacing of a cloud of millions is measured on a sample") {
   const PointCloud cloud = sampleShape(*makeShape("torus"), {.count = 2'500'000});
   const double area = 4 * std::numbers::pi * std::numbers::pi * 35 * 15;
   CHECK(meanSpacing(cloud) == near(std::sqrt(area / 2.5e6), 0.04));
 }
 
-TEST_CASE("no spacing where there are no two places") {
+TEST_CASE("a cloud without two different positions has no spacing") {
   PointCloud cloud;
   CHECK(meanSpacing(cloud) == 0);
   cloud.positions = {Vec3(1)};

@@ -17,7 +17,7 @@ std::size_t countBetween(const PointCloud& cloud, float low, float high) {
 
 }  // namespace
 
-TEST_CASE("density falls by the ratio from one end to the other, evenly in between") {
+TEST_CASE("thinning reduces the density by the ratio from one end to the other, evenly in between") {
   const PointCloud even = sampleShape(*makeShape("plane"), {.count = 400'000});
   const PointCloud thinned = thinnedAlong(even, 10);
   const auto kept = [&](float low, float high) {
@@ -30,7 +30,7 @@ TEST_CASE("density falls by the ratio from one end to the other, evenly in betwe
   CHECK(thinned.normals.size() == thinned.size());
 }
 
-TEST_CASE("a ratio of one keeps every point, and the same seed keeps the same points") {
+TEST_CASE("a thinning ratio of one keeps every point, and the same seed keeps the same points") {
   const PointCloud even = sampleShape(*makeShape("sphere", 100, DVec3(1e6)), {.count = 1000});
   CHECK(thinnedAlong(even, 1).positions == even.positions);
   CHECK(thinnedAlong(even, 10).origin == even.origin);

@@ -54,7 +54,7 @@ DVec3 somewhere(std::uint64_t i, double reach) { return reach * randomNormal3(5,
 
 }  // namespace
 
-TEST_CASE("a fine mesh of a sphere says what the sphere says") {
+TEST_CASE("distances to a fine mesh of a sphere equal those to the sphere") {
   const Mesh mesh = sphereMesh(50, 200);
   const TriangleMesh sphere(mesh.vertices, mesh.triangles);
   const auto truth = makeShape("sphere");
@@ -67,7 +67,7 @@ TEST_CASE("a fine mesh of a sphere says what the sphere says") {
   }
 }
 
-TEST_CASE("a mesh of a cube is the cube: inside, outside, over faces, edges and corners") {
+TEST_CASE("distances to a mesh of a cube are exact inside, outside, over faces, edges and corners") {
   const Mesh mesh = cubeMesh(50);
   const TriangleMesh cube(mesh.vertices, mesh.triangles);
   const auto truth = makeShape("cube");
@@ -81,7 +81,7 @@ TEST_CASE("a mesh of a cube is the cube: inside, outside, over faces, edges and 
   CHECK(angleBetween_deg(cube.closest({60, 60, 60}).normal, DVec3(1)) < 1e-6);
 }
 
-TEST_CASE("every triangle is found: the tree answers what a search over all of them answers") {
+TEST_CASE("the tree of a mesh finds the nearest triangle of a full search") {
   Mesh mesh;
   for (std::uint64_t i = 0; i < 257; ++i) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -100,7 +100,7 @@ TEST_CASE("every triangle is found: the tree answers what a search over all of t
   }
 }
 
-TEST_CASE("triangles without area do no harm, and a mesh of nothing else is refused") {
+TEST_CASE("triangles without area are ignored, and a mesh of nothing else is refused") {
   Mesh mesh = cubeMesh(50);
   mesh.triangles.push_back({0, 0, 1});
   mesh.triangles.push_back({2, 2, 2});

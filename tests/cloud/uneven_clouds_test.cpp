@@ -33,7 +33,7 @@ std::vector<double> nearestDistances(const PointCloud& cloud) {
 
 }  // namespace
 
-TEST_CASE("uneven clouds lie on their surfaces, with its normals, and have about as many points as asked for") {
+TEST_CASE("uneven clouds lie on their surfaces, with their normals and about the requested number of points") {
   for (const std::string_view name : unevenCloudNames()) {
     CAPTURE(name);
     const UnevenCloud uneven = makeUnevenCloud(name, 15'000);
@@ -54,7 +54,7 @@ TEST_CASE("uneven clouds lie on their surfaces, with its normals, and have about
   CHECK_THROWS_AS(makeUnevenCloud("cheese", 100), UsageError);
 }
 
-TEST_CASE("the gradient is ten times as dense at one end, as a band of the sphere tells") {
+TEST_CASE("the gradient cloud is ten times as dense at one end as at the other") {
   const PointCloud cloud = makeUnevenCloud("gradient", 100'000).cloud;
   // Bands of equal height have equal areas.
   const std::size_t dense = countWhere(cloud, [](const DVec3& p) { return p.x > 49; });
@@ -62,7 +62,7 @@ TEST_CASE("the gradient is ten times as dense at one end, as a band of the spher
   CHECK(static_cast<double>(dense) / static_cast<double>(sparse) == near(10, 0.05));
 }
 
-TEST_CASE("of the patches' points 8 % lie in between, and a border runs through the place") {
+TEST_CASE("8 % of the points of the patches cloud lie between patches, and a border runs through the test position") {
   const UnevenCloud uneven = makeUnevenCloud("patches", 15'000);
   const std::vector<double> nearest = nearestDistances(uneven.cloud);
   const auto wide = static_cast<double>(std::ranges::count_if(nearest, [](double d) { return d > 2; }));
@@ -76,7 +76,7 @@ TEST_CASE("of the patches' points 8 % lie in between, and a border runs through 
   CHECK(near(uneven.place + 5.0 * uneven.towards) < 10);
 }
 
-TEST_CASE("random and decimated points crowd and leave holes, the even ones do neither") {
+TEST_CASE("random and decimated clouds have crowded points and holes, the even ones do not") {
   const std::vector<double> even = nearestDistances(makeUnevenCloud("even", 15'000).cloud);
   const std::vector<double> random = nearestDistances(makeUnevenCloud("random", 15'000).cloud);
   const std::vector<double> decimated = nearestDistances(makeUnevenCloud("decimated", 15'000).cloud);
@@ -86,7 +86,7 @@ TEST_CASE("random and decimated points crowd and leave holes, the even ones do n
   CHECK(ratio(decimated) > 4);
 }
 
-TEST_CASE("the two sheets of a plate look away from each other") {
+TEST_CASE("the two sheets of a plate face away from each other") {
   const PointCloud plate = makePlate(2000, 0.8);
   CHECK(plate.size() == 2000);
   for (std::size_t i = 0; i < plate.size(); ++i) {

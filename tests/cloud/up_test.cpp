@@ -265,7 +265,7 @@ void addOutliers(PointCloud& cloud, double share, double far) {
 
 }  // namespace
 
-TEST_CASE("fronts and ups are the axes of a right-handed frame") {
+TEST_CASE("front and up are axes of a right-handed frame") {
   for (const auto& [name, up] : kUpAxes) {
     CAPTURE(name);
     CHECK(nameOf(up) == name);
@@ -276,7 +276,7 @@ TEST_CASE("fronts and ups are the axes of a right-handed frame") {
   CHECK(frontOf(UpAxis::y) == DVec3(0, 0, 1));
 }
 
-TEST_CASE("what stands or lies is found, whichever way its file has it") {
+TEST_CASE("standing and flat models get the right up axis in any orientation of the file") {
   for (const auto& [name, make] : kStanding)
     for (const auto& [upName, up] : kUpAxes) {
       CAPTURE(name);
@@ -316,7 +316,7 @@ TEST_CASE("outliers and uneven sampling do not turn a model over") {
       }
 }
 
-TEST_CASE("shapes that say nothing have y up") {
+TEST_CASE("ambiguous shapes have y up") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const auto shape = makeShape(name, 100, DVec3(3, -8, 20));
@@ -340,7 +340,7 @@ TEST_CASE("shapes that say nothing have y up") {
   CHECK(findUp(same).up == UpAxis::y);
 }
 
-TEST_CASE("a wall with windows stands, and is no ground") {
+TEST_CASE("a wall with windows counts as standing, not as ground") {
   PointCloud wall;  // y up, seen from +z
   Dice dice;
   for (int column = 0; column < 6; ++column)
@@ -358,7 +358,7 @@ TEST_CASE("a wall with windows stands, and is no ground") {
   CHECK(findUp(turned(wall, UpAxis::z)).up == UpAxis::z);
 }
 
-TEST_CASE("a head that is cut off at its neck stands on the cut, and not on a flat side") {
+TEST_CASE("a head cut off at the neck stands on the cut, and not on a flat side") {
   for (const auto& [name, up] : kUpAxes) {
     CAPTURE(name);
     PointCloud head = turned(headCutAtNeck(), up);
@@ -372,7 +372,7 @@ TEST_CASE("a head that is cut off at its neck stands on the cut, and not on a fl
   }
 }
 
-TEST_CASE("a head that is cut off at neck and crown, out of a volume, has z up") {
+TEST_CASE("a head cut off at neck and crown, from a volume, has z up") {
   const PointCloud whole = turned(headCutAtNeck(), UpAxis::z);
   PointCloud cut;
   for (std::size_t i = 0; i < whole.size(); ++i)
@@ -382,7 +382,7 @@ TEST_CASE("a head that is cut off at neck and crown, out of a volume, has z up")
   CHECK(nameOf(findUp(cut).up) == "z");
 }
 
-TEST_CASE("towns from the air have up across the ground, in narrow strips too") {
+TEST_CASE("aerial scans of towns, also in narrow strips, have up across the ground") {
   for (const auto& [width, length] : {std::pair{80.0, 60.0}, {80.0, 25.0}, {40.0, 40.0}}) {
     CAPTURE(width);
     CAPTURE(length);
@@ -398,7 +398,7 @@ TEST_CASE("towns from the air have up across the ground, in narrow strips too") 
   }
 }
 
-TEST_CASE("a room that was seen from one side stands on its floor") {
+TEST_CASE("a room scanned from one side stands on its floor") {
   for (const auto& [name, up] : kUpAxes) {
     CAPTURE(name);
     if (name.ends_with('x')) continue;  // a wall beside the view is more likely than a file with x up
@@ -408,7 +408,7 @@ TEST_CASE("a room that was seen from one side stands on its floor") {
   }
 }
 
-TEST_CASE("a room from within stands on the floor, from which its furniture rises") {
+TEST_CASE("a room scanned from within stands on the floor, from which its furniture rises") {
   for (const auto& [name, up] : kUpAxes) {
     CAPTURE(name);
     const Upright found = findUp(turned(roomFromWithin(), up));
@@ -458,7 +458,7 @@ TEST_CASE("each picture of a real depth camera has y down") {
   }
 }
 
-TEST_CASE("strips of a real scan from the air have z up, whatever their file does not say") {
+TEST_CASE("strips of a real aerial scan have z up, without any hint in the file") {
   const std::filesystem::path file = modelsFolder() / "formats" / "autzen_trim.laz";
   if (!std::filesystem::exists(file)) {
     MESSAGE("skipped: no ", file.string());
@@ -475,7 +475,7 @@ TEST_CASE("strips of a real scan from the air have z up, whatever their file doe
   }
 }
 
-TEST_CASE("a few points far away do not widen what a picture shows") {
+TEST_CASE("a few distant points do not widen the shown box") {
   for (const auto& [name, make] : kStanding) {
     CAPTURE(name);
     PointCloud cloud = make();
@@ -498,7 +498,7 @@ TEST_CASE("a few points far away do not widen what a picture shows") {
   CHECK(coreBoundsOf(two).max == boundsOf(two).max);
 }
 
-TEST_CASE("real scans stand upright, whichever way their file has them") {
+TEST_CASE("real scans stand upright in any orientation of the file") {
   const std::pair<std::string_view, UpAxis> kTruth[] = {{"armadillo_43243.ply", UpAxis::y},
                                                         {"armadillo_1037774.ply", UpAxis::y},
                                                         {"bunny_34834.ply", UpAxis::y},

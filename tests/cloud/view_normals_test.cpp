@@ -70,7 +70,7 @@ Judged judge(const SeenShape& seen) {
 
 }  // namespace
 
-TEST_CASE("normals of what cameras saw are those of the shape, and face the cameras") {
+TEST_CASE("normals of camera views are those of the shape, and face the cameras") {
   SeenShape seen = seenSphere(4000, 3, 0);
   normalsFromViews(seen.cloud, seen.sights);
   const Judged judged = judge(seen);
@@ -81,7 +81,7 @@ TEST_CASE("normals of what cameras saw are those of the shape, and face the came
   CHECK(seen.cloud.normals == one);
 }
 
-TEST_CASE("points that are known to be bad hardly count") {
+TEST_CASE("points with low confidence hardly affect normals") {
   SeenShape seen = seenSphere(4000, 3, 0.2);
   normalsFromViews(seen.cloud, seen.sights);
   const double weighed = judge(seen).angle;
@@ -90,7 +90,7 @@ TEST_CASE("points that are known to be bad hardly count") {
   CHECK(weighed < 0.6 * judge(seen).angle);
 }
 
-TEST_CASE("a point that nobody saw, or that was seen edge on, has the side of its neighbours") {
+TEST_CASE("a point without views, or seen edge-on, gets the side of its neighbours") {
   SeenShape seen = seenSphere(4000, 3, 0);
   for (std::size_t i = 0; i < seen.sights.size(); i += 5) {
     const DVec3 out = seen.truth[i];
@@ -101,7 +101,7 @@ TEST_CASE("a point that nobody saw, or that was seen edge on, has the side of it
   CHECK(judge(seen).inwards == 0);
 }
 
-TEST_CASE("normals that face away from their views are turned; those that nobody saw, and all others, stay") {
+TEST_CASE("normals that face away from their views are flipped; those without views, and all others, stay") {
   SeenShape seen = seenSphere(500, 3, 0);
   std::vector<Vec3> expected;
   std::size_t inwards = 0;
@@ -118,7 +118,7 @@ TEST_CASE("normals that face away from their views are turned; those that nobody
   CHECK(faceViews(seen.cloud, seen.sights) == 0);
 }
 
-TEST_CASE("a view adds the unit direction to it, and one from the point itself nothing") {
+TEST_CASE("a view adds the unit direction to it, and a view from the point itself adds zero") {
   PointSight sight;
   sight.addView({1, 2, 3}, {1, 2, 13});
   sight.addView({1, 2, 3}, {-4, 2, 3});
@@ -126,7 +126,7 @@ TEST_CASE("a view adds the unit direction to it, and one from the point itself n
   CHECK(sight.towardsViews == DVec3(-1, 0, 1));
 }
 
-TEST_CASE("no point, one, all in one place and all on a line have unit normals that face their views") {
+TEST_CASE("empty, single, coincident and collinear points have unit normals that face their views") {
   for (const std::size_t count : {0, 1, 2, 40})
     for (const float step : {0.0f, 0.1f}) {
       CAPTURE(count);

@@ -1,5 +1,5 @@
-/* A program with a servo loop of its own, as a simulator or a device's library has one: its thread wakes once a
- * millisecond by the clock, and asks what the surface answers, while another thread of the program looks. */
+/* A program with a servo loop of its own, like a simulator or a device's library: its thread wakes every
+ * millisecond and queries the surface, while another thread of the program reads the session's state. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <palpate/palpate.h>
@@ -17,8 +17,8 @@ static float positions[3 * POINTS], normals[3 * POINTS];
 typedef struct loop {
   pp_session session;
   int missed; /* wakes that came more than a period late */
-  int wrong;  /* forces that are not as they should be */
-  int failed; /* calls */
+  int wrong;  /* wrong forces */
+  int failed; /* failed calls */
   pp_contact last;
 } loop;
 
@@ -40,10 +40,10 @@ static void make_ball(void) {
   }
 }
 
-/* From 2 mm above the ball to 1 mm below its surface in half of the ticks, and there it rests. */
+/* From 2 mm above the ball to 1 mm below its surface in half of the ticks, then at rest. */
 static double height(int tick) { return tick < TICKS / 2 ? 52 - 3.0 * tick / (TICKS / 2) : 49; }
 
-/* At 0.8 N/mm; damping and an answer that is a little late are allowed for. */
+/* At 0.8 N/mm; allows for damping and a slightly late answer. */
 static int is_right(int tick, const pp_contact* contact) {
   const double force = contact->force_N[2];
   if (!contact->valid || fabs(contact->force_N[0]) > 0.1 || fabs(contact->force_N[1]) > 0.1) return 0;
@@ -71,7 +71,7 @@ static void* servo(void* given) {
     clock_gettime(CLOCK_MONOTONIC, &now);
     if (now.tv_sec - due.tv_sec + 1e-9 * (double)(now.tv_nsec - due.tv_nsec) > 1e-9 * PERIOD_NS) {
       ++mine->missed;
-      due = now; /* from here on again, instead of many ticks in a row */
+      due = now; /* restart the schedule here instead of running many ticks in a row */
     }
   }
   return NULL;

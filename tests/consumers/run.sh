@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the library of a build folder into a scratch one, and builds and runs programs of other people's against that
-# alone, in C, C++ and, where they can be, Python and C#: by CMake's package, and by pkg-config where there is one.
+# Installs the library of a build folder into a scratch folder, and builds and runs programs against that alone: in C,
+# C++ and, if available, Python and C#; by the CMake package and, if available, by pkg-config.
 #   tests/consumers/run.sh BUILD_FOLDER [PYTHON]
 set -euo pipefail
 [ -z "${PALPATE_TESTS_ONLY:-}" ] || { echo "consumers: skipped: it has no label $PALPATE_TESTS_ONLY"; exit 77; }
@@ -18,22 +18,22 @@ done
 library=$(find "$scratch/installed" -name 'libpalpate.so.0')
 [ -n "$library" ] || fail "there is no libpalpate.so.0"
 
-# Nothing but the C interface is exported, all of the headers is, and the library says its name.
+# Only the C interface is exported, all functions of the headers are, and the library has its soname.
 headers=("$scratch/installed/include/palpate/"*.h)
 exported=$(nm -D --defined-only "$library" | awk '$2 != "A" {print $3}' | sort)
 strays=$(grep -v '^pp_' <<< "$exported" || true)
-[ -z "$strays" ] || fail "exported are also: $strays"
+[ -z "$strays" ] || fail "unexpected exports: $strays"
 declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(\([a-z_]*\))$/pp_init_\1/p' \
   "${headers[@]}" | sort)
-[ "$(wc -l <<< "$declared")" -gt 50 ] || fail "the headers declare too little"
+[ "$(wc -l <<< "$declared")" -gt 50 ] || fail "the headers declare too few functions"
 [ "$declared" = "$exported" ] ||
   fail "headers and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
-readelf -d "$library" | grep -q 'SONAME.*\[libpalpate.so.0\]' || fail "another soname"
+readelf -d "$library" | grep -q 'SONAME.*\[libpalpate.so.0\]' || fail "wrong soname"
 for other in glfw imgui X11; do
   if readelf -d "$library" | grep NEEDED | grep -qi "$other"; then fail "the library needs $other"; fi
 done
 
-# A tree that has been moved works as well.
+# A moved tree works as well.
 mv "$scratch/installed" "$scratch/moved"
 examples=$scratch/moved/share/doc/palpate/examples
 strict="-Wall -Wextra -Wpedantic -Wshadow -Werror"
@@ -44,21 +44,21 @@ for programs in "$examples" "$here"; do
     > "$scratch/configure.log" || fail "$(cat "$scratch/configure.log")"
   cmake --build "$to"
 done
-felt() {  # COMMAND...: it says a force that 1 mm gives at 0.8 N/mm
+felt() {  # COMMAND...: checks that it prints the force of 1 mm at 0.8 N/mm
   "$@" | tee "$scratch/felt.txt"
   awk '{exit !($2 > 0.6 && $2 < 0.9)}' "$scratch/felt.txt" || fail "the force is not that of 1 mm at 0.8 N/mm"
 }
 felt "$scratch/build/examples/press"
 felt "$scratch/build/consumers/hosted"
 
-# A model that anybody can write: a plane with a hump.
+# A model in a text format: a plane with a hump.
 awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)
   printf "%g,%g,%g\n", i, j, 20 * exp(-(i * i + j * j) / 800)}' > "$scratch/hump.csv"
 "$scratch/build/examples/dent" "$scratch/hump.csv" "$scratch/dented.ply"
 [ "$(head -c 3 "$scratch/dented.ply")" = ply ] || fail "nothing was saved"
 "$scratch/build/examples/stir"
 
-# One serves a cloud, and two others dent it.
+# One program serves a cloud, and two others dent it.
 source "$(dirname "$0")/../own_domain.sh"
 mkfifo "$scratch/end"
 exec 3<> "$scratch/end"
@@ -69,22 +69,24 @@ until grep -q serving "$scratch/serve.txt" 2> /dev/null; do kill -0 "$server" 2>
 if grep -q serving "$scratch/serve.txt"; then
   "$scratch/build/examples/share" join "$domain" 0 > "$scratch/one.txt" &
   one=$!
-  "$scratch/build/examples/share" join "$domain" 6 > "$scratch/two.txt" || fail 'the second hand did not dent what is served'
-  wait "$one" || fail 'the first hand did not dent what is served'
+  "$scratch/build/examples/share" join "$domain" 6 > "$scratch/two.txt" ||
+    fail 'the second hand did not dent the served cloud'
+  wait "$one" || fail 'the first hand did not dent the served cloud'
   echo >&3
   wait "$server" || fail 'the server failed'
-  grep -q '^sculptors 2$' "$scratch/serve.txt" || fail "served, and not dented by two: $(cat "$scratch/serve.txt")"
+  grep -q '^sculptors 2$' "$scratch/serve.txt" ||
+    fail "the served cloud was not dented by two hands: $(cat "$scratch/serve.txt")"
   points=$(grep points "$scratch/serve.txt")
-  # Who was done last has what the server has; the other one may have been done before that.
+  # The program that finished last has the server's points; the other one may have finished before the last edit.
   grep -qxF "$points" "$scratch/one.txt" "$scratch/two.txt" ||
     fail "the points differ: $(cat "$scratch"/{serve,one,two}.txt)"
-  "$scratch/build/consumers/together" "$domain" || fail 'a cloud is not the same everywhere in one program'
+  "$scratch/build/consumers/together" "$domain" || fail 'clouds differ between sessions of one program'
   echo "share: $points, of two hands and their server"
 else
   code=0
   wait "$server" || code=$?
   [ "$code" = 77 ] || fail "share serve ended with $code"
-  echo 'consumers: skipped: sharing, which this library was built without'
+  echo 'consumers: skipped: sharing: this library was built without it'
 fi
 
 if command -v pkg-config > /dev/null; then
@@ -94,14 +96,14 @@ if command -v pkg-config > /dev/null; then
   ${CC:-cc} -o "$scratch/press" "$examples/press.c" $(pkg-config --cflags --libs palpate) -lm
   LD_LIBRARY_PATH=$(dirname "$(find "$scratch/moved" -name libpalpate.so.0)") felt "$scratch/press"
 else
-  echo "consumers: skipped: pkg-config, which is not here"
+  echo "consumers: skipped: pkg-config: not installed"
 fi
 
 if command -v mcs > /dev/null && command -v mono > /dev/null; then
   mcs -out:"$scratch/Press.exe" "$examples/Press.cs"
   LD_LIBRARY_PATH=$(dirname "$(find "$scratch/moved" -name libpalpate.so)") felt mono "$scratch/Press.exe"
 else
-  echo "consumers: skipped: C#, whose compiler is not here (mono-mcs, mono-runtime)"
+  echo "consumers: skipped: C#: the compiler is not installed (mono-mcs, mono-runtime)"
 fi
 
 module=$(find "$scratch/moved" -name 'palpate' -path '*dist-packages*')
@@ -109,6 +111,6 @@ if [ -n "$module" ]; then
   PYTHONPATH=$(dirname "$module") "$python" "$examples/dent.py" "$scratch/hump.csv" "$scratch/python.ply"
   [ "$(head -c 3 "$scratch/python.ply")" = ply ] || fail "Python saved nothing"
 else
-  echo "consumers: skipped: Python, whose module was not built"
+  echo "consumers: skipped: Python: the module was not built"
 fi
-echo "consumers: all of them ran"
+echo "consumers: all programs ran"

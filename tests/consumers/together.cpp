@@ -1,4 +1,4 @@
-// A cloud that is served, and two hands that dent it, in one program: together
+// A served cloud and two hands that dent it, in one program: together
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// The proxy in double precision: over exact surfaces, sheets of two faces, edges, grooves and with friction.
+// The proxy in double precision: over exact surfaces, two-faced sheets, edges, grooves and with friction.
 #include "engine/contact/proxy_tracker.hpp"
 
 #include <doctest/doctest.h>
@@ -79,7 +79,7 @@ TEST_CASE("the proxy follows the exact god-object") {
   }
 }
 
-TEST_CASE("a thin plate and a single sheet are felt at both faces, each time the one that the HIP came from") {
+TEST_CASE("a thin plate and a single sheet are felt from both sides, at the face that the HIP came from") {
   for (const SurfaceKind kind : kKinds)
     for (const double thickness : {0.0, 0.3, 1.0, 3.0}) {
       CAPTURE(static_cast<int>(kind));
@@ -101,7 +101,7 @@ TEST_CASE("a thin plate and a single sheet are felt at both faces, each time the
     }
 }
 
-TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N" * kMoreInFull) {
+TEST_CASE("the proxy never passes through a plate, at up to 1 m/s and 3.3 N" * kMoreInFull) {
   constexpr double kDeepest = 3.3 / 0.8;  // mm, at 0.8 N/mm
   struct Case {
     double thickness, radius;
@@ -138,14 +138,14 @@ TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N" * kMoreI
   }
 }
 
-TEST_CASE("a HIP that starts behind a sheet is let out, and one that was let go within is not caught on its way out") {
+TEST_CASE("a HIP that starts behind a sheet, or was released inside, is not caught on its way out") {
   const PointCloud cloud = sheet();
   ContactReference touch(cloud, {.radius = kSheetRadius});
   for (double z = -1.5; z < 3; z += 0.1) CHECK_FALSE(touch.query({.hip = {0, 0, z}}, 0).touching);
   CHECK(touch.query({.hip = {0, 0, -0.5}}, 0).touching);
 }
 
-TEST_CASE("sliding over an edge turns the force no faster than the HIP moves") {
+TEST_CASE("sliding over an edge rotates the force no faster than the HIP moves") {
   const Scene scene = makeScene("cube", 200'000);
   for (const double skew : {0.0, 0.4}) {
     CpuTouch touch(scene.cloud, {.radius = scene.radius, .surface = SurfaceKind::sharp, .threads = 1});
@@ -170,7 +170,7 @@ TEST_CASE("sliding over an edge turns the force no faster than the HIP moves") {
   }
 }
 
-TEST_CASE("a groove holds the proxy at its bottom and lets it go") {
+TEST_CASE("the proxy settles at the bottom of a groove and leaves it with the HIP") {
   const PointCloud cloud = groove();
   for (const SurfaceKind kind : kKinds) {
     CAPTURE(static_cast<int>(kind));
@@ -194,7 +194,7 @@ TEST_CASE("a groove holds the proxy at its bottom and lets it go") {
   }
 }
 
-TEST_CASE("friction holds the proxy within its cone and drags it along the border of the cone") {
+TEST_CASE("friction holds the proxy within its cone, then drags it along the border of the cone") {
   const PointCloud cloud = sheet();
   constexpr double kFriction = 0.4, kDepth = 1.5;
   for (const SurfaceKind kind : kKinds) {
@@ -213,7 +213,7 @@ TEST_CASE("friction holds the proxy within its cone and drags it along the borde
   }
 }
 
-TEST_CASE("a proxy that rests on moving points goes with them, and is let go when they leave") {
+TEST_CASE("a resting proxy moves with the points below it, and is released when they leave") {
   PointCloud cloud = sheet();
   class Moving final : public SurfaceField {
    public:
@@ -248,7 +248,7 @@ TEST_CASE("a proxy that rests on moving points goes with them, and is let go whe
 
 namespace {
 
-/// A plane that goes up, in the tick's own time, and counts how often it is looked at.
+/// A plane that rises with the time of the tick and counts its queries.
 class RisingPlane final : public SurfaceField {
  public:
   explicit RisingPlane(double speed) : speed_(speed) {}
@@ -270,8 +270,8 @@ class RisingPlane final : public SurfaceField {
 
 }  // namespace
 
-TEST_CASE("a hand that goes along with a surface has no way, however fast both are, and is never touched") {
-  // Three support radii in a tick: where the hand was is far behind where the plane is now.
+TEST_CASE("a hand that moves along with a fast surface above it does not touch it") {
+  // Three support radii per tick: the last position of the hand is far behind the plane at this tick.
   RisingPlane plane(3'000);
   ProxyTracker tracker(1);
   for (int i = 0; i < 20; ++i) {
@@ -281,7 +281,7 @@ TEST_CASE("a hand that goes along with a surface has no way, however fast both a
     CHECK_FALSE(tracker.touching());
     CHECK(plane.looks == 1);
   }
-  // Then it stays behind, and the plane takes it along.
+  // Then the hand stops, and the plane carries the proxy along.
   const double hip = plane.height() + 0.3;
   for (int i = 20; i < 24; ++i) {
     plane.moveTo(1e-3 * i);

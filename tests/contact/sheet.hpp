@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-// Squares of 40 x 40 with a spacing of 0.5, on z = 0 looking up and, for a plate, on z = -thickness looking down.
+// Grids of 81 x 81 points with a spacing of 0.5: on z = 0 facing up and, for a plate, on z = -thickness facing down.
 inline PointCloud sheet(double thickness = 0) {
   PointCloud cloud;
   for (int i = -40; i <= 40; ++i)

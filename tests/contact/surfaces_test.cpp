@@ -1,4 +1,4 @@
-// What the three kinds of surface make of shapes whose truth is known.
+// The three kinds of surface on shapes with known geometry.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -22,15 +22,15 @@ struct Accuracy {
   double p95_deg = 0;        // of the angle to the true normal
 };
 
-// How far a place on a cube is from where two faces meet.
+// Distance of a position on a cube from the nearest edge.
 double fromEdge(const DVec3& x) {
   std::array<double, 3> sides{std::abs(x.x), std::abs(x.y), std::abs(x.z)};
   std::ranges::sort(sides);
   return sides[2] - sides[1];
 }
 
-// Projects places near the points of `clean` onto the surface of scene.cloud. `apart`: on a cube, looks only at places
-// so far from its edges, and no further than the support radius; model units.
+// Projects positions near the points of `clean` onto the surface of scene.cloud. `apart` (model units): on a cube, only
+// uses positions at least this far from the edges and within a support radius of them.
 Accuracy accuracyOf(const Scene& scene, const PointCloud& clean, SurfaceKind kind, double apart = 0) {
   const ContactReference reference(scene.cloud, {.radius = scene.radius, .kind = kind});
   Accuracy accuracy;
@@ -83,7 +83,7 @@ PointCloud twoDensities() {
 
 }  // namespace
 
-TEST_CASE("sphere and sharp find round shapes without bias; the average lies where theory puts it") {
+TEST_CASE("sphere and sharp surfaces fit round shapes without bias; the average surface has its theoretical bias") {
   for (const std::string_view name : {"sphere", "torus", "bumpy-sphere"}) {
     CAPTURE(name);
     const Scene scene = makeScene(name, kPoints);
@@ -99,7 +99,7 @@ TEST_CASE("sphere and sharp find round shapes without bias; the average lies whe
   }
 }
 
-TEST_CASE("sharp keeps the edges of a cube, where the others round them off") {
+TEST_CASE("sharp surfaces keep the edges of a cube, which the others round off") {
   const Scene scene = makeScene("cube", kPoints);
   const double apart = 1.5 * scene.spacing;
   const Accuracy sharp = accuracyOf(scene, scene.cloud, SurfaceKind::sharp, apart);
@@ -109,7 +109,7 @@ TEST_CASE("sharp keeps the edges of a cube, where the others round them off") {
   CHECK(accuracyOf(scene, scene.cloud, SurfaceKind::sphere, apart).p95_deg > 5);
 }
 
-TEST_CASE("noise of a quarter spacing turns no normal by much and moves no surface by more than the mean of it" *
+TEST_CASE("noise of a quarter spacing hardly rotates normals and shifts the surface by less than its mean" *
           kMoreInFull) {
   for (const std::string_view name :
        byTier<std::vector<std::string_view>>({"torus"}, {"sphere", "torus", "bumpy-sphere"})) {
@@ -127,7 +127,7 @@ TEST_CASE("noise of a quarter spacing turns no normal by much and moves no surfa
   }
 }
 
-TEST_CASE("a surface ends within half a support radius of its last points, and nothing is felt past it") {
+TEST_CASE("a surface ends within half a support radius of its last points") {
   const Scene scene = makeScene("plane", 20'000);
   for (const auto& [name, kind] : kSurfaceKinds) {
     CAPTURE(name);
@@ -141,7 +141,7 @@ TEST_CASE("a surface ends within half a support radius of its last points, and n
   }
 }
 
-TEST_CASE("the support radius follows the local spacing, and the surface is smooth where it changes") {
+TEST_CASE("the support radius follows the local spacing, and the surface stays smooth where it changes") {
   const PointCloud cloud = twoDensities();
   const double largest = 4 * std::sqrt(10.0);
   const ContactReference local(cloud, {.radius = largest, .kind = SurfaceKind::sphere, .localRadius = true});
@@ -158,7 +158,7 @@ TEST_CASE("the support radius follows the local spacing, and the surface is smoo
   CHECK(fixed.surface({40, 1.3, 0.4}).neighbours < 12);
 }
 
-TEST_CASE("the support radius grows with the noise of the positions, from an eighth of a spacing on, to its double") {
+TEST_CASE("the support radius widens with position noise above an eighth of a spacing, up to twice its size") {
   CHECK(wideningFor(0) == 1);
   CHECK(wideningFor(0.13) == 1);
   CHECK(wideningFor(0.25) == near(1.875, 0.01));
@@ -166,7 +166,7 @@ TEST_CASE("the support radius grows with the noise of the positions, from an eig
   CHECK(wideningFor(std::numeric_limits<double>::quiet_NaN()) == 1);
 }
 
-TEST_CASE("a widened support radius evens noise out, and costs a clean sphere what theory says") {
+TEST_CASE("a widened support radius smooths noise and biases a clean sphere as theory predicts") {
   const Scene clean = makeScene("sphere", 50'000);
   const double widening = wideningFor(0.25), wide = widening * clean.radius;
   CHECK(ContactReference(clean.cloud, {.radius = wide, .widening = widening}).surface({0, 0, 50}).distance ==
@@ -186,7 +186,7 @@ TEST_CASE("a widened support radius evens noise out, and costs a clean sphere wh
   CHECK(ripple({.radius = wide, .kind = SurfaceKind::sphere, .widening = widening}) < 0.04);
 }
 
-TEST_CASE("a widened support radius shrinks back at an edge, smoothly, but for a surface that keeps the edge") {
+TEST_CASE("a widened support radius shrinks back smoothly at an edge, except for a sharp surface") {
   const Scene cube = makeScene("cube", 50'000);
   const double widening = 1.6;
   for (const auto& [name, kind] : kSurfaceKinds) {
@@ -217,7 +217,7 @@ TEST_CASE("a widened support radius shrinks back at an edge, smoothly, but for a
   }
 }
 
-TEST_CASE("points that all lie in one place, on one line or within rounding are flat, not curved") {
+TEST_CASE("coincident, collinear or nearly coincident points give a flat surface, not a curved one") {
   for (const auto& [name, kind] : kSurfaceKinds) {
     CAPTURE(name);
     for (const double step : {0.0, 1e-7, 0.1}) {

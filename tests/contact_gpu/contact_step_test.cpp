@@ -19,7 +19,7 @@ class ContactFixture : public GpuFixture {
   using GpuFixture::GpuFixture;
 
  protected:
-  // Plays a path to the GPU and to the reference; both must come to the same outcome.
+  // Replays a path on the GPU and on the reference and compares the results.
   struct Outcome {
     std::size_t ticks = 0, touched = 0, disagreed = 0, neighboursDiffer = 0;
     double worstProxy = 0;  // distance of the proxies, support radii
@@ -53,7 +53,7 @@ class ContactFixture : public GpuFixture {
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreValidated<ContactFixture>,
-                  "GPU and reference agree over random paths on every shape" * kMoreInFull) {
+                  "GPU contact agrees with the reference over random paths on every shape" * kMoreInFull) {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 8'000);
@@ -61,7 +61,7 @@ TEST_CASE_FIXTURE(CoreValidated<ContactFixture>,
     for (const std::uint32_t seed : {1u, 2u, 3u}) {
       const auto wandering = wanderingPath(scene, 150, 0.5 * scene.radius, seed);
       for (std::size_t i = 0; i < wandering.size(); i += byTier<std::size_t>(5, 1)) path.push_back(wandering[i]);
-      path.push_back(1000.0 * path.back());  // lets go before the next place
+      path.push_back(1000.0 * path.back());  // releases contact before the next path
     }
     const Outcome outcome = compare(scene, path);
     CHECK(outcome.touched > outcome.ticks / 5);
@@ -73,7 +73,8 @@ TEST_CASE_FIXTURE(CoreValidated<ContactFixture>,
   }
 }
 
-TEST_CASE_FIXTURE(ContactFixture, "they agree far from the origin, and at negative coordinates") {
+TEST_CASE_FIXTURE(ContactFixture,
+                  "GPU contact agrees with the reference far from the origin and at negative coordinates") {
   for (const DVec3 center : {DVec3(1e6, -2e6, 3e6), DVec3(-700, -700, -700)}) {
     const Scene scene = makeScene("torus", 10'000, center);
     const Outcome outcome = compare(scene, wanderingPath(scene, 150, 0.5 * scene.radius, 5));
@@ -84,7 +85,7 @@ TEST_CASE_FIXTURE(ContactFixture, "they agree far from the origin, and at negati
   }
 }
 
-TEST_CASE_FIXTURE(ContactFixture, "they agree whatever the cell, down to the smallest one allowed") {
+TEST_CASE_FIXTURE(ContactFixture, "GPU contact agrees with the reference for every cell size down to the smallest") {
   const Scene scene = makeScene("bumpy-sphere", 10'000);
   const auto path = wanderingPath(scene, 100, 0.5 * scene.radius, 4);
   for (const double cell : {smallestCell(scene.radius), 0.5 * scene.radius, 3 * scene.radius, 1000.0}) {
@@ -97,7 +98,7 @@ TEST_CASE_FIXTURE(ContactFixture, "they agree whatever the cell, down to the sma
 }
 
 TEST_CASE_FIXTURE(ContactFixture,
-                  "a support radius that holds thousands of points spills from shared memory unharmed") {
+                  "GPU contact agrees with the reference when a support radius overflows shared memory") {
   Scene scene = makeScene("sphere", 20'000);
   scene.radius = 16 * scene.spacing;
   const Outcome outcome = compare(scene, wanderingPath(scene, 60, 0.2 * scene.radius, 4));
@@ -107,7 +108,7 @@ TEST_CASE_FIXTURE(ContactFixture,
   CHECK(outcome.worstNormal_deg < 0.1);
 }
 
-TEST_CASE_FIXTURE(ContactFixture, "clouds without a surface never touch") {
+TEST_CASE_FIXTURE(ContactFixture, "clouds of at most two points are never touched") {
   const auto cloudOf = [](std::size_t count, const Vec3& at) {
     PointCloud cloud;
     cloud.positions.assign(count, at);
@@ -126,7 +127,7 @@ TEST_CASE_FIXTURE(ContactFixture, "clouds without a surface never touch") {
   }
 }
 
-TEST_CASE_FIXTURE(ContactFixture, "a hundred thousand points in one place are a surface that can be touched") {
+TEST_CASE_FIXTURE(ContactFixture, "a hundred thousand coincident points form a surface that can be touched") {
   PointCloud cloud;
   cloud.positions.assign(100'000, Vec3(1, 2, 3));
   cloud.normals.assign(100'000, Vec3(0, 0, 1));
@@ -138,14 +139,14 @@ TEST_CASE_FIXTURE(ContactFixture, "a hundred thousand points in one place are a 
   CHECK(contact.proxy.z == near(3, 1e-5));
 }
 
-TEST_CASE_FIXTURE(ContactFixture, "a HIP that starts inside, or comes out from inside, is not caught") {
+TEST_CASE_FIXTURE(ContactFixture, "a HIP that starts inside a sphere is not caught on its way out") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   for (double r = 48; r < 54; r += 0.5) CHECK_FALSE(touch.query({.hip = {0, 0, r}}, 0).touching);
   CHECK(touch.query({.hip = {0, 0, 49}}, 0).touching);
 }
 
-TEST_CASE_FIXTURE(ContactFixture, "a fast HIP does not pass the surface between two ticks") {
+TEST_CASE_FIXTURE(ContactFixture, "a fast HIP cannot pass the surface between two ticks") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   CHECK_FALSE(touch.query({.hip = {0, 0, 70}}, 0).touching);
@@ -154,15 +155,14 @@ TEST_CASE_FIXTURE(ContactFixture, "a fast HIP does not pass the surface between 
   CHECK(contact.proxy.z == within(50, 0.1));
 }
 
-TEST_CASE_FIXTURE(ContactFixture,
-                  "a HIP that is not a number is answered with an invalid contact, and nothing breaks") {
+TEST_CASE_FIXTURE(ContactFixture, "a HIP that is not a number gives an invalid contact, and the next one is valid") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   CHECK_FALSE(touch.query({.hip = {0, std::nan(""), 0}}, 0).valid);
   CHECK(touch.query({.hip = {0, 0, 60}}, 0).valid);
 }
 
-TEST_CASE_FIXTURE(ContactFixture, "the averaged surface of a sphere lies where theory puts it") {
+TEST_CASE_FIXTURE(ContactFixture, "the averaged surface of a sphere has its theoretical bias on the GPU") {
   const Scene scene = makeScene("sphere", 50'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   const double expected = averageSurfaceBias(scene.radius, 50);
@@ -175,7 +175,8 @@ TEST_CASE_FIXTURE(ContactFixture, "the averaged surface of a sphere lies where t
     REQUIRE(contact.touching);
     CHECK(50.0 - glm::length(contact.proxy) == near(expected, 0.1));
     CHECK(angleBetween_deg(contact.normal, direction) < 0.5);
-    for (const double far : {53.0, 500.0}) touch.query({.hip = far * direction}, 0);  // let go, and out of every reach
+    for (const double far : {53.0, 500.0})
+      touch.query({.hip = far * direction}, 0);  // releases contact, then leaves the support radius of every point
   }
 }
 

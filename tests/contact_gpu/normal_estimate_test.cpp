@@ -1,4 +1,4 @@
-// Normals from the GPU against double precision and against shapes whose normals are known.
+// Normals from the GPU against double precision and against shapes with known normals.
 #include "engine/contact/normal_estimate.hpp"
 
 #include <set>
@@ -31,7 +31,7 @@ PointCloud cloudAt(std::vector<Vec3> positions) {
   return cloud;
 }
 
-// The normal of one point by the same rule: NormalFit over the support radius.
+// The normal of one point by the same method: NormalFit over the support radius.
 Vec3 fittedInDouble(const PointTree& tree, std::span<const Vec3> positions, const Vec3& at, double radius) {
   std::vector<std::uint32_t> around;
   tree.within(DVec3(at), radius, around);
@@ -47,7 +47,7 @@ void checkUnit(const PointCloud& cloud) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "estimated on the GPU, normals are those of double precision and look outwards") {
+TEST_CASE_FIXTURE(GpuFixture, "normals estimated on the GPU agree with double precision and face outwards") {
   for (const char* shape : {"sphere", "torus", "bumpy-sphere"}) {
     CAPTURE(shape);
     Scene scene = makeScene(shape, 30'000);
@@ -70,7 +70,7 @@ TEST_CASE_FIXTURE(GpuFixture, "estimated on the GPU, normals are those of double
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "noisy points take a wider neighbourhood, on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "noisy points use a wider neighbourhood for normals, on the GPU and the CPU") {
   const Scene clean = makeScene("torus", 20'000);
   const Scene scene = makeScene("torus", 20'000, DVec3(0), 0.25 * clean.spacing);
   PointCloud onGpu = cloudAt(scene.cloud.positions), onCpu = onGpu;
@@ -87,7 +87,7 @@ TEST_CASE_FIXTURE(GpuFixture, "noisy points take a wider neighbourhood, on the G
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "around the edges and corners of a cube normals still look outwards") {
+TEST_CASE_FIXTURE(GpuFixture, "normals at edges and corners of a cube face outwards") {
   const Scene scene = makeScene("cube", 30'000);
   PointCloud cloud = scene.cloud;
   cloud.normals.clear();
@@ -95,7 +95,7 @@ TEST_CASE_FIXTURE(GpuFixture, "around the edges and corners of a cube normals st
   for (std::size_t i = 0; i < cloud.size(); ++i) REQUIRE(glm::dot(cloud.normals[i], cloud.positions[i]) > 0);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "next to a cube's edge a point has the normal of its own face") {
+TEST_CASE_FIXTURE(GpuFixture, "next to a cube's edge a point gets the normal of its own face") {
   for (const double noise : {0.0, 0.1}) {
     CAPTURE(noise);
     const double spacing = makeScene("cube", 30'000).spacing;
@@ -115,7 +115,7 @@ TEST_CASE_FIXTURE(GpuFixture, "next to a cube's edge a point has the normal of i
       }
       REQUIRE(angles.size() > 1000);
       std::ranges::sort(angles);
-      // Planes alone are off by 0.2 in the median, and one in ten by 0.4.
+      // The planes alone have an error of 0.2 in the median, and above 0.4 for one in ten.
       CHECK(angles[angles.size() / 2] < (noise > 0 ? 0.05 : 0.01));
       CHECK(angles[angles.size() * 9 / 10] < (noise > 0 ? 0.13 : 0.05));
     }
@@ -123,7 +123,7 @@ TEST_CASE_FIXTURE(GpuFixture, "next to a cube's edge a point has the normal of i
 }
 
 TEST_CASE_FIXTURE(GpuFixture,
-                  "edges are kept on the GPU as in double precision, and smooth shapes are left as they are") {
+                  "the GPU keeps edges in normals as double precision does, and leaves smooth shapes unchanged") {
   std::size_t changed = 0;
   for (const char* shape : {"cube", "bumpy-sphere"}) {
     const Scene scene = makeScene(shape, 20'000);
@@ -174,13 +174,14 @@ TEST_CASE_FIXTURE(GpuFixture,
   CHECK(changed > 100);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "sizes around a workgroup, far from the origin and on its negative side") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "normals are right at counts around a workgroup, far from the origin and at negative coordinates") {
   for (const std::size_t count : {255u, 256u, 257u, 65'537u}) {
     for (const DVec3& center : {DVec3(0), DVec3(-3000, -70, -1e4)}) {
       CAPTURE(count);
       CAPTURE(center.x);
       Scene scene = makeScene("sphere", count);
-      PointCloud cloud = cloudAt(scene.cloud.positions);  // as in a file of floats: nothing is kept in an origin
+      PointCloud cloud = cloudAt(scene.cloud.positions);  // as in a file of floats, without an origin
       for (Vec3& position : cloud.positions) position += Vec3(center);
       estimateNormals(device, cloud);
       checkUnit(cloud);
@@ -189,7 +190,7 @@ TEST_CASE_FIXTURE(GpuFixture, "sizes around a workgroup, far from the origin and
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "clouds without a surface get unit normals, those of the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "clouds without a surface get unit normals that agree with the CPU") {
   std::vector<std::vector<Vec3>> clouds{{},
                                         {Vec3(1)},
                                         {Vec3(0), Vec3(1, 2, 3)},
@@ -210,7 +211,7 @@ TEST_CASE_FIXTURE(GpuFixture, "clouds without a surface get unit normals, those 
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "duplicates change nothing, and the same cloud gives the same normals") {
+TEST_CASE_FIXTURE(GpuFixture, "duplicates do not change normals, and the same cloud always gives the same normals") {
   const Scene scene = makeScene("torus", 3'000);
   PointCloud once = cloudAt(scene.cloud.positions), again = once, doubled = once;
   for (int copy = 0; copy < 20; ++copy)
@@ -223,7 +224,7 @@ TEST_CASE_FIXTURE(GpuFixture, "duplicates change nothing, and the same cloud giv
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "places much denser or sparser than the rest are fitted over fitting radii, or by the CPU") {
+                  "much denser or sparser regions get normals from an adapted radius, or from the CPU") {
   const Scene scene = makeScene("sphere", 20'000);
   PointCloud cloud = cloudAt(scene.cloud.positions);
   std::vector<Vec3> truth = scene.cloud.normals;
@@ -236,8 +237,8 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
   };
   addSphere(4'000, 8, DVec3(90, 0, 0));  // six times denser by length
   addSphere(400, 60, DVec3(0, 150, 0));  // four times sparser
-  SUBCASE("within what the radius adapts to") {}
-  SUBCASE("beyond it: thousands of points in one cell, and points with nobody near") {
+  SUBCASE("densities within the range of the radius") {}
+  SUBCASE("densities beyond it: thousands of points in one cell, and isolated points") {
     addSphere(70'000, 0.5, DVec3(-90, 0, 0));
     addSphere(60, 90, DVec3(0, -300, 0));
   }
@@ -247,7 +248,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
   CHECK(worstCosine(cloud.normals, truth) > std::cos(0.3));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "the named neighbours stand nearest in the eight sectors of the plane") {
+TEST_CASE_FIXTURE(GpuFixture, "the neighbours of a point are the nearest in the eight sectors of its tangent plane") {
   const Scene scene = makeScene("sphere", 20'000);
   LiveCloud live(device, scene.cloud);
   SpatialHash hash(device, makeHashGrid(Vec3(-60), scene.radius, live.count()), live.count());

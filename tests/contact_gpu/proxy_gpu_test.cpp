@@ -14,8 +14,9 @@ namespace palpate::proxy_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
-TEST_CASE("the GPU feels both faces of sheets as double precision does, their edges and friction included") {
-  Device device({.gpu = "", .validation = Validation::off});  // surfaces_gpu_test.cpp runs the same shader with it
+TEST_CASE("the GPU feels both faces, the edges and the friction of sheets as double precision does") {
+  Device device(
+      {.gpu = "", .validation = Validation::off});  // surfaces_gpu_test.cpp runs the same shader with validation
   for (const double thickness : {0.0, 0.4}) {
     CAPTURE(thickness);
     const PointCloud cloud = sheet(thickness);
@@ -23,7 +24,7 @@ TEST_CASE("the GPU feels both faces of sheets as double precision does, their ed
     ContactReference cpu(cloud, {.radius = kSheetRadius, .kind = SurfaceKind::sharp}, 0.3);
     std::size_t touched = 0, differ = 0;
     double worst = 0;
-    for (int i = 0; i < 700; ++i) {  // down and up through the plane, from inside the sheet to past its edge
+    for (int i = 0; i < 700; ++i) {  // down and up through the plane, from the middle of the sheet to past its edge
       const DVec3 hip(0.033 * i, 0.1 + 0.01 * i, -0.2 + 3.5 * std::cos(0.06 * i));
       const Contact a = gpu.query({.hip = hip}, 0), b = cpu.query({.hip = hip}, 0);
       touched += b.touching;
@@ -37,7 +38,7 @@ TEST_CASE("the GPU feels both faces of sheets as double precision does, their ed
   }
 }
 
-TEST_CASE("a hand that leaps farther than single precision counts neither stops the GPU nor spoils what follows") {
+TEST_CASE("a hand that jumps beyond the range of single precision neither hangs the GPU nor spoils later contacts") {
   Device device({.gpu = "", .validation = Validation::off});
   const PointCloud cloud = sheet(0.0);
   TouchSide touch(device, cloud, {.radius = kSheetRadius});
@@ -49,7 +50,7 @@ TEST_CASE("a hand that leaps farther than single precision counts neither stops 
   const Contact before = press();
   for (const double far : {1e300, -1e300, 3e38, -3e38, 1e30}) {
     CAPTURE(far);
-    REQUIRE(press().touching);  // from where the way to the next place is no number
+    REQUIRE(press().touching);  // from a contact, so that the displacement to the next position is not finite
     const Stopwatch watch;
     CHECK_FALSE(touch.query({.hip = {far, -far, std::abs(far)}}, 0).touching);
     CHECK(watch.elapsed_us() < 2e6);

@@ -11,7 +11,7 @@ namespace palpate::query_methods_test {
 
 namespace {
 
-// The fused step stands for two: one workgroup, and a few that share the gather.
+// The fused step in its two forms: one workgroup, and several that share the gather.
 struct Way {
   std::string_view name;
   QueryMethod method;
@@ -29,13 +29,14 @@ struct Played {
   PointCloud cloud;
 };
 
-// Wanders, in and out once, at three places; `stride` times as fast as a tick at a time.
+// Wanders in and out at three positions, `stride` path steps per tick.
 std::vector<DVec3> leapingPath(const Scene& scene, std::size_t stride, double depth) {
   std::vector<DVec3> path;
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     const auto wandering = wanderingPath(scene, 110, depth, seed);
     for (std::size_t i = 0; i < wandering.size(); i += stride) path.push_back(wandering[i]);
-    if (seed == 2) path.push_back(1000.0 * path.back());  // lets go; after the first it leaps through the shape
+    if (seed == 2)
+      path.push_back(1000.0 * path.back());  // releases contact; after the first path the HIP jumps through the shape
   }
   return path;
 }
@@ -57,7 +58,7 @@ class MethodsFixture : public GpuFixture {
     return played;
   }
 
-  // Plays the path by every method; each must tell the state of the fused one, which is given back.
+  // Replays the path with every method, checks each against the fused one and returns the result of the fused one.
   Played checkAllMethods(const PointCloud& cloud, const std::vector<DVec3>& path, TouchOptions options) {
     options.split = false;
     Played fused = play(cloud, path, options);
@@ -133,7 +134,7 @@ PointCloud cloudOf(std::size_t count, const Vec3& at) {
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
-                  "all methods feel the same on every shape, and what the reference feels" * kMoreInFull) {
+                  "all query methods agree with each other and with the reference on every shape" * kMoreInFull) {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 4'000);
@@ -143,7 +144,7 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
 }
 
 TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
-                  "all methods feel the same where the support radius spans 1, 3 and 7 buckets a side" * kMoreInFull) {
+                  "all query methods agree where the support radius spans 1, 3 and 7 buckets a side" * kMoreInFull) {
   const Scene scene = makeScene("bumpy-sphere", 5'000);
   const auto path = leapingPath(scene, byTier<std::size_t>(28, 14), 0.5 * scene.radius);
   for (const double cell : {2.5 * scene.radius, scene.radius, scene.radius / 3}) {
@@ -152,14 +153,14 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
   }
 }
 
-TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all methods feel the same far from the origin") {
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all query methods agree far from the origin") {
   const Scene scene = makeScene("torus", 4'000, DVec3(1e6, -2e6, 3e6));
   const auto path = leapingPath(scene, 8, 0.5 * scene.radius);
   checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius}));
 }
 
 TEST_CASE_FIXTURE(MethodsFixture,
-                  "so far out that places are rounded by whole cells, no method writes past its buffers") {
+                  "no query method writes past its buffers where positions are rounded by whole cells") {
   PointCloud cloud = makeScene("sphere", 3'000).cloud;
   for (Vec3& position : cloud.positions) position = 0.02f * position + Vec3(1e8f, 1e8f, 1e8f);
   cloud.positions.emplace_back(0, 0, 0);
@@ -179,15 +180,15 @@ TEST_CASE_FIXTURE(MethodsFixture,
   }
 }
 
-TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where a gather's cells share a few buckets") {
-  const Scene scene = makeScene("sphere", 900);  // 256 buckets, of which a gather visits each several times
+TEST_CASE_FIXTURE(MethodsFixture, "all query methods agree where the cells of a gather share a few buckets") {
+  const Scene scene = makeScene("sphere", 900);  // 256 buckets; a gather visits each several times
   const TouchOptions options{.radius = scene.radius, .cell = 0.5 * scene.radius};
   const auto path = leapingPath(scene, 20, 0.5 * scene.radius);
   checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, options));
 }
 
 TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
-                  "all methods feel the same where thousands of points spill from shared memory") {
+                  "all query methods agree where thousands of points overflow shared memory") {
   Scene scene = makeScene("sphere", 20'000);
   scene.radius = 16 * scene.spacing;
   const auto path = leapingPath(scene, 8, 0.2 * scene.radius);
@@ -196,8 +197,7 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
   CHECK(std::ranges::max(fused.contacts, {}, &Contact::neighbours).neighbours > shared::kMaxSharedPatch / 2);
 }
 
-TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
-                  "where the cloud is thinned, the methods that read buckets thin it the same") {
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all bucket-based query methods subsample a dense cloud identically") {
   Scene scene = makeScene("sphere", 70'000);
   scene.radius = 30;
   std::vector<DVec3> path;
@@ -218,7 +218,7 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
 }
 
 TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
-                  "every method lives with clouds of no, one, two, and a hundred thousand equal points") {
+                  "every query method handles clouds of no, one, two and a hundred thousand coincident points") {
   const std::vector<DVec3> path{{1, 2, 5}, {1, 2, 3.5}, {1, 2, 3.1}, {1, 2, 2.8}, {1, 2, 2.5}, {9, 9, 9}};
   for (const std::size_t count : {0, 1, 2, 100'000}) {
     CAPTURE(count);
@@ -228,8 +228,8 @@ TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
   }
 }
 
-TEST_CASE_FIXTURE(MethodsFixture, "what is sculpted by one method is what is sculpted by another") {
-  player = &plainDevice();  // the passes of an edit are validated in their own room
+TEST_CASE_FIXTURE(MethodsFixture, "sculpting gives the same result with every query method") {
+  player = &plainDevice();  // tests/edit_gpu validates the passes of an edit
   const Scene scene = makeScene("sphere", 3'000);
   std::vector<DVec3> path;
   for (int i = 0; i <= 20; ++i) path.emplace_back(0.15 * i, 0, 51 - 4 * std::min(1.0, i / 10.0));
@@ -252,7 +252,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "what is sculpted by one method is what is scu
   }
 }
 
-TEST_CASE_FIXTURE(MethodsFixture, "each method runs the passes that it is named for") {
+TEST_CASE_FIXTURE(MethodsFixture, "each query method runs its own passes and number of submissions") {
   const Scene scene = makeScene("sphere", 5'000);
   struct Seen {
     std::vector<std::string> names;
@@ -305,7 +305,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "each method runs the passes that it is named 
   CHECK(all.names == std::vector{brute, sum, brute, step});
   CHECK(all.waits == std::vector(4, true));
 
-  // One launch for every cell that a gather may visit; they wait for the plan, and not for one another.
+  // One dispatch for every cell that a gather may visit; they wait for the plan, not for each other.
   const Seen naive = see({.method = QueryMethod::naive});
   const std::size_t cells = cellsPerGather(makeHashGrid(Vec3(0), scene.radius, 1), scene.radius);
   CHECK(cells == 5 * 5 * 5);
@@ -319,7 +319,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "each method runs the passes that it is named 
   CHECK(naive.submissions == 1);
 }
 
-TEST_CASE_FIXTURE(MethodsFixture, "a fused gather is split where the last answer was large, or the cells are many") {
+TEST_CASE_FIXTURE(MethodsFixture, "a fused gather is split after a large answer or over many cells") {
   const Scene scene = makeScene("sphere", 50'000);
   const auto workgroups = [](const TouchSide& touch) {
     return touch.passes().front().threads / shared::kContactWorkgroup;
@@ -337,9 +337,9 @@ TEST_CASE_FIXTURE(MethodsFixture, "a fused gather is split where the last answer
   CHECK(workgroups(fine) == shared::kSplitWorkgroups);
 }
 
-TEST_CASE("two steps that come late are held at either of them, and answered in the end") {
+TEST_CASE("a late two-step query holds the last contact at either step and is answered in the end") {
   const Scene scene = makeScene("sphere", 20'000);
-  // GPU-assisted validation waits at every submission: nothing is ever late.
+  // GPU-assisted validation waits at every submission, so that no answer is late.
   Device& device = plainDevice();
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .method = QueryMethod::twoStep, .wait = Wait::block});
   touch.query({.time_s = 0, .hip = {0, 0, 51}}, 0);
@@ -359,12 +359,12 @@ TEST_CASE("two steps that come late are held at either of them, and answered in 
   const auto lateAtBoth = [&] {
     device.waitIdle();
     device.latencyQueue().submit(work);
-    if (!isLate(0.002)) return false;  // before it has counted
+    if (!isLate(0.002)) return false;  // before the count is available
     device.waitIdle();
     device.latencyQueue().submit(work);
-    return isLate(0.003) && isLate(0.004);  // the count is there, the launch stands behind other work
+    return isLate(0.003) && isLate(0.004);  // the count is available, the launch is queued behind other work
   };
-  // A machine that is busy elsewhere may stop this thread until the answer is there after all.
+  // A busy machine may stop this thread until the answer is available after all.
   bool wasLate = false;
   for (int attempt = 0; attempt < 5 && !wasLate; ++attempt) wasLate = lateAtBoth();
   CHECK(wasLate);

@@ -17,7 +17,7 @@ struct Way {
   double widening = 1;
 };
 
-// Wanders over a shape on the GPU and in double precision.
+// Wanders over a shape on the GPU and in double precision, and compares the contacts.
 void checkAgreement(Device& device, const Way& way, std::string_view shape) {
   CAPTURE(shape);
   CAPTURE(static_cast<int>(way.kind));
@@ -51,13 +51,13 @@ void checkAgreement(Device& device, const Way& way, std::string_view shape) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "sharp with a local radius and friction runs without a complaint of the validation") {
+TEST_CASE_FIXTURE(GpuFixture, "sharp surfaces with a local radius and friction run without validation messages") {
   checkAgreement(device, {SurfaceKind::sharp, true, 0.3}, "torus");
 }
 
-TEST_CASE("every kind of surface is the same on the GPU as in double precision") {
-  // Each is a shader of its own, which a software driver translates for half a minute, so these are every pair of a
-  // kind and an option, and of options. The plain sphere is what contact_step_test touches everything by.
+TEST_CASE("every kind of surface agrees on the GPU and in double precision") {
+  // Each combination is its own shader, which a software driver compiles for half a minute, so these cover every pair
+  // of a kind and an option, and of two options. contact_step_test covers the plain sphere.
   for (const Way way : {Way{SurfaceKind::sharp, false, 0.3}, Way{SurfaceKind::average, true, 0.3},
                         Way{SurfaceKind::sharp, true, 0, 1.6}, Way{SurfaceKind::average, false, 0, 1.6},
                         Way{SurfaceKind::sphere, true, 0.3, 1.3}})

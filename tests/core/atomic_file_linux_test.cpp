@@ -1,4 +1,4 @@
-// Links, files of other people and full disks.
+// Links, files of other users and full disks.
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -15,7 +15,7 @@
 
 namespace palpate::atomic_file_test {
 
-TEST_CASE("an older file can be kept beside the new one, and no file is lost however often that is done") {
+TEST_CASE("repeated saves keep each older file under a new name, and none is lost") {
   const ScratchFolder folder;
   const auto target = folder / "out.txt";
   const auto save = [&](const char* text) {
@@ -33,12 +33,12 @@ TEST_CASE("an older file can be kept beside the new one, and no file is lost how
   CHECK(contentOf(target) == "3");
   CHECK(contentOf(folder / "out.txt.bak") == "1");
   CHECK(contentOf(folder / "out.txt.bak3") == "2");
-  std::ofstream(target, std::ios::app) << "+";  // what is kept is a file of its own
+  std::ofstream(target, std::ios::app) << "+";  // the kept file is not a hard link to the target
   CHECK(contentOf(folder / "out.txt.bak3") == "2");
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 4);
 }
 
-TEST_CASE("the file behind a link is kept, and the link stays") {
+TEST_CASE("saving through a link keeps the older target file, and the link stays") {
   const ScratchFolder folder;
   std::ofstream(folder / "real.txt") << "old";
   std::filesystem::create_symlink("real.txt", folder / "link.txt");
@@ -50,9 +50,9 @@ TEST_CASE("the file behind a link is kept, and the link stays") {
   CHECK(contentOf(folder / "real.txt.bak") == "old");
 }
 
-TEST_CASE("a file of somebody else, which may not get a second name, is kept as a copy") {
+TEST_CASE("a file of another user, which cannot be hard-linked, is kept as a copy") {
   if (::geteuid() != 0) {
-    MESSAGE("skipped: only root can make a file of somebody else");
+    MESSAGE("skipped: only root can create a file of another user");
     return;
   }
   const ScratchFolder folder;
@@ -81,7 +81,7 @@ TEST_CASE("a file of somebody else, which may not get a second name, is kept as 
   CHECK(std::filesystem::hard_link_count(folder / "out.txt.bak") == 1);
 }
 
-TEST_CASE("a disk that takes no more is an error that names the file and keeps the older one") {
+TEST_CASE("a full disk is an error that names the file and leaves the older file unchanged") {
   const ScratchFolder folder;
   std::ofstream(folder / "out.txt") << "old";
   std::signal(SIGXFSZ, SIG_IGN);

@@ -11,7 +11,7 @@
 
 namespace palpate::atomic_file_test {
 
-TEST_CASE("a file that is not committed leaves the older one as it was, and nothing else") {
+TEST_CASE("a file that is not committed leaves the older one unchanged and no temporary file") {
   const ScratchFolder folder;
   const auto target = folder / "out.txt";
   std::ofstream(target) << "old";
@@ -24,7 +24,7 @@ TEST_CASE("a file that is not committed leaves the older one as it was, and noth
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("a committed file stands under its name, alone") {
+TEST_CASE("a committed file is written under its name and leaves no temporary file") {
   const ScratchFolder folder;
   AtomicFile file(folder / "out.txt");
   file.write("new");
@@ -33,7 +33,7 @@ TEST_CASE("a committed file stands under its name, alone") {
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("an older file can be kept beside the new one, whatever letters its name has") {
+TEST_CASE("an older file with a non-ASCII name can be kept beside the new one") {
   const ScratchFolder folder;
   const auto target = folder / u8"gr\u00f6\u00dfer \u70b9\u4e91.txt";
   for (const char* text : {"1", "2"}) {
@@ -47,7 +47,7 @@ TEST_CASE("an older file can be kept beside the new one, whatever letters its na
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 2);
 }
 
-TEST_CASE("a folder that is not there is an error that names the file") {
+TEST_CASE("a missing folder is an error that names the file") {
   const ScratchFolder folder;
   CHECK_THROWS_WITH_AS(AtomicFile(folder / "none" / "out.txt"), doctest::Contains("out.txt"), FileError);
 }

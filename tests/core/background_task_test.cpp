@@ -8,7 +8,7 @@
 
 namespace palpate::background_task_test {
 
-TEST_CASE("a task runs once for each start, and what it wrote is there when it has finished") {
+TEST_CASE("a background task runs once per start, and its results are visible when it has finished") {
   int runs = 0;
   BackgroundTask task([&] { ++runs; });
   CHECK(task.finishedWithin(0));  // nothing has been started
@@ -19,7 +19,7 @@ TEST_CASE("a task runs once for each start, and what it wrote is there when it h
   }
 }
 
-TEST_CASE("waiting ends with the budget, and the destructor waits for the run") {
+TEST_CASE("waiting for a background task ends with the budget, and its destructor waits for the run") {
   std::atomic<bool> go = false, done = false;
   {
     BackgroundTask task([&] {
@@ -33,7 +33,7 @@ TEST_CASE("waiting ends with the budget, and the destructor waits for the run") 
   CHECK(done);
 }
 
-TEST_CASE("what a run throws comes out once where it is waited for") {
+TEST_CASE("an exception of a background task is rethrown once, by the wait for it") {
   BackgroundTask task([] { throw std::runtime_error("edit"); });
   task.start();
   CHECK_THROWS_WITH(task.finishedWithin(0), "edit");

@@ -1,4 +1,4 @@
-// Where the tool is while a hand sculpts, and which strokes there are.
+// The pose of the tool while a hand sculpts, and the division into strokes.
 #include "engine/core/brush_stroke.hpp"
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ class Hand {
  public:
   explicit Hand(BrushKind kind) : stroke(kSupport) { stroke.setBrush(brush(kind)); }
 
-  // The proxy trails: it is `behind` the hand along x.
+  // The proxy is `behind` the hand along x.
   void feel(const DVec3& hip, double behind = 0, bool sculpts = true, double after_s = 1e-3) {
     time_s += after_s;
     const bool touching = hip.z < 0;
@@ -37,7 +37,7 @@ class Hand {
   double time_s = 0;
 };
 
-// What a tool that has found that plane, tilted so, says of it.
+// The measure of a tool over that plane, tilted to `normal`.
 SurfaceMeasure measured(const DVec3& normal, double height_radii, int weights = 1000) {
   SurfaceMeasure measure;
   measure.add({.weight = weights,
@@ -48,7 +48,7 @@ SurfaceMeasure measured(const DVec3& normal, double height_radii, int weights = 
 
 }  // namespace
 
-TEST_CASE("the ball stands over the hand along the surface as it was found, however far the proxy trails") {
+TEST_CASE("the ball of a brush follows the measured surface normal above the hand, however far the proxy trails") {
   for (const BrushKind kind : {BrushKind::push, BrushKind::carve}) {
     Hand hand(kind);
     hand.feel({0, 0, -2}, 3);
@@ -57,7 +57,7 @@ TEST_CASE("the ball stands over the hand along the surface as it was found, howe
     CHECK(tool.outward == kUp);
     CHECK(glm::distance(tool.center, DVec3(0, 0, -2 + kTau + kRadius)) < 1e-12);
     CHECK(tool.shaft == 0);
-    // What the edit has found counts from the next one on.
+    // The measure of an edit takes effect from the next edit on.
     const DVec3 tilted = glm::normalize(DVec3(0.2, 0, 1));
     hand.stroke.note(measured(tilted, 2 / kRadius));
     hand.feel({0, 0, -2}, 3);
@@ -65,7 +65,7 @@ TEST_CASE("the ball stands over the hand along the surface as it was found, howe
   }
 }
 
-TEST_CASE("a tool that is deeper than its ball is wide goes on outwards as a shaft, over the surface as it was") {
+TEST_CASE("a tool deeper than its ball's diameter continues outwards as a shaft, past the original surface") {
   Hand hand(BrushKind::push);
   hand.feel({0, 0, -12});
   const auto& tool = hand.next();
@@ -80,7 +80,7 @@ TEST_CASE("a tool that is deeper than its ball is wide goes on outwards as a sha
   CHECK(far.next().reach <= 2.5 * kRadius);
 }
 
-TEST_CASE("nothing acts while the hand withdraws, and a hand that goes sideways does not") {
+TEST_CASE("a brush does not act while the hand withdraws, and acts while it moves sideways") {
   Hand hand(BrushKind::push);
   hand.feel({0, 0, -2});
   hand.next();
@@ -94,7 +94,7 @@ TEST_CASE("nothing acts while the hand withdraws, and a hand that goes sideways 
   CHECK(hand.stroke.acts());
 }
 
-TEST_CASE("the tool goes the hand's way no faster than points yield, and all of it when the hand has left") {
+TEST_CASE("the tool follows the hand no faster than points yield, and completes the path after the hand has lifted") {
   Hand hand(BrushKind::push);
   for (int k = 0; k <= 10; ++k) {
     hand.feel({2.0 * k, 0, -3});
@@ -117,8 +117,7 @@ TEST_CASE("the tool goes the hand's way no faster than points yield, and all of 
   CHECK(longest > 0.2);
 }
 
-TEST_CASE(
-    "where a hand was lifted and put down elsewhere in one stroke the tool does not go through what lies between") {
+TEST_CASE("a hand lifted and put down elsewhere in one stroke does not cut through what lies between") {
   Hand hand(BrushKind::carve);
   hand.feel({0, 0, -2});
   hand.next();
@@ -126,20 +125,20 @@ TEST_CASE(
   hand.feel({30, 0, -2});
   CHECK(hand.next().center.x == near(30, 1e-12));
   CHECK(hand.stroke.number() == 1);
-  // Neither is the jump lost when more positions follow it than are kept.
+  // The jump is not lost when more positions follow than are kept.
   Hand late(BrushKind::carve);
   late.feel({0, 0, -2});
   late.next();
   late.feel({0, 0, 3});
   for (int k = 0; k < 1500; ++k) late.feel({35 + 5 * std::cos(0.5 * k), 5 * std::sin(0.5 * k), -2});
   CHECK(late.next().center.x >= 30);
-  // A pause of one tick, as of a hand that trembles, is no jump.
+  // A pause of one tick, as from a trembling hand, is not a jump.
   hand.feel({30, 0, -1.9});
   hand.feel({30.5, 0, -2});
   CHECK(hand.next().center.x == near(30.5, 1e-12));
 }
 
-TEST_CASE("gaps of up to 0.3 s are of one stroke, longer ones and a button let go are not") {
+TEST_CASE("contact gaps of up to 0.3 s belong to one stroke; longer gaps and a released button end it") {
   Hand hand(BrushKind::push);
   const auto press = [&](double after_s) {
     hand.feel({0, 0, -2}, 0, true, after_s);
@@ -158,13 +157,13 @@ TEST_CASE("gaps of up to 0.3 s are of one stroke, longer ones and a button let g
   CHECK_FALSE(hand.stroke.isGoingOn());
   press(1e-3);
   CHECK(hand.stroke.number() == 3);
-  // Put down elsewhere, it goes on: the button is still held.
+  // Put down elsewhere, the stroke continues: the button is still held.
   hand.stroke.lift();
   press(1e-3);
   CHECK(hand.stroke.number() == 3);
 }
 
-TEST_CASE("an edit that comes late does what the ticks before it would have done") {
+TEST_CASE("a late edit has the effect of all ticks since the last one") {
   Hand hand(BrushKind::push);
   hand.feel({0, 0, -2});
   CHECK(hand.next().share == near(0.1, 1e-12));
@@ -178,7 +177,7 @@ TEST_CASE("an edit that comes late does what the ticks before it would have done
   CHECK(inflate.next().share == near(2, 1e-12));
 }
 
-TEST_CASE("grab holds on when the hand draws out, by two radii at most, and sideways by half of one") {
+TEST_CASE("grab keeps its points as the hand pulls, at most two radii outwards and half a radius sideways") {
   Hand hand(BrushKind::grab);
   hand.feel({0, 0, -1});
   hand.next();
@@ -193,7 +192,7 @@ TEST_CASE("grab holds on when the hand draws out, by two radii at most, and side
   CHECK_FALSE(hand.stroke.acts());
 }
 
-TEST_CASE("no tool reaches further than an edit looks, wherever the hand and the surface are") {
+TEST_CASE("no tool reaches beyond the range of an edit, wherever the hand and the surface are") {
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);
     Hand hand(kind);
@@ -208,7 +207,7 @@ TEST_CASE("no tool reaches further than an edit looks, wherever the hand and the
   }
 }
 
-TEST_CASE("measures that have run over, or say nothing, do not turn the tool") {
+TEST_CASE("overflowed or empty measures do not rotate the tool") {
   Hand hand(BrushKind::push);
   hand.feel({0, 0, -2});
   hand.next();
@@ -218,7 +217,7 @@ TEST_CASE("measures that have run over, or say nothing, do not turn the tool") {
   hand.stroke.note(measured({1, 0, 0}, 40));
   hand.feel({0, 0, -2});
   CHECK(hand.next().outward == kUp);
-  // Sums that run over give the same differences.
+  // Sums that overflow give the same differences.
   SurfaceMeasure before{.weights = 0xffffff00u, .normals = {5, 0x7fffffffu, 0xfffffff0u}, .heights = 0xfffffffeu};
   const SurfaceMeasure one = measured(kUp, -0.5);
   SurfaceMeasure after = before;

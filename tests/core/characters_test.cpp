@@ -4,7 +4,7 @@
 
 namespace palpate::characters_test {
 
-TEST_CASE("a text in UTF-8 is its characters, and a damaged one hangs nowhere") {
+TEST_CASE("UTF-8 text is decoded into characters, and damaged text ends too") {
   using Characters = std::vector<char32_t>;
   CHECK(charactersOf("aé λ 模") == Characters{'a', 0xe9, ' ', 0x3bb, ' ', 0x6a21});
   CHECK(charactersOf("\xf0\x9f\x98\x80") == Characters{0x1f600});

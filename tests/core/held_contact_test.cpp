@@ -1,4 +1,4 @@
-// What an answer that comes late is bridged by: the tangent plane of the last one, softened by its age.
+// A late answer is bridged by the tangent plane of the last one, softened by its age.
 #include "engine/core/held_contact.hpp"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ Contact pressed() {
 
 }  // namespace
 
-TEST_CASE("a late answer is bridged by the tangent plane of the last one, and is not fresh") {
+TEST_CASE("a late answer is bridged by the tangent plane of the last one and marked as not fresh") {
   const Pose pose{.time_s = 1.002, .hip = {3, 1, -0.5}};
   const Contact held = heldContact(pressed(), kPressed, pose);
   CHECK(held.touching);
@@ -26,7 +26,7 @@ TEST_CASE("a late answer is bridged by the tangent plane of the last one, and is
   CHECK(held.normal == DVec3(0, 0, 1));
   CHECK(held.neighbours == 7);
   CHECK(held.dataTime_s == 1);
-  // Out of the plane nothing is touched.
+  // Above the plane nothing is touched.
   const Contact free = heldContact(pressed(), kPressed, {.time_s = 1.002, .hip = {0, 0, 0.1}});
   CHECK_FALSE(free.touching);
   CHECK_FALSE(free.fresh);
@@ -35,7 +35,7 @@ TEST_CASE("a late answer is bridged by the tangent plane of the last one, and is
   CHECK(free.dataTime_s == 1);
 }
 
-TEST_CASE("a bridged contact moves with its surface and softens to nothing with its age") {
+TEST_CASE("a bridged contact moves with its surface and fades out with its age") {
   Contact last = pressed();
   last.velocity = {0, 0, 100};
   CHECK(glm::distance(heldContact(last, kPressed, {.time_s = 1.003, .hip = {0, 0, -2}}).proxy, DVec3(0, 0, 0.3)) <
@@ -52,7 +52,7 @@ TEST_CASE("a bridged contact moves with its surface and softens to nothing with 
   CHECK(depthAt(1) == 0);
 }
 
-TEST_CASE("a fault or a free hand is bridged by no contact") {
+TEST_CASE("a fault or a free hand is not bridged by a contact") {
   const Pose pose{.time_s = 1.001, .hip = {0, 0, -2}};
   Contact last = pressed();
   last.touching = false;

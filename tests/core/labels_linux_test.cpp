@@ -1,4 +1,4 @@
-// Which cases a run of a test program takes, and what it says of them, by a program with a case of each kind.
+// Which cases a test program runs and how it reports them, with a program that contains a case of each kind.
 #include <sys/wait.h>
 
 #include <array>
@@ -40,7 +40,7 @@ bool ran(const Run& run, const std::string& name) { return says(run.results, "pa
 
 }  // namespace
 
-TEST_CASE("the quick tier leaves out cases of the full tier and runs fewer repetitions") {
+TEST_CASE("the quick tier leaves out the cases of the full tier and runs fewer repetitions") {
   const Run quick = runCases("");
   CHECK(quick.code == 0);
   CHECK(ran(quick, "programs/labelled_cases.cpp\tplain\n"));
@@ -54,7 +54,7 @@ TEST_CASE("the quick tier leaves out cases of the full tier and runs fewer repet
   CHECK(says(full.text, "repetitions: 30\n"));
 }
 
-TEST_CASE("a leg of a label runs the cases with that label alone") {
+TEST_CASE("a leg with a label runs only the cases with that label") {
   const Run portable = runCases("PALPATE_TESTS_ONLY=portable");
   CHECK(portable.code == 0);
   CHECK(ran(portable, "\ton every driver\n"));
@@ -67,19 +67,19 @@ TEST_CASE("a leg of a label runs the cases with that label alone") {
   CHECK(lacks(truths.results, "plain\n"));
 }
 
-TEST_CASE("a skipped check is among the results, with its reason") {
+TEST_CASE("a skipped check is reported with its reason") {
   CHECK(says(runCases("").results, "\ton every driver\n"));
   CHECK(says(runCases("").results, "\tskipped: there is no such driver\n"));
 }
 
-TEST_CASE("cases that measure a clock have one second try, and no other case has") {
+TEST_CASE("cases that measure real time get one second try, other cases do not") {
   const Run late = runCases("FAIL_ONCE=1");
   CHECK(late.code == 0);
-  CHECK(says(late.text, "second try: held against a clock, once late\n"));
+  CHECK(says(late.text, "second try: measures a clock, late once\n"));
   CHECK(says(late.results, "failed\t"));
   const Run always = runCases("FAIL_ONCE=1 FAIL_ALWAYS=1");
   CHECK(always.code == 1);
-  CHECK(says(always.text, "second try: held against a clock, always late\n"));
+  CHECK(says(always.text, "second try: measures a clock, always late\n"));
   const Run wrong = runCases("FAIL_ONCE=1 FAIL_PLAIN=1");
   CHECK(wrong.code == 1);
   CHECK(lacks(wrong.text, "second try"));

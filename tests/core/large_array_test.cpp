@@ -1,4 +1,4 @@
-// Large arrays that grow while they are filled: every entry once, none lost, whatever the number of threads.
+// Large arrays that grow while they are filled: every entry is written once and kept, with any number of threads.
 #include "engine/core/large_array.hpp"
 
 #include <doctest/doctest.h>
@@ -13,7 +13,7 @@ namespace palpate::test::large_array_test {
 
 namespace {
 
-/// Makes room in two steps, and numbers the entries from 1 on, a block at a time and on threads that begin anywhere.
+/// Makes room in two steps and numbers the entries from 1, block by block, on threads that start at any block.
 template <class Array, class Growing>
 bool fillTwice(Array& values, Growing& growing, std::size_t first, std::size_t count, unsigned threads) {
   std::atomic<bool> wrong = false;
@@ -42,7 +42,7 @@ void checkNumbered(const Array& values, std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("what grows while it is filled has zeros first, keeps what is there, and ends where it should") {
+TEST_CASE("an array that grows while it is filled starts with zeros, keeps its entries and ends at the right size") {
   for (const std::size_t count :
        {std::size_t{0}, std::size_t{1}, std::size_t{1000}, std::size_t{524'288}, std::size_t{6'000'001}})
     for (const unsigned threads : {1u, 2u, 16u})
@@ -61,11 +61,11 @@ TEST_CASE("what grows while it is filled has zeros first, keeps what is there, a
         checkNumbered(values, count);
         checkNumbered(bare, count);
         CHECK(growing.waited_s() <= threads * watch.elapsed_s());
-        if (threads == 1) CHECK(growing.waited_s() == 0);  // there is no other thread to wait for
+        if (threads == 1) CHECK(growing.waited_s() == 0);  // no other thread to wait for
       }
 }
 
-TEST_CASE("an array grows no further than there is room for, and never shrinks") {
+TEST_CASE("an array grows only as far as needed, within its reserved room, and never shrinks") {
   std::vector<std::uint32_t> values{7, 8, 9};
   GrowingArray growing(values);
   growing.need(0);
@@ -76,7 +76,7 @@ TEST_CASE("an array grows no further than there is room for, and never shrinks")
   growing.makeRoom(10'000'000);
   growing.need(4);
   CHECK(values.size() >= 4);
-  CHECK(values.size() < 10'000'000);  // memory follows what is needed
+  CHECK(values.size() < 10'000'000);  // memory grows with the need
   CHECK(values[2] == 9);
   growing.need(10'000'000);
   CHECK(values.size() == 10'000'000);

@@ -1,5 +1,4 @@
-// Programs of this kind that come to a bad end, and what they say of it. A sanitizer sees faults of memory first, and
-// its words are others.
+// Test programs that crash or hang, and their reports. A sanitizer detects memory faults first and has its own report.
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,8 +19,8 @@ namespace palpate::last_words_test {
 
 namespace {
 
-constexpr char kWithinMalloc[] = "it is aborted from within malloc", kStandsStill[] = "it stands still",
-               kNullPointer[] = "it reads where nothing is", kGetsOn[] = "it gets on*";
+constexpr char kWithinMalloc[] = "helper: aborts within malloc", kStandsStill[] = "helper: hangs",
+               kNullPointer[] = "helper: reads a null pointer", kGetsOn[] = "helper: takes two seconds*";
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool kSanitized = true;
@@ -35,7 +34,7 @@ struct End {
 };
 
 End endOf(const std::string& name, const std::string& before = "") {
-  // The shell is replaced, so that the status is the program's; what waits for ever is ended by another signal.
+  // exec replaces the shell, so that the status is the program's; a hang is ended by another signal.
   const std::string command = before + " exec timeout -s KILL 60 " PALPATE_EMULATOR " '" +
                               (programFolder() / "tests_core").string() + "' --no-skip --test-case='" + name + "' 2>&1";
   std::FILE* pipe = ::popen(command.c_str(), "r");
@@ -55,32 +54,34 @@ End endOf(const std::string& name, const std::string& before = "") {
 
 }  // namespace
 
-// These are the bad ends, for the programs that the others begin.
-TEST_CASE("it is aborted from within malloc" * doctest::skip()) {
-  std::thread([] {}).join();  // with a second thread malloc locks what it works on
-  // More than malloc keeps for threads, and at the end of its memory: the next size that it reads there is wrong.
+// The crashes and hangs, for the programs that the other cases start.
+TEST_CASE("helper: aborts within malloc" * doctest::skip()) {
+  std::thread([] {}).join();  // with a second thread malloc locks its arena
+  // More than malloc caches per thread, at the end of its arena: the next size that it reads there is wrong.
   auto* last = static_cast<char*>(std::malloc(2000));
   REQUIRE(last);
   std::memset(last + 2000, 0xff, 64);
   for (int k = 0; k < 1000; ++k) CHECK(std::malloc(3000) != nullptr);
 }
 
-TEST_CASE("it stands still" * doctest::skip()) {
+TEST_CASE("helper: hangs" * doctest::skip()) {
   std::thread other(standStill);
   standStill();
   other.join();
 }
 
-TEST_CASE("it reads where nothing is" * doctest::skip()) {
+TEST_CASE("helper: reads a null pointer" * doctest::skip()) {
   const volatile int* nothing = nullptr;
   CHECK(*nothing == 0);
 }
 
-TEST_CASE("it gets on, slowly" * doctest::skip()) { std::this_thread::sleep_for(std::chrono::seconds(2)); }
+TEST_CASE("helper: takes two seconds" * doctest::skip()) { std::this_thread::sleep_for(std::chrono::seconds(2)); }
 
-TEST_CASE("it gets on, as slowly as before" * doctest::skip()) { std::this_thread::sleep_for(std::chrono::seconds(2)); }
+TEST_CASE("helper: takes two seconds, again" * doctest::skip()) {
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+}
 
-TEST_CASE("a test program that is aborted from within malloc says so and ends at once") {
+TEST_CASE("a test program that aborts within malloc reports its case and ends at once") {
   const End end = endOf(kWithinMalloc);
   CAPTURE(end.text);
   CHECK(says(end.text, "last_words_linux_test.cpp:"));
@@ -90,32 +91,32 @@ TEST_CASE("a test program that is aborted from within malloc says so and ends at
     return;
   }
   CHECK(end.signal == SIGABRT);
-  CHECK(says(end.text, "ended by Aborted in the case \"it is aborted from within malloc\" ("));
+  CHECK(says(end.text, "ended by Aborted in the case \"helper: aborts within malloc\" ("));
 }
 
-TEST_CASE("a test program that takes too long says where its threads stand, where there is a debugger, and ends") {
+TEST_CASE("a test program that hangs reports its case and, with a debugger, all threads, and ends") {
   const End end = endOf(kStandsStill, "PALPATE_TESTS_LIMIT_S=1");
   CAPTURE(end.text);
   CHECK(end.signal == SIGALRM);
-  CHECK(says(end.text, "ended by the clock: it took longer than it may in the case \"it stands still\" ("));
+  CHECK(says(end.text, "ended by the clock: it took longer than it may in the case \"helper: hangs\" ("));
   if (::access("/usr/bin/gdb", X_OK) == 0) {
     const std::size_t first = end.text.find("standStill");
     REQUIRE(first != std::string::npos);
     CHECK(end.text.find("standStill", first + 1) != std::string::npos);
   } else {
-    MESSAGE("there is no gdb here, which says where all threads stand");
+    MESSAGE("gdb is not installed, which reports the positions of all threads");
     CHECK(says(end.text, "tests_core("));
   }
 }
 
-TEST_CASE("a test program of many cases may take longer than one of them") {
+TEST_CASE("a test program of many cases may take longer than the limit of one case") {
   const End end = endOf(kGetsOn, "PALPATE_TESTS_LIMIT_S=3");
   CAPTURE(end.text);
   CHECK(end.signal == 0);
   CHECK(says(end.text, "2 passed"));
 }
 
-TEST_CASE("a test program that reads where nothing is says in which case") {
+TEST_CASE("a test program that reads a null pointer reports the case") {
   const End end = endOf(kNullPointer);
   CAPTURE(end.text);
   if (kSanitized) {
@@ -125,7 +126,7 @@ TEST_CASE("a test program that reads where nothing is says in which case") {
     return;
   }
   CHECK(end.signal == SIGSEGV);
-  CHECK(says(end.text, "ended by Segmentation fault in the case \"it reads where nothing is\" ("));
+  CHECK(says(end.text, "ended by Segmentation fault in the case \"helper: reads a null pointer\" ("));
 }
 
 }  // namespace palpate::last_words_test

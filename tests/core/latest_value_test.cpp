@@ -14,7 +14,7 @@ struct Five {
 
 }  // namespace
 
-TEST_CASE("nothing is loaded before the first value, then always the last one") {
+TEST_CASE("a latest value is empty before the first store, then always the last one stored") {
   LatestValue<Five> value;
   CHECK(!value.load());
   value.store({.a = 7, .e = 9});
@@ -26,7 +26,7 @@ TEST_CASE("nothing is loaded before the first value, then always the last one") 
   CHECK(value.load()->e == 0);
 }
 
-TEST_CASE("a value is whole or not there, however fast it changes, and never an older one") {
+TEST_CASE("a value loaded during stores is complete or empty, and never older than the last one loaded") {
   LatestValue<Five> value;
   std::atomic<bool> stop = false;
   std::jthread teller([&] {

@@ -1,4 +1,4 @@
-// Sums, counts and choices with many threads against loops, at sizes around those where a thread more is worth it.
+// Parallel sums, counts and selections against loops, at sizes around those at which another thread is used.
 #include "engine/core/parallel_collect.hpp"
 
 #include <doctest/doctest.h>
@@ -33,7 +33,7 @@ bool same(const BareVector<T>& a, const std::vector<T>& b) {
 
 }  // namespace
 
-TEST_CASE("each number gives way to the sum of those before it, and the sum of all is told") {
+TEST_CASE("a parallel exclusive prefix sum equals the serial one and returns the total") {
   forAllSizes([](std::size_t size, unsigned threads) {
     std::vector<std::uint64_t> values(size), expected(size);
     for (std::size_t i = 0; i < size; ++i) values[i] = someNumber(i);
@@ -44,7 +44,7 @@ TEST_CASE("each number gives way to the sum of those before it, and the sum of a
   });
 }
 
-TEST_CASE("what is chosen comes in the order that it was in") {
+TEST_CASE("a parallel selection keeps the order of its input") {
   forAllSizes([](std::size_t size, unsigned threads) {
     const auto holds = [](std::size_t i) { return someNumber(i) % 3 == 0; };
     std::vector<std::uint32_t> expected;
@@ -61,7 +61,7 @@ TEST_CASE("what is chosen comes in the order that it was in") {
   });
 }
 
-TEST_CASE("one of each is made, in their order") {
+TEST_CASE("a parallel transform gives one result per index, in order") {
   forAllSizes([](std::size_t size, unsigned threads) {
     std::vector<std::uint32_t> expected;
     for (std::size_t i = 0; i < size; ++i) expected.push_back(someNumber(i));
@@ -69,7 +69,7 @@ TEST_CASE("one of each is made, in their order") {
   });
 }
 
-TEST_CASE("runs begin where what follows is another, and end at the end") {
+TEST_CASE("parallel run detection finds each start of a run, and the end") {
   forAllSizes([](std::size_t size, unsigned threads) {
     for (const std::size_t length : {1u, 3u, 1024u, 1'000'000u}) {
       const auto follows = [&](std::size_t i) { return i / length == (i - 1) / length; };
@@ -81,7 +81,7 @@ TEST_CASE("runs begin where what follows is another, and end at the end") {
   });
 }
 
-TEST_CASE("parts are joined in their order, behind what was there before") {
+TEST_CASE("a parallel reduction joins its parts in order, after the initial value") {
   forAllSizes([](std::size_t size, unsigned threads) {
     const auto list = [](std::size_t begin, std::size_t end) {
       std::vector<std::size_t> numbers(end - begin);
@@ -99,7 +99,7 @@ TEST_CASE("parts are joined in their order, behind what was there before") {
   });
 }
 
-TEST_CASE("an array that is not written first grows, is copied and is filled like any other") {
+TEST_CASE("an uninitialized vector grows, copies and fills like a std::vector") {
   BareVector<std::uint32_t> values(3, 7);
   values.push_back(8);
   values.resize(6, 9);

@@ -1,4 +1,4 @@
-// The sort by digits against std::stable_sort, and the value of a rank against the sorted ones.
+// The radix sort against std::stable_sort, and the value of a rank against the sorted values.
 #include "engine/core/parallel_radix_sort.hpp"
 
 #include <doctest/doctest.h>
@@ -22,7 +22,7 @@ struct Numbered {
 
 }  // namespace
 
-TEST_CASE("values are sorted by the bits that are asked for, and equal ones stay in their order") {
+TEST_CASE("a radix sort sorts by the given bits and is stable") {
   std::mt19937_64 random(5);
   for (const std::size_t size : kSizes)
     for (const unsigned bits : {0u, 1u, 7u, 8u, 9u, 31u, 63u, 64u}) {
@@ -41,7 +41,7 @@ TEST_CASE("values are sorted by the bits that are asked for, and equal ones stay
     }
 }
 
-TEST_CASE("the value of a rank is the one that sorting puts there") {
+TEST_CASE("the value of a rank equals the one at that index after sorting") {
   constexpr float kMax = std::numeric_limits<float>::max(), kInfinity = std::numeric_limits<float>::infinity();
   std::mt19937_64 random(6);
   std::normal_distribution<float> normal(0.5f, 2);

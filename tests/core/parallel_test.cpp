@@ -10,7 +10,7 @@
 
 namespace palpate::parallel_test {
 
-TEST_CASE("every index is visited once, whatever the number of threads") {
+TEST_CASE("a parallel loop visits every index once with any number of threads") {
   for (const std::size_t count : {0u, 1u, 1023u, 1024u, 1025u, 100'003u}) {
     for (const unsigned threads : {0u, 1u, 2u, 7u}) {
       std::vector<std::atomic<int>> visits(count);
@@ -24,7 +24,7 @@ TEST_CASE("every index is visited once, whatever the number of threads") {
   }
 }
 
-TEST_CASE("of blocks every index is visited once, and no block is longer than asked for") {
+TEST_CASE("parallel blocks visit every index once and do not exceed the block size") {
   for (const std::size_t count : {0u, 1u, 63u, 64u, 65u, 10'003u}) {
     for (const unsigned threads : {0u, 1u, 2u, 7u}) {
       std::vector<std::atomic<int>> visits(count);
@@ -41,7 +41,7 @@ TEST_CASE("of blocks every index is visited once, and no block is longer than as
   }
 }
 
-TEST_CASE("an exception in a worker comes out here") {
+TEST_CASE("an exception in a worker is rethrown in the caller") {
   const auto failing = [](std::size_t begin, std::size_t) {
     if (begin > 0) throw std::runtime_error("worker");
   };
@@ -58,7 +58,7 @@ TEST_CASE("the frame around any normal is right-handed and orthonormal") {
   }
 }
 
-TEST_CASE("angles are right from nothing to half a turn") {
+TEST_CASE("angles between vectors are accurate from tiny to 180 degrees") {
   CHECK(angleBetween_deg({1, 0, 0}, {1, 1e-9, 0}) == near(5.7295779513e-8, 1e-6));
   CHECK(angleBetween_deg({1, 0, 0}, {0, 2, 0}) == near(90, 1e-6));
   CHECK(angleBetween_deg({1, 0, 0}, {-3, 0, 0}) == near(180, 1e-6));

@@ -1,5 +1,5 @@
-// The formulas that GLSL, CUDA and C++ share, as single and as double precision, against formulas and truths that are
-// written here: at zeros of both signs, denormals, vectors without length and points in one place.
+// The formulas shared by GLSL, CUDA and C++, in single and double precision, against formulas and known results written
+// here: at zeros of both signs, denormals, vectors of length zero and coincident points.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -37,12 +37,12 @@ std::vector<DVec3> directions(std::size_t count) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   std::vector<DVec3> all;
-  // Braces, since compilers differ in which argument of a call they begin with.
+  // Braces, since the evaluation order of a call's arguments is unspecified.
   while (all.size() < count) all.push_back(glm::normalize(DVec3{normal(random), normal(random), normal(random)}));
   return all;
 }
 
-// One neighbour after another, as those who sum up do.
+// Adds one neighbour, as the callers that sum do.
 template <class Real>
 void add(shared::SurfaceSumsOf<Real>& sums, const DVec3& offset, const DVec3& normal) {
   const V3<Real> d(offset), n(normal);
@@ -54,7 +54,8 @@ void add(shared::SurfaceSumsOf<Real>& sums, const DVec3& offset, const DVec3& no
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("weights fall from one to nothing, and count by the face that they belong to", Real, float, double) {
+TEST_CASE_TEMPLATE("surface weights fall from one to zero, and are reduced for points of the other face", Real, float,
+                   double) {
   for (const double r : {-0.0, 0.0, static_cast<double>(kDenormal<Real>), 1e-3, 0.25, 0.5, 0.75, 1.0}) {
     const double truth = std::pow(1 - r, 4) * (4 * r + 1);
     CHECK(std::abs(static_cast<double>(shared::wendland(static_cast<Real>(r))) - truth) < kRounding<Real>);
@@ -64,8 +65,8 @@ TEST_CASE_TEMPLATE("weights fall from one to nothing, and count by the face that
     CHECK(static_cast<double>(shared::facingWeight(static_cast<Real>(cosine))) == weight);
 }
 
-TEST_CASE_TEMPLATE("a frame is right-handed and of unit vectors, and zero has the sign that it has", Real, float,
-                   double) {
+TEST_CASE_TEMPLATE("a frame around a normal is right-handed and of unit vectors, for a zero of either sign", Real,
+                   float, double) {
   std::vector<DVec3> normals = directions(1000);
   for (const double z : {0.0, -0.0, static_cast<double>(kDenormal<Real>), -static_cast<double>(kDenormal<Real>)})
     for (const DVec3& n : {DVec3(1, 0, z), DVec3(-1, 0, z), DVec3(0, 1, z), DVec3(0.6, -0.8, z)}) normals.push_back(n);
@@ -77,7 +78,7 @@ TEST_CASE_TEMPLATE("a frame is right-handed and of unit vectors, and zero has th
     CHECK(off(u, DVec3(u) / glm::length(DVec3(u))) < kRounding<Real>);
     CHECK(off(v, DVec3(v) / glm::length(DVec3(v))) < kRounding<Real>);
     CHECK(off(V3<Real>(glm::cross(DVec3(u), DVec3(v))), n) < kRounding<Real>);
-    // It turns over with the sign of z, of -0 too: then v.y is near -1 for a normal along x.
+    // The frame flips with the sign of z, of -0 too: then v.y is near -1 for a normal along x.
     if (n.y == 0 && std::abs(n.x) == 1) CHECK(static_cast<double>(v.y) == (std::signbit(n.z) ? -1 : 1));
     const Frame3 frame = frameAround(n);
     CHECK(off(u, frame.u) < kRounding<Real>);
@@ -85,22 +86,23 @@ TEST_CASE_TEMPLATE("a frame is right-handed and of unit vectors, and zero has th
   }
 }
 
-TEST_CASE_TEMPLATE("the weights on an even plane tell its spacing", Real, float, double) {
+TEST_CASE_TEMPLATE("the spacing is derived from the weights on an even plane", Real, float, double) {
   Real weights = 0;
   constexpr int kReach = 12;
   for (int y = -kReach; y <= kReach; ++y)
     for (int x = -kReach; x <= kReach; ++x)
       if (const Real r = glm::length(glm::vec<2, Real>(x, y)) / kReach; r < 1) weights += shared::wendland(r);
   CHECK(static_cast<double>(shared::spacingFrom(Real(0.5) * kReach, weights)) == near(0.5, 2e-3));
-  // A support radius of so many spacings, within its bounds; where no weight is, the largest.
+  // The support radius is a number of spacings, within its bounds; without any weight it is the largest.
   CHECK(static_cast<double>(shared::localRadius(Real(kReach), weights, Real(1), Real(20))) == near(4, 2e-3));
   CHECK(shared::localRadius(Real(kReach), weights, Real(5), Real(20)) == 5);
   for (const Real none : {Real(0), Real(-0.0), kDenormal<Real>})
     CHECK(shared::localRadius(Real(2), none, Real(1), Real(2)) == 2);
 }
 
-TEST_CASE_TEMPLATE("a sphere is found where its points are, and the average where their mean is", Real, float, double) {
-  const double radius = 2.5, rho = 10;  // of support and sphere
+TEST_CASE_TEMPLATE("a sphere surface passes through its points, and an average surface through their mean", Real, float,
+                   double) {
+  const double radius = 2.5, rho = 10;  // of the support and of the sphere
   for (const double height : {-0.5, 0.0, 0.25}) {
     shared::SurfaceSumsOf<Real> sums{};
     double weights = 0;
@@ -115,9 +117,9 @@ TEST_CASE_TEMPLATE("a sphere is found where its points are, and the average wher
     }
     const auto sphere = shared::surfaceFrom(sums, static_cast<Real>(radius), shared::kSurfaceSphere);
     REQUIRE(sphere.defined);
-    // The least spread that it is given flattens it a little.
+    // The minimum spread in the formula flattens the sphere a little.
     CHECK(std::abs(static_cast<double>(sphere.distance) - height) < 1e-4 + kRounding<Real>);
-    // And tilts it, by as much as the points are to one side.
+    // It also tilts the sphere, in proportion to the offset of the points to one side.
     CHECK(off(sphere.normal, DVec3(0, 0, 1)) < 1e-5 + 20 * kRounding<Real>);
     const auto average = shared::surfaceFrom(sums, static_cast<Real>(radius), shared::kSurfaceAverage);
     REQUIRE(average.defined);
@@ -126,8 +128,8 @@ TEST_CASE_TEMPLATE("a sphere is found where its points are, and the average wher
   }
 }
 
-TEST_CASE_TEMPLATE("points in one place are a plane; too few, or normals that cancel, are no surface", Real, float,
-                   double) {
+TEST_CASE_TEMPLATE("coincident points give a plane; too few points, or cancelling normals, give no surface", Real,
+                   float, double) {
   const auto kinds = {shared::kSurfaceAverage, shared::kSurfaceSphere, shared::kSurfaceSharp};
   for (const shared::uint kind : kinds) {
     for (const DVec3& d : {DVec3(0), DVec3(-0.0), DVec3(0, 0, -0.25), DVec3(static_cast<double>(kDenormal<Real>))}) {
@@ -145,17 +147,18 @@ TEST_CASE_TEMPLATE("points in one place are a plane; too few, or normals that ca
     shared::SurfaceSumsOf<Real> opposed{};
     for (const double z : {1, -1, 1, -1}) add<Real>(opposed, DVec3(0.1, 0, 0), {0, 0, z});
     CHECK_FALSE(shared::surfaceFrom(opposed, Real(2), kind).defined);
-    // Past its last points a surface ends.
+    // A surface ends past its last points.
     shared::SurfaceSumsOf<Real> aside{};
     for (int i = 0; i < 4; ++i) add<Real>(aside, DVec3(0.6, 0, 0), {0, 0, 1});
     CHECK_FALSE(shared::surfaceFrom(aside, Real(2), kind).defined);
   }
 }
 
-TEST_CASE_TEMPLATE("weights let go across an edge, and a radius shrinks where normals disagree", Real, float, double) {
+TEST_CASE_TEMPLATE("sharp weights drop across an edge, and a radius shrinks where normals disagree", Real, float,
+                   double) {
   const V3<Real> up(0, 0, 1), d(Real(0.25), 0, Real(-0.125));
   CHECK(shared::robustWeight(up, Real(0.125), d, up) == 1);
-  const double turn = 2 / 0.25, height = (-0.25 - 0.125) / 0.5;  // squared for the turn
+  const double turn = 2 / 0.25, height = (-0.25 - 0.125) / 0.5;  // squared for the angle of the normals
   CHECK(std::abs(static_cast<double>(shared::robustWeight(up, Real(0.125), d, V3<Real>(1, 0, 0))) -
                  std::exp(-turn - height * height)) < kRounding<Real>);
   CHECK(shared::turnWeight(shared::kSurfaceSphere, Real(-0.25)) == Real(0.5));
@@ -165,7 +168,7 @@ TEST_CASE_TEMPLATE("weights let go across an edge, and a radius shrinks where no
   CHECK(shared::wideWhereFlat(Real(1), Real(2), Real(0)) == 1);
 }
 
-TEST_CASE("a HIP crosses a surface from the face that it came from, and remembers that face") {
+TEST_CASE("a HIP crosses a surface only from the face that it came from, and remembers that face") {
   using namespace shared;
   CHECK(crosses(kFaceOutside, false));
   CHECK(crosses(kFaceBehind, true));
@@ -184,7 +187,7 @@ TEST_CASE("a HIP crosses a surface from the face that it came from, and remember
   }
 }
 
-TEST_CASE_TEMPLATE("a proxy slides as far as friction lets it, and a step that turns back is halved", Real, float,
+TEST_CASE_TEMPLATE("a proxy slides as far as friction allows, and a step that reverses is halved", Real, float,
                    double) {
   const Real endless = std::numeric_limits<Real>::infinity();
   const std::array<std::pair<Real, shared::uint>, 8> ways{{{Real(0), 1u},
@@ -202,7 +205,7 @@ TEST_CASE_TEMPLATE("a proxy slides as far as friction lets it, and a step that t
     CHECK(shared::againstFriction(none, Real(0), Real(0), sticking) == none);
     CHECK(shared::againstFriction(none, Real(-1), Real(0.5), sticking) == none);
     CHECK(shared::slideAlong(up, none, Real(0.5), sticking) == none);
-    // Depth 2: a coefficient of 0.5 holds a slide of 1, and one of 1.25 while it sticks.
+    // Depth 2: a coefficient of 0.5 holds a slide of 1, and of 1.25 while sticking.
     const V3<Real> slid = shared::slideAlong(up, V3<Real>(Real(-1.125), 0, 2), Real(0.5), sticking);
     CHECK(off(slid, DVec3(sticking ? 0 : 0.125, 0, 0)) < kRounding<Real>);
   }
@@ -222,7 +225,7 @@ TEST_CASE_TEMPLATE("a proxy slides as far as friction lets it, and a step that t
   CHECK_FALSE(shared::trackingFrom(none, false, Real(0.5)).slid);
 }
 
-TEST_CASE_TEMPLATE("brushes act by their tool, on points in its middle too", Real, float, double) {
+TEST_CASE_TEMPLATE("each brush moves or removes points by its tool, also at the tool's centre", Real, float, double) {
   shared::BrushOf<Real> brush{
       .kind = shared::kBrushPush, .falloff = 3, .radius = 4, .longestMove = 100, .support = 1, .color = 0};
   const V3<Real> up(0, 0, 1);
@@ -230,7 +233,8 @@ TEST_CASE_TEMPLATE("brushes act by their tool, on points in its middle too", Rea
   const auto positionOf = [&](const V3<Real>& place) {
     return shared::brushed(brush, tool, place, up, {place, up}).position;
   };
-  // The whole way at once: every point in the ball comes to rest on its underside, straight under where it was.
+  // The whole displacement at once: every point in the ball comes to rest on its underside, straight below its
+  // position.
   for (const DVec3& direction : directions(100)) {
     const DVec3 offset = 2.5 * direction;
     const DVec3 wall(offset.x, offset.y, -std::sqrt(16 - offset.x * offset.x - offset.y * offset.y));
@@ -238,7 +242,7 @@ TEST_CASE_TEMPLATE("brushes act by their tool, on points in its middle too", Rea
   }
   for (const V3<Real>& middle : {tool.center, tool.center + V3<Real>(kDenormal<Real>)})
     CHECK(off(positionOf(middle), DVec3(tool.center) - DVec3(0, 0, 4)) < 10 * kRounding<Real>);
-  // On a shaft, too, and not over its end.
+  // On the shaft too, but not beyond its end.
   tool.shaft = 6;
   CHECK(off(positionOf(tool.center + V3<Real>(0, 0, 5)), DVec3(tool.center) - DVec3(0, 0, 4)) < 10 * kRounding<Real>);
   const V3<Real> over = tool.center + V3<Real>(0, 0, 7);
@@ -261,12 +265,12 @@ TEST_CASE_TEMPLATE("brushes act by their tool, on points in its middle too", Rea
   CHECK_FALSE(taken(tool.center + Real(5) * up, up));
 }
 
-TEST_CASE_TEMPLATE("how the surface lies over a hand is measured to a few thousandths", Real, float, double) {
+TEST_CASE_TEMPLATE("the surface normal and height over a hand are measured to a few thousandths", Real, float, double) {
   const shared::BrushOf<Real> brush{.kind = shared::kBrushPush, .radius = 4, .longestMove = 1, .support = 1};
   const DVec3 outward = glm::normalize(DVec3(1, 2, 3));
   const shared::BrushToolOf<Real> tool{
       .acts = 1, .outward = V3<Real>(outward), .share = 1, .hand = V3<Real>(7, 8, 9), .hearing = 5};
-  // A plane that is tilted against the tool, a quarter of its radius over the hand.
+  // A plane tilted against the tool, a quarter of its radius above the hand.
   const DVec3 normal = glm::normalize(outward + DVec3(0.1, -0.2, 0));
   const Frame3 frame = frameAround(normal);
   double weights = 0, heights = 0;
@@ -283,13 +287,13 @@ TEST_CASE_TEMPLATE("how the surface lies over a hand is measured to a few thousa
   CHECK(weights > 0);
   CHECK(off(V3<double>(normals / (weights * 511)), normal) < 5e-3);
   CHECK(heights / (weights * 255) * 4 == within(glm::dot(normal, outward), 0.02));
-  // What the hand has not come under says nothing, and neither does what is too far.
+  // Points below the hand, and points too far away, do not count.
   CHECK(shared::measured(brush, tool, {V3<Real>(DVec3(tool.hand) - outward), V3<Real>(outward)}).weight == 0);
   CHECK(shared::measured(brush, tool, {V3<Real>(DVec3(tool.hand) + 5.0 * outward), V3<Real>(outward)}).weight == 0);
 }
 
-TEST_CASE_TEMPLATE("half way between two points of a circle is on it; of one place it is that place", Real, float,
-                   double) {
+TEST_CASE_TEMPLATE("the midpoint between two points of a circle lies on it; between coincident points it is that point",
+                   Real, float, double) {
   for (const double angle : {0.05, 0.2, 0.4}) {
     const DVec3 here(0, 0, 1), there(std::sin(angle), 0, std::cos(angle));
     const V3<Real> middle = shared::halfWay(V3<Real>(there - here), V3<Real>(here), V3<Real>(there));
@@ -298,7 +302,8 @@ TEST_CASE_TEMPLATE("half way between two points of a circle is on it; of one pla
   CHECK(shared::halfWay(V3<Real>(0), V3<Real>(0, 0, 1), V3<Real>(1, 0, 0)) == V3<Real>(0));
 }
 
-TEST_CASE_TEMPLATE("the plane of points has their direction of least spread, where there is one", Real, float, double) {
+TEST_CASE_TEMPLATE("the plane of points has their direction of least spread as normal, if there is one", Real, float,
+                   double) {
   for (const DVec3& n : directions(100)) {
     const Frame3 frame = frameAround(n);
     shared::MomentsOf<Real> plane{}, line{}, place{};

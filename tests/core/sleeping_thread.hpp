@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// A thread that waits to be looked at, by the number that the system knows it by: what `ownNumber` gives it.
+/// A sleeping thread for tests to inspect, with its system identifier from `ownNumber`.
 template <auto ownNumber>
 class SleepingThread {
  public:

@@ -19,7 +19,7 @@ TEST_CASE("quantiles are nearest-rank samples") {
   CHECK(summary.mean == near(500.5, 1e-6));
 }
 
-TEST_CASE("no samples and one sample have a summary too") {
+TEST_CASE("empty and single samples have a summary too") {
   CHECK(summarize({}).count == 0);
   CHECK(summarize({}).p999 == 0);
   CHECK(summarize({7}).p50 == 7);

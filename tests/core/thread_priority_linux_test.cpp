@@ -19,7 +19,7 @@ struct Sleeper : SleepingThread<[] { return ::gettid(); }> {
 
 }  // namespace
 
-TEST_CASE("threads that came later give way, and those that were there do not") {
+TEST_CASE("threads started later get a lower priority, earlier ones keep theirs") {
   const int usual = ::getpriority(PRIO_PROCESS, 0);
   const Sleeper before;
   const RunningThreads then;
@@ -30,7 +30,7 @@ TEST_CASE("threads that came later give way, and those that were there do not") 
   for (const Sleeper* later : {&first, &second}) CHECK(later->nice() > usual);
 }
 
-TEST_CASE("a thread that gives way does so alone, and for good") {
+TEST_CASE("a thread that lowers its priority affects no other thread") {
   const int usual = ::getpriority(PRIO_PROCESS, 0);
   std::thread([&] {
     giveWay();
@@ -39,7 +39,7 @@ TEST_CASE("a thread that gives way does so alone, and for good") {
   CHECK(::getpriority(PRIO_PROCESS, 0) == usual);
 }
 
-TEST_CASE("a thread stays away from a core for a while, unless it has no other") {
+TEST_CASE("a thread avoids a core for a while, unless it is restricted to that core") {
   const auto allowed = [] {
     cpu_set_t cores;
     REQUIRE(::sched_getaffinity(0, sizeof cores, &cores) == 0);

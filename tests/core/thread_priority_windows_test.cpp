@@ -24,7 +24,7 @@ int ownPriority() { return ::GetThreadPriority(::GetCurrentThread()); }
 
 }  // namespace
 
-TEST_CASE("threads that came later give way, and those that were there do not") {
+TEST_CASE("threads started later get a lower priority, earlier ones keep theirs") {
   const Sleeper before;
   const RunningThreads then;
   const Sleeper first, second;
@@ -34,7 +34,7 @@ TEST_CASE("threads that came later give way, and those that were there do not") 
   for (const Sleeper* later : {&first, &second}) CHECK(later->priority() < THREAD_PRIORITY_NORMAL);
 }
 
-TEST_CASE("a thread that gives way does so alone, and for good") {
+TEST_CASE("a thread that lowers its priority affects no other thread") {
   std::thread([] {
     giveWay();
     CHECK(ownPriority() < THREAD_PRIORITY_NORMAL);
@@ -42,10 +42,10 @@ TEST_CASE("a thread that gives way does so alone, and for good") {
   CHECK(ownPriority() == THREAD_PRIORITY_NORMAL);
 }
 
-TEST_CASE("a thread stays away from a core for a while") {
+TEST_CASE("a thread avoids a core for a while") {
   DWORD_PTR usual = 0, there = 0;
   REQUIRE(::GetProcessAffinityMask(::GetCurrentProcess(), &usual, &there));
-  // To ask for the cores of a thread is to change them.
+  // Windows returns the affinity of a thread only when it is changed.
   const auto allowed = [&] {
     const DWORD_PTR before = ::SetThreadAffinityMask(::GetCurrentThread(), usual);
     ::SetThreadAffinityMask(::GetCurrentThread(), before);

@@ -31,7 +31,7 @@ double leastDistance(const ToolShape& tool) {
 
 }  // namespace
 
-TEST_CASE("a tool has as many points as are asked for, and together they have the whole stiffness") {
+TEST_CASE("a tool has the requested number of points, and their shares of the stiffness add up to one") {
   for (const ToolKind kind : kManyPointed)
     for (std::size_t count = 1; count <= kMaxToolPoints; ++count) {
       CAPTURE(static_cast<int>(kind));
@@ -45,12 +45,12 @@ TEST_CASE("a tool has as many points as are asked for, and together they have th
         shares += point.share;
       }
       CHECK(shares == near(1, 1e-12));
-      // Nowhere much closer than an even covering of the tool's area has it.
+      // No two points much closer than in an even covering of the tool's area.
       if (count > 1) CHECK(leastDistance(tool) > 3.5 / std::sqrt(static_cast<double>(count)));
     }
 }
 
-TEST_CASE("one point is the HIP, whatever the tool") {
+TEST_CASE("a tool of one point is the HIP, for every kind of tool") {
   for (const auto& [name, kind] : kToolKinds) {
     const ToolShape tool = makeTool(kind, 1, 10);
     CHECK(tool.points[0].place == DVec3(0));
@@ -58,7 +58,7 @@ TEST_CASE("one point is the HIP, whatever the tool") {
   }
 }
 
-TEST_CASE("pads and spatulas are balanced on the HIP, look along -z and are as large as they should be") {
+TEST_CASE("pads and spatulas are balanced on the HIP, face -z and have the requested size") {
   for (std::size_t count = 2; count <= kMaxToolPoints; ++count) {
     CAPTURE(count);
     const ToolShape pad = makeTool(ToolKind::pad, count, 10), spatula = makeTool(ToolKind::spatula, count, 10);
@@ -67,7 +67,7 @@ TEST_CASE("pads and spatulas are balanced on the HIP, look along -z and are as l
     double foremost = 10;
     for (const ToolPoint& point : pad.points) {
       CHECK(glm::length(DVec2(point.place)) < 5);
-      CHECK(glm::distance(point.place, DVec3(0, 0, 10)) == near(10, 1e-6));  // as round as it is wide
+      CHECK(glm::distance(point.place, DVec3(0, 0, 10)) == near(10, 1e-6));  // radius of curvature = width
       CHECK(point.place.z < 5);
       foremost = std::min(foremost, point.place.z);
     }
@@ -81,7 +81,7 @@ TEST_CASE("pads and spatulas are balanced on the HIP, look along -z and are as l
   }
 }
 
-TEST_CASE("a ball's points lie evenly around the HIP") {
+TEST_CASE("the points of a ball are spread evenly around the HIP") {
   for (const std::size_t count : {2u, 8u, 16u, 63u, 64u}) {
     CAPTURE(count);
     const ToolShape ball = makeTool(ToolKind::ball, count, 10);
@@ -90,7 +90,7 @@ TEST_CASE("a ball's points lie evenly around the HIP") {
   }
 }
 
-TEST_CASE("a tool can face any way, and keeps its shape") {
+TEST_CASE("a tool keeps its shape when it is rotated to any direction") {
   const ToolShape pad = makeTool(ToolKind::pad, 16, 10);
   for (const DVec3 axis : {DVec3(0, 0, -3), DVec3(0, 0, 2), DVec3(1, 0, 0), DVec3(-1, 2, -2), DVec3(1e-9, 0, 1)}) {
     CAPTURE(axis.x);
@@ -106,7 +106,7 @@ TEST_CASE("a tool can face any way, and keeps its shape") {
   CHECK(facing(pad, {0, 0, -3}).points[5].place == pad.points[5].place);
 }
 
-TEST_CASE("tools that cannot be are refused in words") {
+TEST_CASE("tools of invalid size, count or direction are refused with a reason") {
   CHECK_THROWS_WITH_AS(makeTool(ToolKind::pad, 0, 10), doctest::Contains("1 to 64"), UsageError);
   CHECK_THROWS_WITH_AS(makeTool(ToolKind::pad, 65, 10), doctest::Contains("1 to 64"), UsageError);
   CHECK_THROWS_AS(makeTool(ToolKind::point, 2, 10), UsageError);
@@ -116,11 +116,11 @@ TEST_CASE("tools that cannot be are refused in words") {
   CHECK_THROWS_WITH_AS(facing(makeTool(ToolKind::pad, 8, 10), DVec3(0)), doctest::Contains("nowhere"), UsageError);
 }
 
-TEST_CASE("what turns is told from what does not") {
+TEST_CASE("unit quaternions are accepted as rotations, others are not") {
   const double half = std::sqrt(0.5);
   CHECK(isTurn({1, 0, 0, 0}));
   CHECK(isTurn({half, 0, half, 0}));
-  CHECK(isTurn({0.70710, 0, 0, 0.70711}));  // as a device tells it
+  CHECK(isTurn({0.70710, 0, 0, 0.70711}));  // with a device's rounding
   CHECK_FALSE(isTurn({0, 0, 0, 0}));
   CHECK_FALSE(isTurn({1, 0.1, 0, 0}));
   CHECK_FALSE(isTurn({std::numeric_limits<double>::quiet_NaN(), 0, 0, 0}));

@@ -6,7 +6,7 @@
 
 namespace palpate::worker_team_test {
 
-TEST_CASE("a team does every part of every job once, whatever its size") {
+TEST_CASE("a worker team executes every part of every job once, with any number of threads") {
   for (const unsigned threads : {1u, 2u, 5u}) {
     WorkerTeam team(threads);
     CHECK(team.size() == threads);
@@ -18,7 +18,7 @@ TEST_CASE("a team does every part of every job once, whatever its size") {
   }
 }
 
-TEST_CASE("what one job wrote the next one reads, on every thread") {
+TEST_CASE("the results of one job are visible to all threads in the next") {
   WorkerTeam team(3);
   std::vector<int> values(1000, 0), next(1000, 0);
   for (int job = 1; job <= 50; ++job) {

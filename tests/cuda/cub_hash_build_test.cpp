@@ -48,7 +48,7 @@ void checkHalf(const cu::Stream& stream, cu::LiveCopy& live, const cu::CubBuild&
   CHECK(wrongRanges == 0);
 }
 
-// Order, ranges and carried attributes equal those of the CPU, after one build, after a second, and from a graph.
+// Order, ranges and attributes equal those of the CPU after a first build, a second one, and one from a graph.
 void checkBuild(const PointCloud& cloud, const HashGrid& grid) {
   const CpuHash reference(cloud.positions, grid);
   const cu::Stream stream;
@@ -69,7 +69,7 @@ void checkBuild(const PointCloud& cloud, const HashGrid& grid) {
 
 }  // namespace
 
-TEST_CASE("order and ranges equal the reference at awkward counts") {
+TEST_CASE("the CUB build has the order and ranges of the reference at counts around block sizes") {
   NEEDS_CUDA_DEVICE();
   for (const std::size_t count : {0, 1, 2, 255, 256, 257, 4095, 4096, 4097, 65'537, 1'000'003}) {
     CAPTURE(count);
@@ -77,13 +77,13 @@ TEST_CASE("order and ranges equal the reference at awkward counts") {
   }
 }
 
-TEST_CASE("blocks of cells in Morton order, and points all in one place") {
+TEST_CASE("the CUB build handles cells in Morton order and coincident points") {
   NEEDS_CUDA_DEVICE();
   checkBuild(cloudOf(randomPositions(100'000, Vec3(0), 50)), makeHashGrid(Vec3(-50), 1, 100'000, BucketKey::morton));
   checkBuild(cloudOf(std::vector<Vec3>(10'007, Vec3(3, -4, 5))), makeHashGrid(Vec3(0), 1, 10'007));
 }
 
-TEST_CASE("negative and far coordinates, and outliers past every cell") {
+TEST_CASE("the CUB build handles negative and far coordinates and outliers beyond every cell") {
   NEEDS_CUDA_DEVICE();
   checkBuild(cloudOf(randomPositions(5000, Vec3(-1e6f, 2e6f, -3e6f), 100)), makeHashGrid(Vec3(0), 2, 5000));
   checkBuild(cloudOf(randomPositions(5000, Vec3(-40, -40, -40), 10)), makeHashGrid(Vec3(0), 0.7, 5000));

@@ -1,4 +1,4 @@
-// What the tests of the CUDA back end share. Where there is no GPU for CUDA every test says so and ends.
+// Shared code of the tests of the CUDA back end. Without a GPU for CUDA each test reports a skip and returns.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -31,7 +31,7 @@ inline CudaTouchOptions cudaOptions(const PointCloud& cloud, double radius, Cuda
           .method = method};
 }
 
-/// What a back end answers to every place of a path. Stops the test when an answer is not valid, with the reason.
+/// Answers of a back end at every position of a path. An invalid answer fails the test, with the reason.
 inline std::vector<Contact> answersTo(TouchBackend& touch, const std::vector<DVec3>& path) {
   std::vector<Contact> answers;
   for (const DVec3& hip : path) {
@@ -43,7 +43,7 @@ inline std::vector<Contact> answersTo(TouchBackend& touch, const std::vector<DVe
   return answers;
 }
 
-/// Answers that differ in any bit of what a hand or an eye would see.
+/// Number of answers that differ in any bit of proxy, normal, touching or neighbours.
 inline std::size_t differences(const std::vector<Contact>& a, const std::vector<Contact>& b) {
   REQUIRE(a.size() == b.size());
   std::size_t different = 0;

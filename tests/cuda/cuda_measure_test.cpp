@@ -8,7 +8,7 @@
 
 namespace palpate::cuda_measure_test {
 
-TEST_CASE("CUB's sort is timed once per repetition") {
+TEST_CASE("the CUB sort is timed once per repetition") {
   NEEDS_CUDA_DEVICE();
   std::mt19937 random(1);
   for (const std::size_t count : {1, 1000, 1'000'000}) {
@@ -23,7 +23,7 @@ TEST_CASE("CUB's sort is timed once per repetition") {
   }
 }
 
-TEST_CASE("CUB's build is timed once per repetition") {
+TEST_CASE("the CUB build is timed once per repetition") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sculpture", 1'000'000);
   const HashGrid grid = makeHashGrid(Vec3(boundsOf(scene.cloud).min), scene.radius, scene.cloud.size());
@@ -33,7 +33,7 @@ TEST_CASE("CUB's build is timed once per repetition") {
   MESSAGE("build of " << scene.cloud.size() << " points: " << summarize(times).p50 << " us");
 }
 
-TEST_CASE("a tick of every method is timed, back to back, at a million points") {
+TEST_CASE("back-to-back ticks of every CUDA method are timed at a million points") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sculpture", 1'000'000);
   const auto path = wanderingPath(scene, 2000, 0.5 * scene.radius, 1);

@@ -11,7 +11,7 @@ namespace palpate::cuda_touch_test {
 
 namespace {
 
-// Several walks over a shape, letting go between them by a jump that takes many sub-steps.
+// Several paths over a shape; a jump that takes many sub-steps releases contact between them.
 std::vector<DVec3> walksOver(const Scene& scene, std::size_t ticks) {
   std::vector<DVec3> path;
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
@@ -28,7 +28,7 @@ std::vector<Contact> referenceAnswers(const Scene& scene, const std::vector<DVec
   return answers;
 }
 
-// Both tell the same state, within the rounding of single precision.
+// The contacts agree within the rounding of single precision.
 void checkPlay(const std::vector<Contact>& gpu, const std::vector<Contact>& cpu, double radius) {
   std::size_t disagreed = 0, neighboursDiffer = 0;
   double worstProxy = 0, worstNormal_deg = 0;
@@ -54,7 +54,7 @@ std::size_t touchedTicks(const std::vector<Contact>& answers) {
 
 }  // namespace
 
-TEST_CASE("every method and the reference agree over random paths on every shape") {
+TEST_CASE("every CUDA method agrees with the reference over random paths on every shape") {
   NEEDS_CUDA_DEVICE();
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
@@ -71,13 +71,13 @@ TEST_CASE("every method and the reference agree over random paths on every shape
   }
 }
 
-TEST_CASE("both faces of a sheet and of a plate are felt as in double precision, their edges and friction included") {
+TEST_CASE("CUDA feels both faces, the edges and the friction of sheets as double precision does") {
   NEEDS_CUDA_DEVICE();
   constexpr double kRadius = 2;
   for (const double thickness : {0.0, 0.4}) {
     CAPTURE(thickness);
     const PointCloud cloud = sheet(thickness);
-    std::vector<DVec3> path;  // down and up through the plane, from inside the sheet to past its edge
+    std::vector<DVec3> path;  // down and up through the plane, from the middle of the sheet to past its edge
     for (int i = 0; i < 700; ++i) path.emplace_back(0.033 * i, 0.1 + 0.01 * i, -0.2 + 3.5 * std::cos(0.06 * i));
     ContactReference reference(cloud, {.radius = kRadius}, 0.3);
     std::vector<Contact> expected;
@@ -93,7 +93,7 @@ TEST_CASE("both faces of a sheet and of a plate are felt as in double precision,
   }
 }
 
-TEST_CASE("they agree when the support spans one, three and seven cells a side") {
+TEST_CASE("CUDA methods agree with the reference when the support radius spans one, three and seven cells a side") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("bumpy-sphere", 10'000);
   const auto path = walksOver(scene, 60);
@@ -110,7 +110,7 @@ TEST_CASE("they agree when the support spans one, three and seven cells a side")
   }
 }
 
-TEST_CASE("they agree far from the origin, and where the patch spills from shared memory") {
+TEST_CASE("CUDA methods agree with the reference far from the origin and when a patch overflows shared memory") {
   NEEDS_CUDA_DEVICE();
   const Scene far = makeScene("torus", 10'000, DVec3(1e6, -2e6, 3e6));
   Scene wide = makeScene("sphere", 20'000);
@@ -127,7 +127,7 @@ TEST_CASE("they agree far from the origin, and where the patch spills from share
   }
 }
 
-TEST_CASE("all methods but brute force answer with the same bits, and every method repeats itself") {
+TEST_CASE("all CUDA methods except brute force give identical answers, and every method is deterministic") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sculpture", 50'000);
   const auto path = walksOver(scene, 100);
@@ -146,7 +146,7 @@ TEST_CASE("all methods but brute force answer with the same bits, and every meth
   }
 }
 
-TEST_CASE("clouds without a surface never touch") {
+TEST_CASE("clouds of at most two points are never touched with CUDA") {
   NEEDS_CUDA_DEVICE();
   for (const CudaMethod method : allCudaMethods()) {
     CAPTURE(nameOf(method));
@@ -162,7 +162,7 @@ TEST_CASE("clouds without a surface never touch") {
   }
 }
 
-TEST_CASE("a hundred thousand points in one place are a surface that can be touched") {
+TEST_CASE("a hundred thousand coincident points can be touched with CUDA") {
   NEEDS_CUDA_DEVICE();
   const PointCloud cloud = pointsInOnePlace(100'000, Vec3(1, 2, 3));
   for (const CudaMethod method : allCudaMethods()) {
@@ -176,7 +176,7 @@ TEST_CASE("a hundred thousand points in one place are a surface that can be touc
   }
 }
 
-TEST_CASE("a HIP that is not a number is answered with an invalid contact, and nothing breaks") {
+TEST_CASE("with CUDA a HIP that is not finite gives an invalid contact, and the next one is valid") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 5'000);
   for (const CudaMethod method : allCudaMethods()) {
@@ -192,7 +192,7 @@ TEST_CASE("a HIP that is not a number is answered with an invalid contact, and n
   }
 }
 
-TEST_CASE("times are measured, and the machine has a name") {
+TEST_CASE("CUDA reports the name of the GPU and the times of build and ticks") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 20'000);
   const auto path = wanderingPath(scene, 300, 0.5 * scene.radius, 1);

@@ -17,7 +17,7 @@ struct Moved {
   std::vector<Vec4> positions, normals;  // in id order
 };
 
-// One edited tick: push, rebuild, refit, for a contact state that we choose.
+// One edited tick (push, rebuild, refit) for a given contact state.
 Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const BrushOptions& options, double radius) {
   const cu::Stream stream;
   cu::LiveCopy live(cloud, stream);
@@ -45,7 +45,7 @@ bool movedAt(const Moved& moved, const PointCloud& cloud, std::size_t i) {
 
 }  // namespace
 
-TEST_CASE("points in range move as the reference says, the others stay bit by bit") {
+TEST_CASE("a CUDA push moves points in range as the reference does and leaves the others bit by bit") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
@@ -73,7 +73,7 @@ TEST_CASE("points in range move as the reference says, the others stay bit by bi
   }
 }
 
-TEST_CASE("normals of moved points are those of the new shape, on their old side") {
+TEST_CASE("after a CUDA push, moved points have the normals of the new shape, on their old side") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward(0, 0, 1);
@@ -106,7 +106,7 @@ TEST_CASE("normals of moved points are those of the new shape, on their old side
   CHECK(worst_deg < 0.1);
 }
 
-TEST_CASE("a spring no longer than tau moves nothing") {
+TEST_CASE("a CUDA push with a spring no longer than tau moves no point") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("plane", 5'000);
   const Moved moved =
@@ -116,7 +116,7 @@ TEST_CASE("a spring no longer than tau moves nothing") {
   CHECK(count == 0);
 }
 
-TEST_CASE("points all in one place, and points on a line, keep a unit normal") {
+TEST_CASE("after a CUDA push, coincident and collinear points keep unit normals") {
   NEEDS_CUDA_DEVICE();
   PointCloud cloud = pointsInOnePlace(3000, Vec3(0));
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
@@ -128,7 +128,7 @@ TEST_CASE("points all in one place, and points on a line, keep a unit normal") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("edits of empty and of tiny clouds, and of every point at once") {
+TEST_CASE("a CUDA push handles empty and tiny clouds, and moves every point at once") {
   NEEDS_CUDA_DEVICE();
   for (const std::size_t count : {0, 1, 2, 4'097}) {
     CAPTURE(count);
@@ -140,7 +140,7 @@ TEST_CASE("edits of empty and of tiny clouds, and of every point at once") {
   }
 }
 
-TEST_CASE("a session that sculpts leaves the same cloud, bit by bit, whatever the method") {
+TEST_CASE("sculpting with CUDA gives the same cloud, bit by bit, with every bucket-based method") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 50'000);
   std::vector<DVec3> path;

@@ -15,7 +15,7 @@ std::unique_ptr<CudaTouch> residentTouch(const Scene& scene) {
 
 }  // namespace
 
-TEST_CASE("the resident kernel answers ten thousand ticks") {
+TEST_CASE("the persistent kernel answers ten thousand ticks") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 20'000);
   const auto path = wanderingPath(scene, 500, 0.5 * scene.radius, 1);
@@ -31,7 +31,7 @@ TEST_CASE("the resident kernel answers ten thousand ticks") {
   CHECK(touched > 1000);
 }
 
-TEST_CASE("it comes and goes many times, asked or not") {
+TEST_CASE("the persistent kernel starts and stops many times, with and without queries") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 2'000);
   for (int cycle = 0; cycle < 50; ++cycle) {
@@ -41,26 +41,26 @@ TEST_CASE("it comes and goes many times, asked or not") {
   }
 }
 
-TEST_CASE("after a rest that ends it, and after finish, it answers again with the state it had") {
+TEST_CASE("the persistent kernel restarts with its contact state after idling and after finish") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 20'000);
   const auto touch = residentTouch(scene);
   CHECK_FALSE(touch->query({.hip = {0, 0, 52}}, 0).touching);
   CHECK(touch->query({.hip = {0, 0, 49}}, 0).touching);
   for (int rest = 0; rest < 3; ++rest) {
-    std::this_thread::sleep_for(milliseconds(120));  // longer than an idle kernel stays
+    std::this_thread::sleep_for(milliseconds(120));  // longer than the idle timeout of the kernel
     CHECK(touch->query({.hip = {0, 0, 49}}, 0).touching);
     touch->finish();
     CHECK(touch->query({.hip = {0, 0, 49}}, 0).touching);
   }
 }
 
-TEST_CASE("two of them live side by side, and other work on the GPU goes on") {
+TEST_CASE("two persistent kernels run side by side, with other work on the GPU") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 20'000);
   const auto one = residentTouch(scene);
   CHECK(one->query({.hip = {0, 0, 52}}, 0).valid);
-  const auto other = residentTouch(scene);  // takes memory and gives some back while the first one runs
+  const auto other = residentTouch(scene);  // allocates and frees memory while the first one runs
   CudaTouch fused(scene.cloud, cudaOptions(scene.cloud, scene.radius, CudaMethod::fused));
   for (int tick = 0; tick < 200; ++tick) {
     const Pose pose{.hip = {0, 0, 52 - 0.015 * tick}};
@@ -72,7 +72,7 @@ TEST_CASE("two of them live side by side, and other work on the GPU goes on") {
   }
 }
 
-TEST_CASE("a budget too short for any answer is kept to, and late answers are taken in") {
+TEST_CASE("CUDA keeps a budget too short for any answer, and uses late answers") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 20'000);
   for (const CudaMethod method : allCudaMethods()) {

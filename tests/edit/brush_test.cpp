@@ -7,7 +7,7 @@
 
 namespace palpate::brush_test {
 
-TEST_CASE("single precision does what double does, with every brush") {
+TEST_CASE("every brush in single precision agrees with double precision") {
   const auto questions = randomQuestions(6000);
   for (const double signedDistance : {0.3, -2.0}) {
     std::vector<shared::BrushAnswer> answers;
@@ -17,7 +17,8 @@ TEST_CASE("single precision does what double does, with every brush") {
   }
 }
 
-TEST_CASE("no brush moves a point further than a quarter of a support radius, or acts on what is free or yields less") {
+TEST_CASE(
+    "brushes move points at most a quarter of a support radius, and act on no point that is free or yields less") {
   const double longest = static_cast<double>(shared::kLongestMove) * kSupport;
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);
@@ -37,7 +38,7 @@ TEST_CASE("no brush moves a point further than a quarter of a support radius, or
   }
 }
 
-TEST_CASE("each brush does at the middle of the brush what its strength says") {
+TEST_CASE("each brush has its nominal effect at its centre") {
   const DVec3 hip(0, 0, -1), spring(0, 0, 1), middle(0), up(0, 0, 1);
   const auto at = [&](BrushKind kind, const DVec3& place, const DVec3& normal) {
     const BrushOptions options{.kind = kind, .tau = 0.1, .beta = 0.2, .radius = 4, .strength = 0.5};
@@ -69,7 +70,7 @@ TEST_CASE("each brush does at the middle of the brush what its strength says") {
   CHECK(at(BrushKind::carve, {0, 0, 3.1}, up).taken);  // too deep for a surface that it met slowly
 }
 
-TEST_CASE("a side of the model that faces away from the tool is left alone by every brush but carve") {
+TEST_CASE("every brush except carve leaves a side of the model that faces away unchanged") {
   const DVec3 hip(0, 0, -1), spring(0, 0, 1), far(0.2, 0.1, -0.4), down(0, 0, -1);
   for (const auto& [name, kind] : kBrushKinds) {
     if (kind == BrushKind::carve) continue;
@@ -84,7 +85,7 @@ TEST_CASE("a side of the model that faces away from the tool is left alone by ev
   }
 }
 
-TEST_CASE("what is turned away from the tool goes along the less the further it is, and no further in many edits") {
+TEST_CASE("points that face away move less, and do not accumulate motion over many edits") {
   const BrushOptions options{.kind = BrushKind::push, .tau = 0.1, .beta = 1, .radius = 4};
   const PlacedBrush brush = brushAt(options, 1000, {0, 0, -1}, {0, 0, 1});  // its full intended distance in one edit
   const DVec3 began(0, 0, 0);
@@ -102,7 +103,7 @@ TEST_CASE("what is turned away from the tool goes along the less the further it 
   }
 }
 
-TEST_CASE("paint arrives at its colour and stays there, however weak it is") {
+TEST_CASE("paint converges to its colour and stays there, however weak it is") {
   const BrushOptions options{
       .kind = BrushKind::paint, .tau = 0, .radius = 4, .strength = 0.001, .color = {10, 200, 0, 255}};
   const PlacedBrush brush = brushAt(options, kSupport, {0, 0, -1}, {0, 0, 1});

@@ -197,7 +197,7 @@ Left carve(const Solid& solid, const std::vector<Cut>& cuts, double speed = 100,
 
 }  // namespace
 
-TEST_CASE("what is carved out of a blade, a plate, a rod or a block leaves their solid, and nothing beside it" *
+TEST_CASE("carving a blade, a plate, a rod or a block removes its solid in the ball, and nothing beside it" *
           kMoreInFull) {
   const auto check = [](const char* name, const Solid& solid, const std::vector<Cut>& cuts, double deep = 3) {
     for (const double speed : byTier<std::vector<double>>({100}, {20, 100, 500}))

@@ -93,7 +93,7 @@ EditBatch strokeOf(std::uint32_t first, std::uint32_t count, float z) {
 
 }  // namespace
 
-TEST_CASE("undo and redo walk through random strokes of every kind and meet each state again, bit by bit") {
+TEST_CASE("undo and redo of random strokes of every kind restore each state bit by bit") {
   const PointCloud cloud = coloredCloud(257);
   for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
     CAPTURE(seed);
@@ -163,7 +163,7 @@ TEST_CASE("undo and redo walk through random strokes of every kind and meet each
   }
 }
 
-TEST_CASE("a new stroke takes away what could have been redone, and its memory") {
+TEST_CASE("a new stroke discards the redo strokes and frees their memory") {
   const PointCloud cloud = coloredCloud(100);
   Journal journal(cloud, 1 << 20);
   CHECK(journal.undo().empty());
@@ -183,7 +183,7 @@ TEST_CASE("a new stroke takes away what could have been redone, and its memory")
   CHECK(journal.strokes() == 3);
 }
 
-TEST_CASE("a stroke keeps a point once, as it was before the first of its edits") {
+TEST_CASE("a stroke keeps a point once, in its state before the first edit") {
   const PointCloud cloud = coloredCloud(100);
   Journal journal(cloud, 1 << 20);
   EditBatch batch;
@@ -207,7 +207,7 @@ TEST_CASE("a stroke keeps a point once, as it was before the first of its edits"
   }
 }
 
-TEST_CASE("past the budget the oldest strokes go first, and are counted") {
+TEST_CASE("beyond the budget the oldest strokes are dropped first, and counted") {
   const PointCloud cloud = coloredCloud(10'000);
   const std::uint64_t budget = 2500 * sizeof(PointState);
   Journal journal(cloud, budget);
@@ -225,7 +225,7 @@ TEST_CASE("past the budget the oldest strokes go first, and are counted") {
   CHECK(journal.version() != Journal(cloud).version());  // the file's points cannot recur
 }
 
-TEST_CASE("a stroke larger than the budget cannot be undone, nor those before it; those after it can") {
+TEST_CASE("a stroke larger than the budget and those before it cannot be undone, those after it can") {
   const PointCloud cloud = coloredCloud(10'000);
   Journal journal(cloud, 2500 * sizeof(PointState));
   journal.follow(strokeOf(0, 100, 1));
@@ -241,7 +241,7 @@ TEST_CASE("a stroke larger than the budget cannot be undone, nor those before it
   CHECK(journal.undo().empty());
 }
 
-TEST_CASE("a stroke that takes every point away is undone") {
+TEST_CASE("a stroke that removes every point is undone") {
   const PointCloud cloud = coloredCloud(1000);
   Journal journal(cloud, 1 << 20);
   EditBatch batch;
@@ -256,7 +256,7 @@ TEST_CASE("a stroke that takes every point away is undone") {
   CHECK(editedCloud(cloud, journal.points()).colors == cloud.colors);
 }
 
-TEST_CASE("without a budget the points are followed and no stroke is kept") {
+TEST_CASE("without a budget the journal follows the points and keeps no stroke") {
   const PointCloud cloud = coloredCloud(100);
   Journal journal(cloud);
   journal.follow(strokeOf(90, 20, 4));
@@ -267,7 +267,7 @@ TEST_CASE("without a budget the points are followed and no stroke is kept") {
   CHECK(journal.dropped() == 0);
 }
 
-TEST_CASE("a journal takes millions of states a second") {
+TEST_CASE("a journal processes millions of states per second") {
   const PointCloud cloud = coloredCloud(1'000'000);
   std::mt19937 random(5);
   EditBatch batch;
@@ -290,7 +290,7 @@ TEST_CASE("a journal takes millions of states a second") {
   CHECK(journal.undoable() == 0);
 }
 
-TEST_CASE("what others do is in no stroke, and what they have made of a point stays when a stroke is taken back") {
+TEST_CASE("edits of others belong to no stroke, and stay when a stroke is undone") {
   const PointCloud cloud = coloredCloud(20);
   Journal journal(cloud, 1 << 20);
   const auto file = copyOf(journal.points());
@@ -369,7 +369,7 @@ TEST_CASE("a point that a stroke edits before and after an edit of others is und
   CHECK(journal.points()[3] == moved(3, 30));
 }
 
-TEST_CASE("what others do amid random strokes: taken back, all but their points is as it was before") {
+TEST_CASE("undoing random strokes amid edits of others restores all points except theirs") {
   const PointCloud cloud = coloredCloud(301);
   for (const std::uint32_t seed : {5u, 6u, 7u}) {
     CAPTURE(seed);

@@ -99,7 +99,7 @@ PointCloud cloudOf(const CpuSculpture& sculpture) {
 
 }  // namespace
 
-TEST_CASE("a sector is a sixth of the turn, counter-clockwise") {
+TEST_CASE("a sector is a sixth of a full turn, counter-clockwise") {
   for (int k = 0; k < 360; ++k) {
     const double angle = (k + 0.5) * std::numbers::pi / 180;
     CHECK(shared::sectorOf(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))) ==
@@ -110,7 +110,7 @@ TEST_CASE("a sector is a sixth of the turn, counter-clockwise") {
   CHECK(shared::sectorOf(0, 0) < shared::kGapSectors);
 }
 
-TEST_CASE("half way between two points of a sphere lies on it") {
+TEST_CASE("the midpoint of two points of a sphere lies on it") {
   for (const float angle : {0.05f, 0.2f, 0.4f}) {
     const Vec3 a(0, 0, 1), b(std::sin(angle), 0, std::cos(angle));
     const Vec3 middle = a + shared::halfWay(b - a, a, b);
@@ -119,7 +119,7 @@ TEST_CASE("half way between two points of a sphere lies on it") {
   }
 }
 
-TEST_CASE("a point whose neighbours are all near requests nothing; behind a gap it wants one in the middle") {
+TEST_CASE("a point with near neighbours requests nothing, and behind a gap one point in its middle") {
   const ResampleRequest content = requestOf(pointAt(DVec3(0), 1), ring(1.5));
   CHECK_FALSE(content.inserts);
   CHECK_FALSE(content.goes);
@@ -132,7 +132,7 @@ TEST_CASE("a point whose neighbours are all near requests nothing; behind a gap 
   CHECK(glm::distance(request.offset, 0.5 * gap[0].offset) < 1e-12);
 }
 
-TEST_CASE("no point is requested beyond a border, where one stands, or on the other side of a sheet") {
+TEST_CASE("no point is requested beyond a border, near an existing one, or on the other side of a sheet") {
   auto border = ring(1.8);
   border.erase(border.begin());
   CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), border).inserts);
@@ -148,7 +148,7 @@ TEST_CASE("no point is requested beyond a border, where one stands, or on the ot
   CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), back).inserts);
 }
 
-TEST_CASE("of two crowded points one goes: the unsettled one, or the later one; never both") {
+TEST_CASE("of two crowded points one is removed, the unsettled or the later one, never both") {
   const auto goes = [](const ResampleNeighbour& self, ResampleNeighbour other) {
     other.offset = {0.3, 0, 0};
     other.rest = {1, 0, 0};
@@ -171,7 +171,7 @@ TEST_CASE("of two crowded points one goes: the unsettled one, or the later one; 
   CHECK(last.unsettled);
 }
 
-TEST_CASE("what a point requests does not depend on the order in which its neighbours come") {
+TEST_CASE("the request of a point does not depend on the order of its neighbours") {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-3, 3);
   std::size_t inserted = 0, gone = 0;
@@ -201,7 +201,7 @@ TEST_CASE("what a point requests does not depend on the order in which its neigh
   CHECK(gone > 50);
 }
 
-TEST_CASE("of all claims near one place that of the smallest number stands, and others do not hinder one another") {
+TEST_CASE("of all claims near a position the one with the smallest number wins, without blocking others") {
   const std::vector<std::pair<Vec3, std::uint32_t>> wanted{
       {{0.1f, 0.1f, 0}, 5}, {{0.5f, 0.1f, 0}, 3}, {{0.8f, 0.1f, 0}, 7}, {{1.3f, 0.1f, 0}, 9}, {{9, 0, 0}, 8}};
   InsertionClaims claims(1);
@@ -222,7 +222,7 @@ TEST_CASE("of all claims near one place that of the smallest number stands, and 
   CHECK(claims.stands(wanted[0].first, 5));
 }
 
-TEST_CASE("what is uneven or has holes as it was loaded stays so, however often it is examined") {
+TEST_CASE("uneven clouds and clouds with holes stay as loaded, however often they are examined") {
   const Scene sphere = makeScene("sphere", 20'000);
   PointCloud holed = sheet(40, 0.2);
   std::erase_if(holed.positions, [](const Vec3& p) { return glm::distance(p, Vec3(20.3f, 19.6f, 0)) < 1.9f; });
@@ -237,7 +237,7 @@ TEST_CASE("what is uneven or has holes as it was loaded stays so, however often 
   }
 }
 
-TEST_CASE("a gap that an edit has torn closes, evenly, and grows no border") {
+TEST_CASE("a gap torn by an edit closes evenly and does not widen a border") {
   const PointCloud whole = sheet(40, 0.2);
   CpuSculpture sculpture(whole, makeHashGrid(Vec3(0), 4, whole.size()), {.radius = 4});
   tear(sculpture);
@@ -256,7 +256,7 @@ TEST_CASE("a gap that an edit has torn closes, evenly, and grows no border") {
   }
 }
 
-TEST_CASE("a gap counts against the coarser of its ends, and what comes has the target of that one") {
+TEST_CASE("a gap is measured by the coarser of its ends, whose target spacing the new point gets") {
   auto gap = ring(1.8);
   gap[0].spacing = 1.5;
   CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), gap).inserts);
@@ -268,7 +268,7 @@ TEST_CASE("a gap counts against the coarser of its ends, and what comes has the 
   CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), ring(2.4)).takesAfterOther);
 }
 
-TEST_CASE("no point is requested beyond its reach, or where not all neighbours are seen") {
+TEST_CASE("no point is requested beyond its reach, or if the list of neighbours is incomplete") {
   const auto gap = ring(1.8);
   const ResampleNeighbour self = pointAt(DVec3(0), 1);
   CHECK(resampleRequest(self, {.neighbours = gap, .reach = 0.91}).inserts);
@@ -276,8 +276,7 @@ TEST_CASE("no point is requested beyond its reach, or where not all neighbours a
   CHECK_FALSE(resampleRequest(self, {.neighbours = gap, .complete = false}).inserts);
 }
 
-TEST_CASE(
-    "no point comes to where it would crowd one with a wider target, or one whose sheet may prove to be its own") {
+TEST_CASE("no point is added where it would crowd one with a wider target, or one of possibly the same sheet") {
   auto gap = ring(1.8);
   const ResampleNeighbour self = pointAt(DVec3(0), 1);
   const DVec3 place = 0.5 * gap[0].offset, aside = glm::normalize(DVec3(-place.y, place.x, 0));
@@ -292,7 +291,7 @@ TEST_CASE(
   CHECK(requestOf(self, gap).inserts);
 }
 
-TEST_CASE("who waits for another point to go waits only for one that is examined") {
+TEST_CASE("a point waits for the removal of another point only if that one is examined") {
   const auto row = [](bool firstIsExamined) {
     std::vector<ResampleNeighbour> points{pointAt({0.3, 0, 0}, 20, firstIsExamined), pointAt({0.6, 0, 0}, 10)};
     for (ResampleNeighbour& point : points) point.rest *= 10;
@@ -304,7 +303,7 @@ TEST_CASE("who waits for another point to go waits only for one that is examined
   CHECK(requestOf(self, row(false)).goes);
 }
 
-TEST_CASE("while a ball carves, what stands outside the solid goes, and no point comes to where it would have to go") {
+TEST_CASE("while a ball carves, points outside the solid are removed, and none is added where it would be removed") {
   // The ends of a gap are slightly above a plane at rest, which is seen slightly farther away.
   auto gap = ring(1.8);
   const ResampleNeighbour self = pointAt(DVec3(0), 1);
@@ -371,7 +370,7 @@ CameAndWent carveWildGround(std::uint32_t seed) {
 
 }  // namespace
 
-TEST_CASE("what a ball has carved into ground that has no one surface settles, and hardly a point comes to go again") {
+TEST_CASE("ground without a unique surface settles after carving, and hardly any added point is removed again") {
   CameAndWent all;
   for (std::uint32_t seed = 1; seed <= 24; ++seed) {
     CAPTURE(seed);
@@ -384,7 +383,7 @@ TEST_CASE("what a ball has carved into ground that has no one surface settles, a
   CHECK(20 * all.went <= all.came);
 }
 
-TEST_CASE("half way over an edge, or between normals that disagree, nothing stands outside the ends' planes") {
+TEST_CASE("midpoints over an edge, or between normals that disagree, stay within the planes of the ends") {
   std::mt19937 random(8);
   std::normal_distribution<double> side;
   const auto direction = [&] { return glm::normalize(DVec3{side(random), side(random), side(random)}); };
@@ -397,7 +396,7 @@ TEST_CASE("half way over an edge, or between normals that disagree, nothing stan
   }
 }
 
-TEST_CASE("many points in one place become one") {
+TEST_CASE("many coincident points become one") {
   PointCloud cloud = sheet(12);
   cloud.positions.insert(cloud.positions.end(), 3000, cloud.positions[40]);
   const std::size_t single = cloud.size() - 3000;
@@ -411,7 +410,7 @@ TEST_CASE("many points in one place become one") {
   CHECK(cloudOf(heap).size() <= single + 20);
 }
 
-TEST_CASE("the result does not depend on the cells of the index or the number of threads") {
+TEST_CASE("resampling does not depend on the cells of the index or the number of threads") {
   const PointCloud rough = sheet(60, 0.6);
   std::vector<Vec3> first;
   for (const double cell : {1.0, 0.4, 2.5})
@@ -425,7 +424,7 @@ TEST_CASE("the result does not depend on the cells of the index or the number of
   CHECK(first.size() > rough.size());
 }
 
-TEST_CASE("a brush as wide as the whole cloud leaves a part of its points to the next ticks, and all get their turn") {
+TEST_CASE("a brush as wide as the cloud defers some points to the next ticks, and reaches all of them") {
   const auto shape = makeShape("sphere", 100);
   PointCloud cloud = sampleShape(*shape, {.count = 15'000});
   const double radius = 4 * std::sqrt(4 * std::numbers::pi * 50 * 50 / 15'000);

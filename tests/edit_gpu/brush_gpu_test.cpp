@@ -1,4 +1,4 @@
-// The laws of the brushes on the GPU against double precision.
+// The formulas of the brushes on the GPU against double precision.
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "shaders/test_shaders.hpp"
@@ -10,12 +10,12 @@ namespace palpate::brush_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
-TEST_CASE_FIXTURE(GpuFixture, "the GPU does what double does, with every brush") {
+TEST_CASE_FIXTURE(GpuFixture, "every brush gives the same result on the GPU as in double precision") {
   constexpr double kSignedDistance = 0.3;
   const auto questions = randomQuestions(6000);
   std::vector<shared::BrushQuestion> asked;
   for (const BrushCase& question : questions) asked.push_back(question.asked);
-  // One more than are asked: validation takes the last bytes of a struct for a multiple of 16.
+  // One element more than needed: validation rounds the size of a struct up to a multiple of 16.
   const Buffer input = Buffer::of<shared::BrushQuestion>(device, asked.size() + 1, Memory::device, "questions");
   const Buffer output = Buffer::of<shared::BrushAnswer>(device, asked.size() + 1, Memory::device, "answers");
   upload(device, input, asked);

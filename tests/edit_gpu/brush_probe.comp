@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Asks shaders/shared/brush.h on the GPU.
+// Evaluates shaders/shared/brush.h on the GPU.
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 layout(buffer_reference) buffer BrushQuestions;

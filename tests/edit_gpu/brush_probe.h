@@ -4,7 +4,7 @@
 
 PALPATE_SHARED_BEGIN
 
-// One question to the functions of shaders/shared/brush.h, and what they answer.
+// Arguments and results of the functions of shaders/shared/brush.h.
 struct BrushQuestion {
   Brush brush;
   BrushTool tool;

@@ -24,7 +24,7 @@ PointState anyState(std::uint32_t i) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "without a reader nothing is kept and there is always room") {
+TEST_CASE_FIXTURE(GpuFixture, "without a reader the edit log keeps nothing and always has room") {
   EditLog log(device, 1000);
   CHECK(log.capacity() == 1 << 19);
   log.publish(1'000'000);
@@ -32,7 +32,7 @@ TEST_CASE_FIXTURE(GpuFixture, "without a reader nothing is kept and there is alw
   CHECK(log.room() == log.capacity());
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "what is published is unread until it is consumed") {
+TEST_CASE_FIXTURE(GpuFixture, "published edits are unread until they are consumed") {
   EditLog log(device, 1000);
   log.publish(10);
   EditLog::Reader reader(log);
@@ -46,7 +46,7 @@ TEST_CASE_FIXTURE(GpuFixture, "what is published is unread until it is consumed"
   CHECK(log.room() == log.capacity() - 210);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "the slowest reader says how much room there is, until it goes") {
+TEST_CASE_FIXTURE(GpuFixture, "the slowest reader limits the room in the edit log, until it is destroyed") {
   EditLog log(device, 1000);
   EditLog::Reader fast(log);
   std::optional<EditLog::Reader> slow(std::in_place, log);
@@ -63,7 +63,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the slowest reader says how much room there is, u
   CHECK(late.unread().size() == 100);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "the head wraps at 32 bits and positions go on") {
+TEST_CASE_FIXTURE(GpuFixture, "the head of the edit log wraps at 32 bits, and positions continue") {
   EditLog log(device, 1000);
   log.publish(0xFFFFFF00u);
   EditLog::Reader reader(log);
@@ -74,7 +74,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the head wraps at 32 bits and positions go on") {
   CHECK(reader.unread().size() == 0x200);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "marks tell where strokes and changes end, to each reader once") {
+TEST_CASE_FIXTURE(GpuFixture, "each reader receives the marks of strokes and changes once") {
   EditLog log(device, 1000);
   EditLog::Reader first(log), second(log);
   log.publish(5);
@@ -86,7 +86,7 @@ TEST_CASE_FIXTURE(GpuFixture, "marks tell where strokes and changes end, to each
   CHECK(marksOf(first) == expected);
   first.consume(20);
   CHECK(marksOf(first).empty());
-  log.endStroke();  // behind everything that the first has consumed, and unread still
+  log.endStroke();  // after everything that the first reader has consumed, and still unread
   CHECK(marksOf(first) == std::vector<EditMark>{{0, EditMark::Kind::stroke}});
   second.consume(20);
   log.publish(30);
@@ -108,7 +108,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a reader that leaves too many marks unread leaves
   CHECK(log.room() > 0);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a fetch brings all states and marks to the host, round and round the ring") {
+TEST_CASE_FIXTURE(GpuFixture, "a fetch copies all states and marks to the host, also when the ring wraps") {
   EditLog log(device, 1000, 0);
   REQUIRE(log.capacity() == 2048);
   EditFetch fetch(device, log);

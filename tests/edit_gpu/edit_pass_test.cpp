@@ -25,10 +25,10 @@ class EditFixture : public GpuFixture {
  protected:
   struct Moved {
     std::vector<Vec4> positions, normals;    // in id order
-    std::vector<shared::EditEntry> entries;  // as they stand in the log
+    std::vector<shared::EditEntry> entries;  // in the order of the log
   };
 
-  // One edited tick for a contact state that we choose, by update of the index and with a full build, which must agree.
+  // One edited tick for a given contact state, by index update and by full build, which must agree.
   Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const BrushOptions& options,
              double radius) {
     const Moved updated = push(cloud, hip, spring, options, radius, EditedScene::How::incremental);
@@ -38,7 +38,7 @@ class EditFixture : public GpuFixture {
     double worst_deg = 0;
     for (std::size_t i = 0; i < cloud.size(); ++i)
       worst_deg = std::max(worst_deg, angleBetween_deg(DVec3(updated.normals[i]), DVec3(rebuilt.normals[i])));
-    CHECK(worst_deg < 0.1);  // they sum up in another order
+    CHECK(worst_deg < 0.1);  // they sum in different order
     return updated;
   }
 
@@ -63,7 +63,7 @@ class EditFixture : public GpuFixture {
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
-                  "points in range move as the reference says, the others stay bit by bit") {
+                  "a push moves points in range as the reference does and leaves the others bit by bit") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   for (const BrushOptions options :
@@ -76,7 +76,7 @@ TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
       const DVec3 before(scene.cloud.positions[i]), normal(scene.cloud.normals[i]);
       const DVec3 expected = brush.brushed(before, normal, {before, normal}).position;
       if (expected == before) {
-        // A point within rounding of the brush's border may go either way; by less than that.
+        // Points within rounding of the brush's border may move or not, by less than that.
         CHECK(glm::distance(DVec3(moved.positions[i]), before) < 1e-4);
         continue;
       }
@@ -89,7 +89,7 @@ TEST_CASE_FIXTURE(CoreValidated<EditFixture>,
   }
 }
 
-TEST_CASE_FIXTURE(EditFixture, "the log holds exactly the points that moved, once each, as they are now") {
+TEST_CASE_FIXTURE(EditFixture, "the edit log contains exactly the moved points, once each, with their present state") {
   const Scene scene = makeScene("torus", 20'000);
   const DVec3 hip(48, 0, 0), spring(2, 0, 0);
   const Moved moved = push(scene.cloud, hip, spring, {.tau = 0.2, .beta = 0.3, .radius = 8}, scene.radius);
@@ -107,7 +107,7 @@ TEST_CASE_FIXTURE(EditFixture, "the log holds exactly the points that moved, onc
   }
 }
 
-TEST_CASE_FIXTURE(EditFixture, "normals of moved points are those of the new shape, on their old side") {
+TEST_CASE_FIXTURE(EditFixture, "moved points have the normals of the new shape, on their old side") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward(0, 0, 1);
   const Moved moved =
@@ -135,17 +135,17 @@ TEST_CASE_FIXTURE(EditFixture, "normals of moved points are those of the new sha
   CHECK(worst_deg < 0.1);
 }
 
-TEST_CASE_FIXTURE(EditFixture, "a spring no longer than tau moves nothing") {
+TEST_CASE_FIXTURE(EditFixture, "a push with a spring no longer than tau moves no point") {
   const Scene scene = makeScene("plane", 5'000);
   const Moved moved =
       push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5), {.tau = 0.5, .beta = 0.5, .radius = 5}, scene.radius);
   CHECK(moved.entries.empty());
 }
 
-TEST_CASE_FIXTURE(EditFixture, "points all in one place, and points on a line, keep a unit normal") {
+TEST_CASE_FIXTURE(EditFixture, "coincident and collinear points keep unit normals in an edit") {
   PointCloud cloud;
-  // GPU-assisted validation searches all buffers at each access, and lavapipe ends the loops of an invocation at 65,535
-  // rounds: no more points here than it gets through.
+  // GPU-assisted validation searches all buffers at each access, and lavapipe ends the loops of an invocation after
+  // 65,535 iterations, which limits the number of points here.
   constexpr std::size_t kHeap = 700;
   cloud.positions.assign(kHeap, Vec3(0, 0, 0));
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
@@ -158,9 +158,9 @@ TEST_CASE_FIXTURE(EditFixture, "points all in one place, and points on a line, k
   }
 }
 
-TEST_CASE_FIXTURE(EditFixture, "a brush larger than the model moves every point and the log holds them all") {
+TEST_CASE_FIXTURE(EditFixture, "a brush larger than the model moves every point, and the log contains them all") {
   Scene scene = makeScene("sphere", 4'097);
-  for (Vec3& normal : scene.cloud.normals) normal = Vec3(0, 0, 1);  // none is turned away from the brush
+  for (Vec3& normal : scene.cloud.normals) normal = Vec3(0, 0, 1);  // all normals face the brush
   const Moved moved =
       push(scene.cloud, DVec3(0, 0, -100), DVec3(0, 0, 150), {.tau = 1, .beta = 0.01, .radius = 1000}, scene.radius);
   CHECK(moved.entries.size() == scene.cloud.size());

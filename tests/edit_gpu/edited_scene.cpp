@@ -78,7 +78,7 @@ bool EditedScene::compactFurther(std::uint32_t steps) {
 
 std::vector<PointState> EditedScene::takeLog() {
   const auto head = download<std::uint32_t>(device_, log_.headBuffer(), 1)[0];
-  PALPATE_CHECK_LE(head - logSeen_, log_.capacity());  // or it was overwritten before anyone read it
+  PALPATE_CHECK_LE(head - logSeen_, log_.capacity());  // else entries were overwritten before they were read
   const auto ring = download<PointState>(device_, log_.entriesBuffer(), log_.capacity());
   std::vector<PointState> taken;
   for (; logSeen_ != head; ++logSeen_) taken.push_back(ring[logSeen_ % log_.capacity()]);

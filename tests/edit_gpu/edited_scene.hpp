@@ -1,4 +1,4 @@
-// A cloud on the GPU with everything that edits it, and a mirror of it on the host that follows the log alone.
+// A cloud on the GPU with everything that edits it, for comparison with a mirror on the host that follows the log.
 #pragma once
 
 #include <functional>
@@ -19,25 +19,25 @@ class EditedScene {
               std::span<const std::uint32_t> colors = {}, SortMethod sort = kDefaultSort,
               std::optional<std::uint32_t> spare = std::nullopt, const CompactionOptions& compaction = {});
 
-  /// One tick of the brush for a contact state that we choose; false when the update was not carried out.
+  /// One tick of the brush for a given contact state; false if the update was refused.
   bool brush(const DVec3& hip, const DVec3& spring, How how, const DVec3& motion = DVec3(0));
-  /// Changes as they are given; false when they were not carried out.
+  /// Applies the given changes; false if they were refused.
   bool change(std::span<const PointChange> changes, How how);
-  /// A full build and nothing else.
+  /// A full build without an edit.
   void compact();
-  /// Goes on with a compaction in the background, begins it where none is under way, by so many steps: the first notes
-  /// what changes, each of the next is a slice, and the last makes an end to it. True when that one came out.
+  /// Advances the background compaction by `steps`, and begins one if idle: the first step starts the recording of
+  /// changes, each next step copies a slice, the last ends the compaction. True if it ended with success.
   bool compactFurther(std::uint32_t steps);
   HashCompaction& compaction() { return *compaction_; }
 
-  /// What the log said since the last call.
+  /// Entries of the log since the last call.
   std::vector<PointState> takeLog();
   /// All points of the GPU by id.
   std::map<std::uint32_t, PointState> points() const;
-  /// How many things are wrong with the index: a bucket that misses one of its points or has another's, a range that
-  /// overlaps a second one or reads an empty slot, a point that no bucket has or two have, a mark left behind.
+  /// Number of errors in the index: a point missing from its bucket, in a wrong one or in two; an overlapping range; an
+  /// empty slot in a range; a leftover mark.
   std::size_t faults() const;
-  /// Every bucket's ids in order.
+  /// The ids of every bucket, in order.
   std::map<std::uint32_t, std::vector<std::uint32_t>> buckets() const;
   const shared::HashUpdate& report() const { return edit_->report(); }
   const EditPass& edit() const { return *edit_; }

@@ -1,4 +1,4 @@
-// Compaction in the background leaves what a full build would leave, whatever edits do meanwhile.
+// Background compaction has the result of a full build, whatever is edited meanwhile.
 #include <cmath>
 
 #include "engine/core/clock.hpp"
@@ -15,9 +15,9 @@ using How = EditedScene::How;
 
 constexpr CompactionOptions kShortSlices{.bucketsPerSlice = 256};
 constexpr std::uint32_t kMany = 1000;  // more steps than a compaction of these clouds takes
-// In one place, and thus in one bucket, which one subgroup updates: GPU-assisted validation searches all buffers at
-// each access, and lavapipe ends those loops at 65,535 rounds, so that good addresses are called bad from some 4,000
-// on.
+// At one position, thus in one bucket, which one subgroup updates: GPU-assisted validation searches all buffers at each
+// access, and lavapipe ends those loops after 65,535 iterations, so that valid addresses are reported from some 4,000
+// points on.
 constexpr std::size_t kCrowd = 700;
 
 PointCloud cloudOf(std::vector<Vec3> positions) {
@@ -33,7 +33,7 @@ struct Compacted {
       : scene(device, cloud, makeHashGrid(Vec3(-50), 2.0, cloud.size()), 2.0, brushOf(BrushKind::push), {},
               kDefaultSort, spare, options) {}
 
-  // Sends the points with these numbers to places of their own, and says what it did.
+  // Moves these points to positions in other buckets and returns the changes.
   std::vector<PointChange> scatter(std::uint32_t first, std::uint32_t count, float shift) {
     const auto points = scene.points();
     std::vector<PointChange> changes;
@@ -49,10 +49,10 @@ struct Compacted {
   EditedScene scene;
 };
 
-// Of more buckets than a GPU that shares its queue goes through in one slice.
+// More buckets than a GPU with a shared queue copies in one slice.
 std::size_t manyPoints() { return byTier<std::size_t>(40'000, 200'000); }
 
-// Something that the background queue is busy with for a while.
+// Keeps the background queue busy for a while.
 struct LongWork {
   explicit LongWork(Device& device)
       : large(device, 64 << 20, Memory::device, "large"), list(device, device.backgroundQueue(), "long work") {
@@ -94,17 +94,17 @@ void checkEditsBetweenSlices(Device& device, std::uint32_t mostAtOnce, int edits
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "edits of every kind between the slices of compactions leave every point in its bucket" *
+TEST_CASE_FIXTURE(GpuFixture, "edits of every kind between the slices of a compaction leave every point in its bucket" *
                                   kMoreInFull) {
   checkEditsBetweenSlices(device, kFewAtOnce, byTier(20, 45));
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "edits of many points at once between the slices of compactions do so, too" * kMoreInFull) {
+                  "large edits between the slices of a compaction leave every point in its bucket" * kMoreInFull) {
   checkEditsBetweenSlices(device, kManyAtOnce, byTier(30, 150));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "points stand in a bucket as they would without compaction" * kMoreInFull) {
+TEST_CASE_FIXTURE(GpuFixture, "compaction does not change the order of points in a bucket" * kMoreInFull) {
   const int count = byTier(24, 60);
   const Scene scene = makeScene("torus", 3'000);
   std::map<std::uint32_t, std::vector<std::uint32_t>> without;
@@ -118,7 +118,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points stand in a bucket as they would without co
       edits.one();
       if (compacts) compactions += edited.compactFurther(random() % 40);
     }
-    REQUIRE(edits.refused() == 0);  // a build in place of an update sets another order
+    REQUIRE(edits.refused() == 0);  // a build instead of an update changes the order
     if (!compacts) {
       without = edited.buckets();
       continue;
@@ -145,14 +145,14 @@ TEST_CASE_FIXTURE(GpuFixture, "clouds of any size and shape are compacted withou
       CHECK(scene.report().head == before.size());
       CHECK(scene.report().points == before.size());
       CHECK(scene.report().compacting == 0);
-      // Many points at one place are sent one after the other: more than arrive in one bucket in one tick are refused.
+      // Points at one position are moved to one bucket one after the other: a tick accepts a limited number of arrivals
+      // there.
       if (!cloud.empty()) compacted.scatter(0, std::min<std::uint32_t>(200, cloud.size()), 30);
     }
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture,
-                  "slots that buckets have left behind are won back, and compaction is due when it should") {
+TEST_CASE_FIXTURE(GpuFixture, "compaction recovers abandoned slots, and is due when they run out") {
   Compacted compacted(device, makeScene("sphere", 5'000).cloud, kShortSlices, 4'000);
   EditedScene& scene = compacted.scene;
   CHECK_FALSE(scene.compaction().isDue(scene.report()));
@@ -168,7 +168,7 @@ TEST_CASE_FIXTURE(GpuFixture,
   CHECK_FALSE(scene.compaction().isDue(scene.report()));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a bucket is noted once however often it changes, and its first copy is taken again") {
+TEST_CASE_FIXTURE(GpuFixture, "a bucket changed repeatedly during compaction is recorded once and copied again") {
   Compacted compacted(device, makeScene("sphere", 5'000).cloud);
   EditedScene& scene = compacted.scene;
   scene.compactFurther(1);
@@ -177,7 +177,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a bucket is noted once however often it changes, 
   CHECK(once == 1);
   for (int i = 0; i < 5; ++i) compacted.scatter(10, 1, 0.0f);
   CHECK(scene.report().dirty == once);
-  // After the last slice: the points that moved in place leave no second copy behind.
+  // After the last slice: points that moved within their bucket leave no second copy behind.
   scene.compactFurther(scene.compaction().slices());
   compacted.scatter(100, 50, 0.0f);
   CHECK(scene.report().dirty > once);
@@ -186,7 +186,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a bucket is noted once however often it changes, 
   CHECK(scene.faults() == 0);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "more changed buckets than can be noted make a compaction start over, and lose nothing") {
+TEST_CASE_FIXTURE(GpuFixture, "a compaction with too many changed buckets restarts and loses no point") {
   Compacted compacted(device, makeScene("sphere", 5'000).cloud, {.bucketsPerSlice = 256, .mostDirty = 8});
   EditedScene& scene = compacted.scene;
   scene.compactFurther(5);
@@ -204,9 +204,9 @@ TEST_CASE_FIXTURE(GpuFixture, "more changed buckets than can be noted make a com
   CHECK(scene.points() == before);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "points that find no room in the back half stay where they are") {
-  // Eight places of 999 points, to each of which one more comes back after it was copied: the copies of all are too
-  // small, and there is no room for eight more.
+TEST_CASE_FIXTURE(GpuFixture, "points without room in the back half stay unchanged, and the next compaction succeeds") {
+  // At each of eight positions 999 points are copied and then one more is restored: no copy is large enough, and there
+  // is no room for eight more.
   std::vector<Vec3> positions;
   for (int i = 0; i < 8'000; ++i) positions.push_back(Vec3(5.0f * static_cast<float>(i / 1'000), 0, 0));
   Compacted compacted(device, cloudOf(positions), kShortSlices, 3'000);
@@ -233,7 +233,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points that find no room in the back half stay wh
   CHECK(scene.points() == full);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a full build in the middle of a compaction gives it up, and the next one is whole") {
+TEST_CASE_FIXTURE(GpuFixture, "a full build aborts a compaction, and the next compaction is complete") {
   Compacted compacted(device, makeScene("sphere", 5'000).cloud);
   EditedScene& scene = compacted.scene;
   for (const std::uint32_t steps : {1u, 2u, 12u, 1 + scene.compaction().slices()}) {
@@ -252,13 +252,13 @@ TEST_CASE_FIXTURE(GpuFixture, "a full build in the middle of a compaction gives 
   }
 }
 
-TEST_CASE("given up without a build, a compaction leaves edits and the next compaction as they were") {
+TEST_CASE("an aborted compaction does not affect edits or the next compaction") {
   Device device({.gpu = "", .validation = Validation::off});  // validation on the GPU waits for every submission
   Compacted compacted(device, makeScene("sphere", 5'000).cloud);
   EditedScene& scene = compacted.scene;
   scene.compactFurther(7);
   device.waitIdle();
-  // The next slice stands behind other work, so that it is under way when the compaction is given up.
+  // The next slice is queued behind other work, so that it is in flight when the compaction is aborted.
   const LongWork work(device);
   scene.compaction().advance();
   scene.compaction().abandon();
@@ -273,7 +273,7 @@ TEST_CASE("given up without a build, a compaction leaves edits and the next comp
   CHECK(scene.points() == before);
 }
 
-TEST_CASE("a compaction that goes away in the middle of a slice waits for it") {
+TEST_CASE("destroying a compaction in the middle of a slice waits for the slice") {
   Device device({.gpu = "", .validation = Validation::off});  // validation on the GPU waits for every submission
   std::optional<Compacted> compacted(std::in_place, device, makeScene("sphere", 5'000).cloud);
   compacted->scene.compactFurther(7);
@@ -284,8 +284,8 @@ TEST_CASE("a compaction that goes away in the middle of a slice waits for it") {
   CHECK(device.backgroundQueue().isDone(work.ticket + 1));
 }
 
-TEST_CASE("a live cloud whose index follows edits takes little more than twice what one without takes" * kFull) {
-  Device device({.gpu = "", .validation = Validation::off});  // what is asked is of no pass
+TEST_CASE("a live cloud with an editable index takes little more than twice the memory of one without" * kFull) {
+  Device device({.gpu = "", .validation = Validation::off});  // only memory sizes are tested
   const Scene scene = makeScene("sphere", 400'000);
   const HashGrid grid = makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size());
   constexpr std::uint64_t kBytesPerSlot = 2 * 2 * sizeof(Vec4);
@@ -299,9 +299,8 @@ TEST_CASE("a live cloud whose index follows edits takes little more than twice w
   CHECK(ratio < 2.1);
 }
 
-TEST_CASE("a compaction of a large cloud is made of short slices, or of a few long ones, between which edits go on" *
-          kMoreInFull) {
-  Device device({.gpu = "", .validation = Validation::off});  // times are shown
+TEST_CASE("a large cloud is compacted in many short or few long slices, and edits run between them" * kMoreInFull) {
+  Device device({.gpu = "", .validation = Validation::off});  // times are reported
   const Scene scene = makeScene("sphere", manyPoints());
   const HashGrid grid = makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size());
   const std::uint32_t buckets = grid.bucketMask + 1;
@@ -310,7 +309,7 @@ TEST_CASE("a compaction of a large cloud is made of short slices, or of a few lo
     EditedScene edited(device, scene.cloud, grid, scene.radius, brushOf(BrushKind::push), {}, kDefaultSort,
                        std::nullopt, {.bucketsPerSlice = bucketsPerSlice});
     HashCompaction& compaction = edited.compaction();
-    constexpr std::uint32_t kEdits = 10;  // or one with each slice, where there are fewer
+    constexpr std::uint32_t kEdits = 10;  // or one per slice, if there are fewer slices
     const std::uint32_t apart = std::max(1u, compaction.slices() / kEdits);
     const Stopwatch watch;
     double longest_us = 0, all_us = 0, edits_us = 0;
@@ -332,19 +331,19 @@ TEST_CASE("a compaction of a large cloud is made of short slices, or of a few lo
       edits_us += editing.elapsed_us();
     }
     CHECK(slices == compaction.slices());
-    // One edit with each slice, where a fast GPU has few of them; and one before the first slice has ended.
+    // One edit per slice, if a fast GPU has few of them; and one before the end of the first slice.
     CHECK(edits >= std::min(4u, slices + 1));
     const double copied_us = watch.elapsed_us() - edits_us;
     CHECK(edited.compactFurther(1));
-    CHECK(edited.report().dirty > byTier(3, 15) * edits);  // each edit's own
+    CHECK(edited.report().dirty > byTier(3, 15) * edits);  // the buckets of each edit
     CHECK(edited.report().points == edited.points().size());
     CHECK(edited.faults() == 0);
-    MESSAGE(slices << " slices, " << all_us << " us in all, the longest " << longest_us << " us; the end, of "
-                   << edited.report().dirty << " buckets that " << edits << " edits had changed, "
-                   << compaction.endTime_us() << " us; " << copied_us << " us from begin to the last slice");
+    MESSAGE(slices << " slices, " << all_us << " us in all, the longest " << longest_us << " us; the end, with "
+                   << edited.report().dirty << " buckets changed by " << edits << " edits, " << compaction.endTime_us()
+                   << " us; " << copied_us << " us from begin to the last slice");
     constexpr std::uint32_t kShared = 1 << 11;  // buckets of a slice on a queue that touch shares
     if (bucketsPerSlice != kDefault)
-      CHECK(slices == 2 + 1);  // the first one empties slots
+      CHECK(slices == 2 + 1);  // the first slice empties slots
     else if (device.roles().backgroundShares())
       CHECK(slices >= buckets / kShared);
   }

@@ -1,4 +1,4 @@
-// The index that follows edits at the cost of the edit is at any moment what a full build would make of the points.
+// The incrementally updated index always equals a full build of the same points.
 #include "tests/edit/random_edits.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
@@ -6,7 +6,7 @@
 
 namespace palpate::index_update_test {
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "an edit that takes points away empties their slots and logs them") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "an edit that removes points empties their slots and logs them") {
   const Scene scene = makeScene("sphere", 500);
   EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
                      brushOf(BrushKind::push));
@@ -33,7 +33,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "an edit that takes points away empties their 
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "after any edit the index holds every point in its bucket and nothing else" * kMoreInFull) {
+                  "after any edit the index contains every point in its bucket and nothing else" * kMoreInFull) {
   const Scene scene = makeScene("sphere", 2'500);
   const int count = byTier(15, 120);
   for (const BrushKind kind :

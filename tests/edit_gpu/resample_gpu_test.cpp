@@ -1,4 +1,4 @@
-// Points come and go on the GPU as engine/edit/resampling.hpp says.
+// The GPU adds and removes points as engine/edit/resampling.hpp specifies.
 #include "tests/edit_gpu/edited_scene.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/labels.hpp"
@@ -15,7 +15,7 @@ namespace {
 constexpr double kRadius = 4;
 constexpr int kSide = 14;
 
-// A flat sheet of points a spacing of 1 apart, and `more`.
+// A flat sheet of points with a spacing of 1, and `more`.
 PointCloud sheetWith(std::initializer_list<Vec3> more) {
   PointCloud cloud;
   for (int y = 0; y < kSide; ++y)
@@ -27,8 +27,8 @@ PointCloud sheetWith(std::initializer_list<Vec3> more) {
 
 constexpr BrushOptions kEverything{.kind = BrushKind::grab, .tau = 0, .radius = 1e3, .strength = 1, .falloff = 0};
 
-// Moves everything a little, so that all points are examined, and then lets their requests be carried out. Ticks that
-// took.
+// Moves all points a little, so that all are examined, then runs ticks until their requests are carried out. Returns
+// the number of those ticks.
 int shake(EditedScene& scene) {
   const DVec3 hip(0, 0, -1);
   CHECK(scene.brush(hip, DVec3(0, 0, 1), EditedScene::How::incremental, DVec3(0, 0, 0.01)));
@@ -38,7 +38,7 @@ int shake(EditedScene& scene) {
   return ticks;
 }
 
-// Puts points elsewhere without examining any of them.
+// Moves points without examining any.
 void put(EditedScene& scene, const std::function<bool(PointState&)>& moved) {
   std::vector<PointChange> changes;
   for (const auto& [id, state] : scene.points()) {
@@ -50,7 +50,7 @@ void put(EditedScene& scene, const std::function<bool(PointState&)>& moved) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "in a row of crowded points the second goes, and the third stays for that") {
+TEST_CASE_FIXTURE(GpuFixture, "in a row of crowded points the second is removed, and the third therefore stays") {
   const auto sheet = static_cast<std::uint32_t>(kSide * kSide), place = static_cast<std::uint32_t>(6 * kSide + 6);
   const PointCloud cloud = sheetWith({{6.5f, 6.5f, 0}, {7.5f, 6.5f, 0}});
   EditedScene scene(device, cloud, makeHashGrid(Vec3(-10), kRadius, cloud.size()), kRadius, kEverything);
@@ -66,7 +66,7 @@ TEST_CASE_FIXTURE(GpuFixture, "in a row of crowded points the second goes, and t
   CHECK(points.contains(sheet + 1));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "what is uneven as it was loaded stays so, however often it is examined") {
+TEST_CASE_FIXTURE(GpuFixture, "clouds that were loaded uneven stay so, however often they are examined") {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> place(0, kSide - 1);
   PointCloud cloud = sheetWith({});
@@ -83,7 +83,7 @@ TEST_CASE_FIXTURE(GpuFixture, "what is uneven as it was loaded stays so, however
   CHECK(points.rbegin()->first == cloud.size() - 1);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a gap that an edit has torn closes, and what comes stands off from all others") {
+TEST_CASE_FIXTURE(GpuFixture, "a gap torn by an edit closes, and new points keep their distance from all others") {
   const PointCloud cloud = sheetWith({});
   EditedScene scene(device, cloud, makeHashGrid(Vec3(-10), kRadius, cloud.size()), kRadius, kEverything);
   put(scene, [](PointState& point) {

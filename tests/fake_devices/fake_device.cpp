@@ -53,16 +53,16 @@ void FakeDevice::read(const std::filesystem::path& script) {
     } else if (what == "note" && words >> name) {
       note_ = mappedNote(name);
       if (!note_) giveUp("cannot note in " + name);
-      note_->frames = 0;  // another session may have noted there before
+      note_->frames = 0;  // the file may contain the notes of an earlier session
     } else if (what == "fault" && words >> name) {
       FakeFault fault{.name = name};
       if (words >> fault.number && words >> fault.at_s) words >> fault.for_s;
       faults_.push_back(fault);
       words.clear();
     } else {
-      giveUp("does not understand '" + line + "'");
+      giveUp("cannot parse '" + line + "'");
     }
-    if (words.fail()) giveUp("wants more numbers in '" + line + "'");
+    if (words.fail()) giveUp("missing numbers in '" + line + "'");
   }
   touch_.emplace(hand, map, options);
 }

@@ -1,4 +1,4 @@
-// libdhd as its interface says, over a simulated stylus: for tests of the Force Dimension adapter.
+// libdhd as its interface specifies, over a simulated stylus: for tests of the Force Dimension adapter.
 #include <memory>
 
 #include "tests/fake_devices/fake_device.hpp"
@@ -22,7 +22,7 @@ int fail(int error) {
   library().error = error;
   return -1;
 }
-/// Whether the device is there and answers.
+/// Whether the device is open and has no fault.
 bool answers(char id) {
   if (id != 0 || !library().open) return fail(7), false;
   if (library().device->faultNow("error")) return fail(2), false;
@@ -58,7 +58,7 @@ int dhdGetPosition(double* x, double* y, double* z, char id) {
   *x = device.faultNow("nan") ? 0.0 / 0.0 : p.z;
   *y = p.x;
   *z = p.y;
-  return 1;  // read again within the time guard: good all the same
+  return 1;  // position read again within the time guard: also valid
 }
 int dhdSetForce(double x, double y, double z, char id) {
   if (!answers(id)) return -1;

@@ -1,5 +1,5 @@
-// Lets a test, and programs that it starts, meet a fake driver library with a script. The libraries lie in a folder
-// fake_devices beside the test program, or where PALPATE_FAKE_DEVICES_FOLDER says.
+// Loads a fake driver library with a script into a test and the programs that it starts. The libraries are in the
+// folder fake_devices beside the test program, or in PALPATE_FAKE_DEVICES_FOLDER.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -24,14 +24,14 @@ inline std::filesystem::path fakeDevicesFolder() {
 
 inline std::filesystem::path fakeDriverFile(const std::string& name) {
   const std::filesystem::path file = fakeDevicesFolder() / libraryFileName(name);
-  REQUIRE_MESSAGE(std::filesystem::exists(file), "no " << file.string() << "; build fake_drivers");
+  REQUIRE_MESSAGE(std::filesystem::exists(file), "no " << file.string() << "; build the target fake_drivers");
   return file;
 }
 
-/// What stands behind a stylus, and what was noted of it.
+/// The device behind a stylus and the record of its events.
 class FakeStylus {
  public:
-  /// `script`: see FakeDevice; with %/ for its folder. `hand`: rows of a path, if it has any.
+  /// `script`: see FakeDevice; % is replaced by its folder. `hand`: rows of a path, may be empty.
   FakeStylus(const char* variable, std::string script, const std::string& hand)
       : variable_(variable, (folder_ / "script").string()) {
     for (std::size_t at; (at = script.find('%')) != std::string::npos;) script.replace(at, 1, folder_.path().string());
@@ -57,7 +57,7 @@ class FakeStylus {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     return lastForce_N() == DVec3(0);
   }
-  /// Waits for a force of at least `least_N` and returns it: the stylus bounces, so that another look may find less.
+  /// Waits for a force of at least `least_N` and returns it: the stylus bounces, so that reading again may give less.
   double waitForForce_N(double least_N) const {
     double felt_N = 0;
     for (int i = 0; i < 20'000 && felt_N < least_N; ++i) {

@@ -1,7 +1,7 @@
-// libHD as its interface says, over a simulated Touch: for tests of the adapter through the real dynamic loader. It is
-// strict where the real one is: a thread has to make the device current, values latch at the begin of a frame and the
-// force leaves at its end, errors wait on a stack. There is a "Left Device", and a "Right Device" where it has a
-// script.
+// libHD as its interface specifies, over a simulated Touch: for tests of the adapter through the real dynamic loader.
+// It is strict where the real one is: a thread must make the device current, values are latched at the begin of a
+// frame, the force is sent at its end, errors are kept on a stack. It has a "Left Device", and a "Right Device" if that
+// has a script.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -33,7 +33,7 @@ struct Scheduled {
 /// One stylus of the driver.
 struct Stylus {
   explicit Stylus(Handle itsHandle) : handle(itsHandle) { plug(); }
-  /// Another session, another script.
+  /// Starts a session: reads the script again.
   void plug() {
     device = std::make_unique<FakeDevice>(handle == 0 ? FakeDevice::kFirst : FakeDevice::kSecond);
     checks = 0;
@@ -82,7 +82,7 @@ Library& library() {
 
 thread_local Handle current = kNoDevice;
 
-/// The stylus of a call that needs it current, or nothing and a complaint.
+/// The stylus of a call that requires it to be current; otherwise null and an error.
 Stylus* called(Handle device = current) {
   Library& hd = library();
   if (device < hd.styluses.size() && device == current && hd.styluses[device].open) return &hd.styluses[device];
@@ -114,11 +114,11 @@ void run() {
 void tellFaults(Stylus& stylus) {
   const FakeFault* error = stylus.device->faultNow("error");
   if (!error || std::ranges::find(stylus.told, error) != stylus.told.end()) return;
-  if (error->for_s > 1e8) stylus.told.push_back(error);  // once; one that lasts is told at each frame
+  if (error->for_s > 1e8) stylus.told.push_back(error);  // reported once; a limited one is reported at each frame
   library().complain(static_cast<std::uint32_t>(error->number), stylus.handle);
 }
 
-/// The stylus of a name, if the driver knows it.
+/// The stylus with this name, or null.
 Stylus* named(const char* name) {
   auto& styluses = library().styluses;
   if (!name || std::strcmp(name, "Default Device") == 0 || std::strcmp(name, "Left Device") == 0) return &styluses[0];

@@ -1,8 +1,9 @@
 // libhidapi-hidraw as far as it is used, over a script: for tests of the program through the real dynamic loader, where
 // the kernel makes no virtual devices. Lines of the script, which the variable PALPATE_FAKE_HID names:
 //   device PATH VENDOR PRODUCT USAGE_PAGE USAGE NAME    (numbers hexadecimal)
-//   denied                                              nobody may open it
-//   push AT_S FOR_S BYTES…                              a report (hexadecimal), sixty times a second; seconds since it
+//   denied                                              it cannot be opened
+//   push AT_S FOR_S BYTES…                              a report (hexadecimal), sixty times a second; in seconds since
+//   it
 //                                                       was first opened
 //   gone AT_S FOR_S                                     it is unplugged
 #include <hidapi.h>
@@ -62,7 +63,7 @@ Script readScript() {
     } else if (what == "gone") {
       words >> script.gone_s >> script.goneFor_s;
     } else {
-      std::fprintf(stderr, "fake hidapi: does not understand '%s'\n", line.c_str());
+      std::fprintf(stderr, "fake hidapi: cannot parse '%s'\n", line.c_str());
       std::abort();
     }
   }

@@ -1,4 +1,4 @@
-// A device that another program has made, in Vulkan of its own, and goes on using.
+// A device created by another program, with Vulkan of its own, which the program continues to use.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -21,7 +21,7 @@ TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
-// Adds one to each of many numbers, time after time.
+// Adds one to each of many numbers, repeatedly.
 void checkAdding(Device& device, Queue& queue) {
   constexpr std::uint32_t kCount = 10'007, kRounds = 20;
   const ComputePipeline addOne(device, shader_code::gpu_add_one,
@@ -39,7 +39,7 @@ void checkAdding(Device& device, Queue& queue) {
         std::vector<std::uint32_t>(kCount, 3 + 10 * kRounds));
 }
 
-// Builds the index of a grid of points and holds its order against the CPU's.
+// Builds the index of a grid of points and compares its order with the CPU's.
 void checkHash(Device& device) {
   PointCloud cloud;
   for (int i = 0; i < 5000; ++i)
@@ -60,7 +60,7 @@ void checkHash(Device& device) {
 
 }  // namespace
 
-TEST_CASE("a device of another program is worked with beside its own work, and left to it") {
+TEST_CASE("palpate shares a device with the program that created it and leaves it usable") {
   HostProgram host;
   {
     Device device(host.lend());
@@ -77,12 +77,12 @@ TEST_CASE("a device of another program is worked with beside its own work, and l
     device.waitIdle();
   }
   CHECK(host.worksItself(1));
-  // And once more: nothing was left behind that would be in the way.
+  // And again: nothing is left behind that would be in the way.
   Device again(host.lend());
   checkAdding(again, again.backgroundQueue());
 }
 
-TEST_CASE("a device of another program and one of palpate's own live side by side") {
+TEST_CASE("a lent device and one of palpate's own work side by side") {
   HostProgram host;
   Device adopted(host.lend());
   {
@@ -93,7 +93,7 @@ TEST_CASE("a device of another program and one of palpate's own live side by sid
   checkAdding(adopted, adopted.latencyQueue());
 }
 
-TEST_CASE("a device that was made without what palpate needs is refused by name, and stays with its program") {
+TEST_CASE("a lent device without a required feature is refused by the feature's name and stays usable") {
   for (const char* feature : {"bufferDeviceAddress", "scalarBlockLayout", "synchronization2", "computeFullSubgroups"}) {
     CAPTURE(feature);
     HostProgram host(feature);
@@ -103,7 +103,7 @@ TEST_CASE("a device that was made without what palpate needs is refused by name,
   }
 }
 
-TEST_CASE("a device is refused where its program does not say how it made it, or lends no queue") {
+TEST_CASE("an incompletely described lent device, or one without a queue, is refused with the missing part") {
   HostProgram host;
   const auto refused = [&](auto&& change, const char* name) {
     HostDevice lent = host.lend();
@@ -120,7 +120,7 @@ TEST_CASE("a device is refused where its program does not say how it made it, or
   CHECK(host.worksItself(1));
 }
 
-TEST_CASE("features are found in the structs of a version and in those of its extensions") {
+TEST_CASE("features are found in the structs of a Vulkan version and in those of its extensions") {
   VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   v13.synchronization2 = VK_TRUE;
   VkPhysicalDeviceScalarBlockLayoutFeatures layout{
@@ -137,7 +137,7 @@ TEST_CASE("features are found in the structs of a version and in those of its ex
                found.deviceClock || found.dynamicRendering || found.largePoints));
 }
 
-TEST_CASE("queues that are lent serve whom they were lent for, and who has none shares that of throughput") {
+TEST_CASE("lent queues serve the roles they were lent for, and other roles share the throughput queue") {
   std::array<VkQueueFamilyProperties, 2> families{};
   families[0] = {.queueFlags = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT, .queueCount = 4};
   families[1] = {.queueFlags = VK_QUEUE_COMPUTE_BIT, .queueCount = 4};

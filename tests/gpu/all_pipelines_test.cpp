@@ -1,5 +1,5 @@
-// Every compute shader of the program becomes a pipeline on the driver at hand, one by one, where its own pass may not
-// be tested: validation looks at each module, and the driver translates it.
+// Compiles every compute shader of the program on the present driver, including those whose pass may not be tested:
+// validation examines each module, and the driver translates it.
 #include <string>
 
 #include "engine/gpu/compute_pipeline.hpp"
@@ -46,17 +46,17 @@ bool needsInt64(const ShaderCode& code) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(AllPipelinesFixture, "every compute shader becomes a pipeline") {
+TEST_CASE_FIXTURE(AllPipelinesFixture, "every compute shader compiles into a pipeline") {
   std::size_t count = 0;
   for (const ShaderCode* code : shader_code::compiled) {
-    MESSAGE(std::string(code->name));  // a driver that crashes leaves no other trace of which it was
+    MESSAGE(std::string(code->name));  // after a crash of the driver, the only trace of the shader
     if (needsInt64(*code) && !device.hasWideAtomics()) {
-      MESSAGE("skipped: this device has no integers of 64 bits, and palpate does without the shader");
+      MESSAGE("skipped: this device has no 64-bit integers, so palpate does not use the shader");
       continue;
     }
-    const ShaderStage module(device, *code, {});  // the tests of pictures make pipelines of the others
+    const ShaderStage module(device, *code, {});  // the tests of pictures create pipelines of the other stages
     if (!isCompute(*code)) continue;
-    // Arguments and images: as many as any of them has.
+    // The maximum of arguments and images over all shaders.
     const ComputePipeline pipeline(device, *code, {.workgroupSize = 128, .pushBytes = kMaxPushBytes, .images = 4});
     CHECK(pipeline.handle() != VK_NULL_HANDLE);
     ++count;

@@ -31,7 +31,7 @@ class CommandListFixture : public GpuFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CommandListFixture, "each command sees what came before it, without a word about barriers") {
+TEST_CASE_FIXTURE(CommandListFixture, "each command sees the writes of earlier commands without explicit barriers") {
   constexpr std::uint32_t kCount = 10'007, kRounds = 20;
   const Buffer a = words(kCount), b = words(kCount);
   CommandList list(device, device.latencyQueue(), "chain");
@@ -42,17 +42,17 @@ TEST_CASE_FIXTURE(CommandListFixture, "each command sees what came before it, wi
     list.dispatch(addOne, kCount, args(b, a, kCount));
   }
   list.end();
-  for (int run = 1; run <= 3; ++run) device.latencyQueue().run(list);  // recorded once, submitted often
+  for (int run = 1; run <= 3; ++run) device.latencyQueue().run(list);  // recorded once, submitted repeatedly
   CHECK(download<std::uint32_t>(device, a, kCount) == std::vector<std::uint32_t>(kCount, 5 + 2 * kRounds));
 }
 
-TEST_CASE("a pass that gives way in between does all its work, and once") {
-  Device device({.gpu = "", .validation = Validation::off});  // none does under validation, and
-  device.noteUrgentWork(1);                                   // none where nobody touches
+TEST_CASE("a preemptible pass does all its work once") {
+  Device device({.gpu = "", .validation = Validation::off});  // passes are not sliced under validation,
+  device.noteUrgentWork(1);                                   // or without urgent work
   const ComputePipeline sliced{device,
                                shader_code::gpu_add_one,
                                {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs), .sliceThreads = 256}};
-  // From no slice at all to more slices than a list cuts a pass into.
+  // From less than one slice to more than the maximum per pass.
   for (const std::uint32_t count : {1u, 255u, 256u, 257u, 10'007u, 70'001u}) {
     CAPTURE(count);
     const Buffer a = Buffer::of<std::uint32_t>(device, count, Memory::device, "words");
@@ -71,7 +71,7 @@ TEST_CASE("a pass that gives way in between does all its work, and once") {
   }
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "lists submitted one after another see each other's work, on either queue") {
+TEST_CASE_FIXTURE(CommandListFixture, "lists submitted one after another see each other's writes, on either queue") {
   constexpr std::uint32_t kCount = 1000;
   const Buffer a = words(kCount), b = words(kCount);
   for (Queue* queue : {&device.latencyQueue(), &device.throughputQueue()}) {
@@ -96,7 +96,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "lists submitted one after another see eac
 }
 
 TEST_CASE_FIXTURE(CommandListFixture,
-                  "commands in an independent scope all run, and what follows waits for all of them") {
+                  "commands in an independent scope all run, and the next command waits for all of them") {
   constexpr std::uint32_t kCount = 5000;
   const Buffer zero = words(kCount), a = words(kCount), b = words(kCount), sum = words(kCount);
   CommandList list(device, device.latencyQueue(), "independent");
@@ -109,7 +109,7 @@ TEST_CASE_FIXTURE(CommandListFixture,
   }
   list.dispatch(addOne, kCount, args(a, sum, kCount));
   list.end();
-  // Some drivers run commands in order anyway, and no result would tell that a barrier is missing.
+  // Some drivers run commands in order anyway, so that no result would show a missing barrier.
   std::vector<bool> waits;
   for (const PassRecord& pass : list.passes()) waits.push_back(pass.waits);
   CHECK(waits == std::vector<bool>{true, true, false, true});
@@ -119,7 +119,7 @@ TEST_CASE_FIXTURE(CommandListFixture,
 }
 
 TEST_CASE_FIXTURE(CommandListFixture,
-                  "an indirect dispatch runs as many workgroups as an earlier pass wrote, and may run none") {
+                  "an indirect dispatch runs the number of workgroups that an earlier pass wrote, including none") {
   constexpr std::uint32_t kCount = 1000;
   const Buffer a = words(kCount), b = words(kCount), groups = words(3);
   for (const std::uint32_t wanted : {0u, 1u, 3u, 16u}) {
@@ -136,7 +136,7 @@ TEST_CASE_FIXTURE(CommandListFixture,
   }
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch takes its command from anywhere in a buffer") {
+TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch reads its command from any offset in a buffer") {
   constexpr std::uint32_t kCount = 1000;
   const Buffer a = words(kCount), b = words(kCount), groups = words(9);
   upload(device, groups, std::vector<std::uint32_t>{0, 1, 1, 2, 1, 1, 5, 1, 1});
@@ -150,7 +150,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch takes its command fr
   CHECK(std::ranges::count(download<std::uint32_t>(device, b, kCount), 9u) == 2 * 64);
 }
 
-// A software driver runs commands in order: here it is the layer that sees a barrier that is missing.
+// A software driver runs commands in order: only the validation layer detects a missing barrier here.
 TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch waits for the copy in its own list that writes its size") {
   constexpr std::uint32_t kCount = 1000;
   const Buffer a = words(kCount), b = words(kCount), groups = words(3), size = words(3);
@@ -167,7 +167,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch waits for the copy i
   CHECK(std::ranges::count(values, 9u) == 2 * 64);
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "a list of more passes than can be timed is still timed as a whole") {
+TEST_CASE_FIXTURE(CommandListFixture, "a list with more passes than can be timed is timed as a whole") {
   const Buffer a = words(10), b = words(10);
   CommandList list(device, device.latencyQueue(), "long", CommandList::Timing::passes);
   list.begin();
@@ -196,7 +196,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "passes and sections are named, counted an
     list.dispatch(addOne, 0, args(a, b, 0));  // nothing to do records nothing
   }
   list.end();
-  CHECK(list.sectionTime_us("outer") == 0);  // it has not run
+  CHECK(list.sectionTime_us("outer") == 0);  // it has not run yet
   const Stopwatch watch;
   device.latencyQueue().run(list);
   const double wall_us = watch.elapsed_us();
@@ -216,7 +216,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "passes and sections are named, counted an
 }
 
 TEST_CASE_FIXTURE(CommandListFixture,
-                  "buffers go up and come back whole, of any size, in pieces where they are large") {
+                  "buffers of any size, also in several pieces, are uploaded and downloaded completely") {
   for (const std::size_t count : {0u, 1u, 3u, 65'537u, 17'000'001u}) {
     CAPTURE(count);
     std::vector<std::uint32_t> values(count);
@@ -228,7 +228,7 @@ TEST_CASE_FIXTURE(CommandListFixture,
   }
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "mapped buffers are seen from both sides, and move without losing hold") {
+TEST_CASE_FIXTURE(CommandListFixture, "mapped buffers are visible to host and GPU, also after a move") {
   Buffer input = words(100, Memory::upload);
   Buffer output = words(100, Memory::readback);
   std::ranges::fill(input.mapped<std::uint32_t>(), 41u);
@@ -241,15 +241,15 @@ TEST_CASE_FIXTURE(CommandListFixture, "mapped buffers are seen from both sides, 
   for (const std::uint32_t value : output.mapped<std::uint32_t>()) CHECK(value == 42);
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "a buffer that cannot fit is refused with its name, its size and the device") {
+TEST_CASE_FIXTURE(CommandListFixture, "a buffer that is too large is refused with its name, its size and the device") {
   const auto tooLarge = [&] { Buffer(device, 1ull << 60, Memory::device, "the whole world"); };
   CHECK_THROWS_WITH_AS(tooLarge(), doctest::Contains("the whole world"), OutOfGpuMemory);
   CHECK_THROWS_WITH_AS(tooLarge(), doctest::Contains(device.name().c_str()), OutOfGpuMemory);
 }
 
-TEST_CASE("a mistake is noticed: the validation that guards the tests speaks up") {
+TEST_CASE("the validation used by the tests reports a mistake") {
   if (askedValidation() == Validation::off) {
-    MESSAGE("skipped: nothing is validated");
+    MESSAGE("skipped: validation is off");
     return;
   }
   Device device({.gpu = "", .validation = askedValidation()});
@@ -266,7 +266,7 @@ TEST_CASE("a mistake is noticed: the validation that guards the tests speaks up"
                                {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs)});
   CommandList list(device, device.latencyQueue(), "mistaken");
   list.begin();
-  // Reads far past the end of every buffer: only GPU-assisted validation can see it.
+  // Reads far past the end of every buffer: only GPU-assisted validation detects it.
   list.dispatch(addOne, 1,
                 shared::AddOneArgs{.from = a.address() + (1ull << 40), .to = a.address(), .count = 1, .unused = 0});
   list.end();
@@ -274,7 +274,7 @@ TEST_CASE("a mistake is noticed: the validation that guards the tests speaks up"
   CHECK(device.instance().messages().count() > 0);
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "a pass of more workgroups than one axis holds reaches every element") {
+TEST_CASE_FIXTURE(CommandListFixture, "a pass with more workgroups than one axis allows reaches every element") {
   const ComputePipeline small(device, shader_code::gpu_add_one,
                               {.workgroupSize = 32, .pushBytes = sizeof(shared::AddOneArgs)});
   constexpr std::uint32_t kCount = 32 * 65'536 + 17;
@@ -288,7 +288,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "a pass of more workgroups than one axis h
   CHECK(std::ranges::count(download<std::uint32_t>(device, b, kCount), 7u) == kCount);
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "a device knows how much memory its buffers hold") {
+TEST_CASE_FIXTURE(CommandListFixture, "a device reports how much memory its buffers take") {
   const std::uint64_t before = device.allocatedBytes();
   {
     Buffer large = words(1 << 20);

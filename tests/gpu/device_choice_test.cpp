@@ -28,20 +28,20 @@ constexpr VkQueueFlags kCompute = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
 
 }  // namespace
 
-TEST_CASE("without a request the first discrete GPU is taken, then integrated, then CPU") {
+TEST_CASE("without a request the first discrete GPU is selected, then integrated, then CPU") {
   CHECK(chooseGpu(kGpus, "") == 2);
   CHECK(chooseGpu(std::span(kGpus).first(2), "") == 1);
   CHECK(chooseGpu(std::span(kGpus).first(1), "") == 0);
 }
 
-TEST_CASE("a GPU is chosen by number or by part of its name in any case") {
+TEST_CASE("a GPU is selected by number, or by part of its name in any case") {
   CHECK(chooseGpu(kGpus, "0") == 0);
   CHECK(chooseGpu(kGpus, "3") == 3);
   CHECK(chooseGpu(kGpus, "t4") == 3);
   CHECK(chooseGpu(kGpus, "LLVMPIPE") == 0);
 }
 
-TEST_CASE("a request that cannot be met names the GPUs there are") {
+TEST_CASE("a request that cannot be met lists the available GPUs") {
   CHECK_THROWS_WITH_AS(chooseGpu(kGpus, "4"), doctest::Contains("NVIDIA T4"), GpuError);
   CHECK_THROWS_WITH_AS(chooseGpu(kGpus, "radeon"), doctest::Contains("Intel Iris"), GpuError);
   CHECK_THROWS_WITH_AS(chooseGpu({}, ""), doctest::Contains("mesa-vulkan-drivers"), GpuError);
@@ -57,7 +57,7 @@ TEST_CASE("latency gets a compute-only family, throughput the graphics family") 
   CHECK_FALSE(roles->shared());
 }
 
-TEST_CASE("latency gets a second queue of the same family where there is no other") {
+TEST_CASE("latency gets a second queue of the same family if there is no other family") {
   const std::array families{family(kGraphics, 4)};
   const auto roles = chooseQueues(families);
   REQUIRE(roles);
@@ -65,13 +65,12 @@ TEST_CASE("latency gets a second queue of the same family where there is no othe
   CHECK_FALSE(roles->shared());
 }
 
-TEST_CASE("a single queue is shared") {
+TEST_CASE("a single queue is shared by all roles") {
   const std::array families{family(kGraphics, 1)};
   CHECK(chooseQueues(families)->shared());
 }
 
-TEST_CASE(
-    "background work has a queue of its own where there is one more, and never that of latency unless all share one") {
+TEST_CASE("background work has its own queue if possible, and shares that of latency only if all share one") {
   struct Case {
     std::vector<VkQueueFamilyProperties> families;
     QueueChoice background;
@@ -96,7 +95,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("queues may be arranged to share one, and to go without priorities") {
+TEST_CASE("all roles can share one queue, and queues can have equal priorities") {
   const std::array families{family(kGraphics, 16), family(kCompute, 8)};
   const auto same = chooseQueues(families, QueueArrangement::same);
   REQUIRE(same);
@@ -112,8 +111,7 @@ TEST_CASE("queues may be arranged to share one, and to go without priorities") {
   CHECK(equal->background == separate->background);
 }
 
-TEST_CASE(
-    "the queue of latency goes first, also against other programs where its family is its own, unless none is to") {
+TEST_CASE("the latency queue has priority, globally if it has its own family, unless disabled") {
   struct Case {
     std::vector<VkQueueFamilyProperties> families;
     QueueArrangement arrangement;
@@ -138,7 +136,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a GPU without graphics computes and draws on one family; one that cannot compute is of no use") {
+TEST_CASE("a GPU without graphics queues computes; one without compute queues is refused") {
   const std::array computeOnly{family(kCompute, 2)};
   const auto roles = chooseQueues(computeOnly);
   REQUIRE(roles);
@@ -149,7 +147,7 @@ TEST_CASE("a GPU without graphics computes and draws on one family; one that can
   CHECK_FALSE(chooseQueues(transferOnly));
 }
 
-TEST_CASE("missing features are named, all of them, with the device") {
+TEST_CASE("all missing features are named, with the device") {
   const std::array some{FeatureState{"bufferDeviceAddress", false}, FeatureState{"scalarBlockLayout", true},
                         FeatureState{"synchronization2", false}};
   CHECK_THROWS_WITH_AS(requireFeatures(some, "Old GPU"),
@@ -157,7 +155,7 @@ TEST_CASE("missing features are named, all of them, with the device") {
   CHECK_NOTHROW(requireFeatures(std::span(some).subspan(1, 1), "Old GPU"));
 }
 
-TEST_CASE("a failed call becomes an error of its kind that names call and device") {
+TEST_CASE("a failed Vulkan call throws an error of its kind that names call and device") {
   CHECK_NOTHROW(checkVk(VK_SUCCESS, "vkQueueSubmit2", "GPU"));
   CHECK_NOTHROW(checkVk(VK_TIMEOUT, "vkWaitForFences", "GPU"));
   CHECK_THROWS_WITH_AS(checkVk(VK_ERROR_DEVICE_LOST, "vkQueueSubmit2", "GPU"),
@@ -167,7 +165,7 @@ TEST_CASE("a failed call becomes an error of its kind that names call and device
   CHECK_THROWS_AS(checkVk(VK_ERROR_INITIALIZATION_FAILED, "vkCreateDevice", "GPU"), GpuError);
 }
 
-TEST_CASE("a grid past one axis goes to a second, covers all groups and wastes less than a row each") {
+TEST_CASE("a grid beyond one axis uses a second, covers all groups and wastes less than a row") {
   for (const std::uint64_t groups : {1ull, 65'535ull, 65'536ull, 65'537ull, 1'000'003ull, 400'000'000ull}) {
     const GroupGrid grid = groupGrid(groups, 65'535);
     CHECK(grid.x <= 65'535);

@@ -1,4 +1,4 @@
-// A program that has made a device in Vulkan of its own, lends it, and goes on using it.
+// A program that creates a device with Vulkan of its own, lends it and continues to use it.
 #pragma once
 
 #include <dlfcn.h>
@@ -19,11 +19,11 @@ namespace palpate {
 
 inline bool validates() { return askedValidation() != Validation::off; }
 
-/// The host program: loads Vulkan, makes a device with one queue, and fills a buffer of its own on it. It knows nothing
-/// of palpate but what it is asked for in lend().
+/// The host program: loads Vulkan, creates a device with one queue, and submits its own work to it. It knows nothing of
+/// palpate except the parameters of lend().
 class HostProgram {
  public:
-  /// `without`: a feature that it does not switch on.
+  /// `without`: a feature that is not enabled.
   explicit HostProgram(std::string_view without = "") {
     loader_ = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
     REQUIRE(loader_);
@@ -61,10 +61,10 @@ class HostProgram {
                 },
             .unlock = [this](VkQueue) { queueLock_.unlock(); }};
   }
-  /// How often palpate has taken the host's lock.
+  /// How many times palpate has locked the host's queue.
   int holds() const { return holds_; }
 
-  /// Submits work of its own, as often as that, and says whether it was carried out.
+  /// Submits its own work, `times` times, and returns whether it was completed.
   bool worksItself(int times) {
     VkCommandPool pool = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
@@ -174,7 +174,7 @@ class HostProgram {
                                                                                        &messenger_) == VK_SUCCESS);
   }
 
-  // The first device whose name has PALPATE_GPU in it, or the first.
+  // The first device whose name contains PALPATE_GPU, or the first.
   void choosePhysical() {
     std::array<VkPhysicalDevice, 8> devices{};
     std::uint32_t count = devices.size();
@@ -223,7 +223,7 @@ class HostProgram {
     call<PFN_vkGetDeviceQueue>("vkGetDeviceQueue")(device_, family_, 0, &queue_);
   }
 
-  void* loader_ = nullptr;  // stays loaded, as a program that is linked to it has it
+  void* loader_ = nullptr;  // never unloaded, as in a program that is linked to it
   PFN_vkGetInstanceProcAddr getProc_ = nullptr;
   VkInstance instance_ = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Reads a struct that C++ wrote and lays its numbers out one by one.
+// Reads a struct written by C++ and writes its numbers to an array.
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 layout(buffer_reference) buffer LayoutPatterns;

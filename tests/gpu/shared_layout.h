@@ -4,7 +4,7 @@
 
 PALPATE_SHARED_BEGIN
 
-// One of everything that crosses between the two languages, in an order that padding would break.
+// One of each type that both languages share, in an order that padding would break.
 struct LayoutPattern {
   uint a;
   vec3 b;

@@ -10,7 +10,7 @@ namespace palpate::shared_layout_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
-TEST_CASE_FIXTURE(GpuFixture, "a shader reads the numbers that C++ wrote, field by field") {
+TEST_CASE_FIXTURE(GpuFixture, "a shader reads the struct that C++ wrote, field by field") {
   shared::LayoutPattern pattern{.a = 1,
                                 .b = {2, 3, 4},
                                 .c = {5, 6},

@@ -1,4 +1,4 @@
-// Whole buffers between host and GPU: what goes there piece by piece comes back in its order.
+// Buffers between host and GPU: data uploaded in pieces is downloaded in its order.
 #include "engine/gpu/transfer.hpp"
 
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@
 
 namespace palpate::transfer_test {
 
-TEST_CASE_FIXTURE(GpuFixture, "what is uploaded comes back, however many pieces it takes") {
+TEST_CASE_FIXTURE(GpuFixture, "data uploaded in any number of pieces is downloaded unchanged") {
   constexpr std::uint64_t kPiece = std::uint64_t{64} << 20;
   for (const std::uint64_t bytes : {std::uint64_t{4}, kPiece, kPiece + 4, 3 * kPiece + 4}) {
     CAPTURE(bytes);

@@ -1,4 +1,4 @@
-// The programs stand on sessions: none of them knows a back end or the servo loop, which a session puts together.
+// The programs use sessions: none refers to a back end or the servo loop, which a session combines.
 #include <doctest/doctest.h>
 
 #include <cctype>
@@ -38,7 +38,7 @@ std::vector<std::string_view> forbiddenIn(std::string_view text) {
 
 }  // namespace
 
-TEST_CASE("no program names a back end's class or a servo loop, and none asks what class something has") {
+TEST_CASE("no program names a back end's class or a servo loop, or tests an object's dynamic type") {
   const fs::path top = sourceFolder();
   if (!fs::exists(top / "apps")) {
     MESSAGE("skipped: the sources are not at " << top.string());
@@ -52,12 +52,12 @@ TEST_CASE("no program names a back end's class or a servo loop, and none asks wh
     std::stringstream text;
     text << std::ifstream(entry.path()).rdbuf();
     for (const std::string_view word : forbiddenIn(text.str()))
-      FAIL_CHECK(fs::relative(entry.path(), top).generic_string() << " names " << word);
+      FAIL_CHECK(fs::relative(entry.path(), top).generic_string() << " uses " << word);
   }
   CHECK(files > 50);
 }
 
-TEST_CASE("a forbidden word is found as a word, not as a part of another one") {
+TEST_CASE("a forbidden word is found as a whole word, not as part of another one") {
   CHECK(forbiddenIn("auto& side = dynamic_cast<TouchSide&>(backend);").size() == 2);
   CHECK(forbiddenIn("ServoLoop loop(hand, query);").size() == 1);
   CHECK(forbiddenIn("std::unique_ptr<TouchBackend> backend; ServoLoops").empty());

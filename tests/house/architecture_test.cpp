@@ -1,4 +1,4 @@
-// The rooms of the house and who may know whom: reads every include and holds it against the arrows.
+// The rooms and their allowed dependencies: compares every include with the table below.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Arrows = std::map<std::string, std::set<std::string>>;
 
-// Who may include whom, besides itself. A single file may stand for the room it is in.
+// The rooms that a room may include, besides itself. A single file may stand for its room.
 const Arrows& allowedArrows() {
   static const Arrows arrows{
       {"engine/core", {"shaders/shared/brush.h", "shaders/shared/contact.h", "shaders/shared/frame.h"}},
@@ -59,21 +59,21 @@ const Arrows& allowedArrows() {
 }
 
 std::optional<std::string> roomOf(const std::string& path) {
-  std::optional<std::string> innermost;  // a room may stand in another one
+  std::optional<std::string> innermost;  // a room may be inside another one
   for (const auto& [room, unused] : allowedArrows())
     if (path.starts_with(room + "/") && (!innermost || room.size() > innermost->size())) innermost = room;
   return innermost;
 }
 
-// What is wrong with `file` (relative to the top) including `included`; nothing when it may.
+// Why `file` (relative to the top) may not include `included`; nothing if it may.
 std::optional<std::string> complaint(const std::string& file, const std::string& included) {
   const auto from = roomOf(file);
   const auto to = roomOf(included);
-  if (!from) return file + " stands in no room";
-  if (!to) return file + " includes \"" + included + "\", which is not written from the top of the tree";
+  if (!from) return file + " is in no room";
+  if (!to) return file + " includes \"" + included + "\", which is not a path from the top of the tree";
   const auto& allowed = allowedArrows().at(*from);
   if (*from == *to || allowed.contains(*to) || allowed.contains(included)) return std::nullopt;
-  return file + " includes \"" + included + "\": there is no arrow from " + *from + " to " + *to;
+  return file + " includes \"" + included + "\": room " + *from + " may not include " + *to;
 }
 
 std::vector<std::string> includesOf(const fs::path& file) {
@@ -96,7 +96,7 @@ bool isSource(const fs::path& file) {
 
 }  // namespace
 
-TEST_CASE("every include follows an arrow of the house") {
+TEST_CASE("every include follows an allowed dependency between rooms") {
   const fs::path top = sourceFolder();
   if (!fs::exists(top / "engine")) {
     MESSAGE("skipped: the sources are not at " << top.string());
@@ -118,11 +118,11 @@ TEST_CASE("every include follows an arrow of the house") {
   CHECK(includes > 100);
 }
 
-TEST_CASE("the arrows make no circle") {
-  // Depth-first, with the rooms on the way remembered.
+TEST_CASE("the dependencies between rooms have no cycle") {
+  // Depth-first, with the rooms on the path.
   std::set<std::string> done;
   const auto visit = [&](const auto& self, const std::string& room, std::set<std::string> way) -> void {
-    CHECK_MESSAGE(!way.contains(room), room << " knows itself");
+    CHECK_MESSAGE(!way.contains(room), room << " depends on itself");
     if (way.contains(room) || done.contains(room)) return;
     way.insert(room);
     for (const std::string& next : allowedArrows().at(room)) {
@@ -134,7 +134,7 @@ TEST_CASE("the arrows make no circle") {
   for (const auto& [room, unused] : allowedArrows()) visit(visit, room, {});
 }
 
-TEST_CASE("an include against the arrows is found out") {
+TEST_CASE("a forbidden include is detected") {
   CHECK(complaint("haptics/servo_loop.cpp", "engine/gpu/device.hpp"));
   CHECK(complaint("engine/core/log.cpp", "engine/cloud/point_cloud.hpp"));
   CHECK(complaint("engine/cloud/point_cloud.hpp", "engine/io/ply_header.hpp"));

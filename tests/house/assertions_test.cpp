@@ -1,5 +1,5 @@
-// Assertions that cannot fail prove nothing: no test compares with doctest's own Approx, none only warns, and each case
-// asserts something or calls a function that does.
+// Assertions that cannot fail prove nothing: no test may use doctest's Approx or WARN, and each case must contain an
+// assertion or call a function that does.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -26,13 +26,13 @@ namespace fs = std::filesystem;
 // Functions that assert and are not named "check...".
 constexpr std::array<std::string_view, 4> kAsserting{"attacked", "attackedNear", "compareBackends", "works"};
 
-// Cases without an assertion: what another case runs in a process of its own, to see how that ends.
-constexpr std::array<std::string_view, 3> kRunByOthers{"it stands still", "it gets on, slowly",
-                                                       "it gets on, as slowly as before"};
+// Cases without an assertion, which another case runs in a process of its own to test how it ends.
+constexpr std::array<std::string_view, 3> kRunByOthers{"helper: hangs", "helper: takes two seconds",
+                                                       "helper: takes two seconds, again"};
 
 bool isWordPart(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-// The text with blanks for comments, strings and characters; lines and places stay.
+// The text with comments, strings and characters replaced by blanks; lines and offsets stay.
 std::string codeOf(std::string_view text) {
   std::string code(text);
   const auto blank = [&](std::size_t from, std::size_t to) {
@@ -78,7 +78,7 @@ bool isOneOf(std::string_view word, std::string_view stem) {
   return word == stem || (word.starts_with(stem) && word[stem.size()] == '_');
 }
 
-// Of what the identifiers say that no test may.
+// Why the code is forbidden, if it contains such an identifier.
 std::optional<std::string> forbiddenIn(std::string_view code) {
   for (const std::string_view word : identifiersOf(code)) {
     if (word == "Approx") return "Approx accepts epsilon * (1 + |value|); use near() or within() of tests/near.hpp";
@@ -106,7 +106,7 @@ bool asserts(std::string_view body) {
                              [](std::string_view word) { return isAssertion(word) || isKnownToAssert(word); });
 }
 
-// Behind the bracket that closes the one at `open`.
+// Offset after the bracket that closes the one at `open`.
 std::size_t closeOf(std::string_view code, std::size_t open) {
   const char opens = code[open], closes = opens == '(' ? ')' : '}';
   int depth = 0;
@@ -122,7 +122,7 @@ struct Body {
   std::string_view code;
 };
 
-// Cases of a text and what is between their braces; `code` is codeOf() the text.
+// Cases of a text and the code between their braces; `code` is codeOf() of the text.
 std::vector<Body> casesOf(std::string_view text, std::string_view code) {
   std::vector<Body> cases;
   for (std::size_t at = code.find("TEST_CASE"); at != std::string_view::npos; at = code.find("TEST_CASE", at + 1)) {
@@ -177,7 +177,7 @@ bool hasSources() {
 
 }  // namespace
 
-TEST_CASE("no test compares by Approx, and none only warns") {
+TEST_CASE("no test compares by Approx or contains an assertion that only warns") {
   if (!hasSources()) return;
   const std::vector<Source> all = sources();
   CHECK(all.size() > 300);
@@ -187,7 +187,7 @@ TEST_CASE("no test compares by Approx, and none only warns") {
   }
 }
 
-TEST_CASE("each case asserts something, or calls a function that does") {
+TEST_CASE("each test case contains an assertion or calls a function that does") {
   if (!hasSources()) return;
   std::size_t cases = 0;
   std::set<std::string> without;
@@ -204,7 +204,7 @@ TEST_CASE("each case asserts something, or calls a function that does") {
   CHECK(without == std::set<std::string>(kRunByOthers.begin(), kRunByOthers.end()));
 }
 
-TEST_CASE("each function of the tests that is said to assert does, in each of its definitions") {
+TEST_CASE("each definition of a function that counts as asserting contains an assertion") {
   if (!hasSources()) return;
   std::map<std::string, std::size_t> definitions;
   for (const Source& source : sources()) {
@@ -217,7 +217,7 @@ TEST_CASE("each function of the tests that is said to assert does, in each of it
   for (const std::string_view name : kAsserting) CHECK_MESSAGE(definitions.contains(std::string(name)), name);
 }
 
-TEST_CASE("what a rule forbids is found in code, and not in comments, texts and longer words") {
+TEST_CASE("a forbidden identifier is found in code, but not in comments, strings or longer words") {
   CHECK(forbiddenIn(codeOf("CHECK(x == doctest::Approx(5).epsilon(0.1));")));
   CHECK(forbiddenIn(codeOf("CHECK(x == Approx(5).scale(0));")));
   for (const char* macro : {"WARN", "WARN_EQ", "WARN_MESSAGE", "DOCTEST_WARN", "WARN_THROWS_AS"})
@@ -227,7 +227,7 @@ TEST_CASE("what a rule forbids is found in code, and not in comments, texts and 
   CHECK_FALSE(forbiddenIn("WARNING(x); Approximation(y);"));
 }
 
-TEST_CASE("a case without an assertion is found, with its name") {
+TEST_CASE("a test case without an assertion is found by name") {
   const auto silent = [](const std::string& text) {
     std::vector<std::string> names;
     const std::string code = codeOf(text);
@@ -239,13 +239,13 @@ TEST_CASE("a case without an assertion is found, with its name") {
   CHECK(silent("TEST_CASE(\"a\") { const int x = f(); MESSAGE(x); }") == Names{"a"});
   CHECK(silent("TEST_CASE_FIXTURE(Fixture, \"b\") { g(\"CHECK(1)\"); }  // CHECK(1)") == Names{"b"});
   CHECK(silent("TEST_CASE_TEMPLATE(\"c\", Real, float, double) { checked(); }\nvoid h() { CHECK(1); }") == Names{"c"});
-  CHECK(silent("TEST_CASE(\"d\") { PALPATE_CHECK(true); }") == Names{"d"});  // ends the program, which is no proof
+  CHECK(silent("TEST_CASE(\"d\") { PALPATE_CHECK(true); }") == Names{"d"});  // ends the program, which proves nothing
   CHECK(silent("TEST_CASE(\"e\") { if (a) { CHECK(b); } }").empty());
   CHECK(silent("TEST_CASE(\"e\" * doctest::skip()) { checkSorts(keys); }").empty());
   CHECK(silent("TEST_CASE(\"f\") { works(\"info\"); }\nTEST_CASE(\"g\") { PP_REQUIRE_OK(f()); }").empty());
 }
 
-TEST_CASE("a function that is said to assert and does not is found, calls of it are not") {
+TEST_CASE("a function that counts as asserting but does not is found; calls of it are not") {
   const auto silent = [](const std::string& text) {
     std::size_t count = 0;
     const std::string code = codeOf(text);

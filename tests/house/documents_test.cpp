@@ -1,4 +1,4 @@
-// What a newcomer reads leads where it says, and begins with a page that can be read in one go.
+// The documents for newcomers: their links lead to files, and the front page is short.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ std::vector<fs::path> documents() {
   return found;
 }
 
-// Targets of the links and pictures of a text that lead to files.
+// Targets of the links and pictures of a text that are files.
 std::vector<std::string> linksOf(const std::string& text) {
   static const std::regex link(R"(\]\(([^)#]+)\))");
   std::vector<std::string> found;

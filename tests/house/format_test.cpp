@@ -29,14 +29,14 @@ bool isFormatted(const fs::path& file) {
   return endings.contains(file.extension().string());
 }
 
-// GLSL is among them: clang-format does not know the language.
+// Includes GLSL, which clang-format does not support.
 bool isSource(const fs::path& file) {
   static const std::set<std::string> endings{".bash", ".cmake", ".comp", ".cs",  ".frag", ".glsl",  ".idl", ".in",
                                              ".map",  ".mjs",   ".py",   ".pyi", ".rc",   ".rules", ".sh",  ".vert"};
   return isFormatted(file) || endings.contains(file.extension().string()) || file.filename() == "CMakeLists.txt";
 }
 
-// Sources that `wanted` takes, relative to the top.
+// Sources for which `wanted` is true, relative to the top.
 std::vector<std::string> sources(bool (*wanted)(const fs::path&)) {
   const fs::path top = sourceFolder();
   std::vector<std::string> found;
@@ -54,7 +54,7 @@ struct LongLine {
   bool operator==(const LongLine&) const = default;
 };
 
-// Lines of a UTF-8 text that are longer than kMaxColumns, in characters.
+// Lines of a UTF-8 text with more than kMaxColumns characters.
 std::vector<LongLine> longLines(std::string_view text) {
   std::vector<LongLine> found;
   for (std::size_t number = 1; !text.empty(); ++number) {
@@ -84,7 +84,7 @@ Outcome shell(const std::string& command) {
   return outcome;
 }
 
-// What clang-format would change in `files` below `top`; empty if nothing. Runs a process for every kBatch files.
+// Changes that clang-format would make in `files` below `top`; empty if none. Runs a process for every kBatch files.
 std::string unformatted(const fs::path& top, const std::vector<std::string>& files) {
   constexpr std::size_t kBatch = 400;  // their names fit into one argument of a shell
   std::vector<std::future<Outcome>> running;
@@ -100,8 +100,7 @@ std::string unformatted(const fs::path& top, const std::vector<std::string>& fil
   return text;
 }
 
-// What is wrong with the clang-format that says `version` of itself; empty if nothing. Versions differ in what they
-// write.
+// Why the clang-format with this `version` output cannot be used; empty if it can. Versions format differently.
 std::string wrongVersion(const Outcome& version) {
   if (version.code == 0 && version.text.find("clang-format version 14.") != std::string::npos) return {};
   return "requires clang-format 14 (Debian 12's package clang-format, which third_party/install.sh installs); " +
@@ -116,14 +115,14 @@ bool hasSources() {
 
 }  // namespace
 
-TEST_CASE("every C, C++ and CUDA source is formatted as clang-format 14 writes it") {
+TEST_CASE("every C, C++ and CUDA source is formatted as by clang-format 14") {
   if (!hasSources()) return;
   const std::string wrong = wrongVersion(shell("clang-format --version"));
   REQUIRE_MESSAGE(wrong.empty(), wrong);
   const auto files = sources(isFormatted);
   CHECK(files.size() > 1000);
   const std::string changes = unformatted(sourceFolder(), files);
-  CHECK_MESSAGE(changes.empty(), "not formatted (clang-format -i FILE writes it so):\n" << changes);
+  CHECK_MESSAGE(changes.empty(), "not formatted (clang-format -i FILE does it):\n" << changes);
 }
 
 TEST_CASE("no line of a source is longer than 120 columns") {
@@ -138,7 +137,7 @@ TEST_CASE("no line of a source is longer than 120 columns") {
   }
 }
 
-TEST_CASE("a source that clang-format would change is named, and a formatted one is not") {
+TEST_CASE("a source that clang-format would change is reported, and a formatted one is not") {
   if (!hasSources()) return;
   const ScratchFolder folder;
   fs::copy_file(sourceFolder() / ".clang-format", folder / ".clang-format");
@@ -151,7 +150,7 @@ TEST_CASE("a source that clang-format would change is named, and a formatted one
   CHECK_FALSE(unformatted(folder.path(), {"missing.cpp"}).empty());
 }
 
-TEST_CASE("a line is measured in characters, without its end") {
+TEST_CASE("line length is measured in characters, without the line end") {
   const std::string full(kMaxColumns, 'x');
   std::string accents;
   for (std::size_t i = 0; i < kMaxColumns; ++i) accents += "\u00e9";
@@ -163,7 +162,7 @@ TEST_CASE("a line is measured in characters, without its end") {
   CHECK(longLines("a\n\n" + accents + "bc\n" + full + "\n") == std::vector<LongLine>{{3, kMaxColumns + 2}});
 }
 
-TEST_CASE("another clang-format than version 14, or none, is refused with the package that has it") {
+TEST_CASE("any clang-format but version 14 is refused with the name of the package") {
   CHECK(wrongVersion({0, "Debian clang-format version 14.0.6\n"}).empty());
   CHECK(says(wrongVersion({0, "Ubuntu clang-format version 15.0.7\n"}), "15.0.7"));
   CHECK(says(wrongVersion({0, "Ubuntu clang-format version 15.0.7\n"}), "package clang-format"));

@@ -1,4 +1,4 @@
-// What runs without a GPU is built without Vulkan: reads every include of it, and theirs, and holds them against that.
+// Code that runs without a GPU is built without Vulkan: follows every include of it, directly and indirectly.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -17,14 +17,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The includes of a file as they are written, without their quotes or brackets; nothing where there is no such file.
+// The includes of a file as written, without their quotes or brackets; nothing if the file does not exist.
 using Includes = std::function<std::optional<std::vector<std::string>>(const std::string& file)>;
 
 bool isVulkan(const std::string& included) {
   return included.starts_with("engine/gpu/") || included.starts_with("vulkan/") || included == "volk.h";
 }
 
-// How `file` comes to Vulkan, from include to include; empty where it does not. What was seen is not looked at again.
+// The chain of includes from `file` to Vulkan; empty if there is none. Files in `seen` are not examined again.
 std::string wayToVulkan(const std::string& file, const Includes& includesOf, std::set<std::string>& seen) {
   if (!seen.insert(file).second) return {};
   const auto includes = includesOf(file);
@@ -51,7 +51,7 @@ std::optional<std::vector<std::string>> includesOf(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("no file of what runs without a GPU includes Vulkan, on whatever way") {
+TEST_CASE("no file that runs without a GPU includes Vulkan, directly or indirectly") {
   if (!fs::exists(sourceFolder() / "engine")) {
     MESSAGE("skipped: the sources are not at " << sourceFolder().string());
     return;
@@ -69,7 +69,7 @@ TEST_CASE("no file of what runs without a GPU includes Vulkan, on whatever way")
   CHECK(seen.contains("shaders/shared/types.h"));
 }
 
-TEST_CASE("an include of Vulkan is found out, however far it is") {
+TEST_CASE("an indirect include of Vulkan is detected") {
   const auto wayWith = [](const std::string& last) {
     std::set<std::string> seen;
     const auto made = [&](const std::string& file) -> std::optional<std::vector<std::string>> {

@@ -5,7 +5,7 @@
 
 namespace palpate::near_test {
 
-TEST_CASE("a relative tolerance is a share of the value, however small that is") {
+TEST_CASE("a relative tolerance is a share of the value, however small the value is") {
   CHECK(1.02 == near(1.0, 0.0201));
   CHECK(0.98 == near(1.0, 0.0201));
   CHECK(1.03 != near(1.0, 0.02));
@@ -17,13 +17,13 @@ TEST_CASE("a relative tolerance is a share of the value, however small that is")
   CHECK(near(5, 0.02) == 5.05);
 }
 
-TEST_CASE("zero is near nothing but itself: no scale of 1 is added to a tolerance") {
+TEST_CASE("only zero is near zero: a tolerance has no absolute part") {
   CHECK(0.0 != near(0.005, 0.05));
   CHECK(0.0 != near(0.005, 0.99));
   CHECK(0.1 != near(0.33, 0.05));
 }
 
-TEST_CASE("an absolute tolerance is the same for every value, its bounds included") {
+TEST_CASE("an absolute tolerance is the same for every value, and its bounds are included") {
   CHECK(0.0 == within(0, 0));
   CHECK(0.5 == within(0, 0.5));
   CHECK(-0.5 == within(0, 0.5));
@@ -39,7 +39,7 @@ TEST_CASE("single precision and whole numbers are compared in double precision")
   CHECK(-3 == within(-2, 1));
 }
 
-TEST_CASE("nothing is equal to a value that is no number, and the other way round") {
+TEST_CASE("a value that is not a number equals nothing, and no value equals it") {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
   CHECK(kNaN != near(1, 0.5));
   CHECK(kNaN != within(0, 1e300));
@@ -49,7 +49,7 @@ TEST_CASE("nothing is equal to a value that is no number, and the other way roun
   CHECK(kInfinity != near(1, 0.5));
 }
 
-TEST_CASE("tolerances that would accept everything or nothing are errors") {
+TEST_CASE("tolerances that would accept everything or nothing throw") {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
   CHECK_THROWS_AS(near(0, 0.1), std::invalid_argument);
   CHECK_THROWS_AS(near(1, 1), std::invalid_argument);
@@ -62,7 +62,7 @@ TEST_CASE("tolerances that would accept everything or nothing are errors") {
   CHECK_THROWS_AS(within(1, kNaN), std::invalid_argument);
 }
 
-TEST_CASE("a failure shows the value and how far from it was allowed") {
+TEST_CASE("a failed comparison shows the value and the tolerance") {
   CHECK(doctest::toString(within(46.3, 0.1)) == "46.3 +- 0.1");
   CHECK(doctest::toString(near(5, 0.02)) == "5 +- 0.1");
 }

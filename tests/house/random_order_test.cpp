@@ -1,5 +1,5 @@
-// Compilers differ in which argument of a call they begin with, and random numbers come in an order: a call with two of
-// them has other data on another system. In braces they come from left to right everywhere.
+// The evaluation order of a call's arguments is unspecified, so that a call with two random numbers has different data
+// with another compiler. In braces the order is from left to right.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What opens the list that a place of a text stands in; 0 where nothing does.
+/// The bracket that opens the list around an offset of a text; 0 if there is none.
 char openerOf(const std::string& text, std::size_t place) {
   int depth = 0;
   while (place-- > 0) {
@@ -36,7 +36,7 @@ bool hasTwoInACall(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("no call takes two random numbers, whose order would be the compiler's") {
+TEST_CASE("no call has two random arguments, whose order would depend on the compiler") {
   CHECK(hasTwoInACall("Vec3 p(unit(random), unit(random), 0);"));
   CHECK_FALSE(hasTwoInACall("Vec3 p{unit(random), unit(random), 0};"));
   std::size_t files = 0;

@@ -1,4 +1,4 @@
-// Words that have given way to the field's own: no identifier may bring them back.
+// Words replaced by technical terms: no identifier may contain them.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,13 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What stands for each today: request, state, reset, carry out, scheduling statistics, voxel sample, outlier, observer.
+// Their replacements: request, state, reset, carry out, scheduling statistics, voxel sample, outlier, observer.
 constexpr std::array<std::string_view, 13> kGone{"wish", "wishes", "story", "stories", "anew",   "afresh", "obey",
                                                  "toll", "gist",   "stray", "strays",  "umpire", "witness"};
 
 bool isWordPart(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-// Identifiers of a text in C++ or GLSL, without what stands in comments and between quotes on one line.
+// Identifiers of a text in C++ or GLSL, outside comments and quotes (on one line).
 std::set<std::string> identifiersOf(std::string_view text) {
   std::set<std::string> found;
   for (std::size_t i = 0; i < text.size();) {
@@ -47,7 +47,7 @@ std::set<std::string> identifiersOf(std::string_view text) {
   return found;
 }
 
-// "kMaxStrays_mm": most, strays, mm, after a k of its own.
+// "kMaxStrays_mm": k, max, strays, mm.
 std::vector<std::string> wordsOf(std::string_view identifier) {
   std::vector<std::string> words;
   bool begins = true;
@@ -76,7 +76,7 @@ bool isSource(const fs::path& file) {
 
 }  // namespace
 
-TEST_CASE("no identifier has a word that has given way to the field's own") {
+TEST_CASE("no identifier contains a word that was replaced by a technical term") {
   const fs::path top = sourceFolder();
   if (!fs::exists(top / "engine")) {
     MESSAGE("skipped: the sources are not at " << top.string());
@@ -97,7 +97,7 @@ TEST_CASE("no identifier has a word that has given way to the field's own") {
   CHECK(identifiers > 10'000);
 }
 
-TEST_CASE("a word that has gone is found in an identifier, and not in a comment, a text or a longer word") {
+TEST_CASE("a replaced word is found in an identifier, but not in a comment, a string or a longer word") {
   CHECK(hasGoneWord("parseWishes"));
   CHECK(hasGoneWord("kMaxStrays_mm"));
   CHECK(hasGoneWord("edits_built_anew"));

@@ -1,5 +1,5 @@
-// A Vulkan device that a program has made for itself, lent through the C interface: felt, sculpted, drawn, meshed on,
-// and left as it was.
+// A Vulkan device created by a program and lent through the C interface: used for contact, sculpting, pictures and
+// meshes, and left usable.
 #include <algorithm>
 #include <atomic>
 #include <thread>
@@ -12,7 +12,7 @@ namespace palpate::lent_device_test {
 
 namespace {
 
-/// What the program lends, as the C interface has it.
+/// The lent device in the form of the C interface.
 struct Lent {
   HostDevice host;
   pp_vulkan_device device = pp_default_vulkan_device();
@@ -43,7 +43,7 @@ struct Lent {
 
 }  // namespace
 
-TEST_CASE("a session on a device that is lent feels what any does, beside the program's own work") {
+TEST_CASE("a session on a lent device gives the forces of any session, beside the program's own work") {
   HostProgram program;
   const Lent lent(program);
   const BallCloud cloud(5'000);
@@ -59,7 +59,7 @@ TEST_CASE("a session on a device that is lent feels what any does, beside the pr
   const auto ticks = touch(session, pathOf(press));
   its.join();
   CHECK(well);
-  CHECK(program.holds() > 100);  // a submission a tick at the least
+  CHECK(program.holds() > 100);  // at least one submission per tick
   const OpenBall alone(cpuOptions(), 5'000);
   const auto truth = touch(alone.session, pathOf(press));
   REQUIRE(truth.size() == ticks.size());
@@ -69,7 +69,7 @@ TEST_CASE("a session on a device that is lent feels what any does, beside the pr
   CHECK(program.worksItself(1));
 }
 
-TEST_CASE("what a device that is lent lacks is named, and the program keeps it") {
+TEST_CASE("a lent device without a requirement is refused by its name and stays usable") {
   const BallCloud cloud(200);
   pp_session session{};
   {
@@ -116,7 +116,7 @@ TEST_CASE("what a device that is lent lacks is named, and the program keeps it")
   CHECK(program.worksItself(1));
 }
 
-TEST_CASE("strokes, matter and meshes run on a device that is lent, and several sessions share it") {
+TEST_CASE("strokes, matter and meshes run on a lent device, and several sessions share it") {
   HostProgram program;
   const Lent lent(program);
   const BallCloud cloud(5'000);
@@ -144,8 +144,8 @@ TEST_CASE("strokes, matter and meshes run on a device that is lent, and several 
   picture.has_background = 1;
   std::vector<std::uint8_t> rgba(std::size_t{4} * 64 * 48, 7);
   PP_REQUIRE_OK(pp_session_render(two, &picture, rgba.data(), rgba.size()));
-  CHECK(rgba[0] + rgba[1] + rgba[2] == 0);                              // black behind
-  CHECK(rgba[4 * (24 * 64 + 32)] + rgba[4 * (24 * 64 + 32) + 1] > 20);  // and the ball in the middle
+  CHECK(rgba[0] + rgba[1] + rgba[2] == 0);                              // black background
+  CHECK(rgba[4 * (24 * 64 + 32)] + rgba[4 * (24 * 64 + 32) + 1] > 20);  // the ball in the middle
   pp_matter_options alone = pp_default_matter_options();
   alone.vulkan = &lent.device;
   pp_matter water{};

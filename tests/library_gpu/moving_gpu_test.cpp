@@ -1,4 +1,4 @@
-// What moves, several hands and session logs, where a GPU answers.
+// Moving clouds, several hands and session logs on a GPU.
 #include <algorithm>
 
 #include "tests/library/ball.hpp"
@@ -19,7 +19,7 @@ pp_session_options gpuOptions() {
 
 }  // namespace
 
-TEST_CASE("on a GPU two hands are in one water, and its points are seen where they are") {
+TEST_CASE("on a GPU two hands touch the same water, and its frames show its motion") {
   pp_session_options options = gpuOptions();
   options.mm_per_unit = 0;
   options.hands = 2;
@@ -54,7 +54,7 @@ TEST_CASE("on a GPU two hands are in one water, and its points are seen where th
   PP_REQUIRE_OK(pp_session_close(water));
 }
 
-TEST_CASE("on a GPU a recorded stroke comes out the same to the last bit") {
+TEST_CASE("replaying a recorded stroke on a GPU gives identical results") {
   const ScratchFolder folder;
   const std::string file = (folder / "dent.session").string();
   const OpenBall ball(gpuOptions(), 3'000);
@@ -73,7 +73,7 @@ TEST_CASE("on a GPU a recorded stroke comes out the same to the last bit") {
   CHECK(std::string(result.recorded_on) == std::string(result.machine));
 }
 
-TEST_CASE("on a GPU frames that a program brings are felt from their time on") {
+TEST_CASE("on a GPU, frames pushed by the program are felt from their time on") {
   const BallCloud cloud(3'000);
   const BallArrays<float> higher(3'000, {0, 0, 1.5});
   const pp_session_options options = gpuOptions();

@@ -45,11 +45,11 @@ struct Picture {
 
 }  // namespace
 
-TEST_CASE("points come and go on a GPU with a brush that keeps the density and with no other, whichever came first") {
+TEST_CASE("on a GPU only a brush that maintains density adds and removes points, in any order of brushes") {
   checkDensityIsOfTheBrush(gpuOptions());
 }
 
-TEST_CASE("the GPUs have names, and a number that none has is refused") {
+TEST_CASE("each GPU has a name, and an invalid number or name is refused") {
   std::uint32_t count = 0;
   PP_REQUIRE_OK(pp_gpu_count(&count));
   REQUIRE(count > 0);
@@ -65,10 +65,10 @@ TEST_CASE("the GPUs have names, and a number that none has is refused") {
   options.gpu = "no such chip";
   pp_session session{};
   CHECK(pp_session_open(ball.cloud, &options, &session) == PP_ERROR_GPU);
-  CHECK(lastErrorSays(name));  // those that there are
+  CHECK(lastErrorSays(name));  // lists the available GPUs
 }
 
-TEST_CASE("a GPU and the CPU feel the same") {
+TEST_CASE("a GPU and the CPU give the same forces") {
   const OpenBall gpu(gpuOptions()), cpu;
   const auto press = pressPath(1, 60, 40);
   const auto there = touch(gpu.session, pathOf(press)), here = touch(cpu.session, pathOf(press));
@@ -82,10 +82,10 @@ TEST_CASE("a GPU and the CPU feel the same") {
   CHECK(std::string(info.backend) == "vulkan");
 }
 
-TEST_CASE("a picture shows the ball in its middle, from where it is asked for, dents and all") {
+TEST_CASE("a picture shows the ball from the requested view, with its dents") {
   pp_session_options options = cpuOptions();
-  SUBCASE("of a session on the CPU") {}
-  SUBCASE("of a session on a GPU") { options = gpuOptions(); }
+  SUBCASE("with a session on the CPU") {}
+  SUBCASE("with a session on a GPU") { options = gpuOptions(); }
   const OpenBall ball(options, 6'000);
   Picture picture;
   pp_picture_options view = picture.options();
@@ -117,10 +117,10 @@ TEST_CASE("a picture shows the ball in its middle, from where it is asked for, d
   picture.take(ball.session, view);
   std::size_t different = 0;
   for (std::size_t i = 0; i < above.size(); ++i) different += std::abs(picture.rgba[i] - above[i]) > 3;
-  CHECK(different < above.size() / 100);  // discs about the stroke were measured again
+  CHECK(different < above.size() / 100);  // the discs around the stroke were measured again
 }
 
-TEST_CASE("a picture is refused that has no size, no room, or no camera, and one that is made can be written") {
+TEST_CASE("a picture with an invalid size, buffer or camera is refused, and a valid one can be written") {
   const OpenBall ball(cpuOptions(), 2'000);
   Picture picture;
   pp_picture_options view = picture.options();
@@ -148,7 +148,7 @@ TEST_CASE("a picture is refused that has no size, no room, or no camera, and one
   CHECK(pp_image_write("/nowhere/ball.png", picture.rgba.data(), picture.width, picture.height) == PP_ERROR_FILE);
 }
 
-TEST_CASE("a mesh of the ball is closed, lies on it, and is written") {
+TEST_CASE("a mesh of the ball is closed, accurate and can be written") {
   const OpenBall ball(cpuOptions(), 5'000);
   pp_mesh_options options = pp_default_mesh_options();
   options.lattice = 32;
@@ -188,7 +188,7 @@ TEST_CASE("a mesh of the ball is closed, lies on it, and is written") {
   CHECK(pp_session_mesh(ball.session, &options, &mesh) == PP_ERROR_ARGUMENT);
 }
 
-TEST_CASE("pictures are taken while another thread touches and sculpts on the same GPU") {
+TEST_CASE("pictures can be rendered while another thread touches and sculpts on the same GPU") {
   pp_session_options options = gpuOptions();
   options.budget_us = 1e6;  // a software driver takes long for an edit
   const OpenBall ball(options, 5'000);

@@ -1,10 +1,9 @@
-// A Vulkan layer that takes the GPU away: it stands between a program and its driver, lets everything pass, and from a
-// moment on answers as a driver does whose device is lost. What runs above it is the program's own code, to the last
-// call. The moment is the submission that PALPATE_LOST_GPU names ("submit:300", "fence:300"), or palpateLoseGpu();
-// "count" takes nothing away and says at the end how many there were. "display" takes nothing away either: the driver
-// is one that calls itself NVIDIA's and does not survive a question about a surface, as that one on an X server without
-// its extension. "minimum" makes the GPU the least that Vulkan lets one be, "minimum:NAME=VALUE,..." that but for what
-// is named (made_up_gpu.hpp).
+// A Vulkan layer that simulates the loss of a GPU: it sits between a program and its driver, forwards all calls, and
+// from a given submission on returns VK_ERROR_DEVICE_LOST, so that the program's real code runs to the last call. The
+// submission is given by PALPATE_LOST_GPU ("submit:300", "fence:300") or by palpateLoseGpu(). Other modes keep the
+// device: "count" reports the number of submissions at the end; "display" simulates NVIDIA's driver on an X server
+// without its extension, which crashes on a query about a surface; "minimum" reduces the GPU to the minimum of Vulkan,
+// "minimum:NAME=VALUE,..." with the given exceptions (made_up_gpu.hpp).
 //
 // Loader and layer interface: LoaderLayerInterface.md of the Vulkan loader, version 2.
 #include <vulkan/vk_layer.h>
@@ -26,7 +25,7 @@ namespace {
 
 constexpr long kNever = std::numeric_limits<long>::max();
 
-// One instance and one device at a time, which is what the program makes.
+// One instance and one device at a time, which is all that the program creates.
 PFN_vkGetPhysicalDeviceProperties2 nextProperties = nullptr;
 PFN_vkGetPhysicalDeviceProperties nextFirstProperties = nullptr;
 PFN_vkGetPhysicalDeviceFeatures2 nextFeatures = nullptr;
@@ -41,7 +40,7 @@ PFN_vkWaitForFences nextWaitForFences = nullptr;
 PFN_vkDeviceWaitIdle nextWaitIdle = nullptr;
 
 std::atomic<long> submissionsLeft = kNever;
-std::atomic<bool> failsAtSubmit = false;  // else that submission hangs and its fence tells
+std::atomic<bool> failsAtSubmit = false;  // else that submission hangs, and its fence reports the loss
 std::atomic<bool> lost = false;
 
 struct Tally {
@@ -67,7 +66,7 @@ VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const 
   ++tally.submissions;
   if (submissionsLeft != kNever && --submissionsLeft < 0) {
     lost = true;
-    return failsAtSubmit ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;  // the hung one never runs
+    return failsAtSubmit ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;  // the hung submission never runs
   }
   return nextSubmit(queue, count, infos, fence);
 }
@@ -82,7 +81,7 @@ VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, std::uint32_t coun
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL waitIdle(VkDevice device) {
-  const VkResult result = nextWaitIdle(device);  // a software driver is still at work
+  const VkResult result = nextWaitIdle(device);  // a software driver may still be working
   return lost ? VK_ERROR_DEVICE_LOST : result;
 }
 
@@ -91,7 +90,7 @@ bool diesAtSurfaces() {
   return text && std::strcmp(text, "display") == 0;
 }
 
-/// Read anew for each instance.
+/// Read again for each instance.
 std::optional<madeup::Gpu> madeUp;
 
 void readMadeUp() {
@@ -141,7 +140,7 @@ VKAPI_ATTR VkResult VKAPI_CALL madeUpExtensions(VkPhysicalDevice gpu, const char
   return VK_SUCCESS;
 }
 
-// Of the instance, where the GPU is made up.
+// Instance commands of a made-up GPU.
 PFN_vkVoidFunction madeUpCommand(std::string_view wanted) {
   if (wanted == "vkGetPhysicalDeviceProperties") return reinterpret_cast<PFN_vkVoidFunction>(madeUpFirstProperties);
   if (wanted.starts_with("vkGetPhysicalDeviceProperties2"))
@@ -161,11 +160,11 @@ VKAPI_ATTR void VKAPI_CALL properties(VkPhysicalDevice gpu, VkPhysicalDeviceProp
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL askedAboutSurface() {
-  std::fprintf(stderr, "the driver was asked about a surface\n");
+  std::fprintf(stderr, "the driver was queried about a surface\n");
   std::abort();
 }
 
-// Of the instance, where the driver is that one.
+// Instance commands of the "display" mode.
 PFN_vkVoidFunction surfaceCommand(std::string_view wanted) {
   if (wanted == "vkGetPhysicalDeviceProperties2") return reinterpret_cast<PFN_vkVoidFunction>(properties);
   const bool asks = wanted.starts_with("vkGetPhysicalDeviceSurface") || wanted.ends_with("PresentationSupportKHR");
@@ -189,7 +188,7 @@ VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, 
   readMadeUp();
   const auto create = reinterpret_cast<PFN_vkCreateInstance>(nextInstanceProc(VK_NULL_HANDLE, "vkCreateInstance"));
   const VkResult result = create(info, allocator, instance);
-  // Asked for now: later the loader's answer begins with the first layer again.
+  // Queried now: later the loader's answer would start at the first layer again.
   if (result != VK_SUCCESS) return result;
   const auto get = [&](auto& next, const char* name) {
     next = reinterpret_cast<std::remove_reference_t<decltype(next)>>(nextInstanceProc(*instance, name));
@@ -260,7 +259,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceProc(VkInstance instance, const
 
 extern "C" {
 
-/// Takes the GPU of this process away at its next submission (`atSubmit`: that call fails; else it hangs).
+/// Loses the GPU of this process at its next submission (`atSubmit`: that call fails; otherwise it hangs).
 VK_LAYER_EXPORT void palpateLoseGpu(bool atSubmit) {
   failsAtSubmit = atSubmit;
   submissionsLeft = 0;

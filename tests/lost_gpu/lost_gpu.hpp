@@ -1,5 +1,5 @@
-// Lets a test take the GPU away: see layer.cpp. The layer lies in a folder lost_gpu beside the test program, or where
-// PALPATE_LOST_GPU_FOLDER says.
+// Lets a test lose the GPU: see layer.cpp. The layer is in the folder lost_gpu beside the test program, or in
+// PALPATE_LOST_GPU_FOLDER.
 #pragma once
 
 #include <dlfcn.h>
@@ -14,27 +14,26 @@
 
 namespace palpate {
 
-/// The least GPU that palpate takes: wider workgroups than Vulkan promises, and the layout of C++.
+/// The minimum GPU that palpate accepts: wider workgroups than Vulkan guarantees, and scalar block layout.
 inline const std::string kMinGpu =
     "minimum:maxComputeWorkGroupInvocations=256,maxComputeWorkGroupSize=256,scalarBlockLayout=1";
 
-/// While it lives, new Vulkan instances of this process, and of programs that it starts, go through the layer. Ends the
-/// test where it does not find it.
+/// During its lifetime, new Vulkan instances of this process, and of programs that it starts, use the layer. Fails the
+/// test if the layer is missing.
 class LostGpuLayer {
  public:
-  /// `when`: "submit:N" or "fence:N", after N submissions of the next device; "count": never, but a program that ends
-  /// says how many it made; "display": never, but a question about a surface ends the program;
-  /// "minimum:NAME=VALUE,...": never, but the GPU is the least that Vulkan lets one be (made_up_gpu.hpp); empty: when
-  /// takeGpu() is called.
+  /// `when`: "submit:N" or "fence:N", after N submissions of the next device; "count": never, but a program reports its
+  /// number of submissions at its end; "display": never, but a query about a surface ends the program;
+  /// "minimum:NAME=VALUE,...": never, but the GPU is the minimum of Vulkan (made_up_gpu.hpp); empty: by takeGpu().
   explicit LostGpuLayer(const std::string& when = {}) {
     for (const char* file : {kLibrary, "layer.json"})
       REQUIRE_MESSAGE(std::filesystem::exists(folder() / file),
                       "no " << (folder() / file).string()
-                            << "; build palpate_lost_gpu, or let PALPATE_LOST_GPU_FOLDER say where it is");
+                            << "; build the target palpate_lost_gpu, or set PALPATE_LOST_GPU_FOLDER to its folder");
     const char* others = std::getenv("VK_LAYER_PATH");
     if (others) layersBefore_ = others;
-    // Validation stands above this layer, where it is asked for, and sees what this one makes of the driver: layers are
-    // stacked in the order in which the loader finds them.
+    // Validation, if requested, is above this layer and sees the changed properties: layers are stacked in the order in
+    // which the loader finds them.
     ::setenv("VK_LAYER_PATH", (layersBefore_.value_or(kDebianLayers) + ":" + folder().string()).c_str(), 1);
     const bool seen = when.starts_with("minimum") && askedValidation() != Validation::off;
     ::setenv("VK_INSTANCE_LAYERS",
@@ -48,15 +47,16 @@ class LostGpuLayer {
   LostGpuLayer(const LostGpuLayer&) = delete;
   LostGpuLayer& operator=(const LostGpuLayer&) = delete;
 
-  /// What takes the GPU away, once a device has been made: its next submission fails (`atSubmit`), or hangs until its
-  /// fence tells. Ends the test where the layer is not in use; what it returns never does, and may be called anywhere.
+  /// The function that loses the GPU, once a device exists: its next submission fails (`atSubmit`), or hangs until its
+  /// fence reports the loss. Fails the test if the layer is not in use; the returned function never does and may be
+  /// called anywhere.
   using TakeGpu = void (*)(bool atSubmit);
   static TakeGpu takeGpu() {
     const std::filesystem::path library = folder() / kLibrary;
     void* layer = ::dlopen(library.c_str(), RTLD_NOW | RTLD_NOLOAD);
-    REQUIRE_MESSAGE(layer, "the Vulkan loader has not taken in " << library.string());
+    REQUIRE_MESSAGE(layer, "the Vulkan loader has not loaded " << library.string());
     const auto take = reinterpret_cast<TakeGpu>(::dlsym(layer, "palpateLoseGpu"));
-    ::dlclose(layer);  // the loader holds it
+    ::dlclose(layer);  // the loader keeps it loaded
     REQUIRE_MESSAGE(bool(take != nullptr), "no palpateLoseGpu in " << library.string());
     return take;
   }

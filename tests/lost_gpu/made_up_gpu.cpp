@@ -52,7 +52,7 @@ Gpu::Gpu(const std::string& text)
     const std::size_t sign = word.find('=');
     const auto known = values_.find(word.substr(0, sign));
     if (sign == std::string::npos || known == values_.end()) {
-      std::fprintf(stderr, "a made-up GPU has no '%s'\n", word.c_str());
+      std::fprintf(stderr, "made-up GPU: unknown property '%s'\n", word.c_str());
       std::abort();
     }
     known->second = std::strtoull(word.c_str() + sign + 1, nullptr, 10);
@@ -84,7 +84,7 @@ void Gpu::amend(VkPhysicalDeviceLimits& limits) const {
   cut(limits.maxColorAttachments, "maxColorAttachments");
   limits.pointSizeRange[1] = std::min(limits.pointSizeRange[1], static_cast<float>(values_.at("pointSize")));
   limits.timestampComputeAndGraphics = VK_FALSE;
-  // What is an alignment is the largest that there may be.
+  // Alignments are the maximum that Vulkan allows.
   limits.minStorageBufferOffsetAlignment = limits.minUniformBufferOffsetAlignment = 256;
   limits.nonCoherentAtomSize = 256;
   limits.bufferImageGranularity = 131'072;
@@ -142,7 +142,7 @@ bool Gpu::accepts(const VkDeviceCreateInfo& info, std::vector<const char*>& exte
     knowsSubset = true;
   }
   extensions.clear();
-  // A feature that this GPU has not is not asked for.
+  // A feature that this GPU lacks may not be requested.
   VkPhysicalDeviceFeatures2 asked{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
   if (const auto* features =
           inChain<VkPhysicalDeviceFeatures2>(info.pNext, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2))

@@ -1,4 +1,4 @@
-// A GPU that says of itself the least that Vulkan 1.3 lets one say, whatever the driver behind it can do.
+// A GPU that reports the minimum of Vulkan 1.3, whatever the driver behind it supports.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -10,21 +10,20 @@
 
 namespace madeup {
 
-/// Limits and features by Vulkan's names. All are Vulkan's minimum: none of the features that it leaves to the driver,
-/// one queue that draws but tells no times, no extension but VK_KHR_portability_subset, which a program has to enable
-/// then; but for those that `text` names ("maxPushConstantsSize=256,shaderInt64=1"). What is smaller than the minimum
-/// may be asked for, too. A name that is not known ends the program.
+/// Limits and features by Vulkan's names. All have Vulkan's minimum: no optional features, one graphics queue without
+/// timestamps, no extension except VK_KHR_portability_subset, which a program must then enable. `text` gives exceptions
+/// ("maxPushConstantsSize=256,shaderInt64=1"), which may be below the minimum too. An unknown name ends the program.
 class Gpu {
  public:
   explicit Gpu(const std::string& text);
 
-  /// What the driver has said, as this GPU says it: never more than the driver.
+  /// Reduces the driver's answers to those of this GPU: never more than the driver's.
   void amend(VkPhysicalDeviceLimits& limits) const;
   void amend(VkPhysicalDeviceProperties2& properties) const;
   void amend(VkPhysicalDeviceFeatures& features) const;
   void amend(VkPhysicalDeviceFeatures2& features) const;
   void amend(VkQueueFamilyProperties& family) const;
-  /// The extensions to ask the driver for; false: a program that was right would not have made this device.
+  /// The extensions to request from the driver; false if a correct program would not create this device.
   bool accepts(const VkDeviceCreateInfo& info, std::vector<const char*>& extensions) const;
 
   static constexpr const char* kExtension = "VK_KHR_portability_subset";

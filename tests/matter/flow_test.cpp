@@ -44,7 +44,7 @@ double frontAt(const std::vector<Front>& way, double time) {
 
 }  // namespace
 
-TEST_CASE("a dam that breaks sends its front as far as experiments and another method have it") {
+TEST_CASE("the front of a dam break advances as in experiments and with another method") {
   MatterScene scene = matterSceneNamed("dam");
   scene.box_mm.x = 1600;  // long enough that the front meets no wall
   const double width_m = scene.fill_mm.x * 1e-3;
@@ -76,15 +76,15 @@ TEST_CASE("a dam that breaks sends its front as far as experiments and another m
   }
 }
 
-TEST_CASE("between two plates water flows with the parabola that its viscosity says") {
+TEST_CASE("between two plates water flows with the parabola of its viscosity") {
   for (const double viscosity_Pa_s : {0.1, 0.3}) checkPoiseuille(onCpu(), viscosity_Pa_s, 1000);
 }
 
-TEST_CASE("below a plate that moves water flows as fast as its height over the floor says") {
+TEST_CASE("below a moving plate the speed of water is proportional to its height") {
   for (const double viscosity_Pa_s : {0.1, 0.3}) checkCouette(onCpu(), viscosity_Pa_s);
 }
 
-TEST_CASE("pressure and the front of a dam do not depend on how many substeps there are" * kMoreInFull) {
+TEST_CASE("pressure and the front of a dam break do not depend on the number of substeps" * kMoreInFull) {
   checkWaterByAnySubsteps(onCpu(), byTier<std::vector<std::uint32_t>>({2}, {2, 4}), 300, 150);
 }
 

@@ -3,9 +3,9 @@
 
 namespace palpate::hostile_test {
 
-TEST_CASE("no particle at all, and a single one, are simulated as well") { checkFewParticles(onCpu()); }
+TEST_CASE("no particle and a single particle are simulated") { checkFewParticles(onCpu()); }
 
-TEST_CASE("all particles on one place are simulated, or refused as a state with a name") {
+TEST_CASE("coincident particles are simulated, or give the state crowded") {
   for (const Matter matter : {Matter::water, Matter::sand})
     for (const std::size_t count : {std::size_t{300}, std::size_t{3000}}) {
       MatterWorld world({.matter = matter}, {.threads = 2}, std::vector<Vec3>(count, Vec3(0.05f)));
@@ -15,15 +15,15 @@ TEST_CASE("all particles on one place are simulated, or refused as a state with 
     }
 }
 
-TEST_CASE("a simulation that diverges says so, has no force from then on, and can be begun again") {
+TEST_CASE("a diverging simulation reports it, has no force from then on, and can be reset") {
   checkDivergence(onCpu());
 }
 
-TEST_CASE("a hand that jumps across the box gives a bounded force or ends the simulation, never what is no number") {
+TEST_CASE("a hand that jumps across the box gets a bounded, finite force or ends the simulation") {
   checkJumpingHand(onCpu(), 200);
 }
 
-TEST_CASE("the shortest and the longest substeps that are taken work") {
+TEST_CASE("the shortest and the longest allowed substeps work") {
   MatterScene scene = tank({8, 12, 8}, 8);
   scene.substeps = 60;
   MatterWorld fine(scene, {.threads = 2});

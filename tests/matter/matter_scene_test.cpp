@@ -9,7 +9,7 @@
 
 namespace palpate::matter_scene_test {
 
-TEST_CASE("a scene that cannot be simulated is refused with its field, before anything runs") {
+TEST_CASE("a scene that cannot be simulated is refused with the field's name before it starts") {
   const auto with = [](auto change) {
     MatterScene scene;
     change(scene);
@@ -40,7 +40,7 @@ TEST_CASE("a scene that cannot be simulated is refused with its field, before an
   CHECK(says(refusal({}, 1 << 20), "spacing_mm: makes 4000 particles"));
 }
 
-TEST_CASE("a scene has as many substeps as it needs, or more where it says so") {
+TEST_CASE("a scene has the necessary number of substeps, or more if requested") {
   const MatterPlan plan = planOf({});
   CHECK(plan.particles == 20 * 10 * 20);
   CHECK(plan.mass_kg == near(1000 * 5e-3 * 5e-3 * 5e-3, 1e-6));
@@ -54,7 +54,7 @@ TEST_CASE("a scene has as many substeps as it needs, or more where it says so") 
   CHECK(planOf(honey).substeps > plan.substeps);
 }
 
-TEST_CASE("particles begin on a lattice, half a spacing from the walls") {
+TEST_CASE("particles start on a lattice, half a spacing from the walls") {
   const MatterScene scene{.box_mm = {40, 30, 20}, .fill_mm = {20, 30, 0}, .spacing_mm = 10};
   CHECK(placesAtRest(scene).empty());
   MatterScene filled = scene;
@@ -65,7 +65,7 @@ TEST_CASE("particles begin on a lattice, half a spacing from the walls") {
   CHECK(glm::length(places.back() - Vec3(0.015f, 0.025f, 0.015f)) < 1e-7f);
 }
 
-TEST_CASE("water and sand are as much as was asked for, in layers that are no farther apart than was said") {
+TEST_CASE("water and sand have the requested amount, in layers no further apart than the spacing") {
   for (const Matter matter : {Matter::water, Matter::sand})
     for (const DVec3& fill_mm : {DVec3(80, 85, 80), DVec3(80, 15, 80), DVec3(73, 44, 66), DVec3(11, 4, 12)}) {
       const MatterScene scene{
@@ -95,7 +95,7 @@ TEST_CASE("water and sand are as much as was asked for, in layers that are no fa
   CHECK(whole.apart_m == DVec3(10 * 1e-3));
 }
 
-TEST_CASE("a scene is refused for the memory of the machine that it is to run on, and for no other") {
+TEST_CASE("a scene is refused only for the memory of the machine that it is to run on") {
   const MatterScene large{.box_mm = DVec3(2000), .fill_mm = DVec3(1000), .spacing_mm = 5};
   CHECK(planOf(large).bytes > std::uint64_t{4} << 30);  // on an unknown machine
   CHECK(refusal(large, std::uint64_t{64} << 30) == "taken");
@@ -111,7 +111,7 @@ TEST_CASE("a scene is refused for the memory of the machine that it is to run on
   CHECK_THROWS_AS(MatterWorld({}, {.memory_bytes = 1 << 20}), Error);
 }
 
-TEST_CASE("there are scenes that need no file, and another name is told which") {
+TEST_CASE("built-in scenes need no file, and an unknown name is refused with their list") {
   for (const std::string_view name : matterSceneNames()) CHECK(refusal(matterSceneNamed(name)) == "taken");
   CHECK_THROWS_WITH(matterSceneNamed("lava"),
                     "there is no scene 'lava'; there are water, dam, sand, statue in water, drop, jelly, soft statue");

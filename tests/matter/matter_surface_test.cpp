@@ -28,8 +28,7 @@ std::vector<Vec3> normalsOf(const std::vector<Vec3>& places, unsigned threads, c
 
 }  // namespace
 
-TEST_CASE(
-    "on a ball of particles normals look away from its middle, in it they look up, and all have a length of one") {
+TEST_CASE("normals of a ball of particles face outwards at its surface, up inside, and are unit vectors") {
   const MatterBox box{.size = Vec3(0.2f)};
   const std::vector<Vec3> places = ball(8);
   const std::vector<Vec3> normals = normalsOf(places, 2, box);
@@ -47,7 +46,7 @@ TEST_CASE(
   CHECK(outer > 500);
 }
 
-TEST_CASE("the order of particles and the number of threads change nothing") {
+TEST_CASE("surface normals do not depend on the order of particles or the number of threads") {
   const MatterBox box{.size = Vec3(0.2f)};
   std::vector<Vec3> places = ball(7);
   const std::vector<Vec3> one = normalsOf(places, 1, box);
@@ -57,7 +56,7 @@ TEST_CASE("the order of particles and the number of threads change nothing") {
   for (std::size_t i = 0; i < places.size(); ++i) CHECK(glm::distance(other[places.size() - 1 - i], one[i]) < 1e-4f);
 }
 
-TEST_CASE("drops are round, nothing has no normals, and particles in one place look up") {
+TEST_CASE("drops are round, no particles have no normals, and coincident particles have normals that face up") {
   const MatterBox box{.size = Vec3(0.2f)};
   CHECK(normalsOf({}, 1, box).empty());
   for (const Vec3& normal : normalsOf({Vec3(0.01f), Vec3(0.1f), Vec3(0.1f, 0.104f, 0.1f)}, 1, box))
@@ -65,7 +64,7 @@ TEST_CASE("drops are round, nothing has no normals, and particles in one place l
   for (const Vec3& normal : normalsOf(std::vector<Vec3>(40, Vec3(0.05f)), 1, box)) CHECK(normal == kUp);
 }
 
-TEST_CASE("what goes on beyond a periodic face has no surface there") {
+TEST_CASE("matter that continues across a periodic border has no surface there") {
   const MatterBox box{.size = {0.05f, 0.05f, 0.05f}, .periodic = {true, false, true}};
   std::vector<Vec3> places;
   for (int x = 0; x < 10; ++x)

@@ -58,18 +58,16 @@ std::string refusalOf(PointCloud cloud, const MatterScene& scene) {
 
 }  // namespace
 
-TEST_CASE("a model in water is pushed up by the weight of what it displaces") {
-  checkModelDisplaces(onCpu(), 400, 300);
-}
+TEST_CASE("a model in water has the buoyancy of the displaced water") { checkModelDisplaces(onCpu(), 400, 300); }
 
-TEST_CASE("no water comes into a model that it falls upon, nor through walls beside it" * kMoreInFull) {
+TEST_CASE("no falling water enters a model, or passes the walls beside it" * kMoreInFull) {
   for (const char* shape : byTier<std::vector<const char*>>({"cube"}, {"sphere", "cube", "torus", "sculpture"})) {
     CAPTURE(std::string(shape));
     checkModelKeepsOut(onCpu(), modelInTank(shape, 80), 400);
   }
 }
 
-TEST_CASE("no water comes into an uneven scan, as its true shape says it") {
+TEST_CASE("no water enters an uneven scan, compared with its true shape") {
   const MatterScene scene = modelInTank("sphere", 80);
   const auto model = std::make_shared<const MatterModel>(unevenSphere(), scene, 2);
   CHECK(isWithin(0.02, model->volume_m3(), 4 * 3.14159265 / 3 * std::pow(0.04, 3)));
@@ -83,7 +81,7 @@ TEST_CASE("no water comes into an uneven scan, as its true shape says it") {
   checkModelKeepsOut(withModel(model), scene, 300);
 }
 
-TEST_CASE("no grain comes into a model, and a heap upon it stands still" * kMoreInFull) {
+TEST_CASE("no grain enters a model, and a heap on it comes to rest" * kMoreInFull) {
   const MatterScene scene = modelInTank("sphere", 70, Matter::sand);
   checkModelKeepsOut(onCpu(), scene, byTier(200, 300));
   const auto world = atRest(onCpu(), scene);
@@ -92,7 +90,7 @@ TEST_CASE("no grain comes into a model, and a heap upon it stands still" * kMore
   CHECK(world->totals().kinetic_J < 1e-5);
 }
 
-TEST_CASE("the field of a model says how far its surface is, and how much of it is about a place") {
+TEST_CASE("the field of a model gives the distance to its surface and its share of the volume around a position") {
   const MatterScene scene = modelInTank("sphere", 80);
   const MatterModel model(builtInModel(scene, 2), scene, 2);
   const auto at = [&](double x) { return model.at(Vec3(0.07 + x, 0.06, 0.07)); };
@@ -116,7 +114,7 @@ TEST_CASE("the field of a model says how far its surface is, and how much of it 
   CHECK(model.at(Vec3(std::nanf(""))).share == 0);
 }
 
-TEST_CASE("a model is the same for any number of threads, and water about it, too") {
+TEST_CASE("a model, and the water around it, do not depend on the number of threads") {
   const MatterScene scene = modelInTank("torus", 80);
   const MatterModel one(builtInModel(scene, 1), scene, 1), three(builtInModel(scene, 3), scene, 3);
   REQUIRE(one.nodes().size() == three.nodes().size());
@@ -147,7 +145,7 @@ TEST_CASE("water far from a model moves as it does without one") {
   CHECK(with->impulses().onModel == DVec3(0));
 }
 
-TEST_CASE("a model that is open is refused with the place and width of its hole, and a small one is closed") {
+TEST_CASE("an open model is refused with the position and width of its hole, and a small hole is closed") {
   const MatterScene scene = modelInTank("sphere", 80);
   const std::string open = refusalOf(withoutCap(0.5), scene);
   CHECK(says(open, "model: is not closed: there is a hole about"));
@@ -162,7 +160,7 @@ TEST_CASE("a model that is open is refused with the place and width of its hole,
   CHECK(says(refusalOf(std::move(turned), scene), "model: its normals point inwards"));
 }
 
-TEST_CASE("a model that cannot stand there is refused with its field, before anything runs") {
+TEST_CASE("a model that cannot stand there is refused with the field's name before the start") {
   const auto with = [](auto change) {
     MatterScene scene = modelInTank("sphere", 80);
     change(scene);
@@ -189,12 +187,12 @@ TEST_CASE("a model that cannot stand there is refused with its field, before any
   CHECK_THROWS(MatterWorld(file, {.threads = 1}));
 }
 
-TEST_CASE("a ball that begins in water or sand grows there, and pushes out what is within" * kMoreInFull) {
+TEST_CASE("a ball that starts in water or sand grows there and pushes the particles out" * kMoreInFull) {
   checkBallBeginsInside(onCpu(), Matter::water, byTier(500, 600));
   checkBallBeginsInside(onCpu(), Matter::sand, byTier(250, 600));
 }
 
-TEST_CASE("a ball is stopped by what stands in the matter, slides along it, and puts no energy out") {
+TEST_CASE("a ball is stopped by a model in the matter, slides along it, and releases no energy") {
   checkBallStopsAtModel(onCpu());
 }
 

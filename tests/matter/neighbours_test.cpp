@@ -10,7 +10,7 @@
 
 namespace palpate::neighbours_test {
 
-TEST_CASE("lists have everyone within their reach, and nobody else, also across periodic borders") {
+TEST_CASE("neighbour lists contain exactly the particles within reach, also across periodic borders") {
   constexpr float kReach = 0.1f;
   for (const bool periodic : {false, true}) {
     CAPTURE(periodic);
@@ -54,7 +54,7 @@ TEST_CASE("lists have everyone within their reach, and nobody else, also across 
   }
 }
 
-TEST_CASE("what lies beyond a plane is the integral of the weights there") {
+TEST_CASE("the contribution beyond a wall is the integral of the weights there") {
   // Midpoint sums over a ball, in slices across the plane.
   for (const double distance : {0.0, 0.2, 0.5, 0.9}) {
     CAPTURE(distance);
@@ -73,7 +73,7 @@ TEST_CASE("what lies beyond a plane is the integral of the weights there") {
   }
 }
 
-TEST_CASE("a pull is the slope of the weight") {
+TEST_CASE("the pair force is the derivative of the weight") {
   for (const double r : {0.1, 0.4, 0.7, 0.95}) {
     const double slope = (shared::wendland(r + 1e-6) - shared::wendland(r - 1e-6)) / 2e-6;
     CHECK(shared::wendlandPull(r) * r == near(-slope, 1e-6));
@@ -81,7 +81,7 @@ TEST_CASE("a pull is the slope of the weight") {
   CHECK(std::isfinite(shared::wendlandPull(0.0f)));
 }
 
-TEST_CASE("matter at rest on its lattice misses nothing at a wall") {
+TEST_CASE("matter at rest on its lattice has full density at a wall") {
   const Fluid fluid{.spacing_m = 0.01, .density_kg_m3 = 1000, .viscosity_Pa_s = 1e-3, .substep_s = 5e-4};
   const shared::WaterRules rules = waterRules(fluid);
   const LatticeSums sums = latticeSums(kSupport_spacings);

@@ -9,7 +9,7 @@
 
 namespace palpate::parameters_test {
 
-TEST_CASE("parameters are those of the matter, as the scene has them, and setting one sets that one alone") {
+TEST_CASE("parameters have the values of the scene, and setting one changes only that one") {
   MatterScene scene;
   std::vector<std::string> names;
   for (const SimulationParameter& parameter : parametersOf(scene)) {
@@ -37,7 +37,7 @@ TEST_CASE("parameters are those of the matter, as the scene has them, and settin
   }
 }
 
-TEST_CASE("a parameter that there is not, or a value beyond its bounds, is refused with what there is") {
+TEST_CASE("an unknown parameter, or a value outside its bounds, is refused with the valid ones") {
   MatterScene scene;
   const MatterScene before = scene;
   const auto refused = [&](std::string_view name, double value) {
@@ -55,7 +55,7 @@ TEST_CASE("a parameter that there is not, or a value beyond its bounds, is refus
   CHECK(scene == before);
 }
 
-TEST_CASE("a simulation that is given a parameter goes on as one that has it") {
+TEST_CASE("a simulation with a changed parameter continues like one that started with it") {
   checkParametersAreTaken(onCpu(), 20);
   checkParametersKeepMotion(onCpu(), 60);
   checkSoftParameters(softOnCpu(), 40);

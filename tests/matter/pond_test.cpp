@@ -75,7 +75,7 @@ class Both {
 
 }  // namespace
 
-TEST_CASE("a ball in water far away floats as one in the same water here, and is dragged about as much" * kFull) {
+TEST_CASE("in remote water a ball floats as in local water, and has about the same drag" * kFull) {
   const MatterScene scene = smallTank();
   const double expected_N = buoyancy_N(scene);
   for (const double delay_s : {0.0, 0.05, 0.5}) {
@@ -102,7 +102,7 @@ TEST_CASE("a ball in water far away floats as one in the same water here, and is
   }
 }
 
-TEST_CASE("a ball in sand far away is held by it as here" * kFull) {
+TEST_CASE("remote sand holds a ball like local sand" * kFull) {
   const MatterScene scene = smallTank(Matter::sand);
   for (const double delay_s : {0.0, 0.05, 0.5}) {
     Both both(scene, delay_s);
@@ -129,7 +129,7 @@ TEST_CASE("a ball in sand far away is held by it as here" * kFull) {
   }
 }
 
-TEST_CASE("sand far away bears a ball as here at a wall, at the bottom and half out of it" * kFull) {
+TEST_CASE("remote sand supports a ball like local sand at a wall, at the bottom and half out of it" * kFull) {
   const MatterScene scene = smallTank(Matter::sand);
   const double delay_s = 0.05;
   struct Place {
@@ -161,9 +161,7 @@ TEST_CASE("sand far away bears a ball as here at a wall, at the bottom and half 
   }
 }
 
-TEST_CASE(
-    "hands get no more energy out of far matter than they have put in, however they move and however long the way is" *
-    kFull) {
+TEST_CASE("hands gain no energy from remote matter, at any motion and latency" * kFull) {
   std::mt19937 random(11);
   std::normal_distribution<double> push;
   for (const Matter matter : {Matter::water, Matter::sand})
@@ -188,7 +186,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("who joins with his ball under water feels it float, and is not carried up by it") {
+TEST_CASE("a hand that joins with its ball under water feels buoyancy and is not carried up") {
   Both both(smallTank(), 0.05, false);
   both.hand().place_m = {0.06, 0.05, 0.06};
   const Both::Felt held = both.go(600, DVec3(0), 350);
@@ -202,7 +200,7 @@ TEST_CASE("who joins with his ball under water feels it float, and is not carrie
   CHECK(both.least_J() >= -1e-3);
 }
 
-TEST_CASE("water that flows elsewhere carries along a ball that is held still here") {
+TEST_CASE("water that flows remotely carries along a ball that is held still here") {
   MatterScene scene = tank({20, 20, 20}, 11);  // so wide that the local part reaches no wall
   scene.tool = {.radius_mm = 25, .mass_kg = 0.065};
   const float speed_m_s = 0.1f;
@@ -235,9 +233,8 @@ TEST_CASE("water that flows elsewhere carries along a ball that is held still he
   CHECK(pond.counts().restarts == 0);
 }
 
-TEST_CASE(
-    "where far matter begins anew, all that is here begins anew with it; where nothing is heard, it stays as it is" *
-    kMoreInFull) {
+TEST_CASE("a restart of remote matter restarts the local part, and without news the local part stays as it is" *
+          kMoreInFull) {
   Both both(smallTank(), 0.02, false);
   both.hand().place_m = {0.06, 0.06, 0.06};
   both.go(500, DVec3(0), 0);
@@ -256,8 +253,7 @@ TEST_CASE(
   CHECK(both.least_J() >= -1e-3);
 }
 
-TEST_CASE(
-    "what is known of far matter may be anything: the force stays a number, bounded, and comes back with the truth") {
+TEST_CASE("invalid news of remote matter gives a bounded, finite force, which recovers with valid news") {
   const MatterScene scene = smallTank();
   std::mt19937 random(5);
   const std::vector<Vec3> rest = placesAtRest(scene);
@@ -312,7 +308,7 @@ TEST_CASE(
   CHECK(mean.y < 1.5 * buoyancy_N(scene));
 }
 
-TEST_CASE("news of moving sand that was held up and comes with the next one knocks on no hand") {
+TEST_CASE("late news of moving sand, received together with the next, causes no force step") {
   const MatterScene scene = smallTank(Matter::sand);
   const std::vector<Vec3> rest = placesAtRest(scene);
   constexpr int kApart = 16;
@@ -352,7 +348,7 @@ TEST_CASE("news of moving sand that was held up and comes with the next one knoc
   CHECK(heldUp_N < 1.5 * even_N + 0.1);
 }
 
-TEST_CASE("nobody is within a ball, none comes where another one is, and who is his own stays where he is") {
+TEST_CASE("local particles stay out of balls and occupied positions, and those moved locally keep their positions") {
   const MatterScene scene = smallTank();
   const MatterPlan plan = planOf(scene);
   const PondSpace space{

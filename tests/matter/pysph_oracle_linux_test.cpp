@@ -46,7 +46,7 @@ std::vector<Front> frontsByPysph(double width_m, double duration_s) {
 
 }  // namespace
 
-TEST_CASE("a dam that breaks sends its front as far as PySPH has it" * kFull) {
+TEST_CASE("the front of a dam break advances as with PySPH" * kFull) {
   if (!hasPysph()) return;
   const MatterScene scene = matterSceneNamed("dam");
   const double width_m = scene.fill_mm.x * 1e-3;

@@ -6,19 +6,19 @@
 
 namespace palpate::sand_test {
 
-TEST_CASE("a grain on a slope stays where friction holds it, and otherwise slides as Coulomb says") {
+TEST_CASE("a grain on a slope sticks or slides by Coulomb's law") {
   for (const double friction : {0.0, 0.2, 0.4, 0.6, 0.9}) {
     CAPTURE(friction);
     checkSlope(onCpu(), friction);
   }
 }
 
-TEST_CASE("a bed that slides comes to rest at the slope that grains have which rub and do not turn" * kMoreInFull) {
+TEST_CASE("a sliding bed of sand comes to rest at the angle of repose of grains that do not rotate" * kMoreInFull) {
   for (const double friction : byTier<std::vector<double>>({0.3}, {0.1, 0.2, 0.3, 0.4}))
     checkAngleOfRepose(onCpu(), friction, 70, 5);
 }
 
-TEST_CASE("a column of sand falls to the side, and less far where it rubs more") {
+TEST_CASE("a column of sand collapses sideways, and less far with more friction") {
   std::array<double, 2> fronts{};
   for (const double friction : {0.2, 0.6}) {
     MatterScene scene = sandbox({400, 160, 80}, {80, 120, 80}, friction, 0);
@@ -30,10 +30,8 @@ TEST_CASE("a column of sand falls to the side, and less far where it rubs more")
   CHECK(fronts[0] > fronts[1] + 0.02);
 }
 
-TEST_CASE("a heap of sand does not creep, and keeps its momentum's account") {
-  checkHeap(onCpu(), {100, 120, 80}, 800, 500);
-}
+TEST_CASE("a heap of sand does not creep, and its momentum balances") { checkHeap(onCpu(), {100, 120, 80}, 800, 500); }
 
-TEST_CASE("a ball that is pushed into sand is pushed back") { checkBallInSand(onCpu()); }
+TEST_CASE("sand pushes back a ball that is pushed into it") { checkBallInSand(onCpu()); }
 
 }  // namespace palpate::sand_test

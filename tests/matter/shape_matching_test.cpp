@@ -52,7 +52,7 @@ SoftSolid block() { return boxSolid(DVec3(0.02), kSoftSpacing_m * DVec3(9, 5, 3)
 
 }  // namespace
 
-TEST_CASE("a body whose shapes are matched has no force from a turn and a way, nor from turning on and going on") {
+TEST_CASE("shape matching causes no force for a rotated, shifted or uniformly moving body") {
   for (const double angle : {0.0, 0.8, 3.1}) {
     CAPTURE(angle);
     MatchedBody matched(block(), 0.5);
@@ -72,7 +72,7 @@ TEST_CASE("a body whose shapes are matched has no force from a turn and a way, n
   }
 }
 
-TEST_CASE("matched shapes give a body neither momentum nor a turn, scattered, flat and inside out") {
+TEST_CASE("shape matching adds neither linear nor angular momentum, for scattered, flat and inverted bodies") {
   for (const int how : {0, 1, 2}) {
     CAPTURE(how);
     MatchedBody matched(block(), 0.8);
@@ -95,7 +95,7 @@ TEST_CASE("matched shapes give a body neither momentum nor a turn, scattered, fl
   }
 }
 
-TEST_CASE("energy never grows, whatever the substep is, and everything returns to its shape") {
+TEST_CASE("with shape matching energy never grows, for any substep, and every body returns to its shape") {
   for (const double step_s : {1e-4, 1e-3, 2e-2})
     for (const double stiffness : {0.05, 0.5, 0.95})
       for (const bool flat : {false, true}) {
@@ -123,7 +123,7 @@ TEST_CASE("energy never grows, whatever the substep is, and everything returns t
       }
 }
 
-TEST_CASE("the pull of matched shapes is the slope of their energy, less by what it will have gone by then") {
+TEST_CASE("the force of shape matching is the derivative of its energy, less the share of the substep") {
   constexpr double kStiffness = 0.3;
   MatchedBody matched(block(), kStiffness);
   matched.scatter(0.2f, 0, 6);
@@ -144,7 +144,7 @@ TEST_CASE("the pull of matched shapes is the slope of their energy, less by what
     }
 }
 
-TEST_CASE("a body of matched shapes bends, rests in the shape that it was given, and needs one substep") {
+TEST_CASE("a body with shape matching bends, rests in its given shape, and needs one substep") {
   MatterScene scene = softBlock();
   scene.fill_mm = {30, 40, 30};
   scene.preset = SoftPreset::shapeMatching;
@@ -179,7 +179,7 @@ TEST_CASE("a body of matched shapes bends, rests in the shape that it was given,
   CHECK(world.observe().kinetic_J < 1e-8);
 }
 
-TEST_CASE("random hands get no energy out of matched shapes, and momentum is what walls, pins and balls took") {
+TEST_CASE("with shape matching random hands gain no energy, and momentum balances walls, pins and balls") {
   const SoftMaker matched = [](const MatterScene& scene, std::size_t tools, const SoftSolid* solid,
                                std::span<const SurfacePlace> points) {
     MatterScene other = scene;
@@ -191,7 +191,7 @@ TEST_CASE("random hands get no energy out of matched shapes, and momentum is wha
   checkPinsHold(matched, 50);
 }
 
-TEST_CASE("the stiffness of matched shapes changes while they are matched, and a modulus does not") {
+TEST_CASE("with shape matching the stiffness can change during a simulation, and the modulus has no effect") {
   MatterScene scene = softBlock();
   scene.preset = SoftPreset::shapeMatching;
   scene.stiffness = 0.05;

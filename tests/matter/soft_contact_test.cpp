@@ -65,16 +65,16 @@ void checkHertz(double poisson, int width, int depth, int ball, std::initializer
 
 }  // namespace
 
-TEST_CASE("a ball that is pressed into a deep block is pushed back as Hertz says" * kFull) {
+TEST_CASE("a deep block pushes back a pressed ball as Hertz predicts" * kFull) {
   for (const double poisson : {0.3, 0.45}) checkHertz(poisson, 32, 24, 8, {0.05, 0.1}, 0.08);
 }
 
 // The shallower a block, the stiffer it is, so that this bound is wider.
-TEST_CASE("a ball that is pressed into a block of few cells is pushed back nearly as Hertz says") {
+TEST_CASE("a block of few cells pushes back a pressed ball nearly as Hertz predicts") {
   for (const double poisson : {0.3, 0.45}) checkHertz(poisson, 16, 12, 5, {0.1}, 0.12);
 }
 
-TEST_CASE("the force of a ball hardly depends on where between the nodes it presses") {
+TEST_CASE("the force of a ball hardly depends on its position between the nodes") {
   Indentation between(0.3, 20, 14, 5), onNode(0.3, 20, 14, 5);
   between.middle_m += kSoftSpacing_m / 2;
   const double depth = 0.1 * onNode.ball_m;

@@ -30,7 +30,7 @@ glm::dmat3 stressOf(const glm::dmat3& f, const SoftMaterial& material) {
 
 }  // namespace
 
-TEST_CASE("a small strain has the stress of Hooke's law, whatever the rotation") {
+TEST_CASE("a small strain has the stress of Hooke's law at any rotation") {
   const glm::dmat3 strain(DVec3(1, 0.3, -0.2), DVec3(0.3, -0.5, 0.4), DVec3(-0.2, 0.4, 0.2));
   const glm::dmat3 turn = glm::mat3_cast(glm::angleAxis(2.0, glm::normalize(DVec3(1, 2, -1))));
   for (const double poisson : {0.0, 0.25, 0.45}) {
@@ -45,7 +45,7 @@ TEST_CASE("a small strain has the stress of Hooke's law, whatever the rotation")
   }
 }
 
-TEST_CASE("stress is the slope of the energy") {
+TEST_CASE("stress is the derivative of the energy") {
   const glm::dmat3 f(DVec3(1.2, 0.1, -0.3), DVec3(0.2, 0.7, 0.1), DVec3(0.0, 0.4, 1.1));
   const shared::SoftRules rules = softRules(kJelly, kSoftSpacing_m);
   const shared::SoftRulesOf<double> precise{.shear = rules.shear,
@@ -67,7 +67,7 @@ TEST_CASE("stress is the slope of the energy") {
     }
 }
 
-TEST_CASE("viscosity has the stress of the rate of Green's strain, and none of a turn") {
+TEST_CASE("viscous stress follows the rate of Green's strain and is zero for a rotation") {
   const glm::dmat3 f(DVec3(1.2, 0.1, -0.3), DVec3(0.2, 0.7, 0.1), DVec3(0.0, 0.4, 1.1));
   const glm::dmat3 rate(DVec3(3, -1, 2), DVec3(0.5, 4, 2), DVec3(1, 1, -3));
   const shared::SoftRulesOf<double> rules{
@@ -82,7 +82,7 @@ TEST_CASE("viscosity has the stress of the rate of Green's strain, and none of a
   }
 }
 
-TEST_CASE("what a cell does not see in its middle has the energy of bending, and viscosity takes that as well") {
+TEST_CASE("bending that a cell's centre cannot detect has energy and viscous damping") {
   const double h = kSoftSpacing_m, volume = h * h * h;
   // u_x = x y strains by y, as in a beam; u_x = x y z by y z. Their mean squares over the cell are h^2 / 12 and h^4 /
   // 144.
@@ -107,7 +107,7 @@ TEST_CASE("what a cell does not see in its middle has the energy of bending, and
   CHECK(isWithin(0.1, damped.body.strainEnergy_J() + kinetic_J, before_J * std::exp(-1.0)));
 }
 
-TEST_CASE("a body that is turned has no stress, and a turn that goes on is not damped") {
+TEST_CASE("a rotated body has no stress, and a continued rotation is not damped") {
   const DVec3 axis = glm::normalize(DVec3(1, -2, 0.5));
   for (const double angle : {0.3, 1.6, 3.1}) {
     SoftMaterial syrup = kJelly;
@@ -127,7 +127,7 @@ TEST_CASE("a body that is turned has no stress, and a turn that goes on is not d
   }
 }
 
-TEST_CASE("momentum stays what it was without gravity and pins, and is what those two gave with them") {
+TEST_CASE("momentum is conserved without gravity and pins, and balances them otherwise") {
   std::mt19937 random(3);
   std::normal_distribution<float> speed(0, 0.3f);
   for (const bool held : {false, true}) {
@@ -155,7 +155,7 @@ TEST_CASE("momentum stays what it was without gravity and pins, and is what thos
   }
 }
 
-TEST_CASE("what is strained and let go keeps its energy and its turn, and viscosity takes the one but not the other") {
+TEST_CASE("a strained, released body keeps energy and angular momentum; viscosity reduces only the energy") {
   const auto angular = [](const TestBody& body) {
     DVec3 sum(0);
     for (std::size_t i = 0; i < body.body.size(); ++i)
@@ -188,7 +188,7 @@ TEST_CASE("what is strained and let go keeps its energy and its turn, and viscos
   }
 }
 
-TEST_CASE("a bar that is let go swings along itself with the frequency of its wave, and a beam across with its own") {
+TEST_CASE("a released bar vibrates lengthwise, and a beam sideways, at their theoretical frequencies") {
   const double length = 20 * kSoftSpacing_m, height = 3 * kSoftSpacing_m;
   // Oscillations per second, from the times at which the end passes its rest position upwards.
   const auto frequency = [&](double poisson, int axis, double begin) {
@@ -228,7 +228,7 @@ TEST_CASE("a bar that is let go swings along itself with the frequency of its wa
   checkTruth("frequency of a beam across, Hz", frequency(0.0, 1, 1e-3), slender, 0.03);
 }
 
-TEST_CASE("the same bytes with one thread and with three") {
+TEST_CASE("soft bodies give the same results bit by bit with one thread and with three") {
   TestBody one(block({9, 9, 9}), kJelly, std::array{sheetAt(0)}),
       three(block({9, 9, 9}), kJelly, std::array{sheetAt(0)});
   WorkerTeam single(1), team(3);

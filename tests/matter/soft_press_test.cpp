@@ -3,19 +3,19 @@
 
 namespace palpate::soft_press_test {
 
-TEST_CASE("what hands that press got is what the body lost") { checkPressMomentum(softOnCpu(), 200); }
+TEST_CASE("pressing hands receive the momentum that the body loses") { checkPressMomentum(softOnCpu(), 200); }
 
-TEST_CASE("random hands that press get no energy out of a soft body") { checkPressEnergy(softOnCpu(), 600); }
+TEST_CASE("random pressing hands gain no energy from a soft body") { checkPressEnergy(softOnCpu(), 600); }
 
-TEST_CASE("of a sheet only the side is pressed that faces the hand") { checkPressedSide(softOnCpu()); }
+TEST_CASE("only the side of a sheet that faces the hand is pressed") { checkPressedSide(softOnCpu()); }
 
-TEST_CASE("a press moves what is within its reach and nothing else") { checkPressLocality(softOnCpu()); }
+TEST_CASE("a press moves only the nodes within its reach") { checkPressLocality(softOnCpu()); }
 
-TEST_CASE("presses of one hand are no more together than it bears") { checkMostOfHand(softOnCpu(), 120); }
+TEST_CASE("the presses of one hand together stay below the hand's maximum force") { checkMostOfHand(softOnCpu(), 120); }
 
-TEST_CASE("presses that are no numbers or that pull do nothing") { checkHostilePresses(softOnCpu()); }
+TEST_CASE("presses that are not finite, or that pull, have no effect") { checkHostilePresses(softOnCpu()); }
 
-TEST_CASE("presses give the same bytes with one thread and with three, and after the scene was begun again") {
+TEST_CASE("presses give the same results bit by bit with one thread and with three, also after a reset") {
   checkSamePressedBytes(softOnCpu(1), softOnCpu(3), 30);
 }
 

@@ -50,7 +50,7 @@ PointCloud without(const PointCloud& cloud, auto goes) {
 
 }  // namespace
 
-TEST_CASE("the winding number of a sphere of points is 1 inside and 0 outside, and a half of it half of that") {
+TEST_CASE("the winding number of a sphere of points is 1 inside and 0 outside, and half of that for half a sphere") {
   const PointCloud cloud = shapeCloud("sphere", 5000);  // radius 50
   const auto areas = [&](auto keeps) {
     std::vector<OrientedArea> points;
@@ -69,7 +69,7 @@ TEST_CASE("the winding number of a sphere of points is 1 inside and 0 outside, a
   CHECK(WindingNumber({}).at(DVec3(0)) == 0);
 }
 
-TEST_CASE("a closed scan is filled with as much as it holds") {
+TEST_CASE("a closed scan is filled with its volume") {
   WorkerTeam team(2);
   struct Case {
     std::string_view shape;
@@ -96,7 +96,7 @@ TEST_CASE("a closed scan is filled with as much as it holds") {
   }
 }
 
-TEST_CASE("a scan is filled the same by one thread and by three") {
+TEST_CASE("a scan is filled identically by one thread and by three") {
   const auto points = placeScan(shapeCloud("sculpture", 8000), scanScene());
   WorkerTeam one(1), three(3);
   const SoftSolid a = scanSolid(points, 0.006, 0, one), b = scanSolid(points, 0.006, 0, three);
@@ -105,7 +105,7 @@ TEST_CASE("a scan is filled the same by one thread and by three") {
   CHECK(std::ranges::equal(a.lattice.filled(), b.lattice.filled()));
 }
 
-TEST_CASE("a scan that is not closed is refused with where it is open, and how wide") {
+TEST_CASE("an open scan is refused with the position and width of its hole") {
   // The sphere of 100 mm stands in the middle of the box, on the floor: its middle is at 70, 50, 70.
   const PointCloud sphere = shapeCloud("sphere");
   CHECK(fillRefusal(sphere) == "taken");
@@ -128,7 +128,7 @@ TEST_CASE("a scan that is not closed is refused with where it is open, and how w
   CHECK(says(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 49.5; }), patient), "model: is not"));
 }
 
-TEST_CASE("a sheet of few, uneven points is refused as open, and a closed scan of as few is taken") {
+TEST_CASE("a sheet of few uneven points is refused as open, and a closed scan of as few points is accepted") {
   // Terrain as measured from an aeroplane: height differences exceed the spacing.
   std::mt19937 random(5);
   std::uniform_real_distribution<float> side(0, 100), height(0, 12);
@@ -152,7 +152,7 @@ TEST_CASE("a sheet of few, uneven points is refused as open, and a closed scan o
   CHECK(fillRefusal(without(shapeCloud("sphere"), [](const Vec3& place) { return place.y > 0; }), scene) == "taken");
 }
 
-TEST_CASE("what encloses nothing, is turned inside out, or is hardly there is refused") {
+TEST_CASE("a scan that encloses nothing, is inside out, or is too small is refused") {
   CHECK(says(fillRefusal(shapeCloud("plane")), "model: "));
   PointCloud inwards = shapeCloud("sphere");
   for (Vec3& normal : inwards.normals) normal = -normal;
@@ -163,7 +163,7 @@ TEST_CASE("what encloses nothing, is turned inside out, or is hardly there is re
   CHECK(says(fillRefusal(single), "model: "));
 }
 
-TEST_CASE("points at rest are where they were to the bit, and an even strain carries them and their normals exactly") {
+TEST_CASE("points at rest stay bit by bit, and follow a uniform strain exactly, with their normals") {
   const auto points = placeScan(shapeCloud("sculpture", 5000), scanScene());
   WorkerTeam team(2);
   const SoftSolid solid = scanSolid(points, 0.005, 0, team);
@@ -194,7 +194,7 @@ TEST_CASE("points at rest are where they were to the bit, and an even strain car
   }
 }
 
-TEST_CASE("a bar that is bent has the normals of an arc") {
+TEST_CASE("a bent bar has the normals of an arc") {
   const SoftSolid solid = boxSolid(DVec3(0), DVec3(0.1, 0.02, 0.02), 0.005);
   SoftBody body(solid.lattice, {.young_Pa = 1e4, .poisson = 0.4, .density_kg_m3 = 1000, .viscosity_Pa_s = 0}, {});
   constexpr double kRadius_m = 0.15;
@@ -219,7 +219,7 @@ TEST_CASE("a bar that is bent has the normals of an arc") {
   }
 }
 
-TEST_CASE("a scan that stands on its foot is pressed by a hand, and takes its points along") {
+TEST_CASE("a scan that stands on its foot is pressed by a hand and carries its points along") {
   MatterScene scene = scanScene();
   scene.spacing_mm = 7;
   scene.young_Pa = 1e5;

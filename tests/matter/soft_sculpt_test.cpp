@@ -65,7 +65,7 @@ std::vector<Vec3> copyOf(std::span<const Vec3> values) { return {values.begin(),
 
 }  // namespace
 
-TEST_CASE("a body has no stress in the shape in which it rests, however it is turned, moved and turning") {
+TEST_CASE("a body is free of stress in its rest shape, also when rotated, shifted and rotating") {
   const DVec3 axis = glm::normalize(DVec3(1, -2, 0.5));
   for (const double angle : {0.0, 0.7, 3.0}) {
     CAPTURE(angle);
@@ -84,7 +84,7 @@ TEST_CASE("a body has no stress in the shape in which it rests, however it is tu
   }
 }
 
-TEST_CASE("what a sculpted body does to its nodes is the slope of its energy, and has neither momentum nor torque") {
+TEST_CASE("the nodal forces of a sculpted body are the derivative of its energy, without net force or torque") {
   TestBody body(block({3, 2, 2}), kJelly);
   body.body.putRest(scattered(body.solid.lattice, 0.15f, 2));
   for (const RestPlace& more : scattered(body.solid.lattice, 0.1f, 3))
@@ -112,7 +112,7 @@ TEST_CASE("what a sculpted body does to its nodes is the slope of its energy, an
     }
 }
 
-TEST_CASE("a bar that was drawn out or pressed together is as stiff as E A / L of its new length") {
+TEST_CASE("a bar sculpted longer or shorter has the stiffness E A / L of its new length") {
   for (const double scale : {1.25, 0.8}) {
     CAPTURE(scale);
     SoftMaterial material = kJelly;
@@ -137,7 +137,7 @@ TEST_CASE("a bar that was drawn out or pressed together is as stiff as E A / L o
   }
 }
 
-TEST_CASE("a cell that was made larger bends as a larger cell does") {
+TEST_CASE("a cell sculpted larger bends like a larger cell") {
   const double h = kSoftSpacing_m, scale = 1.2;
   TestBody cell(block({1, 1, 1}), kJelly);
   cell.body.putRest(stretched(cell.solid.lattice, DVec3(scale)));
@@ -150,8 +150,7 @@ TEST_CASE("a cell that was made larger bends as a larger cell does") {
   CHECK(isWithin(0.01, cell.body.strainEnergy_J(), std::pow(large, 3) * kJelly.young_Pa * large * large / 24));
 }
 
-TEST_CASE(
-    "a stroke moves what is within its reach alone, is at rest at once, and is undone and done again to the bit") {
+TEST_CASE("a stroke moves only nodes within its reach, is at rest at once, and is undone and redone bit by bit") {
   TestBody body(block({12, 8, 8}), kJelly, std::array{sheetAt(0)});
   Sculptor sculptor(body);
   const std::vector<float> masses(body.body.masses().begin(), body.body.masses().end());
@@ -212,7 +211,7 @@ TEST_CASE(
   CHECK(sculptor.sculpture.undoable() == 2);
 }
 
-TEST_CASE("what is pinned yields to no brush, and what is beside it does") {
+TEST_CASE("pinned nodes yield to no brush, and their neighbours do") {
   TestBody body(block({8, 4, 4}), kJelly, std::array{sheetAt(0)});
   Sculptor sculptor(body);
   for (int tick = 0; tick < 3; ++tick)
@@ -231,7 +230,7 @@ TEST_CASE("what is pinned yields to no brush, and what is beside it does") {
   CHECK(beside > 5e-4);
 }
 
-TEST_CASE("a bar that was sculpted at its end is as stiff everywhere else as it was") {
+TEST_CASE("a bar sculpted at its end has its stiffness unchanged elsewhere") {
   SoftMaterial material = kJelly;
   material.poisson = 0.3;
   TestBody bar(block({24, 4, 4}), material, std::array{sheetAt(0)}),
@@ -272,7 +271,7 @@ TEST_CASE("a bar that was sculpted at its end is as stiff everywhere else as it 
   CHECK(isWithin(0.03, force / moved, material.young_Pa * area / length));
 }
 
-TEST_CASE("a body that is turned yields as one that is not, and one that is strained stays as strained") {
+TEST_CASE("a rotated body yields to a brush like an unrotated one, and a strained one stays strained") {
   TestBody still(block({6, 6, 6}), kJelly), turned(block({6, 6, 6}), kJelly);
   Sculptor ofStill(still), ofTurned(turned);
   const DQuat turn = glm::angleAxis(1.3, glm::normalize(DVec3(1, 2, -1)));
@@ -302,7 +301,7 @@ TEST_CASE("a body that is turned yields as one that is not, and one that is stra
   CHECK(changed_J < 0.2 * std::abs(other.body.strainEnergy_J() - before_J));
 }
 
-TEST_CASE("no cell is turned inside out, however long a brush goes on, and the body moves on as one") {
+TEST_CASE("no cell is inverted by a long brush stroke, and the body still moves") {
   MatterScene scene = softBlock();
   scene.fill_mm = {30, 40, 30};
   scene.tool = {};

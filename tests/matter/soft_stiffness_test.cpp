@@ -36,7 +36,7 @@ DVec3 endUnder(TestBody& beam, const DVec3& force_N, double length_m, double slo
 
 }  // namespace
 
-TEST_CASE("a bar is as stiff as E A / L, pulled and pressed") {
+TEST_CASE("a bar has the stiffness E A / L in tension and compression") {
   for (const double poisson : {0.0, 0.3, 0.45}) {
     CAPTURE(poisson);
     for (const double sign : {1.0, -1.0}) {
@@ -50,7 +50,7 @@ TEST_CASE("a bar is as stiff as E A / L, pulled and pressed") {
   }
 }
 
-TEST_CASE("a bar that is pulled grows thinner by Poisson's ratio") {
+TEST_CASE("a stretched bar becomes thinner by Poisson's ratio") {
   TestBody bar = beam({24, 4, 4}, 0.4);
   const double area = 16 * kSoftSpacing_m * kSoftSpacing_m;
   endUnder(bar, {0.005 * kYoung_Pa * area, 0, 0}, 24 * kSoftSpacing_m, stretchFrequency(24 * kSoftSpacing_m));
@@ -63,7 +63,7 @@ TEST_CASE("a bar that is pulled grows thinner by Poisson's ratio") {
   checkTruth("how much thinner a bar becomes, Poisson's ratio 0.4, share", thinner, 0.4 * 0.005, 0.03);
 }
 
-TEST_CASE("a beam bends by F L^3 / 3 E I and what shear adds (Timoshenko), however few cells it is high") {
+TEST_CASE("a beam bends by F L^3 / 3 E I plus shear (Timoshenko), with any number of cells over its height") {
   for (const DVec3& spacings : {DVec3(12, 1, 1), DVec3(16, 2, 2), DVec3(30, 4, 3)})
     for (const double poisson : {0.0, 0.3}) {
       CAPTURE(spacings.y);

@@ -9,7 +9,7 @@
 
 namespace palpate::soft_world_test {
 
-TEST_CASE("a block that lies on the floor weighs what it weighs, comes to rest, and sinks by its own weight alone") {
+TEST_CASE("a block on the floor has its weight, comes to rest, and sinks only by its own weight") {
   MatterScene scene = softBlock();
   scene.fill_mm = {30, 40, 30};
   SoftWorld world(scene);
@@ -32,7 +32,7 @@ TEST_CASE("a block that lies on the floor weighs what it weighs, comes to rest, 
   CHECK(bottom > -5e-5);
 }
 
-TEST_CASE("a block on a slope stays where friction holds it, and otherwise slides as Coulomb says") {
+TEST_CASE("a block on a slope sticks or slides by Coulomb's law") {
   for (const double friction : {0.3, 0.8}) {
     MatterScene scene = softBlock();
     scene.box_mm.x = 600;
@@ -50,36 +50,36 @@ TEST_CASE("a block on a slope stays where friction holds it, and otherwise slide
   }
 }
 
-TEST_CASE("what is pushed and let go returns to where it was") { checkReturn(softOnCpu(), 150, 850); }
+TEST_CASE("a soft body that is pushed and released returns to its shape") { checkReturn(softOnCpu(), 150, 850); }
 
-TEST_CASE("a fallen body bounces, and momentum is what gravity gave less what walls, pins and tools took") {
+TEST_CASE("a falling body bounces, and its momentum balances gravity, walls, pins and tools") {
   checkSoftMomentum(softOnCpu(), 500);
 }
 
-TEST_CASE("what a ball got is what the body lost, and the hand feels that") {
+TEST_CASE("a ball receives the momentum that the body loses, and the hand feels it") {
   checkSoftReactions(softOnCpu(), 200, 400);
 }
 
-TEST_CASE("random hands get no energy out of a soft body" * kMoreInFull) {
+TEST_CASE("random hands gain no energy from a soft body" * kMoreInFull) {
   checkSoftPortEnergy(softOnCpu(), byTier(2, 3), byTier(350, 1200));
 }
 
-TEST_CASE("what is pinned stays, and has no velocity") { checkPinsHold(softOnCpu(), 20); }
+TEST_CASE("pinned nodes stay at rest") { checkPinsHold(softOnCpu(), 20); }
 
-TEST_CASE("a bar hangs and bends by its own weight, and swings, as it should") {
+TEST_CASE("a bar hangs, bends and vibrates as theory predicts") {
   checkHangingBar(softOnCpu(), {16, 3, 3}, 0.3);
   checkCantilever(softOnCpu(), {12, 2, 2});
   checkStretchFrequency(softOnCpu(), {16, 2, 2}, 3);
 }
 
-TEST_CASE("a ball in a hand is pushed back as Hertz says" * kMoreInFull) {
+TEST_CASE("a ball pressed by a hand pushes back as Hertz predicts" * kMoreInFull) {
   if (inFullTier()) checkHertz(softOnCpu(), {.width = 32, .height = 24, .ball = 8, .poisson = 0.3, .within = 0.08});
   checkHertz(softOnCpu(), {.width = 16, .height = 12, .ball = 5, .poisson = 0.45, .within = 0.09});
 }
 
-TEST_CASE("a turn makes no stress") { checkTurned(softOnCpu(), bendOnCpu()); }
+TEST_CASE("a rotation causes no stress") { checkTurned(softOnCpu(), bendOnCpu()); }
 
-TEST_CASE("a body is as stiff with more substeps" * kMoreInFull) {
+TEST_CASE("a body keeps its stiffness with more substeps" * kMoreInFull) {
   // Force over the depth to the power of Hertz: the spring that holds the ball yields per substep (tool_body.cpp).
   MatterScene block = softBlock();
   block.fill_mm = {30, 40, 30};
@@ -105,23 +105,21 @@ TEST_CASE("a body is as stiff with more substeps" * kMoreInFull) {
                stiffnessOf(times * planOf(block).substeps), needed, 2e-3);
 }
 
-TEST_CASE("how a surface gives way is that of a half-space, and that of the mass where nothing holds it") {
-  checkCompliance(softOnCpu());
-}
+TEST_CASE("a surface yields like a half-space, and like its mass if nothing holds it") { checkCompliance(softOnCpu()); }
 
-TEST_CASE("a world of a soft body has the same bytes with one thread and with three, and after it was begun again") {
+TEST_CASE("a soft world gives the same results bit by bit with one thread and with three, also after a reset") {
   checkSameSoftBytes(softOnCpu(1), softOnCpu(3), 150);
 }
 
-TEST_CASE("a soft body that diverges says so, has no force from then on, and can be begun again") {
+TEST_CASE("a diverging soft body reports it, has no force from then on, and can be reset") {
   checkSoftDivergence(softOnCpu());
 }
 
-TEST_CASE("a hand that jumps across the box gives a bounded force or ends the simulation, never what is no number") {
+TEST_CASE("a hand that jumps across the box of a soft body gets a bounded, finite force or ends the simulation") {
   checkSoftJump(softOnCpu(), 200);
 }
 
-TEST_CASE("a scene of a soft body that cannot be simulated is refused with its field") {
+TEST_CASE("a soft scene that cannot be simulated is refused with the field's name") {
   const auto with = [](auto change) {
     MatterScene scene = softBlock();
     change(scene);

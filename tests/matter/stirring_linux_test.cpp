@@ -28,7 +28,7 @@ std::size_t memoryBytes() {
 
 }  // namespace
 
-TEST_CASE("water that a hand stirs for seconds takes no more memory, and gives no energy" * kMoreInFull) {
+TEST_CASE("water stirred for seconds by a hand uses no more memory and releases no energy" * kMoreInFull) {
   MatterScene scene = tank({10, 14, 10}, 7);
   scene.tool = {.radius_mm = 20, .mass_kg = 0.034};
   const auto world = atRest(onCpu(), scene, 1);

@@ -6,20 +6,19 @@
 
 namespace palpate::water_test {
 
-TEST_CASE(
-    "water at rest presses as deep as it is, weighs on its floor what it weighs, and is compressed by 1 % at most") {
+TEST_CASE("water at rest has the pressure of its depth, its weight on the floor, and at most 1 % compression") {
   checkWaterAtRest(onCpu(), 600, 200);
 }
 
-TEST_CASE("momentum is what gravity gave less what the walls took") { checkMomentumIsAccountedFor(onCpu(), 400); }
+TEST_CASE("momentum balances gravity and walls") { checkMomentumIsAccountedFor(onCpu(), 400); }
 
-TEST_CASE("without gravity and walls momentum stays what it was") { checkMomentumStays(onCpu(), 300); }
+TEST_CASE("momentum is conserved without gravity and walls") { checkMomentumStays(onCpu(), 300); }
 
-TEST_CASE("the same bytes with one thread and with three") {
+TEST_CASE("water gives the same results bit by bit with one thread and with three") {
   for (const Matter matter : {Matter::water, Matter::sand}) checkSameBytes(onCpu(1), onCpu(3), matter, 150);
 }
 
-TEST_CASE("water that stands in a tank comes to rest, and does not grow") {
+TEST_CASE("water in a tank comes to rest and does not expand") {
   const MatterScene scene = tank({8, 16, 8}, 12, 20);
   MatterWorld world(scene, {.threads = 2});
   run(world, 500);
@@ -34,7 +33,7 @@ TEST_CASE("water that stands in a tank comes to rest, and does not grow") {
   CHECK(isWithin(0.03, top + 0.01, 0.24));
 }
 
-TEST_CASE("a tank that is filled to no whole number of spacings stands as high as was asked for") {
+TEST_CASE("a tank filled to a fraction of a spacing has the requested height") {
   // A column in a tank of 80 by 80 mm: the mean height of its particles is half of its height.
   for (const double fill_mm : {45.0, 32.0}) {
     CAPTURE(fill_mm);
@@ -49,9 +48,9 @@ TEST_CASE("a tank that is filled to no whole number of spacings stands as high a
   }
 }
 
-TEST_CASE("no particle is ever beyond a wall") { checkWallsHold(onCpu(), 300); }
+TEST_CASE("no particle passes a wall") { checkWallsHold(onCpu(), 300); }
 
-TEST_CASE("cohesion makes a block in the air rounder, and gives it neither a push nor a turn") {
+TEST_CASE("cohesion makes a floating block rounder, without linear or angular momentum") {
   checkCohesion(onCpu(), 300, 1.6);
 }
 

@@ -1,4 +1,4 @@
-// Matter on the GPU that is tested.
+// Creates matter on the GPU under test.
 #pragma once
 
 #include "engine/matter/gpu_matter_world.hpp"
@@ -14,7 +14,7 @@ inline MatterMaker onGpu(Device& device) {
   };
 }
 
-/// Farthest that a particle is from where it is in the other simulation, m.
+/// Maximum distance of a particle from its position in the other simulation, m.
 inline double farthestApart(const MatterSimulation& a, const MatterSimulation& b) {
   const std::vector<Vec3> x = a.positionsById(), y = b.positionsById();
   REQUIRE(x.size() == y.size());
@@ -23,11 +23,11 @@ inline double farthestApart(const MatterSimulation& a, const MatterSimulation& b
   return farthest;
 }
 
-/// How near a simulation on a GPU is to the same one on the CPU.
+/// Tolerances between a simulation on a GPU and the same one on the CPU.
 struct Alike {
-  double places_m, kinetic, compression;  ///< of the last two: a share, and the difference of shares
-  double leastForce_N, arm_m;    ///< forces are held against what there is and so much more, torques by that arm
-  double energyShare, energy_J;  ///< of the port
+  double places_m, kinetic, compression;  ///< kinetic energy: a share; compression: a difference of shares
+  double leastForce_N, arm_m;    ///< scale of forces: expected force plus leastForce_N; of torques: times arm_m
+  double energyShare, energy_J;  ///< of the hand's energy port
 };
 
 inline void checkAlike(const MatterSimulation& gpu, const MatterSimulation& cpu, const Alike& within) {

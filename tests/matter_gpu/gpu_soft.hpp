@@ -1,4 +1,4 @@
-// Soft bodies on the GPU that is tested.
+// Creates soft bodies on the GPU under test.
 #pragma once
 
 #include "engine/matter/gpu_soft_world.hpp"

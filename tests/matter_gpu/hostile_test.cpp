@@ -1,4 +1,4 @@
-// States that nobody wants to simulate, on the GPU.
+// Extreme and invalid states, on the GPU.
 #include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
@@ -6,11 +6,11 @@ namespace palpate::hostile_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle at all, and a single one, are simulated as well" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle and a single particle are simulated" * kFull) {
   checkFewParticles(onGpu(device));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU thousands of particles on one place are a state with a name") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU thousands of coincident particles give the state crowded, not a crash") {
   for (const Matter matter : {Matter::water, Matter::sand})
     for (const std::size_t count : {60, 1000, 5000}) {
       const MatterScene scene{.matter = matter};
@@ -21,11 +21,11 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU thousands of particles on one plac
     }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a simulation that diverges says so, and can be begun again") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a diverging simulation reports it and can be reset") {
   checkDivergence(onGpu(device));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a hand that jumps gives a bounded force or ends the simulation") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a hand that jumps gets a bounded force or ends the simulation") {
   checkJumpingHand(onGpu(device), 60);
 }
 

@@ -1,10 +1,10 @@
-// What stands in matter on the GPU, and balls that begin there.
+// Models standing in matter on the GPU, and balls that start there.
 #include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
 namespace palpate::model_test {
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a model is on the GPU to water and sand what it is on the CPU") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a model in water and sand has the same effect on the GPU as on the CPU") {
   for (const Matter matter : {Matter::water, Matter::sand}) {
     CAPTURE(static_cast<int>(matter));
     MatterScene scene = modelInTank("sphere", 60, matter);
@@ -32,15 +32,15 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a model is on the GPU to water and sand what 
   }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water carries what stands in it by what that displaces" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water carries a model by the weight that it displaces" * kFull) {
   checkModelDisplaces(onGpu(device), 200, 80);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "no water comes into a model that it falls upon, on the GPU" * kMoreInFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no falling water enters a model" * kMoreInFull) {
   checkModelKeepsOut(onGpu(device), modelInTank("torus", 80), byTier(90, 250));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that begins in water grows there, on the GPU as on the CPU" * kMoreInFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that starts in water grows there, on the GPU as on the CPU" * kMoreInFull) {
   MatterScene scene = tank({12, 14, 12}, 10);
   scene.tool = {.radius_mm = 20, .mass_kg = 0.03};
   const HandPose hand{.place_m = {0.055, 0.055, 0.065}};
@@ -60,7 +60,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that begins in water grows there, on t
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "on the GPU a ball is stopped by what stands in the matter, and slides along it" * kFull) {
+                  "on the GPU a ball is stopped by a model in the matter, and slides along it" * kFull) {
   checkBallStopsAtModel(onGpu(device));
 }
 

@@ -1,4 +1,4 @@
-// Numbers of a scene that change while it runs on the GPU.
+// Scene parameters that change during a simulation on the GPU.
 #include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
@@ -6,16 +6,18 @@
 namespace palpate::parameters_test {
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "on the GPU a simulation that is given a parameter goes on as one that has it" * kMoreInFull) {
+                  "on the GPU a simulation with a changed parameter continues like one that started with it" *
+                      kMoreInFull) {
   checkParametersAreTaken(onGpu(device), byTier(3, 8));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a parameter that changes moves nothing by itself" * kMoreInFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a parameter change alone moves nothing" * kMoreInFull) {
   checkParametersKeepMotion(onGpu(device), byTier(8, 20));
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "on the GPU a soft body that is given a parameter goes on as one that has it" * kMoreInFull) {
+                  "on the GPU a soft body with a changed parameter continues like one that started with it" *
+                      kMoreInFull) {
   checkSoftParameters(softOnGpu(device), byTier(12, 40));
 }
 

@@ -1,24 +1,24 @@
-// Hands that press on soft bodies on the GPU: against what has to be.
+// Hands that press on soft bodies on the GPU: physical checks.
 #include "tests/labels.hpp"
 #include "tests/matter/press_truths.hpp"
 #include "tests/matter_gpu/gpu_soft.hpp"
 
 namespace palpate::press_test {
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU what hands that press got is what the body lost") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU pressing hands receive the momentum that the body loses") {
   checkPressMomentum(softOnGpu(device), 60);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU random hands that press get no energy out of a soft body" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU random pressing hands gain no energy from a soft body" * kFull) {
   checkPressEnergy(softOnGpu(device), 250);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU presses of one hand are no more together than it bears") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU the presses of one hand together stay below the hand's maximum force") {
   checkMostOfHand(softOnGpu(device), 80);
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "on the GPU a surface gives way as a half-space, and as its mass where nothing holds it" * kFull) {
+                  "on the GPU a surface yields like a half-space, and like its mass if nothing holds it" * kFull) {
   checkCompliance(softOnGpu(device));
 }
 

@@ -1,10 +1,10 @@
-// Sand on the GPU: against what sand has to be, and against the CPU.
+// Sand on the GPU: physical checks, and against the CPU.
 #include "tests/labels.hpp"
 #include "tests/matter_gpu/gpu_matter.hpp"
 
 namespace palpate::sand_test {
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a grain on a slope stays, or slides as Coulomb says" * kMoreInFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a grain on a slope sticks or slides by Coulomb's law" * kMoreInFull) {
   for (const double friction : byTier<std::vector<double>>({0.4}, {0.0, 0.4, 0.9})) {
     CAPTURE(friction);
     checkSlope(onGpu(device), friction);
@@ -15,7 +15,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a heap of sand does not creep" * k
   checkHeap(onGpu(device), {60, 50, 80}, 500, 100);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a column of sand falls as far as on the CPU" * kMoreInFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a column of sand collapses as far as on the CPU" * kMoreInFull) {
   const MatterScene scene = sandbox({400, 160, 80}, {80, 120, 80}, 0.4, 0);
   const auto gpu = onGpu(device)(scene, 0, placesAtRest(scene)), cpu = onCpu()(scene, 0, placesAtRest(scene));
   run(*gpu, 5);
@@ -28,12 +28,11 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a column of sand falls as far as o
   CHECK(isWithin(0.03, gpu->observe().potential_J, cpu->observe().potential_J));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "on the GPU a bed that slides comes to rest at the slope that its friction says" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a sliding bed of sand comes to rest at its angle of friction" * kFull) {
   checkAngleOfRepose(onGpu(device), 0.3, 70, 5);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball that is pushed into sand is pushed back" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU sand pushes back a ball that is pushed into it" * kFull) {
   checkBallInSand(onGpu(device));
 }
 

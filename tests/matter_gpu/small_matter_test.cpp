@@ -1,4 +1,4 @@
-// A few hundred particles on the GPU against the same ones on the CPU.
+// A few hundred particles on the GPU against the same particles on the CPU.
 #include <array>
 #include <random>
 
@@ -12,7 +12,7 @@ TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
-// Particles anywhere, none very near to another one, so that both do the same for a while.
+// Random positions with a minimum distance, so that both simulations stay together for a while.
 std::vector<Vec3> scattered(std::size_t count, const DVec3& box_mm, double apart_mm) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> share(0, 1);
@@ -26,13 +26,13 @@ std::vector<Vec3> scattered(std::size_t count, const DVec3& box_mm, double apart
   return places;
 }
 
-// Where the hand of a tool is after some steps: two beside each other, and the third one nearly where the first one is.
+// Position of a tool's hand after some steps: two side by side, and the third close to the first.
 DVec3 handPlace(std::size_t tool, int step) {
   return {0.03 + 0.04 * static_cast<double>(tool % 2) + 0.003 * static_cast<double>(tool / 2), 0.05 - 2e-4 * step,
           0.035};
 }
 
-// Without those that are within a ball in the beginning, which would have to grow.
+// Moves particles that are inside a ball at the start, where the ball would have to grow.
 std::vector<Vec3> awayFromHands(std::vector<Vec3> places, std::size_t tools, const MatterScene& scene) {
   const double within_m = (scene.tool.radius_mm + 0.26 * scene.spacing_mm) * 1e-3;
   for (Vec3& place : places)
@@ -41,7 +41,7 @@ std::vector<Vec3> awayFromHands(std::vector<Vec3> places, std::size_t tools, con
   return places;
 }
 
-// The same scene on both, a few steps, with hands that come from above and turn.
+// The same scene on both, for a few steps, with hands that descend and rotate.
 struct Both {
   std::unique_ptr<MatterSimulation> gpu, cpu;
 
@@ -73,7 +73,7 @@ struct Both {
                          .energy_J = 1e-9});
   }
 
-  /// What balls got is what the matter lost, which was at rest.
+  /// The balls received the momentum that the matter lost, which was at rest.
   void checkReactions() const {
     CHECK(glm::length(gpu->impulses().onTools - reactions_) <= 1e-9 * glm::length(reactions_));
     CHECK(missingMomentum(*gpu) <= 1e-5);
@@ -96,7 +96,7 @@ MatterScene smallScene(Matter matter) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "particles of any number, and what they do to a tool, are on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "any number of particles, and their forces on a tool, agree between GPU and CPU") {
   for (const Matter matter : {Matter::water, Matter::sand})
     for (const std::size_t count : {0, 1, 2, 255, 256, 257}) {
       CAPTURE(nameOf(kMatters, matter));
@@ -110,7 +110,7 @@ TEST_CASE_FIXTURE(GpuFixture, "particles of any number, and what they do to a to
     }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "through periodic borders particles go, and meet each other, on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "particles cross periodic borders and interact across them on the GPU as on the CPU") {
   const std::array<std::array<bool, 3>, 4> boxes{
       {{true, false, false}, {false, true, true}, {true, false, true}, {true, true, true}}};
   for (const Matter matter : {Matter::water, Matter::sand})
@@ -127,7 +127,8 @@ TEST_CASE_FIXTURE(GpuFixture, "through periodic borders particles go, and meet e
     }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "several tools are answered on the GPU as on the CPU, also where they share particles") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "several tools get the same forces on the GPU as on the CPU, even if they share particles") {
   for (const Matter matter : {Matter::water, Matter::sand})
     for (const std::size_t tools : {2, 3}) {
       CAPTURE(nameOf(kMatters, matter));
@@ -142,7 +143,7 @@ TEST_CASE_FIXTURE(GpuFixture, "several tools are answered on the GPU as on the C
     }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "few particles around a model, and in a ball, are on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "particles around a model and in a ball agree between GPU and CPU") {
   for (const Matter matter : {Matter::water, Matter::sand}) {
     CAPTURE(nameOf(kMatters, matter));
     MatterScene scene = smallScene(matter);
@@ -160,7 +161,7 @@ TEST_CASE_FIXTURE(GpuFixture, "few particles around a model, and in a ball, are 
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a ball that comes to a model is stopped and slides on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "a ball stops at a model and slides on it, on the GPU as on the CPU") {
   constexpr double kSphere_m = 0.03, kBall_m = 0.015;
   const MatterScene scene{.box_mm = {120, 150, 120},
                           .fill_mm = {0, 0, 0},
@@ -188,7 +189,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a ball that comes to a model is stopped and slide
   CHECK(most_N > 1);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "more neighbours than a list holds are a state: nothing moves, no force, until a reset") {
+TEST_CASE_FIXTURE(GpuFixture, "too many neighbours for a list give a state without motion or force, until a reset") {
   for (const std::size_t count : {129, 130}) {
     CAPTURE(count);
     const MatterScene scene = smallScene(Matter::water);

@@ -1,4 +1,4 @@
-// Hands that press on soft bodies on the GPU: true to themselves, and as on the CPU.
+// Hands that press on soft bodies on the GPU: physical checks, and against the CPU.
 #include <array>
 
 #include "engine/cloud/analytic_shape.hpp"
@@ -24,7 +24,7 @@ MatterScene blockOf(const DVec3& cells) {
           .gravity_m_s2 = {1, -7, 2}};
 }
 
-// Both are pressed where the one on the CPU says that its surface is.
+// Both are pressed at positions on the CPU's surface.
 void checkPressedAlike(Device& device, const MatterScene& scene, std::vector<PressingHand> hands, int steps,
                        const SoftSolid* solid = nullptr, std::span<const SurfacePlace> points = {}) {
   const auto gpu = softOnGpu(device)(scene, 0, solid, points), cpu = softOnCpu()(scene, 0, solid, points);
@@ -66,7 +66,7 @@ DVec3 topOf(const MatterScene& scene) { return 1e-3 * DVec3(scene.box_mm.x / 2, 
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "bodies of any size are pressed on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "soft bodies of any size yield to a press on the GPU as on the CPU") {
   for (const DVec3& cells : {DVec3(1, 1, 1), DVec3(3, 1, 1), DVec3(31, 7, 3)}) {
     CAPTURE(cells.x);
     const MatterScene scene = blockOf(cells);
@@ -74,8 +74,7 @@ TEST_CASE_FIXTURE(GpuFixture, "bodies of any size are pressed on the GPU as on t
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture,
-                  "several hands, that share nodes, bear little and slide, press on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "several hands that share nodes, saturate and slide press on the GPU as on the CPU") {
   MatterScene scene = blockOf({9, 4, 8});
   const auto handsOn = [&](std::size_t count) {
     std::vector<PressingHand> hands;
@@ -93,7 +92,7 @@ TEST_CASE_FIXTURE(GpuFixture,
   checkPressedAlike(device, scene, handsOn(3), 6);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a scan is pressed on the GPU as on the CPU, by wide presses and far ones too") {
+TEST_CASE_FIXTURE(GpuFixture, "a scan is pressed on the GPU as on the CPU, also by wide and distant presses") {
   MatterScene scene = blockOf({24, 8, 24});
   scene.spacing_mm = 7;
   std::vector<SurfacePlace> points = placeScan(sampleShape(*makeShape("torus"), {.count = 3000}), scene);
@@ -104,25 +103,25 @@ TEST_CASE_FIXTURE(GpuFixture, "a scan is pressed on the GPU as on the CPU, by wi
     hands.emplace_back(DVec3(points[i].rest), i == 17 ? 0.03 : 0.0082, static_cast<std::uint32_t>(i));
     hands.back().press().normal = DVec3(points[i].normal);
   }
-  // So far off that it has the nearest place alone.
+  // So far away that only the nearest position is pressed.
   hands.emplace_back(DVec3(points[600].rest) + 0.02 * DVec3(points[600].normal), 0.0072, 9);
   hands.back().press().normal = DVec3(points[600].normal);
   checkPressedAlike(device, scene, hands, 5, &solid, points);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU a press moves what is within its reach and nothing else") {
+TEST_CASE_FIXTURE(GpuFixture, "on the GPU a press moves only the nodes within its reach") {
   checkPressLocality(softOnGpu(device));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU of a sheet only the side is pressed that faces the hand") {
+TEST_CASE_FIXTURE(GpuFixture, "on the GPU only the side of a sheet that faces the hand is pressed") {
   checkPressedSide(softOnGpu(device));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU presses that are no numbers or that pull do nothing") {
+TEST_CASE_FIXTURE(GpuFixture, "on the GPU presses that are not finite, or that pull, have no effect") {
   checkHostilePresses(softOnGpu(device));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "the same GPU gives presses the same bytes every time") {
+TEST_CASE_FIXTURE(GpuFixture, "presses on the same GPU give the same results bit by bit") {
   checkSamePressedBytes(softOnGpu(device), softOnGpu(device), 15);
 }
 

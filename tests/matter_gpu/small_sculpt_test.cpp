@@ -1,4 +1,4 @@
-// Soft bodies that are sculpted while a GPU moves them.
+// Soft bodies sculpted during a simulation on a GPU.
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_sculpture.hpp"
 #include "engine/matter/soft_world.hpp"
@@ -13,7 +13,7 @@ TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
-// On its floor, without the ball of a tool.
+// A body on its floor, without a tool's ball.
 MatterScene lump() {
   return {.matter = Matter::soft,
           .box_mm = {80, 80, 80},
@@ -25,7 +25,7 @@ MatterScene lump() {
 
 DVec3 topOf(const MatterScene& scene) { return 1e-3 * DVec3(scene.box_mm.x / 2, scene.fill_mm.y, scene.box_mm.z / 2); }
 
-// All places within 9 mm of one now go the same way, once. How many nodes have moved.
+// Moves all surface positions within 9 mm of `middle` by `way`, once. Returns the number of moved nodes.
 std::size_t push(MatterSimulation& world, const DVec3& middle, const DVec3& way) {
   world.beginSculpting();
   SoftSculpture& sculpture = *world.sculpture();
@@ -52,7 +52,7 @@ void checkAlikeWithin(const MatterSimulation& gpu, const MatterSimulation& cpu, 
 }  // namespace
 
 TEST_CASE_FIXTURE(GpuFixture,
-                  "a body that is sculpted moves on the GPU as on the CPU, while it is, and undone, and begun anew") {
+                  "a sculpted body moves on the GPU as on the CPU, during strokes, after undo and after a reset") {
   const MatterScene scene = lump();
   GpuSoftWorld gpu(device, device.latencyQueue(), scene);
   SoftWorld cpu(scene, {.threads = 2});
@@ -108,7 +108,7 @@ TEST_CASE_FIXTURE(GpuFixture,
 }
 
 TEST_CASE_FIXTURE(GpuFixture,
-                  "on the GPU a sculpted shape has no stress, and all that is out of a brush's reach keeps its bits") {
+                  "on the GPU a sculpted shape is free of stress, and nodes out of the brush's reach stay bit by bit") {
   MatterScene scene = lump();
   scene.gravity_m_s2 = DVec3(0);
   GpuSoftWorld world(device, device.latencyQueue(), scene);
@@ -116,7 +116,7 @@ TEST_CASE_FIXTURE(GpuFixture,
   for (std::size_t i = 0; i < motion.size(); ++i) motion[i] = {0, 1e-4f * static_cast<float>(i % 7), 0};
   world.setDisplacements(motion);
   const std::vector<Vec3> rest = world.positionsById();
-  // What looks and changes nothing moves nothing.
+  // Sculpting without a change moves nothing.
   world.beginSculpting();
   world.endSculpting();
   CHECK(world.displacements() == motion);
@@ -133,13 +133,12 @@ TEST_CASE_FIXTURE(GpuFixture,
                                            world.sculpture()->body().rest().displacements().end()));
   world.setVelocities(std::vector<Vec3>(world.nodes(), Vec3(0)));
   world.step();
-  // Of the speed that the stress of a strain of 1 would give in that time to a node at a corner.
+  // In units of the speed that the stress of a strain of 1 would give a corner node in this time.
   const double unit = 3e4 * 0.005 * 0.005 / (1000 * std::pow(0.005, 3) / 8) * kMatterStep_s;
   for (const Vec3& velocity : world.velocitiesById()) REQUIRE(double(glm::length(velocity)) <= 2e-5 * unit);
 }
 
-TEST_CASE_FIXTURE(GpuFixture,
-                  "on the GPU a body that was dented gets its substeps, is pressed, and gives way, as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "on the GPU a dented body gets more substeps and yields to presses as on the CPU") {
   MatterScene scene = lump();
   scene.tool = {};
   GpuSoftWorld gpu(device, device.latencyQueue(), scene);
@@ -167,7 +166,7 @@ TEST_CASE_FIXTURE(GpuFixture,
                  cpu.localCompliance_m_N(there, 0.008, {0, -1, 0})));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU a body that balls touch is not sculpted") {
+TEST_CASE_FIXTURE(GpuFixture, "on the GPU a body that is touched by balls cannot be sculpted") {
   MatterScene scene = lump();
   scene.tool = {.radius_mm = 8, .mass_kg = 0.01};
   CHECK(GpuSoftWorld(device, device.latencyQueue(), scene, {.tools = 1}).sculpture() == nullptr);

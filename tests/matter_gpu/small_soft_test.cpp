@@ -1,4 +1,4 @@
-// Soft bodies of a few cells on the GPU against the same ones on the CPU, and the points that they carry.
+// Soft bodies of a few cells on the GPU against the same bodies on the CPU, and the points that they carry.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -23,7 +23,7 @@ TEST_SUITE_BEGIN(kPortable);
 
 namespace {
 
-// In a box that it hardly fits in where there is room for the ball, so that it meets walls.
+// In a tight box, except for the room of the ball, so that the body touches walls.
 MatterScene snug(const DVec3& cells) {
   MatterScene scene{.matter = Matter::soft,
                     .box_mm = glm::max(cells * 5.0 + DVec3(0.4, 14, 0.4), DVec3(18)),
@@ -43,7 +43,7 @@ struct BothSoft {
   BothSoft(Device& device, const MatterScene& scene, std::size_t tools, const SoftSolid* solid = nullptr,
            std::span<const SurfacePlace> points = {})
       : gpu(softOnGpu(device)(scene, tools, solid, points)), cpu(softOnCpu()(scene, tools, solid, points)) {
-    // Every node goes somewhere else.
+    // Each node gets a random velocity.
     std::mt19937 random(3);
     std::normal_distribution<float> speed(0, 0.2f);
     std::vector<Vec3> velocities(cpu->particles());
@@ -122,13 +122,13 @@ MatterScene scanScene() {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "a body whose shapes are matched is refused on a GPU") {
+TEST_CASE_FIXTURE(GpuFixture, "a body with the shape-matching preset is refused on a GPU") {
   MatterScene scene = snug({3, 3, 3});
   scene.preset = SoftPreset::shapeMatching;
   CHECK_THROWS_WITH_AS(softOnGpu(device)(scene, 0, nullptr, {}), doctest::Contains("preset:"), Error);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "soft bodies of any size, and what they do to tools, are on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "soft bodies of any size, and their forces on tools, agree between GPU and CPU") {
   struct Case {
     DVec3 cells;
     std::size_t tools;
@@ -145,7 +145,7 @@ TEST_CASE_FIXTURE(GpuFixture, "soft bodies of any size, and what they do to tool
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a body with an inside, a ball, and one that is pinned are on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "a block with inner cells, a ball and a pinned body agree between GPU and CPU") {
   MatterScene block = snug({9, 8, 7});
   BothSoft both(device, block, 1);
   both.step(4);
@@ -162,7 +162,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a body with an inside, a ball, and one that is pi
   CHECK(glm::length(held.cpu->impulses().onWalls) > 1e-4);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a scan bends on the GPU as on the CPU, and takes its points along") {
+TEST_CASE_FIXTURE(GpuFixture, "a scan bends on the GPU as on the CPU and carries its points along") {
   const MatterScene scene = scanScene();
   std::vector<SurfacePlace> points;
   const SoftSolid solid = torus(scene, points);
@@ -173,7 +173,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a scan bends on the GPU as on the CPU, and takes 
   CHECK(both.gpu->particles() == solid.lattice.nodes());
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU points at rest keep their bits, and an even strain carries them exactly") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "on the GPU points at rest keep their positions bit by bit, and follow a uniform strain exactly") {
   const MatterScene scene = scanScene();
   std::vector<SurfacePlace> points;
   const SoftSolid solid = torus(scene, points);
@@ -206,7 +207,8 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU points at rest keep their bits, and an
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "points go into a live cloud in its units, from its origin, with their ids") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "points are written to a live cloud in its units, relative to its origin, with their ids") {
   const MatterScene scene = snug({3, 2, 2});
   GpuSoftWorld world(device, device.latencyQueue(), scene);
   run(world, 3);
@@ -234,7 +236,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points go into a live cloud in its units, from it
   }
 }
 
-TEST_CASE("cells with skin stand first, each with its places, and every corner is read by its node alone") {
+TEST_CASE("skin cells come first in the layout, with their positions, and each corner is read by its node only") {
   const MatterScene scene = snug({9, 8, 7});
   const SoftSolid solid = solidOf(scene);
   const SoftMaterial material = materialOf(scene);
@@ -248,7 +250,7 @@ TEST_CASE("cells with skin stand first, each with its places, and every corner i
   REQUIRE(layout.skinCells.size() == layout.skinCount + 1);
   CHECK(layout.skinCells.front().first == 0);
   CHECK(layout.skinCells.back().first == skin.size());
-  // Where the places rest is in the cell in whose range they stand.
+  // Each position rests in the cell whose range contains it.
   for (std::size_t c = 0; c + 1 < layout.skinCells.size(); ++c) {
     REQUIRE(layout.skinCells[c].first < layout.skinCells[c + 1].first);
     for (std::uint32_t at = layout.skinCells[c].first; at < layout.skinCells[c + 1].first; ++at) {
@@ -256,7 +258,8 @@ TEST_CASE("cells with skin stand first, each with its places, and every corner i
       REQUIRE(glm::length(rest - (layout.skinCells[c].corner + 0.005f * share)) < 1e-6f);
     }
   }
-  // Every word of the planes along x belongs to one node, which is that corner of the cell; the others read the zero.
+  // Each word of the planes along x belongs to one node, which is that corner of the cell; other corners read the zero
+  // slot.
   std::vector<int> readers(std::size_t{layout.stride} * shared::kForcePlanes, 0);
   for (std::size_t node = 0; node < solid.lattice.nodes(); ++node)
     for (int k = 0; k < 8; ++k) {
@@ -272,7 +275,7 @@ TEST_CASE("cells with skin stand first, each with its places, and every corner i
   CHECK(layout.volumes[layout.slots] == 0);
 }
 
-TEST_CASE("no place of the skin is farther beyond the corners of its cell than the pass looks, wherever these go") {
+TEST_CASE("no skin position leaves its cell's corners by more than the pass's search margin") {
   const MatterScene scene = snug({2, 2, 2});
   const SoftSolid solid = solidOf(scene);
   std::mt19937 random(5);
@@ -285,7 +288,7 @@ TEST_CASE("no place of the skin is farther beyond the corners of its cell than t
     const float beyond = SoftLayout(solid.lattice, skin).beyond;
     float farthest = 0;
     for (int k = 0; k < 20000; ++k) {
-      // At corners of what shares may be places are farthest.
+      // The distance is largest at the extremes of the shares.
       const auto end = [&] { return anywhere(random) > 0 ? 1 + most : -most; };
       const Vec3 share(end(), end(), end());
       float low = 1, high = -1, place = 0;

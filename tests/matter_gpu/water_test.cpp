@@ -1,4 +1,4 @@
-// Water on the GPU: against what water has to be, and against the CPU after many steps.
+// Water on the GPU: physical checks, and against the CPU after many steps.
 #include <algorithm>
 
 #include "tests/labels.hpp"
@@ -8,7 +8,7 @@ namespace palpate::water_test {
 
 namespace {
 
-// Substeps of the last step that could make lists.
+// Substeps of the last step that could rebuild lists.
 std::int64_t listPasses(const GpuMatterWorld& world) {
   const std::vector<PassRecord> passes = world.passes();
   return std::ranges::count(passes, "matter_list", &PassRecord::name);
@@ -16,30 +16,29 @@ std::int64_t listPasses(const GpuMatterWorld& world) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water at rest presses and weighs as it does on the CPU" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "on the GPU water at rest has the pressure and weight that it has on the CPU" * kFull) {
   checkWaterAtRest(onGpu(device), 200, 80);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU momentum is what gravity gave less what the walls took" * kMoreInFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU the momentum of water balances gravity and walls" * kMoreInFull) {
   checkMomentumIsAccountedFor(onGpu(device), byTier(50, 150));
   checkMomentumStays(onGpu(device), byTier(10, 30));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water flows between plates as its viscosity says" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU the flow between plates matches the viscosity" * kFull) {
   checkPoiseuille(onGpu(device), 0.3, 300);
   checkCouette(onGpu(device), 0.3);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle is ever beyond a wall") {
-  checkWallsHold(onGpu(device), 100);
-}
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle passes a wall") { checkWallsHold(onGpu(device), 100); }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "the same GPU gives the same bytes every time" * kMoreInFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "water and sand on the same GPU give the same results bit by bit" * kMoreInFull) {
   for (const Matter matter : {Matter::water, Matter::sand})
     checkSameBytes(onGpu(device), onGpu(device), matter, byTier(15, 60));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "thousands of particles are on the GPU where they are on the CPU") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "thousands of particles have the same positions on the GPU as on the CPU") {
   const MatterScene still;
   const auto gpu = onGpu(device)(still, 0, placesAtRest(still)), cpu = onCpu()(still, 0, placesAtRest(still));
   run(*gpu, 10);
@@ -47,7 +46,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "thousands of particles are on the GPU where t
   CHECK(farthestApart(*gpu, *cpu) < 1e-6);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a dam breaks as on the CPU" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a dam break agrees with the CPU" * kFull) {
   const MatterScene dam = matterSceneNamed("dam");
   const auto gpuDam = onGpu(device)(dam, 0, placesAtRest(dam)), cpuDam = onCpu()(dam, 0, placesAtRest(dam));
   run(*gpuDam, 250);
@@ -58,26 +57,26 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a dam breaks as on the CPU" * kFul
   CHECK(isWithin(0.03, is.kinetic_J, expected.kinetic_J));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU lists are made when they have to be, and not more often") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU neighbour lists are rebuilt only when necessary") {
   const MatterScene scene = tank({8, 16, 8}, 12);
   GpuMatterWorld world(device, device.latencyQueue(), scene);
   run(world, 100);
   CHECK(world.listsMade() >= 1);
   CHECK(world.listsMade() < 15);
   CHECK(world.lateSubsteps() == 0);
-  CHECK(listPasses(world) == 1);  // water at rest: passes that end at once take their time, too
+  CHECK(listPasses(world) == 1);  // water at rest: even passes that return at once take time
   std::vector<Vec3> velocities(world.particles(), Vec3(0, 1, 0));
   world.setVelocities(velocities);
   const std::uint32_t before = world.listsMade();
   run(world, 1);
-  CHECK(world.lateSubsteps() == 0);  // it was foreseen by the velocities
-  run(world, 29);                    // 30 mm up, of which lists allow 1
+  CHECK(world.lateSubsteps() == 0);  // the velocities predicted it
+  run(world, 29);                    // 30 mm up; lists allow 1 mm
   CHECK(world.lateSubsteps() <= 1);
   CHECK(world.listsMade() >= before + 10);
   CHECK(world.listsMade() < before + 30 * world.plan().substeps);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "what becomes swift at once is listed in each substep from then on") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "neighbour lists are rebuilt in each substep once matter becomes fast") {
   MatterScene scene = tank({8, 16, 8}, 12);
   scene.tool = {.radius_mm = 20, .mass_kg = 0.05};
   GpuMatterWorld world(device, device.latencyQueue(), scene, {.tools = 1});
@@ -87,7 +86,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "what becomes swift at once is listed in each 
   };
   holdFor(40);
   CHECK(listPasses(world) == 1);
-  for (int k = 0; k < 20; ++k) {  // 2 m/s, twice as far in a step as lists allow
+  for (int k = 0; k < 20; ++k) {  // 2 m/s, twice the displacement per step that lists allow
     hand.place_m.y -= 2e-3;
     world.step({&hand, 1});
     CHECK(listPasses(world) == world.plan().substeps);
@@ -100,7 +99,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "what becomes swift at once is listed in each 
   CHECK(world.state() == MatterState::running);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water coheres as it does on the CPU") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU the cohesion of water agrees with the CPU") {
   const MatterScene block = floatingBlock(0.0728);
   const auto gpu = onGpu(device)(block, 0, placesAtRest(block)), cpu = onCpu()(block, 0, placesAtRest(block));
   run(*gpu, 10);
@@ -108,7 +107,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water coheres as it does on the CP
   CHECK(farthestApart(*gpu, *cpu) < 1e-6);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a block of water becomes round by its cohesion" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a block of water becomes round by cohesion" * kFull) {
   checkCohesion(onGpu(device), 60, 1.95);
 }
 

@@ -1,4 +1,4 @@
-// The cases of marching cubes: every lattice of signs makes a closed manifold.
+// The cases of marching cubes: every lattice of signs gives a closed manifold.
 #include "engine/mesh/cell_table.hpp"
 
 #include <doctest/doctest.h>
@@ -22,7 +22,7 @@ DVec3 middleOf(unsigned edge) {
   return 0.5 * (DVec3(shared::cornerOffset(lowCorner(edge))) + DVec3(shared::cornerOffset(highCorner(edge))));
 }
 
-// The mesh of a lattice of side^3 signs with vertices mid-edge; all of the lattice's border is outside.
+// The mesh of a lattice of side^3 signs with vertices at the middle of edges; the border of the lattice is outside.
 Mesh meshOf(unsigned side, const std::vector<bool>& insides) {
   Mesh mesh;
   std::map<std::size_t, std::uint32_t> vertexOf;
@@ -50,7 +50,7 @@ Mesh meshOf(unsigned side, const std::vector<bool>& insides) {
 
 }  // namespace
 
-TEST_CASE("a case uses exactly the edges that the surface cuts, and no triangle lies in a face of the cell") {
+TEST_CASE("a marching cubes case uses exactly the cut edges, and no triangle lies in a face of the cell") {
   for (unsigned inside = 0; inside < 256; ++inside) {
     CAPTURE(inside);
     const CellCase& found = kCellCases[inside];
@@ -69,7 +69,7 @@ TEST_CASE("a case uses exactly the edges that the surface cuts, and no triangle 
   }
 }
 
-TEST_CASE("with one corner inside, or all but one, the triangle looks away from the inside") {
+TEST_CASE("with one corner inside, or all but one, the triangle faces away from the inside") {
   for (unsigned corner = 0; corner < 8; ++corner)
     for (const bool only : {true, false}) {
       const CellCase& found = kCellCases[only ? 1u << corner : 255u ^ 1u << corner];
@@ -80,7 +80,7 @@ TEST_CASE("with one corner inside, or all but one, the triangle looks away from 
     }
 }
 
-TEST_CASE("any lattice of signs makes a closed mesh: every edge on two triangles that run along it both ways") {
+TEST_CASE("any lattice of signs gives a closed mesh: each edge has two triangles of opposite direction") {
   for (const double share : {0.05, 0.2, 0.5, 0.8}) {
     CAPTURE(share);
     constexpr unsigned kSide = 24;
@@ -97,7 +97,7 @@ TEST_CASE("any lattice of signs makes a closed mesh: every edge on two triangles
     CHECK(report.flat == 0);
     CHECK(report.unused == 0);
     CHECK(report.volume > 0);
-    // The triangles around a vertex make one fan: a manifold, not two that touch.
+    // The triangles around a vertex form one fan: a manifold, not two that touch.
     std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> nextAround;
     for (const auto& t : mesh.triangles)
       for (std::size_t k = 0; k < 3; ++k) nextAround[t[k]][t[(k + 1) % 3]] = t[(k + 2) % 3];

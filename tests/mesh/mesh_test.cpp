@@ -1,4 +1,4 @@
-// Meshes on the host: what their edges say, and the files they become.
+// Meshes on the host: reports about their edges, and files.
 #include "engine/mesh/mesh.hpp"
 
 #include <doctest/doctest.h>
@@ -21,7 +21,7 @@ Mesh tetrahedron(const Vec3& at = Vec3(0)) {
 
 }  // namespace
 
-TEST_CASE("a tetrahedron is closed, has Euler number 2, and its volume and area") {
+TEST_CASE("a tetrahedron is closed and has Euler number 2 and the right volume and area") {
   const MeshReport report = examine(tetrahedron(Vec3(100, -50, 3)));
   CHECK(report.closed());
   CHECK(report.edges == 6);
@@ -32,7 +32,7 @@ TEST_CASE("a tetrahedron is closed, has Euler number 2, and its volume and area"
   CHECK(report.area == near(1.5 + std::sqrt(3.0) / 2, 1e-6));
 }
 
-TEST_CASE("a border, a turned triangle, a third triangle on an edge, a flat one and a lonely vertex are all found") {
+TEST_CASE("a mesh report finds borders, flipped, third and flat triangles and unused vertices") {
   Mesh open = tetrahedron();
   open.triangles.pop_back();
   CHECK(examine(open).borderEdges == 3);
@@ -53,7 +53,7 @@ TEST_CASE("a border, a turned triangle, a third triangle on an edge, a flat one 
   CHECK(examine(Mesh{}).closed());
 }
 
-TEST_CASE("a written mesh is read back as it was, in both encodings, with doubles where a cell needs them") {
+TEST_CASE("a mesh is written and read unchanged in both encodings, in doubles if its cell requires them") {
   const ScratchFolder folder;
   for (const bool ascii : {false, true})
     for (const double far : {0.0, 1e6}) {

@@ -1,4 +1,4 @@
-// Meshes from the GPU: closed where the shape is, the same as in double precision, and right about the shape.
+// Meshes from the GPU: closed if the shape is, equal to those in double precision, and true to the shape.
 #include "engine/mesh/marching_cubes.hpp"
 
 #include "tests/labels.hpp"
@@ -19,7 +19,8 @@ struct Truth {
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "the mesh of a closed shape is closed, turned outwards, and has the shape's handles" * kMoreInFull) {
+                  "the mesh of a closed shape is closed, faces outwards and has the shape's Euler number" *
+                      kMoreInFull) {
   const Truth truths[]{{"sphere", 6000, 2, 4 * 3.14159265358979 / 3 * 125'000},
                        {"torus", 8000, 0, 2 * 3.14159265358979 * 3.14159265358979 * 35 * 225},
                        {"bumpy-sphere", 8000, 2, 0},
@@ -40,13 +41,13 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
     }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "the mesh is that of double precision: the same triangles, vertices in the same places") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "the GPU's mesh has the triangles and vertices of double precision") {
   for (const auto& [name, surface] : kMeshSurfaces)
     for (const char* shape : {"torus", "cube"}) {
       CAPTURE(name);
       CAPTURE(shape);
-      // Three passes over the points are many rounds for a shader that is watched: less support makes fewer.
+      // Three passes over the points are many loop iterations for an instrumented shader: a smaller support reduces
+      // them.
       const bool sharp = surface == MeshSurface::sharp;
       const MeshScene scene =
           meshScene(shape, 2500, {.lattice = sharp ? 26u : 17u, .surface = surface, .radius = sharp ? 9.0 : 0.0});

@@ -1,4 +1,4 @@
-// Input at the edges: none, hardly any, everything in one place, far away, open, exactly on the lattice.
+// Edge cases: no points, hardly any, all at one position, far away, an open surface, exactly on the lattice.
 #include "engine/gpu/device.hpp"
 #include "engine/mesh/mesh_memory.hpp"
 #include "tests/mesh_gpu/mesh_scenes.hpp"
@@ -17,8 +17,7 @@ PointCloud pointsAt(std::vector<Vec3> positions, const Vec3& normal = Vec3(0, 0,
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture,
-                  "no point, one, two, and many in one place make no mesh or an open one, and no complaint") {
+TEST_CASE_FIXTURE(GpuFixture, "empty, tiny and coincident clouds give no mesh or an open one, as in double precision") {
   for (const auto& [name, surface] : kMeshSurfaces)
     for (const std::size_t count : {0u, 1u, 2u, 60u}) {
       CAPTURE(name);
@@ -34,7 +33,7 @@ TEST_CASE_FIXTURE(GpuFixture,
     }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a plane is meshed as one open sheet that ends near its last points") {
+TEST_CASE_FIXTURE(GpuFixture, "a plane gives one open sheet that ends near its last points") {
   const MeshScene scene = meshScene("plane", 3000, {.lattice = 40});
   const Mesh mesh = meshOnGpu(device, scene);
   const MeshReport report = examine(mesh);
@@ -53,7 +52,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a plane is meshed as one open sheet that ends nea
   CHECK(report.area > 1e4);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "lattices of one cell and few, and such that are no multiple of a block, are meshed") {
+TEST_CASE_FIXTURE(GpuFixture, "lattices of one or few cells, and of no multiple of a block, are meshed") {
   for (const std::uint32_t lattice : {1u, 2u, 3u, 7u, 8u, 9u, 17u}) {
     CAPTURE(lattice);
     const MeshScene scene = meshScene("sphere", 1500, {.lattice = lattice});
@@ -64,7 +63,7 @@ TEST_CASE_FIXTURE(GpuFixture, "lattices of one cell and few, and such that are n
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "far from zero, and at negative coordinates, the mesh is the same up to rounding") {
+TEST_CASE_FIXTURE(GpuFixture, "a mesh far from zero or at negative coordinates is the same up to rounding") {
   const MeshScene here = meshScene("torus", 3000, {.lattice = 24});
   const Mesh expected = meshOnGpu(device, here);
   for (const DVec3& center : {DVec3(-300, -700, -900), DVec3(5e6, -3e6, 1e6)}) {
@@ -77,8 +76,8 @@ TEST_CASE_FIXTURE(GpuFixture, "far from zero, and at negative coordinates, the m
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a surface that goes exactly through the nodes has no hole and no flat triangle") {
-  // A box of points whose sides lie on planes of nodes: each node there is zero, or within rounding of it.
+TEST_CASE_FIXTURE(GpuFixture, "a surface exactly through lattice nodes has no hole and no flat triangle") {
+  // A box of points whose sides lie on planes of nodes: the field there is zero, within rounding.
   PointCloud cloud;
   constexpr int kSide = 24;
   for (int axis = 0; axis < 3; ++axis)
@@ -105,8 +104,9 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface that goes exactly through the nodes has
   }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a lattice of more blocks than one axis of a dispatch holds workgroups is meshed") {
-  // Two small patches in opposite corners of a lattice of 2048 cells: some seventeen million blocks, few of them there.
+TEST_CASE_FIXTURE(CoreGpuFixture, "a lattice with more blocks than one axis of a dispatch allows is meshed") {
+  // Two small patches in opposite corners of a lattice of 2048 cells: some seventeen million blocks, most of them
+  // empty.
   std::vector<Vec3> places;
   for (const float corner : {0.0f, 2048.0f})
     for (int i = 0; i < 5; ++i)
@@ -125,7 +125,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a lattice of more blocks than one axis of a d
   CHECK(report.crowdedEdges == 0);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "what a mesh will need is known before it is made, and refused where it does not fit") {
+TEST_CASE_FIXTURE(GpuFixture, "the memory of a mesh is predicted before it is built, and refused if it does not fit") {
   for (const std::uint32_t lattice : {16u, 40u}) {
     const MeshScene scene = meshScene("bumpy-sphere", 4000, {.lattice = lattice});
     const MeshMemory predicted = predictMeshMemory(scene.cloud, scene.plan);
@@ -139,7 +139,7 @@ TEST_CASE_FIXTURE(GpuFixture, "what a mesh will need is known before it is made,
   CHECK_THROWS_AS(planMesh({DVec3(0), DVec3(1)}, 0.5, {.lattice = kFinestLattice}), Error);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "vertices take the colours of the points around them") {
+TEST_CASE_FIXTURE(GpuFixture, "vertices get the colours of the points around them") {
   MeshScene scene = meshScene("sphere", 3000, {.lattice = 20});
   for (const Vec3& place : scene.cloud.positions)
     scene.cloud.colors.push_back(place.x > 0 ? std::array<std::uint8_t, 4>{255, 0, 0, 255}

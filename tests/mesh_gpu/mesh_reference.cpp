@@ -23,7 +23,7 @@ struct Field {
   DVec3 normal{0};
 };
 
-/// The surface at any place, from the points around it.
+/// The surface at any position, from the points around it.
 class FieldReference {
  public:
   FieldReference(const PointCloud& cloud, const MeshPlan& plan, unsigned threads)
@@ -94,7 +94,7 @@ class Reference {
   Mesh take() { return std::move(mesh_); }
 
  private:
-  // Nodes and cells in the order of blocks, and of places within them.
+  // Nodes and cells in the order of blocks, and of positions in a block.
   UVec3 nodeAt(std::size_t number) const {
     const auto block = static_cast<std::uint32_t>(number / shared::kMeshBlockNodes);
     const auto place = static_cast<std::uint32_t>(number % shared::kMeshBlockNodes);
@@ -169,7 +169,7 @@ class Reference {
 
   shared::MeshLattice lattice_;
   FieldReference field_;
-  std::vector<double> values_;           // by node; kUndefined where nothing is known
+  std::vector<double> values_;           // by node; kUndefined without a surface
   std::vector<std::uint32_t> vertexOf_;  // three edges for each node
   Mesh mesh_;
 };

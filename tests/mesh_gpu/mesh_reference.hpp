@@ -1,4 +1,4 @@
-// Marching cubes in double precision on the CPU: what shaders/mesh computes.
+// Marching cubes in double precision on the CPU: the algorithm of shaders/mesh.
 #pragma once
 
 #include "engine/cloud/point_cloud.hpp"
@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// The mesh of all points that the plan uses. Vertices and triangles come in the order of the GPU's. Keeps every
-/// node of the lattice, so it is for small ones. `threads`: 0 is one per core.
+/// The mesh of all points that the plan uses, with vertices and triangles in the order of the GPU's. Keeps every node
+/// of the lattice, so it is for small ones. `threads`: 0 is one per core.
 Mesh meshReference(const PointCloud& cloud, const MeshPlan& plan, unsigned threads = 0);
 
 }  // namespace palpate

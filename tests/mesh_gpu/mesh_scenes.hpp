@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// A cloud and how it is meshed.
+/// A cloud and its meshing plan.
 struct MeshScene {
   PointCloud cloud;
   double spacing = 0;
@@ -32,7 +32,7 @@ inline Mesh meshOnGpu(Device& device, const MeshScene& scene) {
   return cubes.download();
 }
 
-/// Closed, consistently turned, nothing flat, nothing left over.
+/// Closed, consistently oriented, without flat triangles or unused vertices.
 inline void checkClosed(const Mesh& mesh) {
   const MeshReport report = examine(mesh);
   CHECK(report.triangles > 0);

@@ -1,4 +1,4 @@
-// A mesh that follows edits is the one that a build from nothing makes, bit by bit.
+// A mesh updated by edits equals a new build, bit by bit.
 #include <random>
 
 #include "tests/labels.hpp"
@@ -14,7 +14,7 @@ PointState stateOf(const PointCloud& cloud, std::uint32_t i) {
   return {.position = cloud.positions[i], .id = i, .normal = cloud.normals[i], .color = 0, .parent = i};
 }
 
-// Pushes the points near `center` inwards by up to `depth`, a smooth dent; writes them to the cloud, too.
+// Pushes the points near `center` inwards by up to `depth`, as a smooth dent, also in the cloud.
 std::vector<PointState> dent(PointCloud& cloud, const Vec3& center, float radius, float depth) {
   std::vector<PointState> edits;
   for (std::uint32_t i = 0; i < cloud.size(); ++i) {
@@ -36,8 +36,9 @@ void checkSameAsFresh(Device& device, const MarchingCubes& followed, const Point
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "after dents the mesh is that of a fresh build, and only blocks near them were treated") {
-  // Two meshes at a time are many buffers for a shader that is watched: less support makes fewer rounds.
+TEST_CASE_FIXTURE(GpuFixture,
+                  "after dents the updated mesh equals a new build, and only blocks near them are processed") {
+  // Two meshes at a time are many buffers for an instrumented shader: a smaller support reduces its loop iterations.
   MeshScene scene = meshScene("sphere", 4000, {.lattice = 42, .radius = 7.5});
   MarchingCubes cubes(device, scene.cloud, scene.plan);
   const MeshStep whole = cubes.build();
@@ -51,14 +52,14 @@ TEST_CASE_FIXTURE(GpuFixture, "after dents the mesh is that of a fresh build, an
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "points that jump, go, come and come back are followed, wherever they are") {
+TEST_CASE_FIXTURE(GpuFixture, "mesh updates handle points that jump, are removed, added and restored, anywhere") {
   MeshScene scene = meshScene("torus", 3000, {.lattice = 24, .room = 0.3});
   constexpr std::uint32_t kSpare = 40;
   MarchingCubes cubes(device, scene.cloud, scene.plan, kSpare);
   cubes.build();
   std::mt19937 random(3);
   std::uniform_real_distribution<float> anywhere(-70, 70);
-  // Points that are gone keep their number: here they stand where no lattice is.
+  // Removed points keep their number: here they are moved outside the lattice.
   PointCloud after = scene.cloud;
   after.positions.resize(3000 + kSpare, Vec3(1e6f));
   after.normals.resize(3000 + kSpare, Vec3(0, 0, 1));
@@ -82,7 +83,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points that jump, go, come and come back are foll
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "of two edits of one point the later counts, and no edit changes nothing") {
+TEST_CASE_FIXTURE(GpuFixture, "the later of two edits of a point counts, and no edit leaves the mesh unchanged") {
   MeshScene scene = meshScene("sphere", 2000, {.lattice = 16});
   MarchingCubes cubes(device, scene.cloud, scene.plan);
   cubes.build();
@@ -95,10 +96,10 @@ TEST_CASE_FIXTURE(GpuFixture, "of two edits of one point the later counts, and n
   CHECK(sameBits(cubes.download(), before));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a cloud that a coarse lattice uses in part is followed all the same") {
+TEST_CASE_FIXTURE(GpuFixture, "a mesh of a subsampled cloud follows edits too") {
   MeshScene scene = meshScene("sphere", 12'000, {.lattice = 16});
   REQUIRE(scene.plan.share < 0.8);
-  const Mesh followed = [&] {  // one at a time, since a shader that is watched has few rounds
+  const Mesh followed = [&] {  // one at a time, since an instrumented shader has a limited number of loop iterations
     MarchingCubes cubes(device, scene.cloud, scene.plan);
     cubes.build();
     checkClosed(cubes.download());
@@ -108,7 +109,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud that a coarse lattice uses in part is fol
   CHECK(sameBits(followed, meshOnGpu(device, scene)));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "everything may go, and come back") {
+TEST_CASE_FIXTURE(GpuFixture, "all points may be removed from a mesh and restored") {
   MeshScene scene = meshScene("sphere", 500, {.lattice = 8});
   MarchingCubes cubes(device, scene.cloud, scene.plan);
   cubes.build();

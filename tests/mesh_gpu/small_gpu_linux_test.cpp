@@ -1,4 +1,4 @@
-// Meshes on a GPU whose workgroups are small.
+// Meshes on a GPU with small workgroups.
 #include "engine/mesh/marching_cubes.hpp"
 
 #include "tests/labels.hpp"
@@ -9,7 +9,7 @@ namespace palpate::small_gpu_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
-TEST_CASE("a GPU whose workgroups are small makes the same mesh") {
+TEST_CASE("a GPU with small workgroups gives the same mesh") {
   const MeshScene scene = meshScene("torus", 8000, {.lattice = 32});
   const Mesh expected = meshOnGpu(plainDevice(), scene);
   const LostGpuLayer layer(kMinGpu);

@@ -1,4 +1,4 @@
-// What a hand has made of points over what comes of them, against a model that keeps every point by itself.
+// Local edits over received bricks, against a model that keeps each point separately.
 #include "engine/motion/brick_overlay.hpp"
 
 #include <doctest/doctest.h>
@@ -14,7 +14,7 @@ namespace palpate::brick_overlay_test {
 namespace {
 
 constexpr std::uint32_t kPoints = 60;
-constexpr int kSide = 3;  // bricks of edge 1 that there are, along each axis
+constexpr int kSide = 3;  // bricks of edge 1 along each axis
 
 using Points = std::vector<PointState>;
 
@@ -39,7 +39,7 @@ std::shared_ptr<const Brick> brickOf(const Points& points, const BrickGrid& grid
   return brick;
 }
 
-/// The same, each point by itself: what came of it last, and what was made of it, until that is settled.
+/// A reference model: per point its last received state, and the local edit until it is settled.
 struct World {
   explicit World(unsigned seed) : random(seed) {
     for (std::uint32_t i = 0; i < kPoints; ++i) theirs.push_back(randomPoint(random, i));
@@ -55,23 +55,23 @@ struct World {
   BrickOverlay overlay{grid};
   std::vector<BrickKey> keys;
   std::set<BrickKey> known;
-  Points theirs;  // as who has the cloud has them; all that is known is up to date behind each step
+  Points theirs;  // the server's points; all known bricks are up to date after each step
   std::vector<std::optional<PointState>> came, own;
   std::vector<bool> isNew;
 };
 
-// What a step of an honest server has: all known bricks that have changed, and some that come and go.
+// A step of a correct server: sends all known bricks that changed, and some bricks are added or dropped.
 void step(World& world) {
   Points next = world.theirs;
   for (int i = 0; i < 4; ++i) {
     const std::uint32_t id = world.random() % kPoints;
     next[id] = randomPoint(world.random, id);
   }
-  // Of what was sent it may have some, upon which others may have changed it again.
+  // The server may have applied some of the edits it received, and other clients may have changed those points since.
   std::vector<std::uint32_t> settled;
   for (std::uint32_t id = 0; id < kPoints; ++id) {
     if (!world.own[id] || world.random() % 3 != 0) continue;
-    settled.push_back(id);  // of what was made before; what was made since stays
+    settled.push_back(id);  // of earlier edits; edits made since then stay
     if (!world.isNew[id] && world.random() % 2 == 0) next[id] = *world.own[id];
   }
   for (const BrickKey key : world.keys) {
@@ -96,7 +96,7 @@ void makeSome(World& world) {
   std::vector<PointChange> changes;
   for (std::uint32_t id = 0; id < kPoints; ++id) {
     const PointState from = world.shownOf(id);
-    // A hand changes what it sees.
+    // A hand can only edit points of known bricks.
     if (from.gone() || !world.known.contains(world.grid.keyAt(DVec3(from.position))) || world.random() % 6 != 0)
       continue;
     const PointState to = randomPoint(world.random, id);
@@ -109,7 +109,7 @@ void makeSome(World& world) {
 
 }  // namespace
 
-TEST_CASE("what was made here is shown over all that comes until what comes has it; bricks that are others are named") {
+TEST_CASE("local edits are shown over received bricks until the server has them, and changed bricks are reported") {
   std::size_t shown = 0, own = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     CAPTURE(seed);
@@ -151,7 +151,7 @@ TEST_CASE("what was made here is shown over all that comes until what comes has 
   CHECK(own > 10'000);
 }
 
-TEST_CASE("a source has what was made in its next frame, says in which it is, and changes nothing elsewhere") {
+TEST_CASE("a source shows local edits in its next frame, reports their version and changes nothing else") {
   BrickSource source({.edge = 1, .points = 100});
   BrickUpdate update;
   Points points;
@@ -189,7 +189,7 @@ TEST_CASE("a source has what was made in its next frame, says in which it is, an
   REQUIRE(there.size() == 1);
   CHECK(there[0] == moved);
   CHECK(source.known().own == 2);
-  // What comes and lacks it changes nothing; what has it is as it comes.
+  // A brick received without the edits changes nothing; once the edits are settled, bricks are shown as received.
   source.apply(update);
   CHECK(source.known().points == 9);
   Points made;
@@ -197,7 +197,7 @@ TEST_CASE("a source has what was made in its next frame, says in which it is, an
   CHECK(made == Points{moved, gone});
   Points theirs = points;
   theirs[3] = moved;
-  theirs[3].position.y = 0.25f;  // somebody has changed it since
+  theirs[3].position.y = 0.25f;  // another client has changed it since
   theirs[5] = gone;
   BrickUpdate last;
   last.bricks = {{first, brickOf(theirs, source.grid(), first)}, {second, brickOf(theirs, source.grid(), second)}};
@@ -210,7 +210,7 @@ TEST_CASE("a source has what was made in its next frame, says in which it is, an
   CHECK(source.known().own == 0);
 }
 
-TEST_CASE("a point that has come in another brick while an edit was made of it is there once") {
+TEST_CASE("a point received in another brick while it is edited exists once") {
   const BrickGrid grid(1);
   const BrickKey first = BrickGrid::keyOf(IVec3(0)), second = BrickGrid::keyOf(IVec3(1, 0, 0)),
                  third = BrickGrid::keyOf(IVec3(2, 0, 0));
@@ -220,7 +220,7 @@ TEST_CASE("a point that has come in another brick while an edit was made of it i
   BrickOverlay overlay(grid);
   overlay.come(first, brickOf({at(0.5f)}, grid, first));
   for (const BrickKey key : {second, third}) overlay.come(key, std::make_shared<Brick>());
-  // Somebody moves it, and a hand has looked at it before that.
+  // Another client moves the point after a hand has read it.
   overlay.come(first, std::make_shared<Brick>());
   overlay.come(second, brickOf({at(1.5f)}, grid, second));
   overlay.takeTouched();

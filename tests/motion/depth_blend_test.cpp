@@ -1,4 +1,4 @@
-// A surface that goes from one depth frame to the next, against planes and spheres that do.
+// Surfaces blended from one depth frame to the next, against moving planes and spheres.
 #include "engine/motion/depth_blend.hpp"
 
 #include <doctest/doctest.h>
@@ -54,7 +54,7 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-TEST_CASE("a plane that steps begins where it was, goes on evenly, and ends where it is seen") {
+TEST_CASE("a plane that steps starts at its old depth, moves evenly and ends at the observed depth") {
   const DepthCamera camera = smallCamera();
   for (const DVec3& normal : {DVec3(0, 0, 1), glm::normalize(DVec3(0.6, -0.3, 1)), glm::normalize(DVec3(-1.5, 0, 1))})
     for (const double step : {0.001, -0.004, 0.01}) {
@@ -66,7 +66,7 @@ TEST_CASE("a plane that steps begins where it was, goes on evenly, and ends wher
       std::size_t still = 0;
       for (std::size_t i = 0; i < blended.points.size(); ++i) {
         if (blended.points.velocities[i] == Vec3(0)) {
-          ++still;  // the frame before does not reach so far
+          ++still;  // outside the previous frame
           continue;
         }
         CHECK(std::abs(glm::dot(normal, blended.placeAfter(i, 0)) - 0.5) < 1e-6);
@@ -74,11 +74,11 @@ TEST_CASE("a plane that steps begins where it was, goes on evenly, and ends wher
         CHECK(std::abs(glm::dot(normal, blended.placeAfter(i, 0.5 * kPeriod_s)) - 0.5 - 0.5 * step) < 1e-6);
       }
       CHECK(still < blended.points.size() / 10);
-      CHECK_FALSE(blended.points.slides);  // along itself
+      CHECK_FALSE(blended.points.slides);  // tangentially
     }
 }
 
-TEST_CASE("what stands still does so however the camera goes, and wherever the world's origin is") {
+TEST_CASE("static objects stay at rest while the camera moves, at any origin of the world") {
   const DepthCamera camera = smallCamera();
   for (const DVec3& at : {DVec3(0), DVec3(5000, -3000, 200)}) {
     const DepthScene scene = tableScene(at);
@@ -90,11 +90,11 @@ TEST_CASE("what stands still does so however the camera goes, and wherever the w
       ways.push_back(kPeriod_s * std::abs(glm::dot(blended.points.velocities[i], blended.points.normals[i])));
     CHECK(median(ways) < 2e-6);
     std::ranges::sort(ways);
-    CHECK(ways[ways.size() * 98 / 100] < 5e-4);  // but for the rims of what stands on the table
+    CHECK(ways[ways.size() * 98 / 100] < 5e-4);  // except for the rims of the objects on the table
   }
 }
 
-TEST_CASE("normals begin as they were seen, however the surface has turned, and end as they are") {
+TEST_CASE("normals start as observed before, rotate evenly and end as observed now") {
   const DepthCamera camera = smallCamera();
   const DVec3 first = glm::normalize(DVec3(0.3, 0, 1)), second = glm::normalize(DVec3(0.2, 0.2, 1));
   Blended blended;
@@ -112,7 +112,7 @@ TEST_CASE("normals begin as they were seen, however the surface has turned, and 
   CHECK(turned > blended.points.size() * 9 / 10);
 }
 
-TEST_CASE("a sphere that comes begins on the sphere that was, and its own points are where it ends") {
+TEST_CASE("points of a moving sphere start on the old sphere and end on the new one") {
   const DepthCamera camera = smallCamera();
   const DVec3 from(0, 0, 0), to(0.004, -0.012, 0.003);
   const CameraPose pose = lookingAt({0, -0.6, 0.1}, DVec3(0));
@@ -128,12 +128,12 @@ TEST_CASE("a sphere that comes begins on the sphere that was, and its own points
     offAfter.push_back(std::abs(glm::distance(blended.placeAfter(i, 1), to) - 0.06));
   }
   CHECK(offBefore.size() > blended.points.size() * 9 / 10);
-  CHECK(median(offBefore) < 5e-4);  // of 13 mm
+  CHECK(median(offBefore) < 5e-4);  // of a displacement of 13 mm
   std::ranges::sort(offAfter);
   CHECK(offAfter.back() < 1e-5);
 }
 
-TEST_CASE("a frame that comes early goes on from where the surface is by then, and a late one from its end") {
+TEST_CASE("an early frame continues from the position reached so far, and a late one from the end") {
   const DepthCamera camera = smallCamera();
   const DVec3 ahead(0, 0, 1);
   const DepthFrame first = planeFrame(camera, ahead, 0.5), second = planeFrame(camera, ahead, 0.504),
@@ -151,7 +151,7 @@ TEST_CASE("a frame that comes early goes on from where the surface is by then, a
   }
 }
 
-TEST_CASE("what was not seen before stands in its place: too far away, beside the picture, or not measured") {
+TEST_CASE("points not observed before stay at rest: too far away, outside the image or without depth") {
   const DepthCamera camera = smallCamera();
   const DVec3 ahead(0, 0, 1);
   Blended blended;
@@ -172,7 +172,7 @@ TEST_CASE("what was not seen before stands in its place: too far away, beside th
   aside.pose = CameraPose{.centre = {10, 0, 0}};
   blended.follow(camera, aside, planeFrame(camera, ahead, 0.5));
   CHECK(isStill());
-  aside.pose = CameraPose{.centre = {0, 0, 10}};  // it looked away
+  aside.pose = CameraPose{.centre = {0, 0, 10}};  // the camera looked elsewhere
   blended.follow(camera, aside, planeFrame(camera, ahead, 0.5));
   CHECK(isStill());
 }

@@ -1,4 +1,4 @@
-// The pace of depth streams: which frame is due when, and what becomes of those that are lost or late.
+// The pace of depth streams: which frame is due at a time, and lost and late frames.
 #include "engine/motion/depth_player.hpp"
 
 #include <doctest/doctest.h>
@@ -17,13 +17,13 @@ namespace palpate::depth_player_test {
 namespace {
 
 const std::vector<double> kTimes_s{0, 0.1, 0.2, 0.35, 0.4};
-constexpr double kPeriod_s = 0.5;  // 0.4 and a mean interval
+constexpr double kPeriod_s = 0.5;  // 0.4 and the mean interval
 
 std::shared_ptr<DepthStream> recorded(std::set<std::uint64_t> lost = {}) {
   return std::make_shared<RecordedStream>(kTimes_s, std::move(lost));
 }
 
-/// Independently: the last frame that can be read up to that time, or the first one.
+/// Independent reference: the last readable frame up to that time, or the first one.
 std::uint64_t dueAt(double stream_s, const std::set<std::uint64_t>& lost, bool loops) {
   double pass_s = stream_s;
   if (loops && stream_s >= 0) pass_s -= kPeriod_s * std::floor(stream_s / kPeriod_s);
@@ -34,7 +34,7 @@ std::uint64_t dueAt(double stream_s, const std::set<std::uint64_t>& lost, bool l
   return due;
 }
 
-/// Frames that say where they were seen from, but for those that do not; the camera goes along x.
+/// Frames with poses, except for those in `poseless`; the camera moves along x.
 class PosedStream final : public DepthStream {
  public:
   explicit PosedStream(std::set<std::uint64_t> poseless) : poseless_(std::move(poseless)) {}
@@ -55,7 +55,7 @@ class PosedStream final : public DepthStream {
   RecordedStream frames_{kTimes_s};
 };
 
-/// Waits until the player has read what there is.
+/// Waits until the player's thread has caught up.
 template <class Ready>
 void until(Ready&& ready) {
   for (int guard = 0; guard < 5000 && !ready(); ++guard) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -64,7 +64,7 @@ void until(Ready&& ready) {
 
 }  // namespace
 
-TEST_CASE("in virtual time the frame that is due comes, forwards, backwards and in leaps") {
+TEST_CASE("in virtual time the due frame is played, forwards, backwards and with jumps") {
   for (const bool loops : {false, true})
     for (const std::set<std::uint64_t>& lost : {std::set<std::uint64_t>{}, {2}, {0}, {0, 1, 4}})
       for (const double speed : {1.0, 0.5, 3.0}) {
@@ -85,7 +85,7 @@ TEST_CASE("in virtual time the frame that is due comes, forwards, backwards and 
       }
 }
 
-TEST_CASE("a frame is of the time from which on it is due, whatever was asked for before") {
+TEST_CASE("a frame has the time at which it became due, whatever was requested before") {
   DepthPlayer straight(recorded(), {.speed = 2, .loop = true}), astray(recorded(), {.speed = 2, .loop = true});
   for (const double time_s : {0.7, 0.1, 0.33, 0.0}) astray.frameAt(time_s);
   for (const double time_s : {0.06, 0.11, 0.3, 0.31, 0.6}) {
@@ -94,10 +94,10 @@ TEST_CASE("a frame is of the time from which on it is due, whatever was asked fo
     CHECK(one.serial == other.serial);
   }
   CHECK(straight.frameAt(0.11).time_s == near(0.1, 1e-6));
-  CHECK(straight.frameAt(0.31).time_s == near(0.3, 1e-6));  // in the second pass, whose first frame came at 0.25
+  CHECK(straight.frameAt(0.31).time_s == near(0.3, 1e-6));  // in the second pass, whose first frame was due at 0.25
 }
 
-TEST_CASE("a player tells from where its frame was seen, and nothing of a frame that does not say it") {
+TEST_CASE("a player reports the camera pose of its frame, and none for a frame without a pose") {
   DepthPlayer player(std::make_shared<PosedStream>(std::set<std::uint64_t>{2}));
   CHECK_FALSE(player.view());
   for (const double time_s : {0.0, 0.15, 0.4, 0.36, 0.2, 0.11}) {
@@ -111,7 +111,7 @@ TEST_CASE("a player tells from where its frame was seen, and nothing of a frame 
   }
 }
 
-TEST_CASE("lost frames are counted and the last reason kept; none at all is an error") {
+TEST_CASE("lost frames are counted with the last reason, and a stream without any readable frame is an error") {
   DepthPlayer player(recorded({1, 3}));
   CHECK(player.frameAt(0.36).frame.number == 2);
   until([&] { return player.counts().lost == 2; });
@@ -126,7 +126,7 @@ TEST_CASE("lost frames are counted and the last reason kept; none at all is an e
   }
 }
 
-TEST_CASE("paused, the frame stays; a step goes to the next one, and play on from there") {
+TEST_CASE("a paused player keeps its frame, steps to the next one, and continues playing from there") {
   DepthPlayer player(recorded());
   CHECK(player.frameAt(0.15).frame.number == 1);
   player.pause(0.15);
@@ -143,7 +143,7 @@ TEST_CASE("paused, the frame stays; a step goes to the next one, and play on fro
   CHECK(player.frameAt(12).frame.number == 4);
 }
 
-TEST_CASE("another speed counts from then on") {
+TEST_CASE("a new speed applies from the present time on") {
   DepthPlayer player(recorded());
   CHECK(player.frameAt(0.2).frame.number == 2);
   player.setSpeed(0.1, 0.2);
@@ -151,7 +151,7 @@ TEST_CASE("another speed counts from then on") {
   CHECK(player.frameAt(1.8).frame.number == 3);
 }
 
-TEST_CASE("against the clock what comes too late is dropped and counted, and nobody waits but for the first frame") {
+TEST_CASE("in real time late frames are dropped and counted, and only the first frame is waited for") {
   std::vector<double> times_s;
   for (int k = 0; k < 1000; ++k) times_s.push_back(0.01 * k);
   DepthPlayer player(std::make_shared<RecordedStream>(times_s), {.exact = false});
@@ -163,7 +163,7 @@ TEST_CASE("against the clock what comes too late is dropped and counted, and nob
   CHECK(counts.dropped + counts.played <= 502);
 }
 
-TEST_CASE("of a live stream the newest frame is played, and what came before is dropped") {
+TEST_CASE("the newest frame of a live stream is played, and earlier ones are dropped") {
   const auto stream = std::make_shared<LiveStream>();
   DepthPlayer player(stream, {}, tinyFrame(0, 20));
   CHECK(player.frameAt(0.5).frame.number == 0);
@@ -175,7 +175,7 @@ TEST_CASE("of a live stream the newest frame is played, and what came before is 
   CHECK_FALSE(player.counts().silentSince_s.has_value());
 }
 
-TEST_CASE("a live stream that falls silent, or ends, leaves its last frame and says since when") {
+TEST_CASE("a live stream that stops or ends keeps its last frame and reports since when") {
   const auto stream = std::make_shared<LiveStream>();
   DepthPlayer player(stream, {}, tinyFrame(0, 0));
   CHECK(player.frameAt(2).frame.number == 0);
@@ -195,7 +195,7 @@ TEST_CASE("a live stream that falls silent, or ends, leaves its last frame and s
   CHECK_THROWS_WITH_AS(none.frameAt(0), "the depth stream ended before its first frame", Error);
 }
 
-TEST_CASE("a live stream that is held is not silent, and counts its silence from when it goes on") {
+TEST_CASE("a paused live stream does not count as silent, and counts from its resumption") {
   const auto stream = std::make_shared<LiveStream>();
   DepthPlayer player(stream, {}, tinyFrame(0, 0));
   CHECK(player.frameAt(2).frame.number == 0);
@@ -204,7 +204,7 @@ TEST_CASE("a live stream that is held is not silent, and counts its silence from
     player.frameAt(time_s);
     CHECK_FALSE(player.counts().silentSince_s.has_value());
   }
-  // A session that sculpts does not ask at all, and its time may be another one.
+  // While a session sculpts it does not query the player, and its time may differ afterwards.
   for (const double goesOn_s : {200.0, 0.5}) {
     CAPTURE(goesOn_s);
     player.play(goesOn_s);
@@ -218,7 +218,7 @@ TEST_CASE("a live stream that is held is not silent, and counts its silence from
 
 namespace {
 
-/// The frames that are handed out until a time, by number.
+/// Numbers of the frames that nextDue() returns up to a time.
 std::vector<std::uint64_t> handedOut(DepthPlayer& player, double time_s) {
   std::vector<std::uint64_t> numbers;
   while (const auto played = player.nextDue(time_s)) {
@@ -233,7 +233,7 @@ using Numbers = std::vector<std::uint64_t>;
 
 }  // namespace
 
-TEST_CASE("frames are handed out one after another, each once, however far the time has gone") {
+TEST_CASE("due frames are returned in order, each once, however far the time advances") {
   for (const double speed : {1.0, 2.0}) {
     DepthPlayer player(recorded({3}), {.speed = speed});
     CHECK(handedOut(player, 0.05 / speed) == Numbers{0});
@@ -250,7 +250,7 @@ TEST_CASE("frames are handed out one after another, each once, however far the t
   }
 }
 
-TEST_CASE("a loop hands out every frame of every pass, and a time that goes back those of all passes anew") {
+TEST_CASE("a loop returns every frame of each pass, and starts over when time goes back") {
   DepthPlayer player(recorded(), {.loop = true});
   CHECK(handedOut(player, 1.15) == Numbers{0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1});
   CHECK_FALSE(player.rewindFor(1.12));
@@ -260,7 +260,7 @@ TEST_CASE("a loop hands out every frame of every pass, and a time that goes back
   CHECK(handedOut(player, 0) == Numbers{0});
 }
 
-TEST_CASE("against the clock the newest frame that is due is handed out, and what it overtakes is dropped") {
+TEST_CASE("in real time the newest due frame is returned, and the frames before it are dropped") {
   std::vector<double> times_s;
   for (int k = 0; k < 500; ++k) times_s.push_back(0.01 * k);
   DepthPlayer player(std::make_shared<RecordedStream>(times_s), {.exact = false});
@@ -279,7 +279,7 @@ TEST_CASE("against the clock the newest frame that is due is handed out, and wha
   CHECK(player.counts().played + player.counts().dropped == 301);
 }
 
-TEST_CASE("what is handed out comes behind the frame that it begins behind, also where the time goes back") {
+TEST_CASE("frames up to the starting point are skipped, also after time goes back") {
   DepthPlayer player(recorded());
   player.beginBehind({.pass = 0, .time_s = 0.1});
   CHECK(handedOut(player, 0.15).empty());
@@ -296,7 +296,7 @@ TEST_CASE("what is handed out comes behind the frame that it begins behind, also
   CHECK(handedOut(player, 0.36) == Numbers{3});
 }
 
-TEST_CASE("a player that is held goes on in the time of whoever has it then") {
+TEST_CASE("a held player continues in the time of its next owner") {
   DepthPlayer player(recorded());
   CHECK(handedOut(player, 0.2) == Numbers{0, 1, 2});
   player.hold(0.36);
@@ -307,13 +307,13 @@ TEST_CASE("a player that is held goes on in the time of whoever has it then") {
   CHECK(handedOut(player, 100.14).empty());
   CHECK(handedOut(player, 100.16) == Numbers{3});
   CHECK(handedOut(player, 100.21) == Numbers{4});
-  player.leaveOut("it lies on nothing");
+  player.leaveOut("it cannot be placed");
   CHECK(player.counts().played == 4);
   CHECK(player.counts().lost == 1);
-  CHECK(player.counts().lastLoss == "it lies on nothing");
+  CHECK(player.counts().lastLoss == "it cannot be placed");
 }
 
-TEST_CASE("a live frame that was taken before is the present one, and newer ones are handed out") {
+TEST_CASE("a live frame read in advance counts as present, and newer ones are returned") {
   const auto stream = std::make_shared<LiveStream>();
   DepthPlayer player(stream, {.exact = false}, tinyFrame(0, 20));
   CHECK_FALSE(player.nextDue(1).has_value());
@@ -326,7 +326,7 @@ TEST_CASE("a live frame that was taken before is the present one, and newer ones
   CHECK(player.counts().played == 2);
 }
 
-TEST_CASE("a player that goes ends the read that waits") {
+TEST_CASE("destroying a player ends its pending read") {
   for (int k = 0; k < 20; ++k) {
     const auto stream = std::make_shared<LiveStream>();
     {
@@ -334,11 +334,11 @@ TEST_CASE("a player that goes ends the read that waits") {
       if (k % 2 == 0) stream->give(tinyFrame(0, 0));
       if (k % 2 == 0) player.frameAt(0);
     }
-    CHECK(stream.use_count() == 1);  // no thread of the player reads from it
+    CHECK(stream.use_count() == 1);  // no thread of the player still reads from it
   }
 }
 
-TEST_CASE("a source makes points of the frame that is due, the same bytes for the same time") {
+TEST_CASE("a source makes the points of the due frame, the same bit by bit for the same time") {
   DepthSource source(playedStream(recorded())), other(playedStream(recorded()));
   CHECK(source.size() == 12);
   CHECK_FALSE(source.keepsPoints());
@@ -346,8 +346,8 @@ TEST_CASE("a source makes points of the frame that is due, the same bytes for th
   CHECK(source.hasNewer(0.25, 0));
   source.makeFrame(0.25, frame);
   CHECK(frame.size() == 12);
-  CHECK(frame.time_s == 0.25);       // the surface goes on from there to where this frame saw it
-  CHECK(frame.positions[0].z == 3);  // a metre away from the one before: another surface
+  CHECK(frame.time_s == 0.25);       // blended from there to the depths of this frame
+  CHECK(frame.positions[0].z == 3);  // a metre from the last frame: a different surface
   CHECK_FALSE(source.hasNewer(0.34, frame.time_s));
   CHECK(source.hasNewer(0.36, frame.time_s));
   CHECK(source.hasNewer(0.1, frame.time_s));

@@ -1,4 +1,4 @@
-// Points of depth frames against the shapes that were seen.
+// Points of depth frames against the observed shapes.
 #include "engine/motion/depth_points.hpp"
 
 #include <doctest/doctest.h>
@@ -28,7 +28,7 @@ DepthFrame flat(const DepthCamera& camera, float depth_m) {
 
 }  // namespace
 
-TEST_CASE("the points of a sphere and a torus lie on them, with their normals, which face the camera") {
+TEST_CASE("points of an observed sphere and torus lie on them, with normals that face the camera") {
   for (const char* name : {"sphere", "torus"})
     for (const DVec3& center : {DVec3(0, 0, 0), DVec3(1, -2, 3)}) {
       CAPTURE(name);
@@ -45,7 +45,7 @@ TEST_CASE("the points of a sphere and a torus lie on them, with their normals, w
         farthest = std::max(farthest, glm::distance(place, truth.position));
         CHECK(std::abs(glm::length(normal) - 1) < 1e-6);
         turned = std::max(turned, glm::dot(normal, glm::normalize(place - pose.centre)));
-        // A rim that is seen edge on has few pixels to tell by.
+        // A rim seen edge-on has too few pixels for a good normal.
         if (glm::dot(truth.normal, glm::normalize(place - pose.centre)) < -0.3)
           wrong_deg.push_back(angleBetween_deg(normal, truth.normal));
       }
@@ -57,7 +57,7 @@ TEST_CASE("the points of a sphere and a torus lie on them, with their normals, w
     }
 }
 
-TEST_CASE("a plane has exact normals up to its border, however it is held") {
+TEST_CASE("a plane has exact normals up to its border, from any view") {
   for (const DVec3& eye : {DVec3(0, 0, 2), DVec3(1.5, 0.4, 1), DVec3(-0.3, 2, 0.8)}) {
     DepthScene scene;
     scene.add("plane", 40, DVec3(0));
@@ -69,7 +69,7 @@ TEST_CASE("a plane has exact normals up to its border, however it is held") {
   CHECK(pointsOf(kCamera, flat(kCamera, 1)).size() == 96 * 72);
 }
 
-TEST_CASE("without a pose points are in the camera's axes; with one, and an origin, in the world's") {
+TEST_CASE("points are in the camera's axes without a pose, and relative to the origin in the world's axes with one") {
   const DepthFrame frame = flat(kCamera, 2);
   const CloudFrame seen = pointsOf(kCamera, frame);
   CHECK(glm::distance(seen.positions[0], Vec3(2 * -47.5 / 80, 2 * -35.5 / 82, 2)) < 1e-6f);
@@ -86,8 +86,8 @@ TEST_CASE("without a pose points are in the camera's axes; with one, and an orig
   CHECK(glm::distance(DVec3(points.normals[7]), placed.pose->turn * DVec3(0, 0, -1)) < 1e-6);
 }
 
-TEST_CASE("no normal reaches over a jump, and a pixel by itself is no point") {
-  // Two planes, 1 m and 1.5 m away, and a speck in the middle of the first one.
+TEST_CASE("normals do not extend over a depth jump, and an isolated pixel gives no point") {
+  // Two planes at 1 m and 1.5 m, and an isolated pixel in front of the first.
   DepthFrame frame = flat(kCamera, 1);
   for (std::size_t row = 0; row < 72; ++row)
     for (std::size_t column = 50; column < 96; ++column) frame.depth_m[row * 96 + column] = 1.5f;
@@ -98,7 +98,7 @@ TEST_CASE("no normal reaches over a jump, and a pixel by itself is no point") {
   for (std::size_t i = 0; i < points.size(); ++i) CHECK(glm::distance(points.normals[i], Vec3(0, 0, -1)) < 1e-6f);
 }
 
-TEST_CASE("a column of pixels, a single one, and a picture without depth make no points") {
+TEST_CASE("a column of pixels, a single pixel and an image without depth give no points") {
   for (const auto& [width, height] : {std::pair{1u, 1u}, std::pair{1u, 9u}, std::pair{9u, 1u}}) {
     const DepthCamera camera{.width = width, .height = height, .fx = 9, .fy = 9};
     CHECK(pointsOf(camera, flat(camera, 1)).size() == 0);
@@ -108,7 +108,7 @@ TEST_CASE("a column of pixels, a single one, and a picture without depth make no
   CHECK(pointsOf(kCamera, flat(kCamera, 0)).size() == 0);
 }
 
-TEST_CASE("depths that are no numbers are left out alone, and frames of another size are refused") {
+TEST_CASE("invalid depths are skipped pixel by pixel, and frames of a wrong size are refused") {
   DepthFrame frame = flat(kCamera, 1);
   const float infinite = std::numeric_limits<float>::infinity();
   const std::size_t places[] = {196, 400, 602, 1000, 2000};
@@ -119,7 +119,7 @@ TEST_CASE("depths that are no numbers are left out alone, and frames of another 
   const CloudFrame points = pointsOf(kCamera, frame);
   CHECK(points.size() == 96 * 72 - 5);
   CHECK(points.colors.size() == points.size());
-  CHECK(points.colors[196] == std::array<std::uint8_t, 3>{4, 5, 6});  // the pixel before it is none
+  CHECK(points.colors[196] == std::array<std::uint8_t, 3>{4, 5, 6});  // the pixel before it has no point
   CloudFrame none;
   frame.colors.pop_back();
   CHECK_THROWS_AS(DepthPoints().make(kCamera, frame, DVec3(0), none), Error);
@@ -129,7 +129,7 @@ TEST_CASE("depths that are no numbers are left out alone, and frames of another 
                        "frame 0 has 6911 depths and 0 colours, and the camera 96 x 72 pixels", Error);
 }
 
-TEST_CASE("the points do not depend on the number of threads, nor on the frame before") {
+TEST_CASE("points depend neither on the number of threads nor on the previous frame") {
   DepthFrame frame = flat(kCamera, 1);
   for (std::size_t i = 0; i < frame.depth_m.size(); ++i) {
     frame.depth_m[i] += 0.003f * static_cast<float>(i % 7);

@@ -1,4 +1,4 @@
-// Depth frames of analytic shapes, with the noise of a depth camera, and the truth about them.
+// Depth frames of analytic shapes with the noise of a depth camera, and their true surface.
 #pragma once
 
 #include <glm/ext/quaternion_trigonometric.hpp>
@@ -15,7 +15,7 @@
 
 namespace palpate {
 
-/// A quarter of a VGA camera's width: pixels are as fine as its own, and there are fewer.
+/// A quarter of a VGA camera's width, with the same pixel size.
 inline DepthCamera smallCamera() { return {.width = 160, .height = 120, .fx = 525, .fy = 525, .cx = 79.5, .cy = 59.5}; }
 
 /// Looks from `eye` at `target`, with z up in the picture.
@@ -40,7 +40,7 @@ inline double deviationAt(double depth_m) {
   return 0.0012 + 0.0019 * beyond * beyond;
 }
 
-/// What stands in a room, in metres.
+/// Objects in a room, in metres.
 class DepthScene {
  public:
   DepthScene& add(std::string_view shape, double size, const DVec3& center) {
@@ -48,7 +48,7 @@ class DepthScene {
     return *this;
   }
 
-  /// Along z; 0 where nothing is. `noise`: in deviations of the camera's own; seeds are of one frame each.
+  /// Depth along z; 0 without a surface. `noise`: in standard deviations of the camera; one seed per frame.
   DepthFrame frame(const DepthCamera& camera, const CameraPose& pose, double noise = 0, std::uint64_t seed = 1) const {
     std::vector<TracedSurface> surfaces;
     for (const auto& shape : shapes_) surfaces.push_back(traced(*shape));
@@ -69,7 +69,7 @@ class DepthScene {
     return frame;
   }
 
-  /// The nearest place of any surface.
+  /// The nearest point on any surface.
   SurfacePoint closest(const DVec3& place) const {
     SurfacePoint nearest;
     double least = std::numeric_limits<double>::infinity();
@@ -97,12 +97,12 @@ inline DepthScene tableScene(const DVec3& at = DVec3(0)) {
   return scene;
 }
 
-/// A stream that its test owns.
+/// A stream owned by the test.
 inline std::shared_ptr<DepthStream> unowned(DepthStream& stream) {
   return std::shared_ptr<DepthStream>(std::shared_ptr<void>(), &stream);
 }
 
-/// Of a test: small, and no thread more than it needs.
+/// Options for tests: a small map and few threads.
 inline FusionOptions smallMap(std::size_t capacity = 200'000) {
   FusionOptions options;
   options.capacity = capacity;
@@ -110,7 +110,7 @@ inline FusionOptions smallMap(std::size_t capacity = 200'000) {
   return options;
 }
 
-/// Places and records of a map, for comparisons bit by bit.
+/// Compares positions, normals and records bit by bit.
 inline bool areSame(const shared::Surfel& a, const shared::Surfel& b) {
   return a.place == b.place && a.normal == b.normal && a.record.weight == b.record.weight &&
          a.record.seen == b.record.seen && a.record.counts == b.record.counts && a.record.color == b.record.color;

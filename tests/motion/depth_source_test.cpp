@@ -1,4 +1,4 @@
-// Frames of a depth stream as points: those of a sensor that sends points, and what is left of one that falls silent.
+// Frames of a depth stream as points: of a sensor that sends points, and of a stream that stops.
 #include "engine/motion/depth_source.hpp"
 
 #include <doctest/doctest.h>
@@ -15,7 +15,7 @@ namespace palpate::depth_source_test {
 
 namespace {
 
-/// What is live and says for how long its frames are true.
+/// A live stream that limits how long its frames stay valid.
 class Trusted final : public DepthStream {
  public:
   Trusted(const DepthCamera& camera, double staysTrue_s) : inner_(camera), staysTrue_s_(staysTrue_s) {}
@@ -45,20 +45,20 @@ DepthFrame sensed(std::uint64_t number, double time_s, std::size_t points, doubl
 
 constexpr DepthCamera kSensor{.width = 5, .height = 1};
 
-/// The points for a time, or soon after it, once those have come.
+/// The points at `time_s` or soon after, once isThere() accepts them.
 CloudFrame frameWith(DepthSource& source, double time_s, const std::function<bool(const CloudFrame&)>& isThere) {
   CloudFrame frame;
   const Stopwatch since;
   for (source.makeFrame(time_s, frame); !isThere(frame) && since.elapsed_s() < 10; source.makeFrame(time_s, frame)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    time_s += 1e-6;  // a source is asked once for each time
+    time_s += 1e-6;  // a source accepts each time once
   }
   return frame;
 }
 
 }  // namespace
 
-TEST_CASE("a sensor's points are the cloud, with their colours, far from zero, too, and stand where they are") {
+TEST_CASE("a sensor's points are used with their colours, far from zero too, and at rest") {
   const auto stream = std::make_shared<Trusted>(kSensor, 3);
   stream->give(sensed(0, 0, 3, 0.125));
   DepthSource source(playedStream(stream, {.exact = false}), DVec3(4e6, 0, 0));
@@ -76,8 +76,8 @@ TEST_CASE("a sensor's points are the cloud, with their colours, far from zero, t
   requireWhole(frame, source.size());
 }
 
-TEST_CASE("a sensor's points in rows set out from where their rays met the surface before, and get where they are") {
-  // Two rows of two rays see a plane that is nearer by a centimetre in the next frame; the last ray has met nothing
+TEST_CASE("points of a row sensor move from the previous surface along their rays to where they are observed") {
+  // Two rows of two rays observe a plane that is a centimetre nearer in the next frame; the last ray had no point
   // before.
   constexpr DepthCamera kRays{.width = 4, .height = 1};
   const auto seen = [](std::uint64_t number, double time_s, double far, std::uint32_t rowLength) {
@@ -102,7 +102,7 @@ TEST_CASE("a sensor's points in rows set out from where their rays met the surfa
     CAPTURE(rowLength);
     const DepthFrame before = seen(0, 0, 1, 2), frame = seen(1, 0.05, 0.99, rowLength);
     CHECK(DepthBlend::canFollow(before, frame) == (rowLength == 2));
-    if (rowLength == 4) continue;  // of other rays nothing is known
+    if (rowLength == 4) continue;  // with other rays nothing can be blended
     DepthPoints maker;
     CloudFrame points;
     const std::vector<Vec3> normals = normalsOf(before);
@@ -119,7 +119,7 @@ TEST_CASE("a sensor's points in rows set out from where their rays met the surfa
     CHECK(points.positions[3].z == near(0.99, 1e-6));
     CHECK(points.velocities[3] == Vec3(0));
   }
-  // A metre per second is the most that is followed.
+  // Speeds above one metre per second are not blended.
   const DepthFrame before = seen(0, 0, 1, 2), leap = seen(1, 0.05, 0.9, 2);
   DepthPoints maker;
   CloudFrame points;
@@ -135,7 +135,7 @@ TEST_CASE("a sensor's points in rows set out from where their rays met the surfa
   CHECK(DepthBlend::canFollow(tinyFrame(0, 0), tinyFrame(1, 1)));
 }
 
-TEST_CASE("more points than there is room for, and points without their normals, are no frame") {
+TEST_CASE("a sensor frame with too many points, or without normals, is refused") {
   CloudFrame points;
   CHECK_THROWS_AS(DepthPoints().make(kSensor, sensed(0, 0, 6, 0), DVec3(0), points), Error);
   DepthFrame bare = sensed(0, 0, 3, 0);
@@ -143,8 +143,7 @@ TEST_CASE("more points than there is room for, and points without their normals,
   CHECK_THROWS_AS(DepthPoints().make(kSensor, bare, DVec3(0), points), Error);
 }
 
-TEST_CASE(
-    "a live stream that falls silent has no points after the time that its frames are true, until another comes") {
+TEST_CASE("the points of a live stream that stops are removed when its frames expire, until the next frame") {
   const auto stream = std::make_shared<Trusted>(kTinyCamera, 3);
   stream->give(tinyFrame(0, 0));
   DepthSource source(playedStream(stream, {.exact = false}));
@@ -164,7 +163,7 @@ TEST_CASE(
   CHECK(frameWith(source, 9.1, hasPoints).size() == 12);
 }
 
-TEST_CASE("a live stream whose frames are true for ever keeps its last one") {
+TEST_CASE("a live stream whose frames do not expire keeps its last one") {
   const auto stream = std::make_shared<LiveStream>();
   stream->give(tinyFrame(0, 0));
   DepthSource source(playedStream(stream, {.exact = false}));

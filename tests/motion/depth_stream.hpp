@@ -1,4 +1,4 @@
-// A depth stream of a test: frames by number, some of which cannot be read; recorded, or live as the test gives them.
+// A depth stream for tests: numbered frames, of which some cannot be read; recorded, or live as given by the test.
 #pragma once
 
 #include <condition_variable>
@@ -13,7 +13,7 @@ namespace palpate {
 
 inline constexpr DepthCamera kTinyCamera{.width = 4, .height = 3, .fx = 4, .fy = 4, .cx = 1.5, .cy = 1};
 
-/// All depths are one more metre from frame to frame.
+/// All depths increase by one metre per frame.
 inline DepthFrame tinyFrame(std::uint64_t number, double time_s) {
   return {.time_s = time_s, .number = number, .depth_m = std::vector<float>(12, 1 + static_cast<float>(number))};
 }
@@ -51,7 +51,7 @@ class LiveStream final : public DepthStream {
  public:
   explicit LiveStream(const DepthCamera& camera = kTinyCamera) : camera_(camera) {}
   const DepthCamera& camera() const override { return camera_; }
-  /// From any thread.
+  /// May be called from any thread.
   void give(const DepthFrame& frame) {
     const std::scoped_lock lock(mutex_);
     given_.push_back(frame);

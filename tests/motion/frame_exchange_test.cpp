@@ -13,9 +13,9 @@
 
 namespace palpate::frame_exchange_test {
 
-TEST_CASE("a reader gets the newest whole frame once, and its half is not written meanwhile") {
+TEST_CASE("a reader gets the newest complete frame once, and its half is not overwritten meanwhile") {
   FrameExchange exchange;
-  const auto nothing = [](const FrameExchange::Frame&) { FAIL("there is no frame"); };
+  const auto nothing = [](const FrameExchange::Frame&) { FAIL("no frame was published"); };
   CHECK_FALSE(exchange.read(nothing));
   CHECK(exchange.beginWriting(1));
   CHECK_FALSE(exchange.read(nothing));
@@ -33,18 +33,18 @@ TEST_CASE("a reader gets the newest whole frame once, and its half is not writte
   CHECK_FALSE(exchange.read(nothing));
 }
 
-TEST_CASE("a half that is about to be written is not read; one that threw while it read has let go") {
+TEST_CASE("a half reserved for writing is not read, and a reader that throws releases its half") {
   FrameExchange exchange;
   exchange.publish(0, 1);
   CHECK(exchange.beginWriting(0));
-  CHECK_FALSE(exchange.read([](const FrameExchange::Frame&) { FAIL("it is being written"); }));
+  CHECK_FALSE(exchange.read([](const FrameExchange::Frame&) { FAIL("a half in use by the writer was read"); }));
   exchange.publish(0, 2);
   CHECK_THROWS_AS(exchange.read([](const FrameExchange::Frame&) { throw std::runtime_error("no room"); }),
                   std::runtime_error);
   CHECK(exchange.beginWriting(0));
 }
 
-TEST_CASE("no frame is torn between two threads") {
+TEST_CASE("no frame is torn between a writing and a reading thread") {
   FrameExchange exchange;
   std::array<std::array<int, 64>, 2> halves{};
   constexpr int kFrames = 20'000;
@@ -72,7 +72,7 @@ TEST_CASE("no frame is torn between two threads") {
   CHECK(backwards == 0);
 }
 
-TEST_CASE("a frame with another number of points, or with what is no number, does not come in") {
+TEST_CASE("a frame with inconsistent sizes or values that are not finite is refused") {
   const CloudFrame whole{.positions = {{1, 2, 3}, {4, 5, 6}}, .normals = {{0, 0, 1}, {1, 0, 0}}};
   CHECK_NOTHROW(requireWhole(whole, 2));
   CHECK_THROWS_AS(requireWhole(whole, 1), Error);
@@ -101,7 +101,7 @@ TEST_CASE("a frame with another number of points, or with what is no number, doe
   CHECK_NOTHROW(requireWhole(wrong, 4));
 }
 
-TEST_CASE("the points of a frame take the place of a cloud's: one by one, or all where they are others") {
+TEST_CASE("a frame replaces the points of a cloud: one by one, or all if the ids differ") {
   PointCloud cloud;
   cloud.positions = {{1, 2, 3}, {4, 5, 6}};
   cloud.normals = {{0, 0, 1}, {1, 0, 0}};

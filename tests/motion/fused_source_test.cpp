@@ -1,4 +1,4 @@
-// A depth stream as a cloud that moves.
+// A depth stream as a moving cloud.
 #include "engine/motion/fused_source.hpp"
 
 #include <doctest/doctest.h>
@@ -55,7 +55,7 @@ FusedStream fused(DepthStream& stream, const PlayOptions& play = {}, std::size_t
   return {.stream = playedStream(unowned(stream), play), .begin = nullptr, .options = smallMap(capacity)};
 }
 
-/// The map that the first frame makes.
+/// The map made of the first frame.
 std::shared_ptr<const PointCloud> firstMap(const DepthStream& stream, const DepthFrame& frame) {
   FrameFusion fusion(smallMap());
   REQUIRE(fusion.fuse(stream.camera(), frame).fate == FrameFate::fused);
@@ -69,7 +69,7 @@ bool areEqual(const CloudFrame& a, const CloudFrame& b) {
 
 }  // namespace
 
-TEST_CASE("the same time gives the same points, whatever was asked for before") {
+TEST_CASE("a fused source gives the same points at the same time, whatever was requested before") {
   FewFrames stream(Kind::recorded, 99);
   FusedSource source(fused(stream, {}, 50'000));
   CHECK(source.size() == 50'000);
@@ -92,7 +92,7 @@ TEST_CASE("the same time gives the same points, whatever was asked for before") 
   CHECK(source.fusion().fused() == 1);
 }
 
-TEST_CASE("a frame that cannot be read is counted as lost, and the next ones come") {
+TEST_CASE("a frame that cannot be read counts as lost, and the next ones are fused") {
   FewFrames stream(Kind::recorded, 2);
   FusedSource source(fused(stream));
   CloudFrame frame;
@@ -101,7 +101,7 @@ TEST_CASE("a frame that cannot be read is counted as lost, and the next ones com
   CHECK(source.fusion().lost() == 1);
 }
 
-TEST_CASE("a live camera's newest frame is fused once, and its end keeps the map") {
+TEST_CASE("a live camera's newest frame is fused once, and the map remains when the stream ends") {
   FewFrames stream(Kind::live, 99);
   FusedStream frames = fused(stream, {.exact = false});
   FusedSource source(frames);
@@ -124,7 +124,7 @@ TEST_CASE("a live camera's newest frame is fused once, and its end keeps the map
   CHECK(areEqual(last, frame));
 }
 
-TEST_CASE("a recording that is played fuses each frame once, however it is asked, at any speed and in a loop") {
+TEST_CASE("playing a recording fuses each frame once, at any speed and in a loop, for any order of requests") {
   for (const bool loops : {false, true})
     for (const double speed : {1.0, 2.5}) {
       CAPTURE(loops);
@@ -133,7 +133,7 @@ TEST_CASE("a recording that is played fuses each frame once, however it is asked
       const PlayOptions play{.speed = speed, .loop = loops};
       FusedStream frames = fused(stream, play);
       FusedSource source(frames), whole(fused(again, play));
-      const double end_s = 0.95 / speed;  // in the second pass of 0.6 s, where there is one
+      const double end_s = 0.95 / speed;  // in the second pass of 0.6 s, if it loops
       CloudFrame frame, truth;
       for (int i = 0; i <= 19; ++i) {
         source.makeFrame(end_s / 19 * i, frame);
@@ -150,7 +150,7 @@ TEST_CASE("a recording that is played fuses each frame once, however it is asked
 }
 
 TEST_CASE(
-    "a map begins with a cloud: its first frame is not fused twice, and it begins so again where time goes back") {
+    "a map begun with a cloud does not fuse its first frame twice, and restarts with the cloud when time goes back") {
   FewFrames stream(Kind::recorded, 99);
   FusedStream frames = fused(stream);
   frames.begin = firstMap(stream, stream.at(0));
@@ -173,7 +173,7 @@ TEST_CASE(
   CHECK(later.positions == frames.begin->positions);
 }
 
-TEST_CASE("a map far from zero keeps the origin of the cloud that it begins with") {
+TEST_CASE("a map far from zero keeps the origin of its initial cloud") {
   PointCloud cloud;
   cloud.origin = {500'000, 4'000'000, 10};
   cloud.positions = {{1, 2, 3}, {4, 5, 6}};
@@ -188,8 +188,7 @@ TEST_CASE("a map far from zero keeps the origin of the cloud that it begins with
   CHECK_THROWS_WITH_AS(map.begin(cloud), "fusion: a map of 2 points at most cannot begin with 3", Error);
 }
 
-TEST_CASE(
-    "frames without poses go on from where the last one was seen, also from one owner of the stream to the next") {
+TEST_CASE("frames without poses continue from the last pose, also with a new owner of the stream") {
   FewFrames stream(Kind::recorded, 99);
   const CameraPose first = *stream.at(0).pose;
   const DepthScene scene = tableScene();
@@ -210,7 +209,7 @@ TEST_CASE(
   CHECK(source.fusion().fused() == 2);
   CHECK(source.fusion().unplaced() == 0);
   frames.stream->player->pause(0.25);
-  // Another one takes it, with the map as it is.
+  // Another source takes over the stream, with the present map.
   FusedStream next{.stream = std::make_shared<PlayedStream>(std::exchange(*frames.stream, {})),
                    .begin = std::make_shared<PointCloud>(source.fusion().map().cloud()),
                    .options = smallMap()};
@@ -228,7 +227,7 @@ TEST_CASE(
   CHECK(glm::distance(next.stream->seenFrom->centre, onArc(DVec3(0, 0, 0.02), 1.0, 0.05).centre) < 0.004);
 }
 
-TEST_CASE("a frame that cannot be placed counts as lost, and the log says so") {
+TEST_CASE("a frame that cannot be placed counts as lost and is logged") {
   FewFrames stream(Kind::recorded, 99);
   stream.at(2).pose->centre.x = std::nan("");
   stream.at(3).depth_m.pop_back();
@@ -254,7 +253,7 @@ TEST_CASE("a frame that cannot be placed counts as lost, and the log says so") {
   CHECK(counts.lastLoss.find("frame 3 has 19199 depths") != std::string::npos);
 }
 
-TEST_CASE("a frame has the points that there are, by their ids") {
+TEST_CASE("a frame contains the existing points by their ids") {
   DepthScene near, far;
   near.add("cube", 0.2, {0, 0, 0.1});
   far.add("plane", 2, {0, 0, -0.5});

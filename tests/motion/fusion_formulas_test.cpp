@@ -1,4 +1,4 @@
-// The formulas of a fusion, which GLSL and C++ share, against truths that are written here.
+// The formulas of fusion, shared by GLSL and C++, against known results written here.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -39,8 +39,8 @@ shared::FusionView viewFrom(const CameraPose& pose) {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("a pixel of a plane has its normal and depth, however slanted, and at the image's corner too", Real,
-                   float, double) {
+TEST_CASE_TEMPLATE("a pixel of a plane has its normal and depth, at any slant and in the image's corner", Real, float,
+                   double) {
   const DepthCamera camera{.width = 40, .height = 30, .fx = 300, .fy = 310, .cx = 18.2, .cy = 15.1};
   for (const DVec3& towards : {DVec3(0, 0, 1), DVec3(0.8, 0, 0.6), DVec3(-0.3, 0.9, 0.4), DVec3(0.5, 0.5, 1)}) {
     const DVec3 normal = glm::normalize(towards);
@@ -57,7 +57,7 @@ TEST_CASE_TEMPLATE("a pixel of a plane has its normal and depth, however slanted
   }
 }
 
-TEST_CASE_TEMPLATE("a surface ends at a jump of depth, and what lies between two is none", Real, float, double) {
+TEST_CASE_TEMPLATE("a surface ends at a depth jump, and a pixel between two surfaces has none", Real, float, double) {
   const DepthCamera camera{.width = 21, .height = 21, .fx = 500, .fy = 500, .cx = 10, .cy = 10};
   FrameImages images = planeImage(camera, DVec3(0, 0, 1), 1.0);
   for (std::size_t pixel = 0; pixel < images.depths.size(); ++pixel)
@@ -67,10 +67,10 @@ TEST_CASE_TEMPLATE("a surface ends at a jump of depth, and what lies between two
     CHECK(static_cast<double>(at(x, 10).depth) == near(x > 10 ? 1.5 : 1.0, 1e-6));
     CHECK(static_cast<double>(at(x, 10).normal.z) == near(-1.0, 1e-6));
   }
-  images.depths[10 * 21 + 10] = 1.25f;  // between the two
+  images.depths[10 * 21 + 10] = 1.25f;  // between the two surfaces
   CHECK(at(10, 10).depth == 0);
   CHECK(static_cast<double>(at(9, 10).normal.z) == near(-1.0, 1e-6));
-  images.depths[10 * 21 + 5] = 1.009f;  // off its own plane by more than the noise makes it
+  images.depths[10 * 21 + 5] = 1.009f;  // further off its plane than the noise allows
   CHECK(at(5, 10).depth == 0);
   images.depths[10 * 21 + 5] = 1.003f;
   CHECK(at(5, 10).depth > 0);
@@ -78,7 +78,7 @@ TEST_CASE_TEMPLATE("a surface ends at a jump of depth, and what lies between two
   CHECK(at(5, 10).depth == 0);
 }
 
-TEST_CASE("a plane is fitted over no more pixels than noise demands, so that a coarse camera sees what is round") {
+TEST_CASE("a plane is fitted over no more pixels than the noise requires, so that a coarse camera keeps curvature") {
   CHECK(shared::fitReach(sensor<double>(smallCamera()), 1.0) == 3);
   const DepthCamera coarse{.width = 24, .height = 18, .fx = 20, .fy = 21, .cx = 11.5, .cy = 8.5};
   CHECK(shared::fitReach(sensor<double>(coarse), 1.5) == 1);
@@ -95,10 +95,10 @@ TEST_CASE("a plane is fitted over no more pixels than noise demands, so that a c
       ++seen;
     }
   }
-  CHECK(seen > 30);  // of some 140; the others are seen at a slant, where a pixel is as wide as the sphere is round
+  CHECK(seen > 30);  // of some 140; the others are too slanted for the pixel size and the curvature
 }
 
-TEST_CASE("a slope that the camera hardly sees is no surface") {
+TEST_CASE("a surface that the camera sees nearly edge-on is rejected") {
   const DepthCamera camera{.width = 15, .height = 15, .fx = 500, .fy = 500, .cx = 7, .cy = 7};
   for (const auto& [angle_deg, is] : {std::pair(70.0, true), {74.0, true}, {83.0, false}}) {
     const double angle = angle_deg * 3.14159265358979 / 180;
@@ -109,14 +109,14 @@ TEST_CASE("a slope that the camera hardly sees is no surface") {
   }
 }
 
-TEST_CASE("a point is looked for in the pixel that sees it, and in that part of it") {
+TEST_CASE("a point is projected into the right pixel and subpixel") {
   const CameraPose pose = onArc(DVec3(0), 1.0, 0.3);
   const shared::FusionView view = viewFrom(pose);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> column(-0.45, 159.45), row(-0.45, 119.45), depth(0.3, 3);
   for (int i = 0; i < 2000; ++i) {
     const double x = column(random), y = row(random), z = depth(random);
-    const double u = (x + 0.5) * 4, v = (y + 0.5) * 4;  // in parts of pixels
+    const double u = (x + 0.5) * 4, v = (y + 0.5) * 4;  // in subpixels
     if (std::abs(u - std::round(u)) < 1e-3 || std::abs(v - std::round(v)) < 1e-3) continue;
     const auto projection = shared::projectionOf(view, Vec3(pose.toWorld(smallCamera().placeAt(x, y, z))));
     REQUIRE(projection.inView);
@@ -136,14 +136,14 @@ TEST_CASE("a point is looked for in the pixel that sees it, and in that part of 
   CHECK_FALSE(shared::projectionOf(view, Vec3(nan, 0, 0)).inView);
 }
 
-TEST_CASE("a point covers the pixel that it stands in, and the one beside it by a quarter of a pixel") {
-  // In parts of a pixel from the corner of the pixel that is asked about.
+TEST_CASE("a point covers its own pixel, and the next one within a quarter of a pixel") {
+  // In subpixels from the corner of the tested pixel.
   for (int v = -4; v < 8; ++v) {
     for (int u = -4; u < 8; ++u) {
       std::array<std::array<uint, 3>, 3> covered{};  // rows of pixels
       covered[static_cast<std::size_t>(v + 4) / 4][static_cast<std::size_t>(u + 4) / 4] =
           1u << (static_cast<uint>(v + 4) % 4 * 4 + static_cast<uint>(u + 4) % 4);
-      const double x = (u + 0.5) / 4 - 0.5, y = (v + 0.5) / 4 - 0.5;  // pixels from its middle
+      const double x = (u + 0.5) / 4 - 0.5, y = (v + 0.5) / 4 - 0.5;  // in pixels from its centre
       const double least = std::min(std::abs(x), std::abs(y)), most = std::max(std::abs(x), std::abs(y));
       CAPTURE(x);
       CAPTURE(y);
@@ -153,7 +153,7 @@ TEST_CASE("a point covers the pixel that it stands in, and the one beside it by 
   }
 }
 
-TEST_CASE("a point is measured, hidden, seen through, or none of it, by where it stands before its pixel") {
+TEST_CASE("a point is matched, hidden, seen through or unclear by its depth relative to its pixel") {
   const shared::FusionView view = viewFrom({});
   const shared::PixelSurface wall{.normal = Vec3(0, 0, -1), .depth = 1};
   const Vec3 facing(0, 0, -1), aside(1, 0, 0), away(0, 0, 1);
@@ -185,15 +185,15 @@ TEST_CASE("a point is measured, hidden, seen through, or none of it, by where it
   CHECK_FALSE(shared::seesThrough(view, 0.995f, 1));
 }
 
-TEST_CASE("weights are remembered as long as they may be, and no better knowledge is forgotten for a worse one") {
+TEST_CASE("weights grow up to the limit of the memory, and a higher weight is not reduced by a worse measurement") {
   CHECK(shared::weightAfter(0, 2, 10) == 2);
   CHECK(shared::weightAfter(2, 2, 10) == 4);
   CHECK(shared::weightAfter(19, 2, 10) == 20);
   CHECK(shared::weightAfter(20, 2, 10) == 20);
-  CHECK(shared::weightAfter(500, 2, 10) == 500);  // from nearer by
+  CHECK(shared::weightAfter(500, 2, 10) == 500);  // from a shorter distance
 }
 
-TEST_CASE("doubts end a life: of a stable point in 4 frames of free space, of others in 2, or in 30 of searching") {
+TEST_CASE("a stable point is removed after 4 frames of free space, others after 2, or after 30 without a match") {
   const auto framesUntilGone = [](uint measurements, uint sight) {
     shared::SurfelRecord record{.weight = 1, .seen = 0, .counts = measurements, .color = 0};
     for (int frame = 1; frame <= 1000; ++frame) {
@@ -213,7 +213,7 @@ TEST_CASE("doubts end a life: of a stable point in 4 frames of free space, of ot
   CHECK(framesUntilGone(1, shared::kSightNone) == 0);
 }
 
-TEST_CASE("a point takes the weighted mean along its ray, and counts what has measured it") {
+TEST_CASE("a point moves to the weighted mean along its ray and counts its measurements") {
   const shared::FusionView view = viewFrom({});
   shared::Surfel before{.place = Vec3(0, 0, 1.003f),
                         .normal = Vec3(0, 0, -1),
@@ -221,7 +221,7 @@ TEST_CASE("a point takes the weighted mean along its ray, and counts what has me
   const float measurement = shared::measurementWeight(view, 1);
   CHECK(static_cast<double>(measurement) == near(1 / (0.001884 * 0.001884), 1e-5));
   before.record.weight = 2 * measurement;
-  // The pixel in the middle of the image sees nothing along the axis exactly, as its middle is half a pixel off.
+  // The centre of the central pixel is half a pixel off the axis, so that the ray is not exact.
   const shared::Surfel after = shared::averaged(
       view, before, {.pixel = {79, 59}, .depth = 1, .color = 0, .surface = {.normal = Vec3(0, 0, -1), .depth = 1}});
   CHECK(after.place.x == 0);
@@ -234,7 +234,7 @@ TEST_CASE("a point takes the weighted mean along its ray, and counts what has me
   CHECK(static_cast<double>(after.record.weight) == near(3.0 * static_cast<double>(measurement), 1e-6));
 }
 
-TEST_CASE("colours go all the way to what is seen, and the first is taken as it is") {
+TEST_CASE("colours converge to the observed one, and the first is used directly") {
   CHECK(shared::mixedColor(0, 0xff123456u, 0.01f) == 0xff123456u);
   CHECK(shared::mixedColor(0xff0000c8u, 0xff000064u, 0.5f) == 0xff000096u);
   uint color = 0xff00ff00u;
@@ -245,8 +245,8 @@ TEST_CASE("colours go all the way to what is seen, and the first is taken as it 
   CHECK((color >> 24) == 0xffu);
 }
 
-TEST_CASE_TEMPLATE("a pair pulls as its residual does, no harder than an outlier may, and not across a gate", Real,
-                   float, double) {
+TEST_CASE_TEMPLATE("an ICP pair pulls in proportion to its residual, limited for outliers, and not beyond the gate",
+                   Real, float, double) {
   using V3 = glm::vec<3, Real>;
   const V3 up(0, 0, 1), pivot(1, 0, 0);
   const auto pair = [&](Real height, const V3& normal, Real gate) {
@@ -258,7 +258,7 @@ TEST_CASE_TEMPLATE("a pair pulls as its residual does, no harder than an outlier
   CHECK(static_cast<double>(pull.residual) == near(0.001, 1e-5));
   CHECK(static_cast<double>(pull.weight) == near(1e6, 1e-5));
   CHECK(pull.shift == up);
-  // A turn by w about the pivot moves the place by w x (-1, 1, h): along z by w.x + w.y.
+  // A rotation by w about the pivot moves the point by w x (-1, 1, h): along z by w.x + w.y.
   CHECK(static_cast<double>(pull.turn.x) == near(0.5, 1e-6));
   CHECK(static_cast<double>(pull.turn.y) == near(0.5, 1e-6));
   CHECK(static_cast<double>(pull.turn.z) == within(0, 1e-6));

@@ -1,4 +1,4 @@
-// Poses found against a map: how near to the truth, and that whoever cannot know says so.
+// Poses found against a map: their accuracy, and that a search that cannot succeed reports it.
 #include "engine/motion/icp.hpp"
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ namespace {
 
 const DVec3 kTable(0, 0, 0.02);
 
-// The scene's map, from its true poses.
+// A map of the scene, from its true poses.
 FrameFusion mapped(const DepthScene& scene, double noise, std::uint64_t frames = 8) {
   FrameFusion fusion(smallMap());
   for (std::uint64_t i = 0; i < frames; ++i)
@@ -52,7 +52,7 @@ CameraPose moved(const CameraPose& pose, const DVec3& shift, const DVec3& turn_d
 
 }  // namespace
 
-TEST_CASE("known motions are found again, without noise and with it") {
+TEST_CASE("known camera motions are recovered, with and without noise") {
   const DepthScene scene = tableScene();
   const CameraPose truth = onArc(kTable, 1.0, 0.5);
   const std::array<std::pair<DVec3, DVec3>, 4> motions{{{DVec3(0), DVec3(0)},
@@ -66,7 +66,7 @@ TEST_CASE("known motions are found again, without noise and with it") {
       const IcpResult result = search(fusion.map(), frame, moved(truth, shift, turn));
       CHECK_MESSAGE(result.state == IcpState::found, result.why());
       const Error6 error = between(result.pose, truth);
-      MESSAGE("noise " << noise << ": off by " << error.shift_mm << " mm, " << error.turn_deg << " degrees; matched "
+      MESSAGE("noise " << noise << ": error " << error.shift_mm << " mm, " << error.turn_deg << " degrees; matched "
                        << result.matched << ", residual " << result.residual << ", weakest " << result.weakest
                        << ", feigned " << result.feigned);
       CHECK(error.shift_mm < 1);
@@ -75,7 +75,7 @@ TEST_CASE("known motions are found again, without noise and with it") {
   }
 }
 
-TEST_CASE("a plane does not say where along it the camera is, and the answer is that") {
+TEST_CASE("a plane leaves the camera's position along it unknown, and the result is degenerate") {
   DepthScene plane;
   plane.add("plane", 3, DVec3(0));
   const CameraPose truth = onArc(kTable, 1.0, 0.5);
@@ -85,14 +85,14 @@ TEST_CASE("a plane does not say where along it the camera is, and the answer is 
     const IcpResult result = search(fusion.map(), plane.frame(smallCamera(), truth, noise, 77), expected);
     CHECK_MESSAGE(result.state == IcpState::degenerate, result.why());
     MESSAGE(result.why());
-    // It has come onto the plane, and has not slid along it.
+    // The pose has moved onto the plane and has not slid along it.
     CHECK(std::abs(result.pose.centre.z - truth.centre.z) < 0.002);
     CHECK(glm::length(DVec2(result.pose.centre - expected.centre)) < 0.002);
     CHECK(result.why().find("plane") != std::string::npos);
   }
 }
 
-TEST_CASE("what is not in the map, lies off it, or is too far to have come to, is not found") {
+TEST_CASE("a pose is not found outside the map, with a large residual or beyond the maximum step") {
   const DepthScene scene = tableScene();
   const CameraPose truth = onArc(kTable, 1.0, 0.5);
   const FrameFusion fusion = mapped(scene, 1);
@@ -114,12 +114,12 @@ TEST_CASE("what is not in the map, lies off it, or is too far to have come to, i
   CHECK_MESSAGE(off.state == IcpState::tooFar, off.why());
 }
 
-TEST_CASE("every so-manyth pixel is paired, from the first row to the last") {
+TEST_CASE("pose search samples every n-th pixel, from the first row to the last") {
   const DepthScene scene = tableScene();
   const CameraPose truth = onArc(kTable, 1.0, 0.5);
   const FrameFusion fusion = mapped(scene, 0, 1);
   DepthFrame frame = scene.frame(smallCamera(), truth);
-  std::fill_n(frame.depth_m.begin(), 90 * 160, 0.0f);  // what is left begins below the middle
+  std::fill_n(frame.depth_m.begin(), 90 * 160, 0.0f);  // valid depths begin below the middle
   FrameImages images;
   std::vector<shared::PixelSurface> surfaces;
   readFrame(smallCamera(), frame, fusion.map().options(), images);
@@ -136,7 +136,7 @@ TEST_CASE("every so-manyth pixel is paired, from the first row to the last") {
   }
 }
 
-TEST_CASE("a pose is the same for any number of threads") {
+TEST_CASE("a found pose is the same with any number of threads") {
   const DepthScene scene = tableScene();
   const CameraPose truth = onArc(kTable, 1.0, 0.5);
   const DepthFrame frame = scene.frame(smallCamera(), truth, 1, 77);
@@ -154,7 +154,7 @@ TEST_CASE("a pose is the same for any number of threads") {
   CHECK(found[0].turn == found[1].turn);
 }
 
-TEST_CASE("frames without poses make a map as true as the drift of their poses lets it be") {
+TEST_CASE("frames without poses give a map as accurate as the drift of their poses") {
   const DepthScene scene = tableScene();
   FrameFusion fusion(smallMap());
   CameraPose last;
@@ -167,13 +167,13 @@ TEST_CASE("frames without poses make a map as true as the drift of their poses l
     last = truth;
     if (i < 15) continue;
     const Error6 error = between(outcome.pose, truth);
-    MESSAGE("after " << i << " frames off by " << error.shift_mm << " mm, " << error.turn_deg << " degrees");
+    MESSAGE("after " << i << " frames: error " << error.shift_mm << " mm, " << error.turn_deg << " degrees");
     CHECK(error.shift_mm < 3);
     CHECK(error.turn_deg < 0.3);
   }
 }
 
-TEST_CASE("a frame whose pose is not found is counted and said, and the map stays as it was; the next is found again") {
+TEST_CASE("a frame without a found pose is reported and leaves the map unchanged, and the next one is found") {
   const DepthScene scene = tableScene();
   DepthScene other;
   other.add("plane", 3, {0, 0, -0.5});
@@ -191,7 +191,7 @@ TEST_CASE("a frame whose pose is not found is counted and said, and the map stay
   CHECK(fusion.fuse(smallCamera(), next).fate == FrameFate::fused);
 }
 
-TEST_CASE("six equations are solved, and their eigenvalues are those of the matrix") {
+TEST_CASE("a system of six equations is solved, and its eigenvalues and eigenvectors are right") {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   NormalEquations::Row truth{};

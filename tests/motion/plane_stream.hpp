@@ -1,4 +1,4 @@
-// A plane that moves to and fro before a depth camera, tilted or not, with the noise and the rounding of its depths.
+// A plane that oscillates before a depth camera, tilted or not, with noise and rounding of its depths.
 #pragma once
 
 #include <algorithm>
@@ -12,13 +12,13 @@ namespace palpate {
 
 struct SeenPlane {
   double tilt_rad = 0;
-  double noise_m = 0;    ///< deviation of a depth, each for itself
-  double rounded_m = 0;  ///< depths are multiples of this; 0: of nothing
+  double noise_m = 0;    ///< standard deviation of a depth, independent per pixel
+  double rounded_m = 0;  ///< depths are multiples of this; 0: not rounded
 
   DVec3 normal() const { return {std::sin(tilt_rad), 0, -std::cos(tilt_rad)}; }
 };
 
-/// 30 frames a second from the origin, along z, and without an end; 4 mm to either side, once in two seconds.
+/// 30 frames per second from the origin along z, 1000 in all; 4 mm to either side at 0.5 Hz.
 class PlaneStream final : public DepthStream {
  public:
   static constexpr double kPeriod_s = 1.0 / 30, kAway_m = 0.5, kAmplitude_m = 0.004, kFrequency_Hz = 0.5;
@@ -27,17 +27,18 @@ class PlaneStream final : public DepthStream {
 
   explicit PlaneStream(const SeenPlane& seen) : seen_(seen) {}
 
-  /// Of the plane, on the camera's axis.
+  /// Position of the plane on the camera's axis.
   static double placeAt(double time_s) {
     return kAway_m + kAmplitude_m * std::sin(2 * std::numbers::pi * kFrequency_Hz * time_s);
   }
-  /// As it is felt: it goes evenly from frame to frame, one behind.
+  /// Position as felt: interpolated evenly from frame to frame, one frame late.
   static double feltAt(double time_s) {
     const double frame = std::floor(time_s / kPeriod_s + 1e-9), share = time_s / kPeriod_s - frame;
     const double before = placeAt(kPeriod_s * std::max(0.0, frame - 1));
     return before + share * (placeAt(kPeriod_s * frame) - before);
   }
-  /// Of a hand that comes within 0.1 s from 5 mm before the plane, and stays at a depth below it as it is felt.
+  /// Position of a hand that approaches within 0.1 s from 5 mm before the plane, then stays at a depth below the felt
+  /// plane.
   static DVec3 heldAt(double time_s, double depth_m, const DVec3& normal) {
     const double way = std::min(1.0, time_s / 0.1);
     return DVec3(0, 0, feltAt(time_s)) + ((1 - way) * 0.005 - way * depth_m) * normal;

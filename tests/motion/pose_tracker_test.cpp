@@ -1,4 +1,4 @@
-// Which pose a frame is taken to have, before anything is known of what it sees.
+// The pose assumed for a frame before its image is examined.
 #include "engine/motion/pose_tracker.hpp"
 
 #include <doctest/doctest.h>
@@ -18,13 +18,13 @@ DepthFrame frameWith(std::optional<CameraPose> pose) {
 }
 
 const PoseTracker::Search kNever = [](const CameraPose&, const IcpOptions&) -> IcpResult {
-  FAIL("there is nothing to look for");
+  FAIL("no pose search was expected");
   return {};
 };
 
 }  // namespace
 
-TEST_CASE("a frame stands where it says, and the first one that does not say so in the middle of the world") {
+TEST_CASE("a frame uses its own pose, and a first frame without a pose starts at the world's origin") {
   PoseTracker tracker;
   const auto first = tracker.place(frameWith({}), kNever);
   REQUIRE(first);
@@ -36,7 +36,7 @@ TEST_CASE("a frame stands where it says, and the first one that does not say so 
   CHECK(tracker.result().state == IcpState::found);
 }
 
-TEST_CASE("a frame is looked for about the last one that was fused, the farther the more were not") {
+TEST_CASE("the pose search starts at the last fused frame, and widens with each missed frame") {
   IcpOptions options;
   options.longestStep_m = 0.1;
   options.largestTurn_deg = 5;

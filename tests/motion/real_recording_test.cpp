@@ -1,4 +1,4 @@
-// A recorded room (25 frames of 640 x 480), fused from its own poses and from those that are found.
+// A recorded room (25 frames of 640 x 480), fused with its own poses and with found ones.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -19,7 +19,7 @@ std::uint64_t frames() { return byTier<std::uint64_t>(4, 8); }
 
 struct Room {
   FrameFusion fusion{FusionOptions{}};
-  double furthest_mm = 0;  // of the poses that were found from the recorded ones
+  double furthest_mm = 0;  // of the found poses from the recorded ones
 };
 
 Room fused(const std::filesystem::path& folder, Poses poses) {
@@ -39,7 +39,7 @@ Room fused(const std::filesystem::path& folder, Poses poses) {
 
 }  // namespace
 
-TEST_CASE("a recorded room becomes one map, with its poses and without them" * kMoreInFull) {
+TEST_CASE("a recorded room is fused into one map, with its poses and without them" * kMoreInFull) {
   const std::filesystem::path folder = modelsFolder() / "rgbd_livingroom_a";
   if (!isRgbdFolder(folder)) {
     MESSAGE("skipped: no ", folder.string());
@@ -47,19 +47,19 @@ TEST_CASE("a recorded room becomes one map, with its poses and without them" * k
   }
   const Room own = fused(folder, Poses::own), found = fused(folder, Poses::found);
   CHECK(own.furthest_mm == 0);
-  MESSAGE("poses that were found are up to ", found.furthest_mm, " mm from those of the recording");
+  MESSAGE("found poses differ by up to ", found.furthest_mm, " mm from the recorded ones");
   CHECK(found.furthest_mm < 15);
   for (const Room* room : {&own, &found}) {
     const SurfelMap& map = room->fusion.map();
     MESSAGE(map.count(), " points, ", map.totals().removed, " removed");
-    // The camera turns and hardly comes nearer: most of what a frame sees was there.
+    // The camera rotates and hardly moves: most of what a frame sees is already in the map.
     CHECK(map.isColored());
     CHECK(map.count() > 300'000);
     CHECK(map.count() < 450'000);
     CHECK(7 * map.totals().matched > 3 * (frames() - 1) * map.totals().appended);
     CHECK(map.totals().removed < map.count() / 1000);
   }
-  // One is where the other one is.
+  // Both maps agree.
   const PointCloud here = own.fusion.map().cloud(), there = found.fusion.map().cloud();
   const PointTree tree(there.positions);
   std::size_t near = 0, asked = 0;

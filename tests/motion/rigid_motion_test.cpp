@@ -22,7 +22,7 @@ const std::vector<RigidMotion>& motions() {
 
 }  // namespace
 
-TEST_CASE("velocities are what places change by") {
+TEST_CASE("velocities are the derivative of positions") {
   const DVec3 rest(10, -20, 30);
   for (const RigidMotion& motion : motions())
     for (const double time_s : {0.0, 0.3, 17.0}) {
@@ -34,7 +34,7 @@ TEST_CASE("velocities are what places change by") {
     }
 }
 
-TEST_CASE("a place goes back to where it rests, and nothing has moved at time 0") {
+TEST_CASE("a moved position maps back to its rest position, and at time 0 nothing has moved") {
   const DVec3 rest(10, -20, 30);
   for (const RigidMotion& motion : motions()) {
     CHECK(motion.poseAt(0).moved(rest) == rest);
@@ -48,7 +48,7 @@ TEST_CASE("a place goes back to where it rests, and nothing has moved at time 0"
   CHECK(glm::distance(motions()[2].poseAt(1 / 0.7).moved(rest), rest) < 1e-12);
 }
 
-TEST_CASE("the points of a shape that moves are on it, with its normals and exact velocities, wherever it lies") {
+TEST_CASE("points of a moving shape lie on it, with its normals and exact velocities, also far from the origin") {
   for (const DVec3 center : {DVec3(0), DVec3(-1e6, 2e6, 5e5)})
     for (const RigidMotion& motion : motions()) {
       const Scene scene = makeScene("torus", 3'000, center);
@@ -74,7 +74,7 @@ TEST_CASE("the points of a shape that moves are on it, with its normals and exac
     }
 }
 
-TEST_CASE("a frame of the same time has the same bytes, whatever was asked for before") {
+TEST_CASE("frames of a moving shape at the same time are the same bit by bit, whatever was requested before") {
   const Scene scene = makeScene("sphere", 1'000);
   for (const RigidMotion& motion : motions()) {
     MovingCloud source(scene.cloud, motion), other(scene.cloud, motion);

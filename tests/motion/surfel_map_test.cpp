@@ -1,4 +1,4 @@
-// A map of surfels against the shapes that were seen: how true, how even, what goes and what must stay.
+// A map of surfels against the observed shapes: accuracy, evenness, and which points are removed or kept.
 #include "engine/motion/surfel_map.hpp"
 
 #include <doctest/doctest.h>
@@ -20,7 +20,7 @@ namespace {
 
 const DVec3 kTable(0, 0, 0.02);
 
-// A map of the table seen from an arc, in a number of frames.
+// A map of the table, from a number of frames on an arc.
 FrameFusion fusedTable(std::uint64_t frames, double noise, const FusionOptions& options = smallMap(),
                        const DVec3& at = DVec3(0)) {
   const DepthScene scene = tableScene(at);
@@ -37,13 +37,13 @@ FrameFusion fusedTable(std::uint64_t frames, double noise, const FusionOptions& 
 
 double footprint(double depth_m) { return depth_m / smallCamera().fx; }
 
-// In 24 frames, with noise: for more than one test.
+// Of 24 frames with noise, shared by several tests.
 const SurfelMap& tableInNoise() {
   static const FrameFusion fusion = fusedTable(24, 1);
   return fusion.map();
 }
 
-// To the k-th nearest of the points, from 0.
+// Distance to the k-th nearest of the points, counted from 0.
 double distanceTo(const PointTree& tree, const Vec3& place, std::size_t k) {
   std::array<std::uint32_t, 2> indices{};
   std::array<double, 2> squares{};
@@ -52,11 +52,11 @@ double distanceTo(const PointTree& tree, const Vec3& place, std::size_t k) {
 }
 
 struct Truth {
-  double rms_mm = 0, angle_deg = 0;  // off the surface; median of the normals
+  double rms_mm = 0, angle_deg = 0;  // from the surface; median of the normals
   std::size_t points = 0;
 };
 
-// Of the points that were measured at least so often.
+// For the points with at least this number of measurements.
 Truth against(const DepthScene& scene, const SurfelMap& map, shared::uint measurements) {
   Truth truth;
   std::vector<double> angles;
@@ -77,7 +77,7 @@ Truth against(const DepthScene& scene, const SurfelMap& map, shared::uint measur
 
 }  // namespace
 
-TEST_CASE("a fused map lies nearer to the shapes than any depth that it was made of") {
+TEST_CASE("a fused map is more accurate than any of its depth frames") {
   const DepthScene scene = tableScene();
   const Truth one = against(scene, fusedTable(1, 1).map(), 1);
   const Truth many = against(scene, tableInNoise(), 12);
@@ -88,7 +88,7 @@ TEST_CASE("a fused map lies nearer to the shapes than any depth that it was made
   CHECK(many.angle_deg < one.angle_deg / 2);
 }
 
-TEST_CASE("without noise points are on the shapes, with their normals") {
+TEST_CASE("without noise points lie on the shapes, with their normals") {
   const DepthScene scene = tableScene();
   const Truth truth = against(scene, fusedTable(6, 0).map(), 4);
   MESSAGE("RMS " << truth.rms_mm << " mm, normals " << truth.angle_deg << " degrees");
@@ -96,7 +96,7 @@ TEST_CASE("without noise points are on the shapes, with their normals") {
   CHECK(truth.angle_deg < 0.5);
 }
 
-TEST_CASE("points cover what is seen evenly, and none doubles another one") {
+TEST_CASE("points cover the observed surface evenly, without duplicates") {
   const PointCloud cloud = tableInNoise().cloud();
   const PointTree tree(cloud.positions);
   std::vector<double> gaps;
@@ -106,7 +106,7 @@ TEST_CASE("points cover what is seen evenly, and none doubles another one") {
   MESSAGE("neighbours: " << gaps[gaps.size() / 100] / pixel << " pixels at 1 %, " << gaps[gaps.size() / 2] / pixel
                          << " at 50 %");
   CHECK(gaps[gaps.size() / 100] > 0.5 * pixel);
-  // Where the last frame has a surface, a point is near.
+  // Near each surface of the last frame there is a point.
   const DepthScene scene = tableScene();
   FrameImages images;
   std::vector<shared::PixelSurface> surfaces;
@@ -127,7 +127,7 @@ TEST_CASE("points cover what is seen evenly, and none doubles another one") {
   CHECK(static_cast<double>(near) > 0.99 * static_cast<double>(seen));
 }
 
-TEST_CASE("what has gone leaves no ghost once the camera has seen through it, and what has come is there") {
+TEST_CASE("a removed object leaves no ghost once the camera sees through it, and a new object is mapped") {
   DepthScene before, after;
   before.add("plane", 0.8, DVec3(0)).add("sphere", 0.08, DVec3(-0.05, 0, 0.06));
   after.add("plane", 0.8, DVec3(0)).add("sphere", 0.08, DVec3(0.05, 0, 0.06));
@@ -149,7 +149,7 @@ TEST_CASE("what has gone leaves no ghost once the camera has seen through it, an
   CHECK(standing({0.05, 0, 0.06}) > 500);
 }
 
-TEST_CASE("a pose that is a little off does not eat the rim of what stands before a wall") {
+TEST_CASE("a slightly wrong pose does not erode the rim of an object before a wall") {
   DepthScene scene;
   scene.add("cube", 0.1, {0, 0, 0.05}).add("plane", 2, {0, 0, -0.5});
   FrameFusion fusion(smallMap());
@@ -163,19 +163,19 @@ TEST_CASE("a pose that is a little off does not eat the rim of what stands befor
   std::size_t kept = 0;
   for (std::size_t id = 0; id < ids; ++id) kept += fusion.map().holds(id) ? 1 : 0;
   CHECK(kept == ids);
-  // By three pixels it is the other place that counts.
+  // At three pixels the other position is a real change.
   aside.pose->centre.x += 2.1 * footprint(0.9);
   for (int i = 0; i < 12; ++i) fusion.fuse(smallCamera(), aside);
   CHECK(fusion.map().totals().removed > 20);
 }
 
-TEST_CASE("what is not seen keeps every bit: behind the camera, beside its view, and behind what stands in front") {
+TEST_CASE("points that are not observed stay unchanged: behind the camera, outside its view, or hidden") {
   const DepthScene scene = tableScene();
   FrameFusion fusion(smallMap());
   for (std::uint64_t i = 0; i < 6; ++i)
     fusion.fuse(smallCamera(), scene.frame(smallCamera(), onArc(kTable, 1.0, 0.5), 1, i));
   const SurfelMap before = fusion.map();
-  // Points of before, measured at least so often then, that have kept every bit.
+  // Number of unchanged points among those with at least this number of measurements before.
   const auto same = [&](const SurfelMap& map, shared::uint measurements) {
     std::size_t count = 0;
     for (std::size_t id = 0; id < before.ids(); ++id)
@@ -211,7 +211,7 @@ TEST_CASE("what is not seen keeps every bit: behind the camera, beside its view,
   }
 }
 
-TEST_CASE("an id is one place for life") {
+TEST_CASE("an id stands for one point until it is removed") {
   const DepthScene scene = tableScene();
   FrameFusion fusion(smallMap());
   std::vector<shared::Surfel> before;
@@ -221,7 +221,7 @@ TEST_CASE("an id is one place for life") {
     fusion.fuse(smallCamera(), scene.frame(smallCamera(), onArc(kTable, 1.0, static_cast<double>(i) / 7), 1, i));
     for (std::size_t id = 0; id < before.size(); ++id) {
       const shared::Surfel& now = fusion.map().surfel(id);
-      // A point that is new has been measured once.
+      // A new point has one measurement.
       if (before[id].record.weight == 0 || shared::measurementsOf(now.record) == 1 || !fusion.map().holds(id)) continue;
       ++followed;
       furthest = std::max(furthest, glm::distance(now.place, before[id].place));
@@ -233,7 +233,7 @@ TEST_CASE("an id is one place for life") {
   CHECK(furthest < 0.02f);
 }
 
-TEST_CASE("a full map takes no more points, says how many, and goes on averaging those that it has") {
+TEST_CASE("a full map adds no points, reports how many were refused, and keeps averaging") {
   const DepthScene scene = tableScene();
   FrameFusion fusion(smallMap(5000));
   const CameraPose pose = onArc(kTable, 1.0, 0.5);
@@ -247,7 +247,7 @@ TEST_CASE("a full map takes no more points, says how many, and goes on averaging
   CHECK(fusion.map().ids() == 5000);
 }
 
-TEST_CASE("ids of points that go are given to new ones, the lowest first") {
+TEST_CASE("ids of removed points are reused, the lowest first") {
   DepthScene near, far;
   near.add("cube", 0.2, {0, 0, 0.1});
   far.add("plane", 2, {0, 0, -0.5});
@@ -259,7 +259,7 @@ TEST_CASE("ids of points that go are given to new ones, the lowest first") {
   REQUIRE(ids > 10'000);
   for (; number < 12; ++number) fusion.fuse(smallCamera(), far.frame(smallCamera(), pose, 0, number));
   CHECK(fusion.map().totals().removed >= ids);
-  // The far ones came while the near ones were still believed; the near ones' ids are free now.
+  // The far points were added before the near ones were removed, whose ids are free now.
   const std::size_t most = fusion.map().ids(), free = most - fusion.map().count();
   CHECK(free >= ids);
   CHECK_FALSE(fusion.map().holds(0));
@@ -268,12 +268,12 @@ TEST_CASE("ids of points that go are given to new ones, the lowest first") {
   CHECK(counts.appended > 1000);
   REQUIRE(counts.appended < free);
   CHECK(fusion.map().ids() == most);
-  std::size_t next = 0;  // the first id that nobody has: all that are free are in a row
+  std::size_t next = 0;  // the first free id: all free ids were consecutive
   while (next < most && fusion.map().holds(next)) ++next;
   CHECK(next == counts.appended);
 }
 
-TEST_CASE("a map far from the world's origin is as fine as one about it") {
+TEST_CASE("a map far from the world's origin is as accurate as one near it") {
   const DVec3 far(123'456, -654'321, 98'765);
   const auto here = fusedTable(6, 1);
   const auto there = fusedTable(6, 1, smallMap(), far);
@@ -284,7 +284,7 @@ TEST_CASE("a map far from the world's origin is as fine as one about it") {
   CHECK(static_cast<double>(b.points) == near(static_cast<double>(a.points), 0.01));
 }
 
-TEST_CASE("the same frames give the same bytes with any number of threads") {
+TEST_CASE("the same frames give the same map bit by bit with any number of threads") {
   DepthScene before, after;
   before.add("plane", 0.8, DVec3(0)).add("cube", 0.15, {-0.05, 0, 0.08});
   after.add("plane", 0.8, DVec3(0)).add("sphere", 0.15, {0.05, 0, 0.08});
@@ -302,7 +302,7 @@ TEST_CASE("the same frames give the same bytes with any number of threads") {
   CHECK(areSame(fusions[0].map(), fusions[1].map()));
 }
 
-TEST_CASE("images of any size are fused, and a pixel that has no neighbours is no surface") {
+TEST_CASE("images of any size are fused, and a pixel without neighbours is no surface") {
   for (const auto& [width, height, some] : {std::tuple(1u, 1u, false),
                                             {2u, 2u, false},
                                             {17u, 3u, true},
@@ -323,7 +323,7 @@ TEST_CASE("images of any size are fused, and a pixel that has no neighbours is n
   }
 }
 
-TEST_CASE("colours are averaged, and grey where none was seen") {
+TEST_CASE("colours are averaged, and absent if none was observed") {
   const DepthScene scene = tableScene();
   DepthFrame frame = scene.frame(smallCamera(), onArc(kTable, 1.0, 0.5), 0);
   FrameFusion fusion(smallMap());
@@ -342,7 +342,7 @@ TEST_CASE("colours are averaged, and grey where none was seen") {
   CHECK(color[2] > 192);
 }
 
-TEST_CASE("a surface that moves less than the gate is followed without overshoot") {
+TEST_CASE("a surface that moves less than the gate is tracked without overshoot") {
   FusionOptions options = smallMap();
   options.memory_frames = 10;
   FrameFusion fusion(options);
@@ -360,7 +360,7 @@ TEST_CASE("a surface that moves less than the gate is followed without overshoot
   CHECK(before > 1.00099f);
 }
 
-TEST_CASE("a frame that is none is refused with its reason, and the map stays as it was") {
+TEST_CASE("an invalid frame is refused with its reason, and the map stays unchanged") {
   auto fusion = fusedTable(2, 1);
   const SurfelMap before = fusion.map();
   const DepthFrame good = tableScene().frame(smallCamera(), onArc(kTable, 1.0, 0.5));
@@ -392,11 +392,11 @@ TEST_CASE("a frame that is none is refused with its reason, and the map stays as
   CHECK(fusion.lost() == 9);
 }
 
-TEST_CASE("options out of their bounds are refused by name") {
+TEST_CASE("fusion options outside their bounds are refused by name") {
   const auto says = [](const FusionOptions& options, std::string_view field) {
     try {
       options.validate();
-      FAIL("they were taken");
+      FAIL("they were accepted");
     } catch (const Error& error) {
       CHECK_MESSAGE(std::string_view(error.what()).find(field) != std::string_view::npos, error.what());
     }

@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-// A live cloud that depth frames are fused into, with its index.
+// A live cloud with its index, into which depth frames are fused.
 class FusedCloud {
  public:
   FusedCloud(Device& device, const DepthCamera& camera, const FusionOptions& options, const PointCloud& begun = {})
@@ -41,7 +41,7 @@ class FusedCloud {
     return pass_.counts();
   }
 
-  // By id; of weight 0 where no slot has it.
+  // By id; weight 0 if no slot contains the id.
   std::vector<shared::Surfel> surfels() const {
     std::vector<shared::Surfel> all(cloud_.slots());
     const auto records = download<shared::SurfelRecord>(device_, pass_.records(), cloud_.slots());
@@ -52,10 +52,10 @@ class FusedCloud {
       const auto id = std::bit_cast<std::uint32_t>(positions[slot].w);
       if (id == shared::kEmptySlot) continue;
       if (id >= options_.capacity || all[id].record.weight > 0) {
-        ++wrong;  // none, or one twice
+        ++wrong;  // an invalid id, or one twice
         continue;
       }
-      // A point that was there, and whose colour no frame has seen, has the cloud's.
+      // Points of the initial cloud whose colour no frame has observed have the cloud's colour.
       const auto color = std::bit_cast<std::uint32_t>(normals[slot].w);
       wrong += records[id].color != 0 && color != shared::colorBeside(records[id]);
       all[id] = {.place = Vec3(positions[slot]), .normal = Vec3(normals[slot]), .record = records[id]};

@@ -1,4 +1,4 @@
-// Fusion on the GPU against the one on the host: the same frames, the same points.
+// Fusion on the GPU against fusion on the host: the same frames give the same points.
 #include "engine/motion/fusion_pass.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 const DVec3 kTable(0, 0, 0.02);
 
-// Points of a map by id, as FusedCloud gives them.
+// Points of a map by id, in the format of FusedCloud.
 std::vector<shared::Surfel> surfelsOf(const SurfelMap& map, std::size_t slots) {
   std::vector<shared::Surfel> surfels(slots);
   for (std::size_t id = 0; id < map.ids(); ++id)
@@ -34,7 +34,7 @@ std::vector<Vec3> placesOf(const std::vector<shared::Surfel>& surfels) {
   return places;
 }
 
-// Whether two maps are the same point by point: with the same history, and where they are but for rounding.
+// Whether two maps are equal point by point: the same records, and positions up to rounding.
 bool haveSamePoints(const std::vector<shared::Surfel>& a, const std::vector<shared::Surfel>& b) {
   return std::ranges::equal(a, b, [](const shared::Surfel& x, const shared::Surfel& y) {
     if ((x.record.weight > 0) != (y.record.weight > 0)) return false;
@@ -43,7 +43,7 @@ bool haveSamePoints(const std::vector<shared::Surfel>& a, const std::vector<shar
   });
 }
 
-// Whether nearly all points of one map have one of the other near.
+// Whether nearly all points of one map are near a point of the other.
 bool lieTogether(const std::vector<shared::Surfel>& a, const std::vector<shared::Surfel>& b) {
   const std::vector<Vec3> from = placesOf(a), to = placesOf(b);
   if (to.empty()) return from.empty();
@@ -58,8 +58,8 @@ bool lieTogether(const std::vector<shared::Surfel>& a, const std::vector<shared:
   return static_cast<double>(near) > 0.99 * static_cast<double>(from.size());
 }
 
-// A driver on the CPU rounds every operation as the host does. One on a GPU may divide and contract otherwise, and then
-// a point on the border of a gate falls to the other side, and all that are new behind it have other ids.
+// A driver on the CPU rounds every operation as the host does. One on a GPU may divide and contract differently; then a
+// point on the border of a gate may fall to the other side, and all later new points have other ids.
 class FusionFixture : public GpuFixture {
  protected:
   void checkAlike(const FusionCounts& counts, const FusionCounts& expected) const {
@@ -87,7 +87,7 @@ class FusionFixture : public GpuFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(FusionFixture, "the map on the GPU is the one on the host, frame after frame") {
+TEST_CASE_FIXTURE(FusionFixture, "fusion on the GPU gives the map of the host, frame after frame") {
   const FusionOptions options = smallMap(60'000);
   const DepthScene scene = tableScene();
   FrameFusion host(options);
@@ -104,7 +104,8 @@ TEST_CASE_FIXTURE(FusionFixture, "the map on the GPU is the one on the host, fra
   }
 }
 
-TEST_CASE_FIXTURE(FusionFixture, "on the GPU, too, a ghost goes, its ids come again, and a full map says so") {
+TEST_CASE_FIXTURE(FusionFixture,
+                  "GPU fusion removes ghosts, reuses their ids and reports a full map, as the host does") {
   DepthScene before, after;
   before.add("plane", 0.8, DVec3(0)).add("sphere", 0.08, DVec3(-0.05, 0, 0.06));
   after.add("plane", 0.8, DVec3(0)).add("sphere", 0.08, DVec3(0.05, 0, 0.06));
@@ -124,7 +125,8 @@ TEST_CASE_FIXTURE(FusionFixture, "on the GPU, too, a ghost goes, its ids come ag
   }
 }
 
-TEST_CASE_FIXTURE(FusionFixture, "images of any size, without depth and with it, are the same on the GPU") {
+TEST_CASE_FIXTURE(FusionFixture,
+                  "GPU fusion handles depth images of any size, with and without depth, as the host does") {
   for (const auto& [width, height] : {std::pair(1u, 1u), {17u, 3u}, {33u, 31u}, {257u, 9u}}) {
     CAPTURE(width);
     const DepthCamera camera{
@@ -142,7 +144,7 @@ TEST_CASE_FIXTURE(FusionFixture, "images of any size, without depth and with it,
   }
 }
 
-TEST_CASE_FIXTURE(FusionFixture, "the same frames give the same bytes, and points out of view keep theirs") {
+TEST_CASE_FIXTURE(FusionFixture, "the same frames give the same map bit by bit, and points out of view do not change") {
   const FusionOptions options = smallMap(40'000);
   const DepthScene scene = tableScene();
   FusedCloud one(device, smallCamera(), options), other(device, smallCamera(), options);
@@ -169,7 +171,7 @@ TEST_CASE_FIXTURE(FusionFixture, "the same frames give the same bytes, and point
   CHECK(come > 10'000);
 }
 
-TEST_CASE_FIXTURE(FusionFixture, "a cloud that is there is gone on with, and its ids are not given away") {
+TEST_CASE_FIXTURE(FusionFixture, "fusion continues an existing cloud, keeps its colours and does not reuse its ids") {
   const auto plane = makeShape("plane", 0.3);
   PointCloud begun = sampleShape(*plane, {.count = 5000, .seed = 3});
   begun.colors.assign(begun.size(), {250, 7, 80, 255});
@@ -193,13 +195,12 @@ TEST_CASE_FIXTURE(FusionFixture, "a cloud that is there is gone on with, and its
   CHECK(furthest < 0.001f);
 }
 
-TEST_CASE_FIXTURE(FusionFixture,
-                  "what a brush has moved or taken stays so where no camera looks, and its id is kept for it") {
+TEST_CASE_FIXTURE(FusionFixture, "points moved or removed by a brush stay so out of view, and their ids are kept") {
   const FusionOptions options = smallMap(20'000);
   const DepthScene scene = tableScene();
   FusedCloud gpu(device, smallCamera(), options);
   gpu.fuse(smallCamera(), scene.frame(smallCamera(), onArc(kTable, 1.0, 0.5), 0, 0));
-  // The slots of the front half, as an edit leaves them: one point is elsewhere, another one gone.
+  // The slots of the front half as an edit leaves them: one point moved, another one removed.
   std::vector<Vec4> positions = download<Vec4>(device, gpu.cloud().front().positions, gpu.cloud().slots());
   const auto idOf = [&](std::size_t slot) { return std::bit_cast<std::uint32_t>(positions[slot].w); };
   const std::uint32_t moved = idOf(10), taken = idOf(20);
@@ -212,14 +213,14 @@ TEST_CASE_FIXTURE(FusionFixture,
   ceiling.add("plane", 3, {0, 0, 4});
   const CameraPose away = lookingAt({0, 0, 2}, {0, 0, 4});
   const FusionCounts counts = gpu.fuse(smallCamera(), ceiling.frame(smallCamera(), away, 0, 1));
-  CHECK(counts.refused > 0);  // the map is full, and even so the id that was taken is not given away
+  CHECK(counts.refused > 0);  // the map is full, but the id of the removed point is not reused
   const auto surfels = gpu.surfels();
   CHECK(surfels[moved].place == Vec3(0.01f, 0.02f, 1.5f));
   CHECK(surfels[taken].record.weight == 0);
   CHECK(counts.points == options.capacity - 1);
 }
 
-TEST_CASE_FIXTURE(FusionFixture, "what does not fit is refused before any memory is taken") {
+TEST_CASE_FIXTURE(FusionFixture, "parameters of a fusion that do not fit are refused before memory is allocated") {
   const auto refuses = [&](const DepthCamera& camera, const FusionOptions& options, std::uint32_t slots) {
     CHECK_THROWS_AS(FusionPass(device, camera, options, slots), Error);
   };

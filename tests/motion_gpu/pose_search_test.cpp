@@ -1,4 +1,4 @@
-// Poses that are found on the GPU against those that the host finds, and against the truth.
+// Poses found on the GPU against those found on the host, and against the true ones.
 #include <algorithm>
 #include <array>
 
@@ -30,7 +30,7 @@ class PoseFixture : public GpuFixture {};
 
 }  // namespace
 
-TEST_CASE_FIXTURE(PoseFixture, "the GPU finds the pose that the host finds, frame after frame, near the truth") {
+TEST_CASE_FIXTURE(PoseFixture, "the GPU finds the pose that the host finds, frame after frame, near the true one") {
   const FusionOptions options = smallMap(60'000);
   const DepthScene scene = tableScene();
   FrameFusion host(options);
@@ -47,7 +47,7 @@ TEST_CASE_FIXTURE(PoseFixture, "the GPU finds the pose that the host finds, fram
       frame.pose.reset();
       const FrameOutcome& outcome = host.fuse(smallCamera(), frame);
       REQUIRE(outcome.fate == FrameFate::fused);
-      // Of one step, since both go on from a pose of their own.
+      // Compared for one step, since each continues from its own pose.
       CHECK(shift_mm(result.pose, outcome.pose) < 0.2);
       CHECK(turn_deg(result.pose, outcome.pose) < 0.02);
       CHECK(result.matched == near(outcome.search.matched, 0.01));
@@ -65,7 +65,7 @@ TEST_CASE_FIXTURE(PoseFixture, "the GPU finds the pose that the host finds, fram
   }
 }
 
-TEST_CASE_FIXTURE(PoseFixture, "the same frame gives the same pose; a plane, and what is not there, give none") {
+TEST_CASE_FIXTURE(PoseFixture, "the same frame gives the same pose; a plane or an empty frame gives none") {
   const FusionOptions options = smallMap(40'000);
   DepthScene plane;
   plane.add("plane", 3, DVec3(0));

@@ -1,5 +1,5 @@
-// A program of another maker's DDS (eProsima Fast DDS, with Fast CDR), as those of rmw_fastrtps are: it knows ROS's
-// types by their names alone and shares no code with palpate. On this machine's loopback:
+// A program with another DDS implementation (eProsima Fast DDS, with Fast CDR), like those of rmw_fastrtps: it
+// identifies ROS's types by name and shares no code with palpate. On this machine's loopback:
 //   fastdds_peer hear DOMAIN NAME SECONDS   a line of JSON for each pose, proxy, wrench and cloud of that name
 //   fastdds_peer send DOMAIN TOPIC SECONDS  a PointCloud2 of a square, ten times a second
 #include <fastcdr/Cdr.h>
@@ -69,7 +69,7 @@ struct PointCloud2 {
   bool is_dense = true;
 };
 
-// One list of fields for both ways: `each` reads or writes one of them.
+// One list of fields for reading and writing: `each` reads or writes a field.
 template <class Each>
 void visit(Header& header, Each&& each) {
   each(header.sec), each(header.nanosec), each(header.frame_id);
@@ -101,7 +101,7 @@ class TypeOf : public TopicDataType {
  public:
   TypeOf() {
     setName(T::kName);
-    m_typeSize = 1 << 16;  // to begin with: it grows
+    m_typeSize = 1 << 16;  // initial size, it grows
     m_isGetKeyDefined = false;
   }
   bool serialize(void* data, SerializedPayload_t* payload) override {
@@ -122,7 +122,7 @@ class TypeOf : public TopicDataType {
   }
   std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
     return [data] {
-      std::uint32_t most = 64;  // of numbers, and what aligns them
+      std::uint32_t most = 64;  // of numbers and their alignment
       visit(*static_cast<T*>(data), [&](auto& field) {
         if constexpr (requires { field.size(); })
           most += static_cast<std::uint32_t>(field.size()) + 16;
@@ -176,7 +176,7 @@ std::string inWords(const char* topic, const PointCloud2& cloud) {
          "], \"numbers\": " + listOf(places) + "}";
 }
 
-// The loopback alone, where others are asked by their ports: as of programs of ROS that are told LOCALHOST.
+// Only the loopback, with peers addressed by their ports: like ROS programs with LOCALHOST discovery.
 DomainParticipant* participantOf(std::uint32_t domain) {
   DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
   auto loopback = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
@@ -189,7 +189,7 @@ DomainParticipant* participantOf(std::uint32_t domain) {
   eprosima::fastrtps::rtps::IPLocator::setIPv4(here, 127, 0, 0, 1);
   qos.wire_protocol().builtin.initialPeersList.push_back(here);
   auto* const participant = DomainParticipantFactory::get_instance()->create_participant(domain, qos);
-  if (participant == nullptr) throw std::runtime_error("there is no participant");
+  if (participant == nullptr) throw std::runtime_error("cannot create a DDS participant");
   return participant;
 }
 

@@ -1,5 +1,5 @@
-// One who is on the network of a session and means it no good: says as fast as it can what no client and no server of
-// ours would, for so many seconds, the same for the same seed.
+// An attacker in the network of a session: sends, as fast as possible for a number of seconds, samples that no client
+// and no server of palpate would send; the same for the same seed.
 //   hostile_side DOMAIN ATTACK SECONDS SEED
 #include <fmt/format.h>
 
@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::size_t kManyIds = 10'000;
 
-/// Samples of any bytes whatsoever under the name of another type, which readers of that take for their own.
+/// Samples of raw bytes under the name of another type, which that type's readers accept.
 template <class Raw>
 class RawWriter {
  public:
@@ -44,7 +44,7 @@ class RawWriter {
   Writer<Raw> writer_;
 };
 
-/// Any bytes as samples of each of our types, and as many of them as no sample has.
+/// Raw bytes as samples of each of palpate's types, also with sizes that no valid sample has.
 class AnyBytes {
  public:
   explicit AnyBytes(std::uint32_t domain) : domain_(domain) {}
@@ -56,7 +56,7 @@ class AnyBytes {
   }
 
  private:
-  // A participant has one type of each topic.
+  // A participant can have one type per topic.
   template <class Raw>
   void begin(const dds_topic_descriptor_t& raw, std::vector<RawWriter<Raw>>& writers) {
     const auto topic = [](const char* name) { return fmt::format("palpate/{}/{}", kVersion, name); };
@@ -126,7 +126,7 @@ class HostileSide {
         heardNears_(participant_, topics_.nears, bestEffortQos()),
         bytes_(domain) {}
 
-  /// The session that is served there.
+  /// Finds the session that is served in this domain.
   bool findSession() {
     const Reader<Notice> notices(participant_, topics_.notices, reliableQos(true));
     bool isFound = false;
@@ -143,7 +143,7 @@ class HostileSide {
     return false;
   }
 
-  /// Says it again and again; how often.
+  /// Repeats the attack and returns the number of repetitions.
   std::uint64_t run(const std::string& attack, double seconds) {
     const std::map<std::string, std::function<void()>> attacks{
         {"requests", [&] { request(idNumber(roll() % kManyIds)); }},
@@ -208,7 +208,7 @@ class HostileSide {
     writers_.requests.write(request);
   }
 
-  // Readers of 64 clients that are there, as those of one whose machine has been put to sleep, and take nothing.
+  // Readers of 64 clients that are present but read nothing, like clients on a suspended machine.
   void unread() {
     constexpr std::size_t kReaders = 64;
     if (unread_.size() < kReaders) {
@@ -247,7 +247,7 @@ class HostileSide {
     if (!writer.write(stroke) && number == number_) --number_;
   }
 
-  // In the name of the server, to whoever follows: what no server says.
+  // In the name of the server, to any client: results that no server sends.
   void result(bool isCopy) {
     heardHands_.take([&](const HandSample& hand) { victim_ = idOf(hand.client); });
     if (!victim_) return;
@@ -272,7 +272,7 @@ class HostileSide {
     }
     Result result{};
     set(result.session, idOf(session_));
-    result.epoch = roll() % 8 ? 1 + roll() % 3 : roll();  // the first ones
+    result.epoch = roll() % 8 ? 1 + roll() % 3 : roll();  // the first epochs
     result.counter = roll() % 2 ? roll() % 1000 : any64();
     result.acked = any64();
     result.upTo = any64();
@@ -298,7 +298,7 @@ class HostileSide {
     writers_.hands.write(hand);
   }
 
-  // Balls as large as a client gets them, never where they were.
+  // Balls of a client's maximum size, at a new position each time.
   void near(const Id& client) {
     std::vector<palpate_sharing_Ball> balls(8);
     for (palpate_sharing_Ball& ball : balls)
@@ -315,7 +315,7 @@ class HostileSide {
     writers_.nears.write(near);
   }
 
-  // In the name of the server, to whoever is near his hand, as the next sample that he waits for: what is no brick.
+  // In the name of the server, to a client near its hand, with the next sample number that it expects: invalid bricks.
   void bricks() {
     heardNears_.take([&](const Near& near) {
       if (isSame(near.session, idOf(session_))) heard_ = near;
@@ -375,7 +375,7 @@ class HostileSide {
   std::vector<Reader<Block>> unread_;
   std::optional<Id> victim_;
   std::optional<Writer<Result>> results_;
-  std::optional<Near> heard_;  // but for its balls, which are DDS's
+  std::optional<Near> heard_;  // without its balls, which belong to DDS
   std::optional<Writer<Bricks>> bricksTo_;
   std::uint8_t session_[16] = {};
   std::uint32_t points_ = 1, epoch_ = 0, nears_ = 0;
@@ -392,7 +392,7 @@ int main(int argc, char** argv) {
     palpate::HostileSide side(static_cast<std::uint32_t>(std::atoi(argv[1])),
                               static_cast<std::uint32_t>(std::atoi(argv[4])));
     if (!side.findSession()) {
-      fmt::print("nothing to attack\n");
+      fmt::print("no session to attack\n");
       return 1;
     }
     const std::uint64_t said = side.run(argv[2], std::atof(argv[3]));

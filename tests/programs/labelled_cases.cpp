@@ -21,12 +21,12 @@ TEST_CASE("more in the full tier" * kMoreInFull) {
   MESSAGE("repetitions: ", repetitions);
 }
 
-TEST_CASE("held against a clock, once late" * kClock) {
+TEST_CASE("measures a clock, late once" * kClock) {
   static int tries = 0;
   CHECK((++tries > 1 || !shallFail("FAIL_ONCE")));
 }
 
-TEST_CASE("held against a clock, always late" * kClock) { CHECK(!shallFail("FAIL_ALWAYS")); }
+TEST_CASE("measures a clock, always late" * kClock) { CHECK(!shallFail("FAIL_ALWAYS")); }
 
 TEST_SUITE_BEGIN(kPortable);
 

@@ -1,5 +1,5 @@
-// Hears a hand and a cloud of palpate, as a program of ROS would, so that somebody has it sent over the network, and
-// says how long poses were on their way:
+// Subscribes to a hand and a cloud of palpate as a ROS program would, so that they are sent over the network, and
+// prints the latency of poses:
 //   ros_listener DOMAIN NAME SECONDS
 #include <algorithm>
 #include <chrono>
@@ -22,7 +22,7 @@ class Heard {
       : topic_(participant, rosTypeOf<T>().descriptor, kRosTopics + topic),
         reader_(participant, topic_, rosQos(delivery, rosTypeOf<T>())) {}
   void attachTo(ReaderWait& wait) const { wait.attach(reader_); }
-  /// Adds how long each was on its way, us.
+  /// Adds the latency of each sample, us.
   void take(std::vector<double>& late_us) const {
     reader_.take([&](const T&, const dds_sample_info_t& about) {
       late_us.push_back(static_cast<double>(dds_time() - about.source_timestamp) * 1e-3);
@@ -58,7 +58,7 @@ void listen(std::uint32_t domain, const std::string& name, double seconds) {
   const auto within = [&](double part) {
     return poses.empty() ? 0 : poses[static_cast<std::size_t>(part * static_cast<double>(poses.size() - 1))];
   };
-  std::printf("%zu poses and %zu others; poses came within %.1f us (50 %%), %.1f us (99 %%)\n", poses.size(),
+  std::printf("%zu poses and %zu others; latency of poses %.1f us (50 %%), %.1f us (99 %%)\n", poses.size(),
               others.size(), within(0.5), within(0.99));
 }
 

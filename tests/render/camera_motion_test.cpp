@@ -22,7 +22,7 @@ double offBy(const Camera& camera, const DVec3& point, const DVec2& place_px) {
 
 }  // namespace
 
-TEST_CASE("the pivot of an orbit stays where it is on screen, and as far away") {
+TEST_CASE("the pivot of an orbit keeps its position on screen and its distance") {
   Camera camera = someCamera();
   const DVec3 pivot(1.5, 0.3, 2);
   const DVec2 before(*camera.project(pivot, kSize_px));
@@ -35,7 +35,7 @@ TEST_CASE("the pivot of an orbit stays where it is on screen, and as far away") 
   }
 }
 
-TEST_CASE("an orbit never tips over, however far the hand goes") {
+TEST_CASE("an orbit never tips over, for any mouse movement") {
   Camera camera = someCamera();
   for (int i = 0; i < 50; ++i) camera = orbited(camera, camera.target, {3, 100}, kSize_px);
   CHECK(camera.axes().up.y > 0);
@@ -45,7 +45,7 @@ TEST_CASE("an orbit never tips over, however far the hand goes") {
   CHECK(camera.axes().forward.y > 0.99);
 }
 
-TEST_CASE("what is grasped follows the hand when the view is moved") {
+TEST_CASE("the grabbed point follows the mouse when the view is panned") {
   const Camera camera = someCamera();
   const DVec3 grasped(2, 1, -1);
   const auto seen = *camera.project(grasped, kSize_px);
@@ -53,7 +53,7 @@ TEST_CASE("what is grasped follows the hand when the view is moved") {
   CHECK(offBy(panned(camera, seen.z, way, kSize_px), grasped, DVec2(seen) + way) < 1e-6);
 }
 
-TEST_CASE("zooming goes to the point, which stays on screen, and not past the limits") {
+TEST_CASE("zooming goes to the point under the mouse, which stays on screen, within the limits") {
   Camera camera = someCamera();
   const DVec3 point(2, 1, -1);
   const DVec2 before(*camera.project(point, kSize_px));
@@ -68,7 +68,7 @@ TEST_CASE("zooming goes to the point, which stays on screen, and not past the li
   CHECK(zoomed(camera, point, 0.5, 0.1, 100).eye == point);  // no distance left to move
 }
 
-TEST_CASE("a new centre keeps direction and distance, an axis the distance") {
+TEST_CASE("a new centre keeps direction and distance, a view axis keeps the distance") {
   const Camera camera = someCamera();
   const Camera moved = recentred(camera, {5, 6, 7});
   CHECK(moved.target == DVec3(5, 6, 7));
@@ -95,7 +95,7 @@ TEST_CASE("a new centre keeps direction and distance, an axis the distance") {
     }
 }
 
-TEST_CASE("the front is the front and the top the top, whichever way is up") {
+TEST_CASE("front and top views are right for any up axis") {
   const Camera camera = someCamera();
   const double distance = glm::distance(camera.eye, camera.target);
   const auto from = [&](ModelSide side, UpAxis up) { return fromSide(camera, side, up); };

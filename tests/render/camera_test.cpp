@@ -47,7 +47,7 @@ TEST_CASE("the fitted camera sees every point and fills the picture") {
   }
 }
 
-TEST_CASE("the fitted camera stands in front and a little above") {
+TEST_CASE("the fitted camera is in front and a little above") {
   const Camera camera = Camera::fitting(Bounds{DVec3(-1), DVec3(1)}, 1.5);
   CHECK(camera.eye.z > 2);
   CHECK(camera.eye.x == within(0, 1e-6));
@@ -58,7 +58,7 @@ TEST_CASE("the fitted camera stands in front and a little above") {
   CHECK(camera.farDepth > depthRangeOf(camera, {DVec3(-1), DVec3(1)}).y);
 }
 
-TEST_CASE("whichever way is up, the fitted camera sees the same of a model that was turned so") {
+TEST_CASE("the fitted camera shows the same view for every up axis") {
   const PointCloud cloud = boxCloud(Vec3(2, -1, 4), Vec3(3, 2, 1));
   const DVec2 size(900, 600);
   const Camera upright = Camera::fitting(cloud, 1.5);
@@ -79,7 +79,7 @@ TEST_CASE("whichever way is up, the fitted camera sees the same of a model that 
   }
 }
 
-TEST_CASE("discs of a few points have room in the picture") {
+TEST_CASE("the discs of a few points fit into the picture") {
   const DVec2 size(900, 600);
   PointCloud few;
   few.positions = {Vec3(0), Vec3(1, 2, 0), Vec3(-1, 0, 1)};
@@ -100,7 +100,7 @@ TEST_CASE("discs of a few points have room in the picture") {
   }
 }
 
-TEST_CASE("what lies flat is seen from higher up") {
+TEST_CASE("flat models are viewed from higher up") {
   const auto elevation = [](const DVec3& half) { return -Camera::fitting(Bounds{-half, half}, 1.5).axes().forward.y; };
   CHECK(elevation({1, 1, 1}) == near(elevation({1, 0.31, 1}), 1e-6));
   CHECK(elevation({1, 0.1, 1}) > elevation({1, 0.2, 1}) + 0.05);
@@ -108,7 +108,7 @@ TEST_CASE("what lies flat is seen from higher up") {
   CHECK(elevation({1, 0, 1}) < 0.8);
 }
 
-TEST_CASE("points beyond what is to be shown do not widen the picture, and are drawn") {
+TEST_CASE("points outside the shown box do not widen the view, and are drawn") {
   PointCloud cloud = boxCloud(Vec3(0), Vec3(1));
   const Bounds box = boundsOf(cloud);
   const Camera camera = Camera::fitting(cloud, 1.5);
@@ -121,7 +121,7 @@ TEST_CASE("points beyond what is to be shown do not widen the picture, and are d
   CHECK(glm::distance(Camera::fitting(cloud, 1.5).eye, camera.eye) > 5);
 }
 
-TEST_CASE("an empty cloud and a single point can be looked at") {
+TEST_CASE("the camera fits an empty cloud and a single point") {
   PointCloud cloud;
   CHECK(isFinite(Camera::fitting(cloud, 1).eye));
   cloud.positions = {Vec3(5, 6, 7)};
@@ -131,7 +131,7 @@ TEST_CASE("an empty cloud and a single point can be looked at") {
   CHECK(place->y == near(50, 1e-6));
 }
 
-TEST_CASE("a camera is read word by word, and the rest is fitted") {
+TEST_CASE("a camera is parsed word by word, and missing values are fitted") {
   PointCloud cloud = boxCloud(Vec3(0), Vec3(1));
   cloud.origin = {100, 200, 300};
   const Camera fitted = Camera::fitting(cloud, 1.5);
@@ -149,7 +149,7 @@ TEST_CASE("a camera is read word by word, and the rest is fitted") {
   CHECK(isFinite(Camera::parse("eye=100,209,300 target=100,200,300", cloud, 1.5).axes().right));
 }
 
-TEST_CASE("a camera that makes no sense is refused with the word in question") {
+TEST_CASE("an invalid camera is refused with the word in question") {
   const PointCloud cloud = boxCloud(Vec3(0), Vec3(1));
   for (const auto& [text, word] : std::vector<std::array<std::string, 2>>{{"eye=1,2", "eye=1,2"},
                                                                           {"eye=1,2,3,4", "eye=1,2,3,4"},
@@ -170,7 +170,7 @@ TEST_CASE("a camera that makes no sense is refused with the word in question") {
   }
 }
 
-TEST_CASE("the matrices put points where project() does") {
+TEST_CASE("the matrices agree with project()") {
   const PointCloud cloud = boxCloud(Vec3(1, 2, 3), Vec3(2), 50);
   const DVec2 size(640, 480);
   Camera camera = Camera::parse("eye=7,5,9 fov=50", cloud, size.x / size.y);

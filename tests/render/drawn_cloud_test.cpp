@@ -115,7 +115,7 @@ class DrawnCloudFixture : public GpuFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "nothing in the log changes nothing") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "an empty log changes nothing") {
   const PointCloud cloud = strewnCloud(257);
   DrawnCloud drawn(device, cloud);
   Writer writer(device, cloud);
@@ -123,7 +123,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "nothing in the log changes nothing") {
   CHECK(same(drawn, cloud));
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "the drawn cloud follows the log, round and round the ring") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "the drawn cloud follows the edit log, also when the ring wraps") {
   const PointCloud cloud = strewnCloud(300);
   DrawnCloud drawn(device, cloud);
   Writer writer(device, cloud);
@@ -138,7 +138,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "the drawn cloud follows the log, round and
   }
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "a full ring, over its end, where one point is named again and again") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "a full ring that wraps, with repeated entries of a point, is applied in order") {
   const PointCloud cloud = strewnCloud(300);
   DrawnCloud drawn(device, cloud);
   Writer writer(device, cloud);
@@ -152,7 +152,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "a full ring, over its end, where one point
   CHECK(same(drawn, writer.cloud()));
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "a hundred thousand entries for three points") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "a hundred thousand log entries for three points are applied") {
   const PointCloud cloud = strewnCloud(50'000);
   DrawnCloud drawn(device, cloud);
   Writer writer(device, cloud);
@@ -162,7 +162,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "a hundred thousand entries for three point
   CHECK(same(drawn, writer.cloud()));
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "several ticks are taken at once, in order") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "several ticks are applied at once, in order") {
   const PointCloud cloud = strewnCloud(1000);
   DrawnCloud drawn(device, cloud);
   Writer writer(device, cloud);
@@ -174,7 +174,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "several ticks are taken at once, in order"
   CHECK(same(drawn, writer.cloud()));
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "states from the host leave what the log would leave, bit by bit") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "states from the host give the same drawn cloud as the log, bit by bit") {
   const PointCloud cloud = strewnCloud(1000);
   const DrawnOptions options{.spare = 100, .painted = true, .spacing = 0.1, .edited = true};
   DrawnCloud byLog(device, cloud, options), byHost(device, cloud, options);
@@ -201,8 +201,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "states from the host leave what the log wo
   }
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture,
-                  "of several states of one point the last one counts, whichever pieces they come in") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "the last of several states of a point counts, in whatever pieces they are sent") {
   const PointCloud cloud = strewnCloud(300);
   DrawnCloud drawn(device, cloud);
   PointCloud expected = cloud;
@@ -217,8 +216,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
   CHECK(same(drawn, expected));
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture,
-                  "the drawn cloud is made, follows and is drawn while touch has its queue to itself") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "the drawn cloud is built, updated and drawn without touch's queue") {
   const PointCloud cloud = strewnCloud(1000);
   EditLog log(device, cloud.size());
   EditLog::Reader reader(log);
@@ -240,7 +238,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
   CHECK(ticketOfTouch() == before + 1);
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are painted") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "the drawn cloud follows points that are removed, restored, added and painted") {
   const PointCloud cloud = strewnCloud(300);
   DrawnCloud drawn(device, cloud, {.spare = 3, .painted = true});
   EditLog log(device, cloud.size());
@@ -267,7 +265,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are pa
 }
 
 TEST_CASE_FIXTURE(DrawnCloudFixture,
-                  "where all points move the drawn cloud takes over a live cloud, in any order, or a frame") {
+                  "a drawn cloud with all points moved copies a live cloud, in any order, or a frame") {
   for (const std::size_t count : {1, 255, 256, 257, 3000}) {
     CAPTURE(count);
     const PointCloud cloud = strewnCloud(count);
@@ -295,7 +293,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
   }
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame that changes little each disc is as if all were measured") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame with small changes each disc is as if all were measured again") {
   PointCloud cloud = strewnCloud(3000);
   cloud.positions[2] = Vec3(-1.5f);  // two fixed points keep the grid unchanged
   cloud.positions[3] = Vec3(1.5f);
@@ -341,7 +339,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame that changes little each dis
   CHECK(bits(drawn) == whole);
 }
 
-TEST_CASE_FIXTURE(DrawnCloudFixture, "where a single point was, and where it has come to, discs are measured again") {
+TEST_CASE_FIXTURE(DrawnCloudFixture, "discs are measured again around the old and the new position of a moved point") {
   PointCloud cloud = strewnCloud(3000);
   cloud.positions[2] = Vec3(-1.5f);  // two fixed points keep the grid unchanged
   cloud.positions[3] = Vec3(1.5f);
@@ -363,7 +361,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "where a single point was, and where it has
 }
 
 TEST_CASE_FIXTURE(DrawnCloudFixture,
-                  "a point keeps its disc next to where that was measured, and has another one farther off") {
+                  "a point keeps its disc near the position of its measurement, and gets a new one further away") {
   const PointCloud cloud = strewnCloud(2000);
   const DrawnOptions options{.spacing = 0.1, .edited = true};
   DrawnCloud drawn(device, cloud, options);

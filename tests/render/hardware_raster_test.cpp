@@ -85,8 +85,10 @@ class HardwareRasterFixture : public PictureFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreValidated<HardwareRasterFixture>,
-                  "shapes look the same, even and uneven, with and without colours" * kMoreInFull) {
+TEST_CASE_FIXTURE(
+    CoreValidated<HardwareRasterFixture>,
+    "the hardware rasterizer draws shapes like the compute one, even and uneven, with and without colours" *
+        kMoreInFull) {
   if (!drawsHere()) return;
   struct Look {
     const char* shape;
@@ -107,7 +109,8 @@ TEST_CASE_FIXTURE(CoreValidated<HardwareRasterFixture>,
   }
 }
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "so they do from inside, with radii given, smoothed, and at odd sizes") {
+TEST_CASE_FIXTURE(HardwareRasterFixture,
+                  "the hardware rasterizer agrees from inside, with given radii, smoothed, and at odd sizes") {
   if (!drawsHere()) return;
   const PointCloud cloud = colored(shapeCloud("sphere"));
   const DrawnCloud drawn(device, cloud, {.spacing = meanSpacing(cloud)});
@@ -121,7 +124,8 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "so they do from inside, with radii giv
   CHECK(checkSame(drawn, camera, {}, 1, 1, 1) > 0.9);
 }
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "discs wider than the GPU's points are drawn in full, beside small ones") {
+TEST_CASE_FIXTURE(HardwareRasterFixture,
+                  "discs wider than the GPU's maximum point size are drawn fully, beside small ones") {
   if (!drawsHere()) return;
   PointCloud cloud = colored(shapeCloud("sphere", 200));
   // Close to the eye, oblique. Two of them blend: a sample that is drawn twice shows in the colour.
@@ -140,7 +144,8 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "discs wider than the GPU's points are 
   CHECK(checkSame(drawn, camera, options, kLargeWidth, kLargeHeight, 1) > 0.4);
 }
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "nothing, one point, and crowds of equal ones") {
+TEST_CASE_FIXTURE(HardwareRasterFixture,
+                  "the hardware rasterizer draws no point, one point, and crowds of equal points") {
   if (!drawsHere()) return;
   Camera camera;
   camera.eye = {0.1, 0.2, 3};
@@ -161,7 +166,8 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "nothing, one point, and crowds of equa
   }
 }
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "a sheet seen from its back keeps its colour to the rims, beside a crowd") {
+TEST_CASE_FIXTURE(HardwareRasterFixture,
+                  "in hardware a sheet seen from its back keeps its colour up to the rims, beside a crowd") {
   if (!drawsHere()) return;
   const PointCloud cloud = backBesideCrowd();
   Camera camera;
@@ -170,7 +176,9 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "a sheet seen from its back keeps its c
   CHECK(checkSame(DrawnCloud(device, cloud), camera, options, kWidth, kHeight, 1) > 0.05);
 }
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "points that are no numbers, without normals, behind and at the near plane") {
+TEST_CASE_FIXTURE(
+    HardwareRasterFixture,
+    "the hardware rasterizer handles points that are not finite, without normals, behind or at the near plane") {
   if (!drawsHere()) return;
   PointCloud cloud = strewnCloud(2000);
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
@@ -188,7 +196,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "points that are no numbers, without no
   CHECK(checkSame(drawn, camera, options) > 0.8);
 }
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "sheets closer than the blending band blend, and those behind it do not") {
+TEST_CASE_FIXTURE(HardwareRasterFixture, "sheets within the blending band are blended, and those behind are not") {
   if (!drawsHere()) return;
   PointCloud cloud;
   for (const float depth : {0.0f, 0.05f, 0.5f})
@@ -213,7 +221,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "sheets closer than the blending band b
   CHECK(middle[2] == 0);
 }
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "the same cloud gives the same bytes every time, between others too") {
+TEST_CASE_FIXTURE(HardwareRasterFixture, "the hardware rasterizer gives the same picture bit by bit every time") {
   if (!drawsHere()) return;
   const PointCloud cloud = colored(shapeCloud("torus"));
   const DrawnCloud drawn(device, cloud, {.spacing = meanSpacing(cloud)}), plain(device, shapeCloud("cube"));
@@ -228,7 +236,8 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "the same cloud gives the same bytes ev
   CHECK(shown() == first);
 }
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "a frame names its passes, and its recording runs again and again") {
+TEST_CASE_FIXTURE(HardwareRasterFixture,
+                  "a hardware-rasterized frame names its passes and can be submitted repeatedly") {
   if (!drawsHere()) return;
   const PointCloud cloud = shapeCloud("sphere", 1000);
   const DrawnCloud drawn(device, cloud);
@@ -250,7 +259,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "a frame names its passes, and its reco
   CHECK(list.passes()[0].threads == 1024);  // vertices, in whole workgroups
 }
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "a picture larger than the GPU's images is refused with what to do instead") {
+TEST_CASE_FIXTURE(HardwareRasterFixture, "a picture larger than the GPU's images is refused with an alternative") {
   if (!drawsHere()) return;
   const std::uint32_t side = device.properties().limits.maxImageDimension2D + 1;
   CHECK_THROWS_WITH_AS(HardwareRaster(device, {side, 1}), doctest::Contains("raster compute"), UsageError);

@@ -38,7 +38,7 @@ Image testImage(std::uint32_t width, std::uint32_t height) {
 
 }  // namespace
 
-TEST_CASE("a PNG holds the picture, pixel by pixel, in the same bytes every time") {
+TEST_CASE("a PNG contains the picture pixel by pixel, and is identical every time") {
   const ScratchFolder folder;
   for (const auto& [width, height] : {std::pair{1u, 1u}, {33u, 17u}, {200u, 150u}}) {
     const Image image = testImage(width, height);
@@ -55,7 +55,7 @@ TEST_CASE("a PNG holds the picture, pixel by pixel, in the same bytes every time
   }
 }
 
-TEST_CASE("a name that ends in .jpg or .jpeg gets a JPEG of the same picture") {
+TEST_CASE("a name that ends in .jpg or .jpeg gives a JPEG of the same picture") {
   const ScratchFolder folder;
   Image image{200, 150, {}};
   for (int y = 0; y < 150; ++y)
@@ -77,7 +77,7 @@ TEST_CASE("a name that ends in .jpg or .jpeg gets a JPEG of the same picture") {
   }
 }
 
-TEST_CASE("a name that promises another kind of picture is refused with those that there are") {
+TEST_CASE("a name with an unknown extension is refused with the list of formats") {
   const ScratchFolder folder;
   for (const char* name : {"a.tif", "b.png.bak", "c.pngx"}) {
     CHECK_THROWS_WITH_AS(writeImage(folder / name, testImage(2, 2)), doctest::Contains(".jpg"), UsageError);
@@ -88,7 +88,7 @@ TEST_CASE("a name that promises another kind of picture is refused with those th
   for (const char* name : {"bare", "LOUD.PNG"}) CHECK(bytesOf(folder / name).starts_with("\x89PNG"));
 }
 
-TEST_CASE("a PFM holds the depths bit by bit, bottom row first") {
+TEST_CASE("a PFM contains the depths bit by bit, bottom row first") {
   const ScratchFolder folder;
   const DepthImage image{2, 3, {1.5f, 2.0f, 0.0f, 3.25f, 1e-20f, 1e20f}};
   writePfm(folder / "depth.pfm", image);
@@ -101,7 +101,7 @@ TEST_CASE("a PFM holds the depths bit by bit, bottom row first") {
   CHECK(bytesOf(folder / "depth.pfm") == expected);
 }
 
-TEST_CASE("a picture that cannot be written says where") {
+TEST_CASE("a picture that cannot be written is an error with its path") {
   const ScratchFolder folder;
   CHECK_THROWS_WITH_AS(writeImage(folder / "no" / "such.png", testImage(2, 2)), doctest::Contains("such.png"),
                        FileError);

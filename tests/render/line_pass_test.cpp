@@ -57,7 +57,7 @@ class LineFixture : public PictureFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(LineFixture, "a line lies between the places where its ends are seen, and nowhere else") {
+TEST_CASE_FIXTURE(LineFixture, "a line is drawn exactly between the projections of its ends") {
   const DVec3 from(-1.3, 0.9, 1.2), to(0.7, -0.5, 2.1);
   for (const std::uint32_t supersample : {1u, 2u}) {
     CAPTURE(supersample);
@@ -79,7 +79,7 @@ TEST_CASE_FIXTURE(LineFixture, "a line lies between the places where its ends ar
   }
 }
 
-TEST_CASE_FIXTURE(LineFixture, "what lies behind the surface shines through faintly") {
+TEST_CASE_FIXTURE(LineFixture, "lines behind the surface shine through faintly") {
   const Image without = bare();
   const auto across = [&](double z) {
     return redder(shown({{.from = {-0.5, 0.1, z}, .to = {0.5, 0.1, z}, .color = kRed, .width_px = 3}}), without,
@@ -93,7 +93,7 @@ TEST_CASE_FIXTURE(LineFixture, "what lies behind the surface shines through fain
 }
 
 TEST_CASE_FIXTURE(LineFixture,
-                  "lines that begin behind the eye, or end far outside, are drawn as far as they are seen") {
+                  "lines that start behind the eye, or end far outside, are drawn as far as they are visible") {
   const Image without = bare();
   const Image behind = shown({{.from = {1.35, 0.2, 9}, .to = {1.35, 0.2, -1}, .color = kRed, .width_px = 2}});
   for (const double z : {1.0, 0.5, 0.0, -0.9}) CHECK(redder(behind, without, seenAt({1.35, 0.2, z})) > 100);
@@ -104,7 +104,7 @@ TEST_CASE_FIXTURE(LineFixture,
   CHECK(all.rgba == without.rgba);
 }
 
-TEST_CASE_FIXTURE(LineFixture, "no lines, and lines that are none, change no pixel") {
+TEST_CASE_FIXTURE(LineFixture, "no lines, and invalid lines, change no pixel") {
   const Image without = bare();
   CHECK(shown({}).rgba == without.rgba);
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinite = std::numeric_limits<double>::infinity();
@@ -118,7 +118,7 @@ TEST_CASE_FIXTURE(LineFixture, "no lines, and lines that are none, change no pix
   CHECK(redder(point, without, seenAt({0, 1.2, 0})) > 100);
 }
 
-TEST_CASE_FIXTURE(LineFixture, "lines that cross give the same picture in any order, and many are no trouble") {
+TEST_CASE_FIXTURE(LineFixture, "crossing lines give the same picture in any order, and many lines are drawn") {
   std::vector<SpaceLine> lines;
   for (int k = 0; k < 700; ++k) {
     const double angle = 0.1 * k;

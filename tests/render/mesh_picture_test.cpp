@@ -70,7 +70,7 @@ class MeshPictureFixture : public PictureFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(MeshPictureFixture, "every sample of a closed mesh is covered, at the depth of the surface") {
+TEST_CASE_FIXTURE(MeshPictureFixture, "every sample of a closed mesh is covered at the depth of the surface") {
   for (const double cell : {0.1, 1e-4}) {  // with a share for each tile, and with all tiles in one
     const Picture picture = draw(sphereMesh(40), camera_, {}, cell);
     const Camera::Axes axes = camera_.axes();
@@ -95,7 +95,7 @@ TEST_CASE_FIXTURE(MeshPictureFixture, "every sample of a closed mesh is covered,
 }
 
 TEST_CASE_FIXTURE(MeshPictureFixture,
-                  "normals are those of the vertices, smooth, and turned towards the eye from inside") {
+                  "mesh normals are interpolated from the vertices and flipped towards the eye from inside") {
   Camera before = camera_;
   before.eye = DVec3(0, 0, 3);
   before.target = DVec3(0);
@@ -114,7 +114,8 @@ TEST_CASE_FIXTURE(MeshPictureFixture,
   CHECK(std::ranges::none_of(inside.depth.depth, [](float depth) { return depth == 0; }));
 }
 
-TEST_CASE_FIXTURE(MeshPictureFixture, "colours come from the vertices, and the same mesh gives the same bytes") {
+TEST_CASE_FIXTURE(MeshPictureFixture,
+                  "mesh colours come from the vertices, and the same mesh gives the same picture bit by bit") {
   const Picture once = draw(sphereMesh(40), camera_, {.pass = ImagePass::color});
   CHECK(once.color.at(150, 100)[0] > 250);
   CHECK(once.color.at(150, 100)[2] < 5);
@@ -124,7 +125,7 @@ TEST_CASE_FIXTURE(MeshPictureFixture, "colours come from the vertices, and the s
   CHECK(once.depth.depth == again.depth.depth);
 }
 
-TEST_CASE_FIXTURE(MeshPictureFixture, "no triangle, and triangles without a place, leave the background") {
+TEST_CASE_FIXTURE(MeshPictureFixture, "no triangles, and triangles that are not finite, leave the background") {
   SphereMesh none;
   CHECK(std::ranges::all_of(draw(none, camera_, {}).depth.depth, [](float depth) { return depth == 0; }));
   const float nan = std::nanf("");

@@ -130,7 +130,7 @@ Scene randomScene(std::uint32_t seed, int triangles, const UVec2& size_px) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "panels are blended as double precision blends them, at awkward sizes") {
+TEST_CASE_FIXTURE(GpuFixture, "panels are blended as in double precision, at awkward sizes") {
   for (const UVec2 size_px : {UVec2(1, 1), UVec2(16, 16), UVec2(17, 15), UVec2(70, 33)}) {
     CAPTURE(size_px.x);
     const Scene scene = randomScene(size_px.x, 60, size_px);
@@ -191,7 +191,7 @@ TEST_CASE_FIXTURE(GpuFixture, "glyphs come from the texture, texel by texel") {
   CHECK(got[0] == 0xff000000u);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a smaller picture is stretched, blue may come first, and there may be no panel at all") {
+TEST_CASE_FIXTURE(GpuFixture, "panels can stretch a smaller picture, with blue first, or be absent") {
   Scene none;
   none.texture_px = {1, 1};
   none.texture = {255};
@@ -203,7 +203,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a smaller picture is stretched, blue may come fir
   CHECK(swapped == std::vector<std::uint32_t>{0xffff0000u, 0xff00ff00u, 0xff0000ffu, 0xff332211u});
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "of what is shown again only the tiles are made that show something else") {
+TEST_CASE_FIXTURE(GpuFixture, "only the changed tiles of a panel are drawn again") {
   const UVec2 size_px(70, 33);  // five columns and three rows of tiles
   constexpr std::uint64_t kTile = shared::kPanelWorkgroup;
   std::vector<std::uint32_t> picture(std::size_t{size_px.x} * size_px.y, 0xff336699u);
@@ -260,7 +260,7 @@ TEST_CASE_FIXTURE(GpuFixture, "of what is shown again only the tiles are made th
   CHECK(threads == 15 * kTile);
 }
 
-TEST_CASE("a triangle stands in the tiles that it reaches, not in all those around it") {
+TEST_CASE("a triangle is in the tiles that it covers, not in its whole bounding box") {
   Scene scene;
   const auto vertex = [](float x, float y) { return shared::PanelVertex{{x, y}, {0, 0}, 0}; };
   const Vec4 all(0, 0, 160, 160);
@@ -275,7 +275,7 @@ TEST_CASE("a triangle stands in the tiles that it reaches, not in all those arou
     }
 }
 
-TEST_CASE("triangles without a place, without area or outside of their clip stand in no tile") {
+TEST_CASE("triangles that are not finite, without area or outside their clip are in no tile") {
   Scene scene;
   const auto vertex = [](float x, float y) { return shared::PanelVertex{{x, y}, {0, 0}, 0}; };
   const Vec4 all(0, 0, 32, 32);

@@ -42,7 +42,7 @@ DVec3 colorAt(const Image& image, const Camera& camera, const DVec3& position) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(PictureFixture, "a sphere has no holes, true depths and true normals") {
+TEST_CASE_FIXTURE(PictureFixture, "the picture of a sphere has no holes and true depths and normals") {
   const PointCloud cloud = sphereCloud();
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
   Frame& frame = frameOf(kWidth, kHeight, 2);
@@ -105,7 +105,7 @@ TEST_CASE_FIXTURE(PictureFixture, "the depth of a pixel is that of its nearest s
   CHECK(wrong == 0);
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "smoothed depth gives normals, keeps steps and leaves the background alone") {
+TEST_CASE_FIXTURE(PictureFixture, "smoothed depth gives normals, keeps steps and leaves the background unchanged") {
   PointCloud cloud = sphereCloud();
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
   Frame& frame = frameOf(kWidth, kHeight, 1);
@@ -149,7 +149,7 @@ TEST_CASE_FIXTURE(PictureFixture, "smoothed depth gives normals, keeps steps and
   CHECK(imagePassNamed("smooth-depth") == ImagePass::smoothDepth);
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "a surface is lit on the side that is seen") {
+TEST_CASE_FIXTURE(PictureFixture, "a surface is lit on the visible side") {
   PointCloud cloud = sampleShape(*makeShape("plane", 2.0), {.count = 3000});
   Camera camera;
   for (const double side : {1.0, -1.0}) {
@@ -159,7 +159,7 @@ TEST_CASE_FIXTURE(PictureFixture, "a surface is lit on the side that is seen") {
   }
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "the same cloud gives the same bytes every time") {
+TEST_CASE_FIXTURE(PictureFixture, "the same cloud gives the same picture bit by bit every time") {
   const PointCloud cloud = sphereCloud();
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
   const Image first = picture(cloud, camera, optionsFor(cloud), kWidth, kHeight);
@@ -167,7 +167,7 @@ TEST_CASE_FIXTURE(PictureFixture, "the same cloud gives the same bytes every tim
   CHECK(first.rgba == second.rgba);
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "the background is exactly the colour that was asked for") {
+TEST_CASE_FIXTURE(PictureFixture, "the background has exactly the requested colour") {
   PointCloud cloud;
   cloud.positions = {Vec3(0)};
   FrameOptions options;
@@ -187,7 +187,7 @@ TEST_CASE_FIXTURE(PictureFixture, "the colour image shows the file's colours") {
   CHECK(glm::distance(colorAt(image, camera, {0.5, 0, 0.8}), DVec3(20, 90, 220) / 255.0) < 0.02);
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "a crowd in one place keeps its colour and its normal") {
+TEST_CASE_FIXTURE(PictureFixture, "a crowd at one position keeps its colour and its normal") {
   PointCloud cloud;
   const Vec3 normal = glm::normalize(Vec3(1, 2, 3));
   cloud.positions.assign(300'000, Vec3(0));
@@ -207,7 +207,7 @@ TEST_CASE_FIXTURE(PictureFixture, "a crowd in one place keeps its colour and its
 
 TEST_CASE_FIXTURE(
     PictureFixture,
-    "a sheet seen from its back keeps its colour to the rims of its discs, however many points there are") {
+    "a sheet seen from its back keeps its colour up to the rims of its discs, with any number of points") {
   const PointCloud cloud = backBesideCrowd();
   Camera camera;
   camera.eye = {0, 0, 3};
@@ -219,7 +219,7 @@ TEST_CASE_FIXTURE(
     CHECK(glm::distance(colorAt(image, camera, {x, 0, 0}), DVec3(200, 100, 60) / 255.0) < 0.06);
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring draws") {
+TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring produces a picture") {
   const PointCloud cloud = sphereCloud(2000);
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
   std::vector<Image> seen;
@@ -234,7 +234,7 @@ TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring draws") {
     for (std::size_t j = 0; j < i; ++j) CHECK(seen[i].rgba != seen[j].rgba);
 }
 
-TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "colours by height go along up, and span what is shown") {
+TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "colours by height follow the up axis and span the shown range") {
   const PointCloud cloud = sphereCloud(4000);
   FrameOptions options = optionsFor(cloud, ImagePass::color);
   options.color = ColorBy::height;
@@ -262,7 +262,7 @@ TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "colours by height go along up,
   }
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "gaps as wide as a splat are closed, windows are not") {
+TEST_CASE_FIXTURE(PictureFixture, "gaps as wide as a splat are closed, and windows are not") {
   const auto gridWithHole = [](float hole) {
     PointCloud cloud;
     for (int y = -40; y <= 40; ++y)
@@ -283,7 +283,7 @@ TEST_CASE_FIXTURE(PictureFixture, "gaps as wide as a splat are closed, windows a
   CHECK(colorAt(picture(gridWithHole(0.08f), camera, options, kWidth, kHeight), camera, DVec3(0)).r == 0);
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "ball, disc and arrow show in front, and shine through from behind") {
+TEST_CASE_FIXTURE(PictureFixture, "ball, disc and arrow are visible in front, and shine through from behind") {
   const PointCloud cloud = sphereCloud(5000);
   Camera camera;
   camera.eye = {0, 0, 4};
@@ -313,7 +313,7 @@ TEST_CASE_FIXTURE(PictureFixture, "ball, disc and arrow show in front, and shine
 }
 
 TEST_CASE_FIXTURE(CoreValidated<PictureFixture>,
-                  "the tool shows as a ring, and the scale bar from end to end, before and behind the surface") {
+                  "the tool is drawn as a ring and the scale bar from end to end, before and behind the surface") {
   const PointCloud cloud = sphereCloud(5000);
   Camera camera;
   camera.eye = {0, 0, 4};
@@ -351,7 +351,7 @@ TEST_CASE_FIXTURE(CoreValidated<PictureFixture>,
   CHECK(shown(hiddenBar, inside).b < shown(bar, {0.1, -0.2, 1.2}).b);
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "sizes that cannot be drawn are refused") {
+TEST_CASE_FIXTURE(PictureFixture, "picture sizes that cannot be drawn are refused") {
   CHECK_THROWS_AS(Frame(device, 0, 10), UsageError);
   CHECK_THROWS_AS(Frame(device, 10, 100'000), UsageError);
   CHECK_THROWS_WITH_AS(imagePassNamed("nose"), doctest::Contains("final, depth, smooth-depth, normal, color, position"),
@@ -361,7 +361,7 @@ TEST_CASE_FIXTURE(PictureFixture, "sizes that cannot be drawn are refused") {
   CHECK(colorByNamed("height") == ColorBy::height);
 }
 
-TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "a picture is the same bytes when it gives way to touch in between") {
+TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "a picture preempted by touch is the same bit by bit") {
   for (const std::size_t count : {std::size_t{1}, std::size_t{257}, std::size_t{20'000}}) {
     CAPTURE(count);
     const PointCloud cloud = sphereCloud(count);

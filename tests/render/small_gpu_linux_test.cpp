@@ -21,7 +21,7 @@ Camera cameraAt(double distance) {
 
 }  // namespace
 
-TEST_CASE("a GPU whose workgroups are small draws the same picture") {
+TEST_CASE("a GPU with small workgroups draws the same picture") {
   const PointCloud cloud = sampleShape(*makeShape("torus", 100.0, DVec3(0)), {.count = 20'000, .seed = 7});
   const auto pictureOf = [&](Device& device) {
     Frame frame(device, kWidth, kHeight, 2);

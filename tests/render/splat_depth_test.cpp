@@ -117,7 +117,7 @@ class SplatDepthFixture : public PictureFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(SplatDepthFixture, "the depth of strewn discs equals the reference at any picture size") {
+TEST_CASE_FIXTURE(SplatDepthFixture, "the depth of scattered discs equals the reference at any picture size") {
   const auto check = [&](std::uint32_t width, std::uint32_t height, double radius, std::size_t count = 600) {
     const PointCloud cloud = strewnCloud(count);
     const Camera camera = Camera::fitting(cloud, double(width) / height);
@@ -130,7 +130,7 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "the depth of strewn discs equals the refer
   check(320, 240, 0.3, 100);  // many tiles
 }
 
-TEST_CASE_FIXTURE(SplatDepthFixture, "no points, one point, and a thousand equal ones") {
+TEST_CASE_FIXTURE(SplatDepthFixture, "splatting handles no points, one point, and a thousand equal ones") {
   PointCloud cloud;
   Camera camera = Camera::fitting(cloud, 4.0 / 3);
   CHECK(checkDepth(cloud, camera, 0.1, 160, 120) == 0);
@@ -144,7 +144,7 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "no points, one point, and a thousand equal
   CHECK(checkDepth(cloud, camera, 0.1, 160, 120) > 0);
 }
 
-TEST_CASE_FIXTURE(SplatDepthFixture, "points beside, behind and on the near plane") {
+TEST_CASE_FIXTURE(SplatDepthFixture, "splatting handles points beside, behind and on the near plane") {
   const PointCloud cloud = strewnCloud(300);
   Camera camera;
   camera.eye = {0, 0, 0.2};  // among the points
@@ -176,7 +176,7 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "a cloud far from zero looks as it does at 
   CHECK(checkDepth(cloud, Camera::fitting(cloud, 4.0 / 3), 0.1, 160, 120) > 0);
 }
 
-TEST_CASE_FIXTURE(SplatDepthFixture, "discs on edge stay thin") {
+TEST_CASE_FIXTURE(SplatDepthFixture, "discs seen edge-on stay thin") {
   PointCloud cloud;
   for (int i = 0; i < 50; ++i) {
     const float angle = 0.02f * static_cast<float>(i - 25);

@@ -63,7 +63,7 @@ Camera cameraAt(double distance) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(SplatPickFixture, "a share of the points shows what all of them do, without holes") {
+TEST_CASE_FIXTURE(SplatPickFixture, "a subset of the points shows the same picture as all of them, without holes") {
   // Discs of 0.1 to 0.5 samples: from one point in twenty to five in six.
   const PointCloud cloud = sampleShape(*makeShape("sphere", 2.0), {.count = 50'000});
   const double spacing = meanSpacing(cloud);
@@ -101,7 +101,7 @@ TEST_CASE_FIXTURE(SplatPickFixture, "a share of the points shows what all of the
   }
 }
 
-TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "nothing pops while the camera draws back") {
+TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "no disc pops while the camera moves away") {
   const PointCloud cloud = sampleShape(*makeShape("bumpy-sphere", 2.0), {.count = 100'000});
   const DrawnCloud drawn(device, cloud, {.spacing = meanSpacing(cloud)});
   Frame& frame = frameOf(kWidth, kHeight, 2);
@@ -131,7 +131,7 @@ TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "nothing pops while the camer
   }
 }
 
-TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "both widths of atomics leave the same bytes") {
+TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "both widths of atomics give the same picture bit by bit") {
   PointCloud cloud = strewnCloud(3000);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     cloud.colors.push_back({std::uint8_t(i), std::uint8_t(i / 7), std::uint8_t(i / 31), 255});
@@ -149,7 +149,7 @@ TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "both widths of atomics leave
   if (!device.hasWideAtomics()) MESSAGE("this device has no atomics of 64 bits: both were narrow");
 }
 
-TEST_CASE_FIXTURE(SplatPickFixture, "a heap of discs that fill the picture is cut off, all alike") {
+TEST_CASE_FIXTURE(SplatPickFixture, "too many discs that fill the picture are all reduced to the same size") {
   // 2,100 discs of 512 tiles each exceed the capacity for shares.
   constexpr std::uint32_t kSide = 256;
   PointCloud cloud;

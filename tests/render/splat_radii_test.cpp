@@ -79,7 +79,7 @@ double meanOf(const std::vector<float>& values) {
 }  // namespace
 
 TEST_CASE_FIXTURE(SplatRadiiFixture,
-                  "radii are those of double precision, at any size and density, also far from zero") {
+                  "radii equal those of double precision, at any size and density, also far from zero") {
   for (const std::size_t count : {2u, 3u, 31u, 255u, 257u, 4099u}) {
     CAPTURE(count);
     const PointCloud sphere = shapeCloud("sphere", count);
@@ -110,7 +110,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "discs close even and uneven surfaces witho
   }
 }
 
-TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc beside an edge ends at the edge, others are whole") {
+TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc beside an edge ends at the edge, others are complete") {
   const PointCloud cube = shapeCloud("cube", 6000);
   const DrawnCloud drawn(device, cube, {.spacing = meanSpacing(cube)});
   const auto radii = radiiOf(drawn);
@@ -132,7 +132,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc beside an edge ends at the edge, ot
   CHECK(std::ranges::count(download<std::uint32_t>(device, round.clips(), round.count()), 0u) == 6000);
 }
 
-TEST_CASE_FIXTURE(SplatRadiiFixture, "borders stay where they are") {
+TEST_CASE_FIXTURE(SplatRadiiFixture, "borders keep their positions") {
   PointCloud grid;
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 40; ++x) grid.positions.emplace_back(x, y, 0);
@@ -142,7 +142,8 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "borders stay where they are") {
   CHECK(*std::ranges::min_element(radii) > 0.7071f);
 }
 
-TEST_CASE_FIXTURE(SplatRadiiFixture, "no points, one, a heap, a line, and points without normals") {
+TEST_CASE_FIXTURE(SplatRadiiFixture,
+                  "radii handle no points, one, coincident, collinear points, and points without normals") {
   PointCloud cloud;
   CHECK(DrawnCloud(device, cloud, {.spacing = 1}).largestRadius() == 0);
   cloud.positions = {Vec3(3, 4, 5)};
@@ -165,7 +166,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "no points, one, a heap, a line, and points
   CHECK(*std::ranges::max_element(radii) < 2.1 * spacing);
 }
 
-TEST_CASE_FIXTURE(SplatRadiiFixture, "after edits every radius is that of a cloud drawn afresh, bit by bit") {
+TEST_CASE_FIXTURE(SplatRadiiFixture, "after edits every radius is that of a newly drawn cloud, bit by bit") {
   PointCloud cloud = thinnedAlong(shapeCloud("torus", 9000), 10);
   const auto loaded = static_cast<std::uint32_t>(cloud.size());
   const double spacing = meanSpacing(cloud);

@@ -1,4 +1,4 @@
-// One body for every structure: what it finds is what brute force finds.
+// One test body for every search structure: it finds what brute force finds.
 #include "engine/spatial/neighbour_search.hpp"
 
 #include <doctest/doctest.h>
@@ -49,7 +49,7 @@ void checkFinds(const NeighbourSearch& search, std::span<const Vec3> positions, 
   CHECK(wrong == 0);
 }
 
-// Places on, beside and far from the points.
+// Positions on, beside and far from the points.
 std::vector<DVec3> centersFor(std::span<const Vec3> positions, double radius) {
   std::vector<DVec3> centers{DVec3(0), DVec3(-1e7, 2e7, 3), DVec3(1e30)};
   for (const std::size_t i : {std::size_t{0}, positions.size() / 3, positions.size() / 2, positions.size() - 1}) {
@@ -81,11 +81,11 @@ std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float e
 
 }  // namespace
 
-TEST_CASE("every structure finds what brute force finds, at awkward counts") {
+TEST_CASE("neighbour search finds what brute force finds, at counts around block sizes") {
   for (const std::size_t count : {0, 1, 2, 255, 256, 257, 65'537}) checkAll(randomPositions(count, Vec3(0), 50), 4);
 }
 
-TEST_CASE("so it does where points coincide, stand in a line or on a lattice of cell borders") {
+TEST_CASE("neighbour search finds coincident, collinear and lattice points") {
   checkAll(std::vector<Vec3>(5000, Vec3(3, -4, 5)), 1);
   std::vector<Vec3> line, lattice;
   for (int i = 0; i < 3000; ++i) line.emplace_back(0.01f * static_cast<float>(i) - 7, 2, 2);
@@ -97,19 +97,19 @@ TEST_CASE("so it does where points coincide, stand in a line or on a lattice of 
   checkAll(doubled, 0.5);
 }
 
-TEST_CASE("so it does at negative and far coordinates, where single precision is coarser than a cell") {
+TEST_CASE("neighbour search finds points at far coordinates, where single precision is coarser than a cell") {
   checkAll(randomPositions(3000, Vec3(-40, -40, -40), 10), 0.7);
   checkAll(randomPositions(3000, Vec3(-1e6f, 2e6f, -3e6f), 5), 1);
   checkAll(randomPositions(3000, Vec3(1e6f), 2), 0.05);
 }
 
-TEST_CASE("so it does with an outlier a million units away") {
+TEST_CASE("neighbour search finds all points despite a far outlier") {
   auto positions = randomPositions(20'000, Vec3(0), 1);
   positions.emplace_back(1e6f, -1e6f, 1e6f);
   checkAll(positions, 0.1);
 }
 
-TEST_CASE("so it does when far more cells than points are in reach, and when every point is") {
+TEST_CASE("neighbour search works if far more cells than points, or all points, are in reach") {
   const auto positions = randomPositions(2000, Vec3(0), 1);
   for (const auto& search : everyStructure(makeHashGrid(Vec3(0), 1e-4, positions.size()))) {
     search->build(positions);
@@ -118,7 +118,7 @@ TEST_CASE("so it does when far more cells than points are in reach, and when eve
   }
 }
 
-TEST_CASE("so it does after points have moved, again and again, and after another cloud was taken in") {
+TEST_CASE("neighbour search finds points after repeated moves and after a rebuild with another cloud") {
   auto positions = randomPositions(10'007, Vec3(0), 10);
   const auto others = randomPositions(301, Vec3(5), 10);
   for (const auto& search : everyStructure(makeHashGrid(Vec3(0), 0.8, positions.size()))) {
@@ -141,7 +141,7 @@ TEST_CASE("so it does after points have moved, again and again, and after anothe
   }
 }
 
-TEST_CASE("the sorted grid keeps the order of the CPU hash with any number of threads") {
+TEST_CASE("the sorted grid has the order of the CPU hash with any number of threads") {
   for (const std::size_t count : {0, 1, 255, 257, 8192, 65'537, 300'007}) {
     const auto positions = randomPositions(count, Vec3(0), 50);
     for (const BucketKey key : {BucketKey::teschner, BucketKey::morton}) {
@@ -161,7 +161,7 @@ TEST_CASE("the sorted grid keeps the order of the CPU hash with any number of th
   }
 }
 
-TEST_CASE("the sorted grid takes no other memory for a rebuild of the same size, or a smaller one") {
+TEST_CASE("a rebuild of the sorted grid with at most the same size allocates no memory") {
   const auto positions = randomPositions(50'000, Vec3(0), 50), others = randomPositions(49'999, Vec3(9), 50);
   SortedGrid grid(makeHashGrid(Vec3(0), 1.5, positions.size()), 2);
   grid.build(positions);

@@ -11,13 +11,13 @@ namespace palpate::prefix_scan_test {
 
 TEST_SUITE_BEGIN(kPortable);
 
-TEST_CASE_FIXTURE(GpuFixture, "the exclusive prefix sum of any count equals the one on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture, "the exclusive prefix sum of any count equals the CPU's") {
   const PrefixScan scan(device);
   for (const std::uint32_t count : {0u, 1u, 255u, 256u, 257u, 2047u, 2048u, 2049u, 65'537u, 1'000'003u}) {
     CAPTURE(count);
     std::mt19937 random(count);
     std::vector<std::uint32_t> values(count), expected(count);
-    for (auto& value : values) value = static_cast<std::uint32_t>(random());  // sums wrap around, as they should
+    for (auto& value : values) value = static_cast<std::uint32_t>(random());  // sums overflow, as intended
     std::exclusive_scan(values.begin(), values.end(), expected.begin(), 0u);
 
     const Buffer data = Buffer::of<std::uint32_t>(device, count, Memory::device, "values");
@@ -32,7 +32,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the exclusive prefix sum of any count equals the 
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "several arrays are summed side by side, each for itself") {
+TEST_CASE_FIXTURE(GpuFixture, "several arrays are summed independently in one pass") {
   const PrefixScan scan(device);
   for (const std::uint32_t count : {1u, 2049u, 70'001u}) {
     CAPTURE(count);

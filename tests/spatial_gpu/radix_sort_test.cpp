@@ -22,12 +22,12 @@ class RadixSortFixture : public GpuFixture {
     std::vector<std::uint32_t> keys, values;
   };
 
-  // One driver thread runs workgroups one after another, so that none ever waits.
+  // One driver thread runs workgroups one after another, so that no workgroup waits.
   bool mayLookBack() const {
     const char* threads = std::getenv("LP_NUM_THREADS");
     return canLookBack(device) || (device.isCpu() && threads && std::string_view(threads) == "1");
   }
-  // Every form that this device can run.
+  // Every sort method that this device supports.
   std::vector<std::unique_ptr<PairSort>> sorts(std::uint32_t keyBits) {
     std::vector<std::unique_ptr<PairSort>> all;
     all.push_back(std::make_unique<RadixSort>(device, keyBits));
@@ -57,7 +57,7 @@ class RadixSortFixture : public GpuFixture {
             download<std::uint32_t>(device, sorted.values == v.address() ? v : va, count)};
   }
 
-  // The pairs come out by the low bits of the key, and equal ones in the order they had.
+  // The pairs are sorted by the low bits of the key, and stable.
   void checkSorts(const std::vector<std::uint32_t>& keys, std::uint32_t keyBits) {
     const std::uint64_t mask = (std::uint64_t{1} << keyBits) - 1;
     std::vector<std::uint32_t> expected(keys.size());
@@ -83,9 +83,9 @@ std::vector<std::uint32_t> randomWords(std::size_t count, std::uint32_t seed) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(RadixSortFixture, "pairs of any count come out stably sorted") {
-  if (!mayLookBack()) MESSAGE("look-back is skipped: workgroups of this driver may not wait for one another");
-  // Around subgroups, workgroups, the tiles of both forms and those of the look-back histogram.
+TEST_CASE_FIXTURE(RadixSortFixture, "pairs of any count are sorted stably") {
+  if (!mayLookBack()) MESSAGE("look-back is skipped: workgroups of this driver cannot wait for each other");
+  // Around the sizes of subgroups, workgroups, the tiles of both sorts and those of the look-back histogram.
   for (const std::size_t count :
        {0,    1,    2,    7,    8,    9,    31,   32,   33,   255,    256,    257,    2047,
         2048, 2049, 3839, 3840, 3841, 4607, 4608, 4609, 7680, 16'383, 16'384, 16'385, 65'537}) {
@@ -94,7 +94,7 @@ TEST_CASE_FIXTURE(RadixSortFixture, "pairs of any count come out stably sorted")
   }
 }
 
-TEST_CASE_FIXTURE(RadixSortFixture, "only the wanted key bits count") {
+TEST_CASE_FIXTURE(RadixSortFixture, "a radix sort uses only the requested key bits") {
   const auto keys = randomWords(10'007, 7);
   for (std::uint32_t bits = 1; bits <= 32; ++bits) {
     CAPTURE(bits);
@@ -102,11 +102,11 @@ TEST_CASE_FIXTURE(RadixSortFixture, "only the wanted key bits count") {
   }
 }
 
-TEST_CASE_FIXTURE(RadixSortFixture, "zero key bits leave the pairs as they are") {
+TEST_CASE_FIXTURE(RadixSortFixture, "a radix sort with zero key bits leaves the pairs unchanged") {
   checkSorts(randomWords(1000, 3), 0);
 }
 
-TEST_CASE_FIXTURE(RadixSortFixture, "equal, sorted and reversed keys") {
+TEST_CASE_FIXTURE(RadixSortFixture, "equal, sorted and reversed keys are sorted stably") {
   std::vector<std::uint32_t> keys(65'537, 42u);
   checkSorts(keys, 21);
   keys.assign(65'537, 0xFFFFFFFFu);
@@ -117,7 +117,7 @@ TEST_CASE_FIXTURE(RadixSortFixture, "equal, sorted and reversed keys") {
   checkSorts(keys, 17);
 }
 
-TEST_CASE_FIXTURE(RadixSortFixture, "long runs of equal keys, and one odd key among equal ones") {
+TEST_CASE_FIXTURE(RadixSortFixture, "long runs of equal keys, and single keys among equal ones, are sorted stably") {
   std::vector<std::uint32_t> keys(65'537);
   for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = static_cast<std::uint32_t>(i / 5000 * 7919);
   checkSorts(keys, 21);
@@ -127,7 +127,7 @@ TEST_CASE_FIXTURE(RadixSortFixture, "long runs of equal keys, and one odd key am
   checkSorts(keys, 21);
 }
 
-TEST_CASE("digits cover the key's bits without a gap, none longer than eight") {
+TEST_CASE("radix digits cover the key's bits without a gap, at most eight each") {
   for (std::uint32_t bits = 0; bits <= 32; ++bits) {
     std::uint32_t next = 0;
     for (const RadixDigit& digit : radixDigits(bits)) {
@@ -141,7 +141,7 @@ TEST_CASE("digits cover the key's bits without a gap, none longer than eight") {
   }
 }
 
-TEST_CASE_FIXTURE(RadixSortFixture, "a million pairs") { checkSorts(randomWords(1'000'003, 1), 21); }
+TEST_CASE_FIXTURE(RadixSortFixture, "a million pairs are sorted stably") { checkSorts(randomWords(1'000'003, 1), 21); }
 
 TEST_SUITE_END();
 

@@ -33,15 +33,15 @@ std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float e
 
 class SpatialHashFixture : public GpuFixture {
  protected:
-  // What this device can run. On NVIDIA that is all.
+  // Sort methods that this device supports; on NVIDIA all.
   std::vector<SortMethod> sorts() const {
     std::vector<SortMethod> all{SortMethod::radix, SortMethod::counting};
     if (canLookBack(device)) all.push_back(SortMethod::radixLookBack);
     return all;
   }
 
-  // Order, ranges and carried attributes on the GPU equal those of the CPU, after one build and after a second, for
-  // every sort and both kinds of buckets.
+  // Order, ranges and attributes on the GPU equal those of the CPU, after a first and a second build, for every sort
+  // and both kinds of buckets.
   void checkBuild(const PointCloud& cloud, HashGrid grid) {
     for (const std::uint32_t blockBits : {0u, 3u}) {
       grid.blockBits = blockBits;
@@ -51,7 +51,7 @@ class SpatialHashFixture : public GpuFixture {
         CAPTURE(static_cast<int>(sort));
         LiveCloud live(device, cloud);
         SpatialHash hash(device, grid, live.count(), sort);
-        for (int turn = 0; turn < 2; ++turn) {  // from bucket order to bucket order nothing may change
+        for (int turn = 0; turn < 2; ++turn) {  // a build of a cloud in bucket order may not change it
           hash.build(live);
           checkHalf(live, hash, reference, cloud, order);
         }
@@ -84,23 +84,25 @@ class SpatialHashFixture : public GpuFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "order and ranges equal the reference at awkward counts") {
+TEST_CASE_FIXTURE(SpatialHashFixture,
+                  "the spatial hash has the order and ranges of the reference at counts around block sizes") {
   for (const std::size_t count : {0, 1, 2, 255, 256, 257, 4095, 4096, 4097, 65'537}) {
     CAPTURE(count);
     checkBuild(cloudOf(randomPositions(count, Vec3(0), 50)), makeHashGrid(Vec3(-50), 1.5, count));
   }
 }
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "many points, in the full tier a million" * kMoreInFull) {
+TEST_CASE_FIXTURE(SpatialHashFixture,
+                  "the spatial hash of many points, in the full tier a million, equals the reference" * kMoreInFull) {
   const std::size_t count = byTier<std::size_t>(300'007, 1'000'003);
   checkBuild(cloudOf(randomPositions(count, Vec3(0), 50)), makeHashGrid(Vec3(-50), 0.5, count));
 }
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "all points equal fall into one bucket, in order") {
+TEST_CASE_FIXTURE(SpatialHashFixture, "the spatial hash of coincident points is one bucket, in order") {
   checkBuild(cloudOf(std::vector<Vec3>(10'007, Vec3(3, -4, 5))), makeHashGrid(Vec3(0), 1, 10'007));
 }
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "a line, a plane along the axes, and every point three times") {
+TEST_CASE_FIXTURE(SpatialHashFixture, "the spatial hash handles a line, a plane along the axes and triplicate points") {
   std::vector<Vec3> line, plane, thrice;
   for (int i = 0; i < 20'000; ++i) line.emplace_back(0.01f * static_cast<float>(i), 0, 0);
   for (int i = 0; i < 20'000; ++i)
@@ -110,15 +112,16 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "a line, a plane along the axes, and every
     checkBuild(cloudOf(positions), makeHashGrid(Vec3(-50), 1.5, positions.size()));
 }
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "negative and far coordinates") {
+TEST_CASE_FIXTURE(SpatialHashFixture, "the spatial hash handles negative and far coordinates") {
   checkBuild(cloudOf(randomPositions(5000, Vec3(-1e6f, 2e6f, -3e6f), 100)), makeHashGrid(Vec3(0), 2, 5000));
   checkBuild(cloudOf(randomPositions(5000, Vec3(-40, -40, -40), 10)), makeHashGrid(Vec3(0), 0.7, 5000));
 }
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "one outlier a million units away costs no memory and disturbs nobody") {
+TEST_CASE_FIXTURE(SpatialHashFixture,
+                  "one outlier a million units away takes no memory and does not disturb the spatial hash") {
   auto positions = randomPositions(20'000, Vec3(0), 1);
   positions.push_back(Vec3(1e6f, -1e6f, 1e6f));
-  positions.push_back(Vec3(3e38f, -3e38f, 3e38f));  // past every cell: held at the border
+  positions.push_back(Vec3(3e38f, -3e38f, 3e38f));  // beyond every cell: clamped to the border
   const auto cloud = cloudOf(positions);
   const HashGrid grid = makeHashGrid(Vec3(0), 0.1, cloud.size());
   const SpatialHash hash(device, grid, static_cast<std::uint32_t>(cloud.size()));
@@ -126,13 +129,13 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "one outlier a million units away costs no
   checkBuild(cloud, grid);
 }
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "a look-back sort is refused where workgroups may not wait for one another") {
+TEST_CASE_FIXTURE(SpatialHashFixture, "a look-back sort is refused if workgroups cannot wait for each other") {
   if (canLookBack(device)) return;
   CHECK_THROWS_WITH_AS(SpatialHash(device, makeHashGrid(Vec3(0), 1, 100), 100, SortMethod::radixLookBack),
                        doctest::Contains("take radix or counting"), GpuError);
 }
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "in the order of arrival every bucket holds the same points, whole") {
+TEST_CASE_FIXTURE(SpatialHashFixture, "in arrival order every bucket contains the same complete points") {
   const auto cloud = cloudOf(randomPositions(65'537, Vec3(0), 50));
   const HashGrid grid = makeHashGrid(Vec3(-50), 1.5, cloud.size());
   const CpuHash reference(cloud.positions, grid);
@@ -158,7 +161,7 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "in the order of arrival every bucket hold
   }
 }
 
-TEST_CASE_FIXTURE(SpatialHashFixture, "counting gives way to a radix sort when a bucket is crowded, and not before") {
+TEST_CASE_FIXTURE(SpatialHashFixture, "counting sort is replaced by a radix sort only if a bucket is crowded") {
   const auto crowd = [&](std::size_t together) {
     auto positions = randomPositions(3000, Vec3(0), 40);
     positions.resize(positions.size() + together, Vec3(100, 100, 100));
@@ -173,8 +176,8 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "counting gives way to a radix sort when a
   CHECK(crowd(shared::kCrowdedBucket + 1) != SortMethod::counting);
 }
 
-TEST_CASE("the CPU hash finds the neighbours that brute force finds, each once") {
-  // 256 buckets for some thousands of cells: collisions everywhere.
+TEST_CASE("the CPU hash finds the neighbours of brute force, each once") {
+  // 256 buckets for some thousands of cells, thus many collisions.
   const auto positions = randomPositions(1000, Vec3(7, -3, 2), 5);
   const CpuHash hash(positions, makeHashGrid(Vec3(0), 0.6, positions.size()));
   for (const double radius : {0.3, 0.6, 1.7}) {

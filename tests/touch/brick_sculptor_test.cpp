@@ -68,7 +68,7 @@ bool isSame(const Contact& a, const Contact& b) {
 
 }  // namespace
 
-TEST_CASE("in virtual time each brush makes of the points around a hand what it makes of a whole cloud, bit by bit" *
+TEST_CASE("in virtual time each brush edits the points around a hand as it edits a whole cloud, bit by bit" *
           kMoreInFull) {
   const Scene scene = makeScene("bumpy-sphere", 20'000, DVec3(3e5, -1e5, 2e4));
   const Bounds box = boundsOf(scene.cloud);
@@ -106,7 +106,7 @@ TEST_CASE("in virtual time each brush makes of the points around a hand what it 
     }
 }
 
-TEST_CASE("against the clock an edit waits until the last one is felt, so that a brush goes no deeper than the hand" *
+TEST_CASE("in real time an edit waits until the last one is felt, so that a brush goes no deeper than the hand" *
           kClock) {
   const Scene scene = makeScene("sphere", 20'000);
   const BrushOptions brush{.kind = BrushKind::push, .tau = 0.2, .beta = 1, .radius = 6, .keepsDensity = false};
@@ -155,7 +155,7 @@ TEST_CASE("against the clock an edit waits until the last one is felt, so that a
   CHECK(hand.touch->editTimes_us().size() <= edits + 2);  // plus one as the hand stops
 }
 
-TEST_CASE("a hand that does not sculpt, has no brush, or feels what is not known leaves every point as it is") {
+TEST_CASE("a hand without a brush, not sculpting, or in unknown bricks leaves every point unchanged") {
   const Scene scene = makeScene("sphere", 20'000);
   const BrushOptions brush{.kind = BrushKind::push, .tau = 0.2, .beta = 1, .radius = 6, .keepsDensity = false};
   Hand hand(scene, brush);

@@ -75,8 +75,7 @@ bool isSame(const Contact& a, const Contact& b) {
 
 }  // namespace
 
-TEST_CASE(
-    "in virtual time a hand that waits for its bricks feels the whole cloud, bit by bit, near zero and far from it") {
+TEST_CASE("in virtual time a hand that waits for its bricks feels the whole cloud, bit by bit, also far from zero") {
   for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)})
     for (const double edge_radii : {0.8, 3.0}) {
       const Scene scene = makeScene("bumpy-sphere", 30'000, center);
@@ -120,8 +119,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE(
-    "against the clock a hand feels nothing where points lack, which is counted, and never a surface that has a hole") {
+TEST_CASE("in real time a hand feels nothing and counts it where bricks are missing, never a surface with a hole") {
   const Scene scene = makeScene("sphere", 30'000);
   CpuTouch whole(scene.cloud, {.radius = scene.radius, .threads = 1});
   Hand hand(scene);
@@ -176,7 +174,7 @@ TEST_CASE(
   CHECK(hand.touch->counts().without == before);
 }
 
-TEST_CASE("virtual time that waits in vain ends the session with no force, and says why") {
+TEST_CASE("a timeout while waiting for bricks in virtual time ends the session without force, with a reason") {
   const Scene scene = makeScene("sphere", 2000);
   Hand hand(scene, 3, 0.2);
   const Contact contact = hand.touch->query({.time_s = 0, .hip = DVec3(0, 0, 49)}, 0);
@@ -186,7 +184,7 @@ TEST_CASE("virtual time that waits in vain ends the session with no force, and s
   CHECK_THROWS_WITH(hand.touch->finish(), doctest::Contains("were not received within"));
 }
 
-TEST_CASE("what was waited for is in the frame of its time, whatever goes meanwhile, and not in later ones") {
+TEST_CASE("bricks that were waited for are in the frame of their time even if dropped since, but not in later frames") {
   BrickSource source({.edge = 1, .points = 10});
   auto brick = std::make_shared<Brick>();
   brick->ids = {4};
@@ -213,8 +211,7 @@ TEST_CASE("what was waited for is in the frame of its time, whatever goes meanwh
   CHECK_FALSE(source.covers(frame.time_s, DVec3(0.4), DVec3(0.6)));
 }
 
-TEST_CASE(
-    "a brick that comes with other points changes what a hand feels where the hand reaches it, and nowhere else") {
+TEST_CASE("a brick with changed points changes the contact only where the hand reaches it") {
   BrickSource source({.edge = 1, .points = 10});
   const auto brickAt = [](int x, float height) {
     auto brick = std::make_shared<Brick>();
@@ -240,7 +237,7 @@ TEST_CASE(
   CHECK(source.apply(std::move(again)));
 }
 
-TEST_CASE("more points than there is room for are refused, and what is given up waits for nobody") {
+TEST_CASE("too many points are refused, and nothing waits after the source was closed") {
   BrickSource source({.edge = 1, .points = 2});
   auto brick = std::make_shared<Brick>();
   brick->ids = {1, 2, 3};

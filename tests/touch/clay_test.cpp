@@ -18,7 +18,7 @@ ClayResult mouldOnCpu(const Scene& scene, const BrushOptions& brush, const ClayG
 
 }  // namespace
 
-TEST_CASE("a drag leaves a trench as deep as the hand, and nothing over the surface or under it" * kMoreInFull) {
+TEST_CASE("a drag leaves a trench as deep as the hand, and no points above or below the surface" * kMoreInFull) {
   for (const char* shape : {"plane", "sphere"}) {
     const Scene scene = makeScene(shape, byTier(6'000, 20'000));
     for (const BrushKind kind : {BrushKind::push, BrushKind::carve})
@@ -33,7 +33,7 @@ TEST_CASE("a drag leaves a trench as deep as the hand, and nothing over the surf
   }
 }
 
-TEST_CASE("the same gesture leaves the same trench where the machine gets a half or a third of the ticks done") {
+TEST_CASE("a gesture leaves the same trench if the machine completes only half or a third of the ticks") {
   const Scene scene = makeScene("plane", 6'000);
   for (const BrushKind kind : {BrushKind::push, BrushKind::carve}) {
     CAPTURE(static_cast<int>(kind));
@@ -49,7 +49,7 @@ TEST_CASE("the same gesture leaves the same trench where the machine gets a half
   }
 }
 
-TEST_CASE("a hand that dwells adds nothing, and lifting it changes nothing, with every brush but grab") {
+TEST_CASE("a dwelling hand adds nothing, and lifting it changes nothing, with every brush except grab") {
   const Scene scene = makeScene("plane", 4'000);
   for (const auto& [name, kind] : kBrushKinds) {
     if (kind == BrushKind::grab) continue;
@@ -84,7 +84,7 @@ TEST_CASE("a hand that dwells adds nothing, and lifting it changes nothing, with
   }
 }
 
-TEST_CASE("inflate raises the surface by as much as the hand presses, smoothly, and stops") {
+TEST_CASE("inflate raises the surface by the depth of the hand, smoothly, and stops") {
   const Scene scene = makeScene("plane", 4'000);
   BrushOptions brush = clayBrush(BrushKind::inflate);
   brush.strength = 1;
@@ -108,7 +108,7 @@ TEST_CASE("inflate raises the surface by as much as the hand presses, smoothly, 
   CHECK(hold(1000).positions == raised.positions);
 }
 
-TEST_CASE("the far side of a plate stays as it is, and the near one stops before it") {
+TEST_CASE("the far side of a plate stays unchanged, and the near side stops before it") {
   const Scene plate = makeClayPlate(6'000, 3);
   for (const BrushKind kind : {BrushKind::push, BrushKind::flatten, BrushKind::inflate, BrushKind::grab}) {
     CAPTURE(static_cast<int>(kind));
@@ -118,13 +118,14 @@ TEST_CASE("the far side of a plate stays as it is, and the near one stops before
   }
 }
 
-TEST_CASE("a plate that is carved through has nothing under it") {
+TEST_CASE("a plate that is carved through has no points below") {
   const Scene plate = makeClayPlate(6'000, 1);
   CpuTouch touch(plate.cloud, {.radius = plate.radius, .brush = clayBrush(BrushKind::carve), .threads = 1});
   checkCarvingThroughPlate(touch, plate, 1);
 }
 
-TEST_CASE("how deep, how high, how folded: all brushes at all depths, speeds and shares of the ticks" * kFull) {
+TEST_CASE("all brushes keep their bounds of depth, height and folds at all depths, speeds and shares of the ticks" *
+          kFull) {
   const Scene scene = makeScene("plane", 20'000);
   for (const auto& [name, kind] : kBrushKinds)
     for (const double speed : {20.0, 100.0, 500.0})

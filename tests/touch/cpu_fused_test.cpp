@@ -5,7 +5,7 @@
 
 namespace palpate::cpu_fused_test {
 
-TEST_CASE("depth frames are felt on the CPU while they fuse, and what is taken away is felt no more") {
+TEST_CASE("depth frames are felt on the CPU while they are fused, and removed objects are no longer felt") {
   checkFusedTouch([](TableStream& stream, double radius) {
     const FusedStream frames = stream.fused(smallMap());
     FusedTouch touch{.source = std::make_unique<FusedSource>(frames)};

@@ -24,7 +24,7 @@ std::unique_ptr<TouchBackend> makeCpuOnStream(const PointCloud& first, CloudSour
 
 }  // namespace
 
-TEST_CASE("a sphere that comes and goes under a hand at rest is felt on the CPU as deep as it is there") {
+TEST_CASE("an oscillating sphere under a hand at rest is felt at its present depth on the CPU") {
   for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)}) {
     CAPTURE(center.x);
     const Scene scene = makeScene("sphere", 20'000, center);
@@ -42,7 +42,7 @@ TEST_CASE("a sphere that comes and goes under a hand at rest is felt on the CPU 
   }
 }
 
-TEST_CASE("a sphere that turns, or drifts by, is felt on the CPU as deep as it is") {
+TEST_CASE("a rotating or drifting sphere is felt at its present depth on the CPU") {
   const Scene scene = makeScene("bumpy-sphere", 20'000);
   const DVec3 start(0, 0, 60);
   for (const RigidMotion& motion : {RigidMotion{.kind = MotionKind::turn, .axis = {0.6, 0, 0.8}, .frequency_Hz = 0.3},
@@ -61,7 +61,7 @@ TEST_CASE("a sphere that turns, or drifts by, is felt on the CPU as deep as it i
   }
 }
 
-TEST_CASE("a source that stands still answers on the CPU as none does, bit by bit") {
+TEST_CASE("a source at rest gives the same answers on the CPU as no source, bit by bit") {
   const Scene scene = makeScene("torus", 5'000, DVec3(100, 7, -3));
   for (const RigidMotion& still : {RigidMotion{}, RigidMotion{.kind = MotionKind::turn, .centre = {3, 2, 1}}}) {
     MovingCloud source(scene.cloud, still);
@@ -78,7 +78,7 @@ TEST_CASE("a source that stands still answers on the CPU as none does, bit by bi
   }
 }
 
-TEST_CASE("the same way twice gives the same answers on the CPU, and the points end where the source has them") {
+TEST_CASE("the same path twice gives the same answers on the CPU, and the points end at the source's positions") {
   const Scene scene = makeScene("sphere", 3'000);
   const auto play = [&](unsigned threads) {
     MovingCloud source(scene.cloud, oscillation());
@@ -99,7 +99,7 @@ TEST_CASE("the same way twice gives the same answers on the CPU, and the points 
   CHECK(std::ranges::equal(play(1), play(3), sameAnswer));
 }
 
-TEST_CASE("a frame that is not whole ends the session on the CPU: no answer is valid from then on") {
+TEST_CASE("an inconsistent frame ends the session on the CPU: no answer is valid from then on") {
   const Scene scene = makeScene("sphere", 2'000);
   for (const auto fault :
        {BrokenSource::Fault::notANumber, BrokenSource::Fault::infiniteNormal, BrokenSource::Fault::tooFew}) {
@@ -114,7 +114,7 @@ TEST_CASE("a frame that is not whole ends the session on the CPU: no answer is v
   }
 }
 
-TEST_CASE("one point, and none, move on the CPU without a surface") {
+TEST_CASE("clouds of one or no point can move on the CPU, without a surface") {
   for (const std::size_t count : {0, 1}) {
     PointCloud cloud;
     cloud.positions.assign(count, Vec3(0));
@@ -125,14 +125,14 @@ TEST_CASE("one point, and none, move on the CPU without a surface") {
   }
 }
 
-TEST_CASE("against the clock no tick on the CPU waits for the making of a frame") {
+TEST_CASE("in real time no tick on the CPU waits for the making of a frame") {
   const Scene scene = makeScene("sphere", 2'000);
   HeldSource source(scene.cloud, {.kind = MotionKind::drift, .speed = 1000});
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .threads = 1, .source = &source});
   checkNoTickWaits(touch, source);
 }
 
-TEST_CASE("against the clock frames come between ticks on the CPU, one after another") {
+TEST_CASE("in real time frames are applied between ticks on the CPU, in order") {
   const Scene scene = makeScene("sphere", 20'000);
   MovingCloud source(scene.cloud, oscillation());
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .threads = 1, .source = &source});
@@ -154,32 +154,32 @@ TEST_CASE("against the clock frames come between ticks on the CPU, one after ano
   CHECK(touch.indexWork().built >= static_cast<std::uint64_t>(frames - 1));
 }
 
-TEST_CASE("frames that are old are felt where the surface is by now on the CPU") { checkOldFrames(makeCpu); }
+TEST_CASE("old frames are extrapolated to the present position of the surface on the CPU") { checkOldFrames(makeCpu); }
 
-TEST_CASE("where frames stop coming the surface stands still after a while on the CPU") { checkStoppedFrames(makeCpu); }
+TEST_CASE("on the CPU the surface stops some time after the last frame") { checkStoppedFrames(makeCpu); }
 
-TEST_CASE("a proxy is carried along by a surface that slides, and dragged by the relative way alone on the CPU") {
+TEST_CASE("on the CPU a sliding surface carries the proxy along, and only relative motion drags it") {
   checkCarriedProxy(makeCpu);
 }
 
-TEST_CASE("a sheet that comes at half a metre per second lets no stylus through, from either face on the CPU") {
+TEST_CASE("a sheet approaching at half a metre per second cannot pass a stylus, from either face, on the CPU") {
   checkFastSheet(makeCpu);
 }
 
-TEST_CASE("an object that leaves is felt no more, from that tick on on the CPU") { checkLeaving(makeCpu); }
+TEST_CASE("an object that leaves is no longer felt from that tick on, on the CPU") { checkLeaving(makeCpu); }
 
-TEST_CASE("a frame with holes is felt as the points that it has on the CPU") { checkHoles(makeCpu); }
+TEST_CASE("on the CPU a frame with holes is felt with the points that it has") { checkHoles(makeCpu); }
 
-TEST_CASE("a wall that steps by a millimetre before a depth camera is felt as a ramp on the CPU") {
+TEST_CASE("on the CPU a wall that steps by a millimetre before a depth camera is felt as a ramp") {
   checkStepIsRamp(makeCpuOnStream);
 }
 
-TEST_CASE("no frame of a tilted plane is felt as a step on the CPU") { checkSteadyPlane(makeCpuOnStream); }
+TEST_CASE("on the CPU no frame of a tilted plane is felt as a step") { checkSteadyPlane(makeCpuOnStream); }
 
-TEST_CASE("a wall that comes before a depth camera lets no stylus through on the CPU") {
-  checkComingWall(makeCpuOnStream);
+TEST_CASE("on the CPU a wall approaching a depth camera cannot pass a stylus") { checkComingWall(makeCpuOnStream); }
+
+TEST_CASE("on the CPU a wall that leaves a depth camera's view is no longer felt") {
+  checkLeavingWall(makeCpuOnStream);
 }
-
-TEST_CASE("a wall that leaves a depth camera's view is felt no more on the CPU") { checkLeavingWall(makeCpuOnStream); }
 
 }  // namespace palpate::cpu_moving_test

@@ -65,7 +65,7 @@ TEST_CASE("the CPU back end equals the reference over random paths on every shap
   }
 }
 
-TEST_CASE("so it does far from the origin, with either bucket key, and whatever the cell") {
+TEST_CASE("the CPU back end equals the reference far from the origin, for both bucket keys and every cell size") {
   const Scene far = makeScene("torus", 10'000, DVec3(1e6, -2e6, 3e6));
   checkEqualsReference(far, wanderingPath(far, 150, 0.5 * far.radius, 5), {.radius = far.radius});
   const Scene scene = makeScene("bumpy-sphere", 10'000);
@@ -74,7 +74,7 @@ TEST_CASE("so it does far from the origin, with either bucket key, and whatever 
                          {.radius = scene.radius, .cell = cell, .bucketKey = BucketKey::morton});
 }
 
-TEST_CASE("clouds without a surface never touch on the CPU; many points in one place do") {
+TEST_CASE("on the CPU clouds of at most two points are never touched; many coincident points are") {
   for (const std::size_t count : {0, 1, 2, 100'000}) {
     PointCloud cloud;
     cloud.positions.assign(count, Vec3(1, 2, 3));
@@ -91,7 +91,7 @@ TEST_CASE("clouds without a surface never touch on the CPU; many points in one p
   }
 }
 
-TEST_CASE("a HIP that is not a number is answered on the CPU with an invalid contact, and nothing breaks") {
+TEST_CASE("on the CPU a HIP that is not a number gives an invalid contact, and the next one is valid") {
   const Scene scene = makeScene("sphere", 5'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
   CHECK_FALSE(touch.query({.hip = {0, std::nan(""), 0}}, 0).valid);
@@ -101,7 +101,7 @@ TEST_CASE("a HIP that is not a number is answered on the CPU with an invalid con
   touch.finish();
 }
 
-TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau behind") {
+TEST_CASE("a yielding surface on the CPU follows the HIP until it is tau away") {
   const Scene scene = makeScene("sphere", 20'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
   const auto poses = pressPath(4, 200);
@@ -131,7 +131,7 @@ TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau 
   CHECK(surface.neighbours == last.neighbours);
 }
 
-TEST_CASE("one edited tick moves each point where the brush says, and no further than a quarter of a support radius") {
+TEST_CASE("an edited tick moves each point as the brush specifies, at most a quarter of a support radius") {
   const Scene scene = makeScene("sphere", 20'000);
   const BrushOptions options{.tau = 0.2, .beta = 1, .radius = 9, .keepsDensity = false};
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = options});
@@ -176,7 +176,7 @@ TEST_CASE("the same presses give the same contacts and the same cloud with any n
   }
 }
 
-TEST_CASE("in real time an edit that outlasts the budget is bridged by the last answer, and an edit too slow rests") {
+TEST_CASE("in real time an edit beyond the budget is bridged by the last answer, and edits that are too slow pause") {
   const Scene scene = makeScene("sphere", 100'000);
   // A brush as wide as the model: an edit moves half of the points.
   const BrushOptions wide{.tau = 0.1, .beta = 1e-6, .radius = 60};
@@ -204,7 +204,8 @@ TEST_CASE("in real time an edit that outlasts the budget is bridged by the last 
   CHECK(touch.shortfalls().editsTooSlow == leftOut + (slow ? 1 : 0));
 }
 
-TEST_CASE("a hand that is lost past an open rim says so, and is caught again from either side on the CPU") {
+TEST_CASE(
+    "on the CPU a hand that loses contact beyond an open rim reports it, and finds contact again from either side") {
   checkRim([](const PointCloud& cloud, double radius) {
     return std::make_unique<CpuTouch>(cloud, CpuTouchOptions{.radius = radius, .threads = 1});
   });

@@ -5,7 +5,7 @@
 namespace palpate::edit_pace_test {
 
 TEST_CASE(
-    "edits in time never rest; a slow one rests as long as it took, the next twice that, and one in time ends it") {
+    "edits within the limit never pause; slow ones pause for their duration, then twice that, until one is fast") {
   EditPace pace(0.02);
   CHECK(pace.mayEdit(0));
   pace.took(0, 0.019);
@@ -33,7 +33,7 @@ TEST_CASE(
   CHECK(pace.mayEdit(7.401));
 }
 
-TEST_CASE("however often edits are slow, the rest is no more than ten times as long as one of them") {
+TEST_CASE("however often edits are slow, the pause is at most ten times as long as one of them") {
   EditPace pace(0.02);
   for (int i = 0; i < 60; ++i) pace.took(i, 0.05);
   CHECK_FALSE(pace.mayEdit(59.499));

@@ -103,7 +103,7 @@ struct Stale {
 
 }  // namespace
 
-TEST_CASE("the ball of a hand that was put down elsewhere stands there, and has not gone there") {
+TEST_CASE("a matter ball jumps with a hand that is put down elsewhere, instead of moving there") {
   Told told;
   MatterSteps steps = stepsOf(told);
   steps.goTo(at(0, {1, 0, 0}));
@@ -124,7 +124,7 @@ TEST_CASE("the ball of a hand that was put down elsewhere stands there, and has 
   CHECK(told.to[4].place_m.x == near(51, 1e-6));
 }
 
-TEST_CASE("an old answer is none to a hand that was put down elsewhere meanwhile") {
+TEST_CASE("an answer from before the hand was put down elsewhere is not used") {
   Stale stale;
   CHECK(stale.later(0.001, DVec3(0)).force_N.has_value());
   stale.touch.resetHand(0);
@@ -134,7 +134,7 @@ TEST_CASE("an old answer is none to a hand that was put down elsewhere meanwhile
   CHECK_FALSE(after.force_N.has_value());
 }
 
-TEST_CASE("between two questions hands go straight on, step by step, and turn as evenly") {
+TEST_CASE("between two queries hands move in a straight line, step by step, and rotate evenly") {
   Told told;
   MatterSteps steps = stepsOf(told);
   steps.goTo(at(0, {1, 0, 0}));
@@ -157,7 +157,7 @@ TEST_CASE("between two questions hands go straight on, step by step, and turn as
   CHECK(told.to.back().place_m == DVec3(5, 8, 4));
 }
 
-TEST_CASE("where time goes back, or it is told to, everything begins anew with a single step") {
+TEST_CASE("the simulation restarts with a single step when time goes back or on request") {
   Told told;
   MatterSteps steps = stepsOf(told);
   CHECK(told.begun == 1);
@@ -179,7 +179,7 @@ TEST_CASE("where time goes back, or it is told to, everything begins anew with a
   CHECK(told.from.back().place_m == DVec3(0, 0, 9));
 }
 
-TEST_CASE("while it is held no step is taken and nobody feels it, and it goes on from where the hand is then") {
+TEST_CASE("a paused simulation takes no step and gives no force, and resumes at the present hand") {
   Told told;
   MatterSteps steps = stepsOf(told);
   CHECK(steps.goTo(at(0, {1, 0, 0})).moves);
@@ -195,7 +195,7 @@ TEST_CASE("while it is held no step is taken and nobody feels it, and it goes on
   CHECK(told.to[2].place_m.x == near(5, 1e-6));
 }
 
-TEST_CASE("steps beyond the most at once are left out, and counted; those that are taken bring the hand to its place") {
+TEST_CASE("steps beyond the maximum per query are dropped and counted, and the last one reaches the hand's position") {
   Told told;
   MatterSteps steps = stepsOf(told, 2);
   steps.goTo(at(0, {0, 0, 0}));
@@ -208,7 +208,7 @@ TEST_CASE("steps beyond the most at once are left out, and counted; those that a
   CHECK(told.to[4].place_m.x == near(8, 1e-6));
 }
 
-TEST_CASE("what is shown is of the time of its question, once, and the newest") {
+TEST_CASE("a displayed frame belongs to the time of its query, is returned once, and is the newest") {
   Told told;
   MatterSteps steps = stepsOf(told);
   MatterView view;
@@ -224,7 +224,7 @@ TEST_CASE("what is shown is of the time of its question, once, and the newest") 
   CHECK(view.time_s == 0.253);
 }
 
-TEST_CASE("an answer that is of its tick is felt as it is") {
+TEST_CASE("an answer of the same tick is felt unchanged") {
   Stale stale;
   CHECK(stale.first.fresh);
   CHECK(stale.first.dataTime_s == 0.1);
@@ -236,7 +236,7 @@ TEST_CASE("an answer that is of its tick is felt as it is") {
   CHECK(glm::distance(stale.first.normal, glm::normalize(kForce_N)) < 1e-12);
 }
 
-TEST_CASE("an answer that has grown old pushes back by the ball's spring where the hand has gone on from the ball") {
+TEST_CASE("an old answer is extended by the spring to the ball when the hand has moved on") {
   Stale stale;
   const MatterScene scene = smallScene();
   const double stiffness_N_mm = 1e-3 * scene.gain * toolSpring(scene.tool, kMatterStep_s).stiffness;
@@ -267,7 +267,7 @@ TEST_CASE("an answer that has grown old pushes back by the ball's spring where t
   CHECK(none.valid);
 }
 
-TEST_CASE("an answer that has grown old pushes back by the spring with the gain that was set last") {
+TEST_CASE("an old answer is extended by the spring with the latest gain") {
   Stale stale(8);
   const double stiffness_N_mm = 1e-3 * 8 * toolSpring(smallScene().tool, kMatterStep_s).stiffness;
   const DVec3 way(0.7, -1.1, 0.2), went = 4.0 * kVelocity_m_s;
@@ -276,7 +276,7 @@ TEST_CASE("an answer that has grown old pushes back by the spring with the gain 
   CHECK(glm::distance(*later.force_N, kForce_N - stiffness_N_mm * (way - went)) < 1e-9);
 }
 
-TEST_CASE("a failed simulation answers nothing that is valid, and one that is held nothing that is felt") {
+TEST_CASE("a failed simulation gives no valid answer, and a paused one no force") {
   Told told;
   MatterTouch touch(std::make_unique<ToldSimulation>(smallScene(), told), {.hands = 1});
   CHECK(touch.query({.time_s = 0, .hip = DVec3(9)}, 0).touching);
@@ -291,7 +291,7 @@ TEST_CASE("a failed simulation answers nothing that is valid, and one that is he
   CHECK(touch.simulation()->failure() == "has too many particles in one place");
 }
 
-TEST_CASE("a parameter is taken with the next step, once, and what is refused changes nothing") {
+TEST_CASE("a parameter is applied once, with the next step, and a refused one changes nothing") {
   Told told;
   MatterSteps steps = stepsOf(told);
   steps.goTo(at(0, {1, 0, 0}));
@@ -308,7 +308,7 @@ TEST_CASE("a parameter is taken with the next step, once, and what is refused ch
   CHECK(steps.world().scene().gain == 8);
 }
 
-TEST_CASE("what a simulation throws is no force and an invalid answer, and is said when it is asked for") {
+TEST_CASE("an exception of a simulation gives zero force and an invalid answer, and is reported on request") {
   for (const bool realtime : {false, true}) {
     CAPTURE(realtime);
     Told told;

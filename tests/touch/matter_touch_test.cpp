@@ -54,7 +54,7 @@ PointCloud pointsOf(MatterTouch& touch, const MatterScene& scene) {
 
 }  // namespace
 
-TEST_CASE("a hand feels what its ball is told, and particles are where the simulation has them") {
+TEST_CASE("a hand feels the force of its ball, and the cloud has the simulation's particles") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene, {.threads = 2});
   MatterWorld world(scene, {.threads = 1, .tools = 1});
@@ -84,7 +84,7 @@ TEST_CASE("a hand feels what its ball is told, and particles are where the simul
   for (std::size_t i = 0; i < places.size(); ++i) CHECK(glm::distance(cloud.positions[i], 1e3f * places[i]) < 1e-3f);
 }
 
-TEST_CASE("a ball that is under water is pushed up by what it displaces, whatever the gain says on top") {
+TEST_CASE("a ball under water has the buoyancy of the displaced water, at any gain") {
   MatterScene scene = tank();
   for (const double gain : {1.0, 5.0}) {
     scene.gain = gain;
@@ -97,7 +97,7 @@ TEST_CASE("a ball that is under water is pushed up by what it displaces, whateve
   }
 }
 
-TEST_CASE("a hand that got a share of a force has put in as much less, and feels the same") {
+TEST_CASE("if a device outputs half of a force, half of its energy counts, and the force stays the same") {
   const MatterScene scene = tank();
   MatterTouch all = touched(scene), half = touched(scene);
   for (int k = 0; k < 300; ++k) {
@@ -115,7 +115,7 @@ TEST_CASE("a hand that got a share of a force has put in as much less, and feels
   CHECK(FeltForce{.asked_N = 0, .got_N = 0}.share() == 0);
 }
 
-TEST_CASE("the same poses give the same bytes for any number of threads, and at any rate the simulation keeps time") {
+TEST_CASE("the same poses give the same results bit by bit with any number of threads, and at any rate time is right") {
   const MatterScene scene = tank();
   MatterTouch one = touched(scene, {.threads = 1}), three = touched(scene, {.threads = 3});
   const auto a = played(one, 1000, 0.3), b = played(three, 1000, 0.3);
@@ -141,8 +141,7 @@ TEST_CASE("the same poses give the same bytes for any number of threads, and at 
   }
 }
 
-TEST_CASE(
-    "a scene that is held moves nothing and is felt by nobody; it goes on, and begins again, when it is told to") {
+TEST_CASE("a paused scene does not move and gives no force; it resumes and resets on request") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene);
   played(touch, 1000, 0.3);
@@ -170,7 +169,7 @@ TEST_CASE(
   CHECK(control.leftOut_s() == 0);
 }
 
-TEST_CASE("where time goes back the scene begins anew") {
+TEST_CASE("the scene restarts when time goes back") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene), straight = touched(scene);
   played(touch, 1000, 0.2);
@@ -179,7 +178,7 @@ TEST_CASE("where time goes back the scene begins anew") {
   CHECK(pointsOf(touch, scene).positions == pointsOf(straight, scene).positions);
 }
 
-TEST_CASE("a hand that is no number gets no answer and moves nothing") {
+TEST_CASE("a hand position that is not a number gives no answer and moves nothing") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene);
   played(touch, 1000, 0.2);
@@ -190,7 +189,7 @@ TEST_CASE("a hand that is no number gets no answer and moves nothing") {
   CHECK(pointsOf(touch, scene).positions == before.positions);
 }
 
-TEST_CASE("in virtual time a frame has the particles as the last answer has left them, each once") {
+TEST_CASE("in virtual time a frame contains each particle once, at its position after the last answer") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene);
   CloudFrame frame;
@@ -208,7 +207,7 @@ TEST_CASE("in virtual time a frame has the particles as the last answer has left
   }
 }
 
-TEST_CASE("a simulation changes between virtual time and the clock as it is told to, and goes on from where it is") {
+TEST_CASE("a simulation switches between virtual and real time on request, and continues from its state") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene, {.threads = 2});
   played(touch, 1000, 0.1);
@@ -227,7 +226,7 @@ TEST_CASE("a simulation changes between virtual time and the clock as it is told
   CHECK(pointsOf(touch, scene).positions != before.positions);
 }
 
-TEST_CASE("a simulation that fails gives no answer until it is reset") {
+TEST_CASE("a failed simulation gives no answer until it is reset") {
   // So fine and weightless that it takes one step at a time: its speed of sound is below the speed of the hand.
   MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};
   scene.tool = usualTool(scene);
@@ -248,7 +247,7 @@ TEST_CASE("a simulation that fails gives no answer until it is reset") {
   CHECK_NOTHROW(touch.finish());
 }
 
-TEST_CASE("hands share the matter: the second one feels what the first one does to it") {
+TEST_CASE("hands share the matter: the second one feels the effects of the first") {
   MatterScene scene = tank();
   scene.box_mm.x = scene.fill_mm.x = 160;
   MatterTouch two = touched(scene, {.hands = 2}), alone = touched(scene, {.hands = 1});
@@ -265,7 +264,7 @@ TEST_CASE("hands share the matter: the second one feels what the first one does 
   CHECK(most_N > 0.01);
 }
 
-TEST_CASE("frames show each particle where it is, once each, and normals look out of the water") {
+TEST_CASE("frames show each particle once at its position, with normals that face out of the water") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene);
   CloudFrame frame;
@@ -292,7 +291,7 @@ TEST_CASE("frames show each particle where it is, once each, and normals look ou
   CHECK(top == 4);
 }
 
-TEST_CASE("against the clock no tick waits past its budget, and an old answer fades") {
+TEST_CASE("in real time no tick exceeds its budget, and an old answer fades out") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene, {.realtime = true});
   // Given all the time that it needs, each tick has its own answer, as in virtual time.
@@ -323,8 +322,7 @@ TEST_CASE("against the clock no tick waits past its budget, and an old answer fa
   touch.finish();
 }
 
-TEST_CASE(
-    "whoever waits for a simulation that nobody has asked waits for nothing, and one that was asked is waited for") {
+TEST_CASE("waiting for a simulation returns at once without a query, and otherwise waits for it") {
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene, {.realtime = true});
   touch.finish();
@@ -337,7 +335,7 @@ TEST_CASE(
   CHECK(fallen_mm() > 1e-3f);
 }
 
-TEST_CASE("what holds no ball, or is sculpted, is refused") {
+TEST_CASE("a brush for water is refused, and no brush is accepted") {
   MatterTouch touch = touched(tank());
   CHECK_THROWS_WITH_AS(touch.setBrush(BrushOptions{}), doctest::Contains("cannot be sculpted"), UsageError);
   CHECK_NOTHROW(touch.setBrush(std::nullopt));

@@ -13,7 +13,7 @@ constexpr BrushOptions kPush{.tau = 0.3, .beta = 0.2, .radius = 8, .keepsDensity
 
 }  // namespace
 
-TEST_CASE("on the CPU strokes go on amid what others do, and each offer is reported once") {
+TEST_CASE("on the CPU strokes continue during edits of others, and each offer is reported once") {
   const Scene scene = makeScene("sphere", 20'000);
   for (const bool everywhere : {false, true}) {
     CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
@@ -21,13 +21,13 @@ TEST_CASE("on the CPU strokes go on amid what others do, and each offer is repor
   }
 }
 
-TEST_CASE("on the CPU an offer that comes too late for a point leaves it as it is") {
+TEST_CASE("on the CPU an offer that is too late for a point leaves it unchanged") {
   const Scene scene = makeScene("sphere", 5'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
   checkOffersThatAreLate(touch, scene.cloud);
 }
 
-TEST_CASE("in real time a hand sculpts although changes of others are offered before every answer") {
+TEST_CASE("in real time a hand can sculpt although edits of others are offered before every answer") {
   const Scene scene = makeScene("sphere", 5'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
   Offering others(touch, scene.cloud, 4);
@@ -45,7 +45,7 @@ TEST_CASE("in real time a hand sculpts although changes of others are offered be
   CHECK(others.reports() > 20);
 }
 
-TEST_CASE("nothing is offered to a cloud that nobody can edit, nor where points come and go") {
+TEST_CASE("edits cannot be offered to a cloud without a brush, or with one that maintains density") {
   const Scene scene = makeScene("sphere", 500);
   CpuTouch still(scene.cloud, {.radius = scene.radius});
   CHECK(still.mostOffered() == 0);
@@ -56,7 +56,7 @@ TEST_CASE("nothing is offered to a cloud that nobody can edit, nor where points 
   CHECK_FALSE(kept.offer({}, 0));
 }
 
-TEST_CASE("what others do is felt, in real time too, while another thread offers it") {
+TEST_CASE("edits of others are felt, in real time too, while another thread offers them") {
   const Scene scene = makeScene("sphere", 5'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
   Offering others(touch, scene.cloud, 11);

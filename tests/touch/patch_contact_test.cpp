@@ -62,7 +62,7 @@ double spring(const Contact& contact, const Pose& pose) { return glm::distance(c
 }  // namespace
 
 TEST_CASE_FIXTURE(PressedSphere,
-                  "within the border the patch tells the state of the whole cloud, press, slide and release") {
+                  "within the border a patch gives the contact of the whole cloud: pressing, sliding and releasing") {
   std::size_t touched = 0;
   std::vector<double> times_us;
   for (int i = 0; i < 200; ++i) {
@@ -88,7 +88,7 @@ TEST_CASE_FIXTURE(PressedSphere,
 }
 
 TEST_CASE_FIXTURE(PressedSphere,
-                  "past the border the force ends within its times, without a step, and comes back within") {
+                  "beyond the border of a patch the force fades out without a step, and returns inside") {
   // Slides away at a tenth of a radius a tick, at constant depth.
   double last = spring(pressed, {.hip = {0, 0, 49.5}}), largestStep = 0;
   double time_s = 0, angle = 0;
@@ -111,15 +111,16 @@ TEST_CASE_FIXTURE(PressedSphere,
   CHECK(back.proxy.z == near(pressed.proxy.z, 1e-5));
 }
 
-TEST_CASE_FIXTURE(PressedSphere, "an edit that the patch has not seen, or silence, ends the force within its times") {
+TEST_CASE_FIXTURE(PressedSphere,
+                  "an edit missing from the patch, or the lack of answers, fades the force out in time") {
   double full_s = 0, end_s = 0;
-  SUBCASE("edit") {
+  SUBCASE("an edit missing from the patch") {
     patch.edited(0.5);
     patch.edited(0.51);  // the first edit counts
     full_s = 0.5 + kOutdated_s;
     end_s = 0.5 + kMaxOutdated_s;
   }
-  SUBCASE("silence") {
+  SUBCASE("no further answers") {
     patch.heard(0.5);
     full_s = 0.5 + kSilent_s;
     end_s = 0.5 + kMaxSilent_s;
@@ -140,8 +141,7 @@ TEST_CASE_FIXTURE(PressedSphere, "an edit that the patch has not seen, or silenc
   CHECK(shareAt(end_s) == near(1, 1e-4));
 }
 
-TEST_CASE_FIXTURE(PressedSphere,
-                  "nothing that is not a number comes out of a patch that holds some, nor out of a pose that is one") {
+TEST_CASE_FIXTURE(PressedSphere, "a patch with points, or a pose, that are not finite gives only finite answers") {
   std::vector<Vec4> broken = points;
   for (std::size_t i = 0; i < broken.size(); i += 7) broken[i].y = std::nanf("");
   patch.take({.centre = Vec3(0, 0, 50), .reach = kReach * scene.radius, .points = broken}, {});
@@ -154,7 +154,7 @@ TEST_CASE_FIXTURE(PressedSphere,
   CHECK(isFinite(patch.answer({.hip = {0, 0, 49.5}}).proxy));
 }
 
-TEST_CASE("without a patch nothing is felt before the first answer, and nothing breaks") {
+TEST_CASE("without a patch nothing is felt before the first answer") {
   PatchContact patch({.radius = 1}, 0, DVec3(5));
   const Contact contact = patch.answer({.hip = {1, 2, 3}});
   CHECK(contact.valid);
@@ -163,8 +163,7 @@ TEST_CASE("without a patch nothing is felt before the first answer, and nothing 
   CHECK_FALSE(patch.isAhead());
 }
 
-TEST_CASE_FIXTURE(PressedSphere,
-                  "a patch of points that move goes on from its time with the velocity that was felt last") {
+TEST_CASE_FIXTURE(PressedSphere, "a patch of moving points is extrapolated with the last felt velocity") {
   const double deep = spring(pressed, {.hip = {0, 0, 49.5}});
   const DVec3 velocity(40, 0, 100);
   pressed.velocity = velocity;

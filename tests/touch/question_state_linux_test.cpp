@@ -76,7 +76,7 @@ bool stops(QuestionProgress progress, QuestionEvent event) {
 
 }  // namespace
 
-TEST_CASE("each transition of a question leads where the table says, and all others stop the program") {
+TEST_CASE("each transition of a question leads to the state in the table, and any other stops the program") {
   for (const QuestionState state : kStates)
     for (const QuestionEvent event : kEvents) {
       CAPTURE(kQuestionStateNames[static_cast<std::size_t>(state)]);
@@ -106,13 +106,13 @@ TEST_CASE("every state of a question is reached from idle, and idle from every s
   }
 }
 
-TEST_CASE("every event of a question happens somewhere") {
+TEST_CASE("every event of a question occurs in the table") {
   std::set<QuestionEvent> found;
   for (const QuestionTransition& transition : kQuestionTransitions) found.insert(transition.event);
   CHECK(found.size() == kEvents.size());
 }
 
-TEST_CASE("a question goes its ways: in time, late, ahead and withdrawn") {
+TEST_CASE("a question can be answered in time, late or ahead, or be withdrawn") {
   using enum QuestionEvent;
   CHECK(progressAt({asked, answered, tickClosed}).state() == QuestionState::ending);
   CHECK(progressAt({asked, tickClosed}).state() == QuestionState::late);

@@ -69,7 +69,7 @@ SurfaceGaps gapsAround(const PointCloud& cloud, const Scene& scene, const DVec3&
 
 }  // namespace
 
-TEST_CASE("a push of 10 mm into a model of 100 mm leaves no hole: the points stay as dense as they were") {
+TEST_CASE("a push of 10 mm into a model of 100 mm leaves no hole, and the density is maintained") {
   const Scene scene = makeScene("sphere", 30'000);
   const auto path = along(down(10), 50, 60);
   const Played dent = sculpt(scene, brush(BrushKind::push), path);
@@ -88,7 +88,7 @@ TEST_CASE("a push of 10 mm into a model of 100 mm leaves no hole: the points sta
   CHECK((torn.lost > 0 || gapsAround(torn.cloud, scene, {0, 0, 46}, 12).widest > 1.8));
 }
 
-TEST_CASE("a probe that slides through the dent never falls through") {
+TEST_CASE("a probe that slides through the dent never passes the surface") {
   const Scene scene = makeScene("sphere", 30'000);
   const Played dent = sculpt(scene, brush(BrushKind::push), along(down(10), 50, 50));
   CpuTouch touch(dent.cloud, {.radius = scene.radius});
@@ -107,7 +107,7 @@ TEST_CASE("a probe that slides through the dent never falls through") {
   CHECK(felt.lost == 0);
 }
 
-TEST_CASE("a hand at rest in its dent comes to rest: nothing comes or goes any more") {
+TEST_CASE("a hand at rest in its dent comes to rest: no points are added or removed any more") {
   const Scene scene = makeScene("sphere", 20'000);
   const Played first = sculpt(scene, brush(BrushKind::push), along(down(6), 50, 300));
   const Played longer = sculpt(scene, brush(BrushKind::push), along(down(6), 50, 500));
@@ -115,7 +115,7 @@ TEST_CASE("a hand at rest in its dent comes to rest: nothing comes or goes any m
   CHECK(longer.cloud.positions == first.cloud.positions);
 }
 
-TEST_CASE("carve cuts a closed crater, and a trench to its side, in the shape of its ball") {
+TEST_CASE("carve cuts a closed crater, and a trench beside it, in the shape of its ball") {
   const Scene scene = makeScene("sphere", 30'000);
   const Played crater =
       sculpt(scene, brush(BrushKind::carve), along({{0, 0, 50.5}, {0, 0, 45}, {6, 0, 44.5}}, 50, 100));
@@ -130,7 +130,7 @@ TEST_CASE("carve cuts a closed crater, and a trench to its side, in the shape of
   CHECK(deepest < 0.3 * scene.spacing);
 }
 
-TEST_CASE("inflate and grab stretch the surface without holes, and move it where they should") {
+TEST_CASE("inflate and grab stretch the surface without holes, and move it as specified") {
   const Scene scene = makeScene("sphere", 20'000);
   const Played bump = sculpt(scene, brush(BrushKind::inflate, 1), along(down(3), 50, 1200));
   CHECK(bump.lost == 0);
@@ -146,7 +146,7 @@ TEST_CASE("inflate and grab stretch the surface without holes, and move it where
   }));
 }
 
-TEST_CASE("smooth takes the noise away and leaves the shape") {
+TEST_CASE("smooth removes noise and keeps the shape") {
   const Scene noisy = makeScene("sphere", 20'000, DVec3(0), 0.3);
   const auto deviation = [](const PointCloud& cloud) {
     double squares = 0, sum = 0;
@@ -169,7 +169,7 @@ TEST_CASE("smooth takes the noise away and leaves the shape") {
   CHECK(std::abs(meanAfter - meanBefore) < 0.1);
 }
 
-TEST_CASE("paint colours what the tool reaches and moves nothing") {
+TEST_CASE("paint colours the points in reach and moves none") {
   const Scene scene = makeScene("sphere", 10'000);
   BrushOptions options = brush(BrushKind::paint, 0.2);
   options.color = {10, 20, 200, 255};
@@ -188,7 +188,7 @@ TEST_CASE("paint colours what the tool reaches and moves nothing") {
   CHECK(colored > 20);
 }
 
-TEST_CASE("the same strokes give the same cloud to the last bit, with any number of threads") {
+TEST_CASE("the same strokes give the same cloud bit by bit with any number of threads") {
   const Scene scene = makeScene("bumpy-sphere", 15'000);
   const auto path = along({{0, 0, 60}, {0, 0, 44}, {5, 3, 44}}, 200, 30);
   for (const auto& [name, kind] : kBrushKinds) {
@@ -201,7 +201,7 @@ TEST_CASE("the same strokes give the same cloud to the last bit, with any number
   }
 }
 
-TEST_CASE("what the edits tell, applied to the file's points, is the sculpted cloud") {
+TEST_CASE("the edits of the log, applied to the file's points, give the sculpted cloud") {
   const Scene scene = makeScene("sphere", 15'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = brush(BrushKind::carve)});
   touch.keepEdits();
@@ -219,7 +219,7 @@ TEST_CASE("what the edits tell, applied to the file's points, is the sculpted cl
   CHECK(followed.size() != scene.cloud.size());
 }
 
-TEST_CASE("a brush larger than the model, and a stroke that takes nearly every point, end well") {
+TEST_CASE("a brush larger than the model, and a stroke that removes nearly every point, complete") {
   const Scene small = makeScene("sphere", 600);
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);

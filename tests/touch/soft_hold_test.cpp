@@ -92,7 +92,7 @@ void checkEven(const Pressed& result, double within_N) {
 
 }  // namespace
 
-TEST_CASE("a hand that goes deep into a soft cube is held by it all the way, without a knock") {
+TEST_CASE("a soft cube holds a hand that presses deep into it all the way, without a force step") {
   const Pressed result = pressed({.depth_mm = 30, .speed_mm_s = 100, .hold_ms = 60});
   checkEven(result, 0.1);
   CHECK(result.most_N > 2.5);
@@ -103,7 +103,7 @@ TEST_CASE("a hand that goes deep into a soft cube is held by it all the way, wit
   CHECK(flat.holds.keptTicks == 0);
 }
 
-TEST_CASE("soft cubes hold hands and tools at all speeds, or give way evenly and say so" * kFull) {
+TEST_CASE("soft cubes hold hands and tools at all speeds, or yield evenly and report it" * kFull) {
   int letIn = 0;
   for (const double young_Pa : {2e4, 2e3})
     for (const double friction : {0.0, 0.5})

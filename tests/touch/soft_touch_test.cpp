@@ -34,7 +34,7 @@ Pose press(double time_s, double depth, double down_s = 0.3) {
 
 }  // namespace
 
-TEST_CASE("a flat plate that covers a bar feels it as stiff as E A / L") {
+TEST_CASE("a flat plate that covers a bar feels the stiffness E A / L") {
   MatterScene scene = softBlock();
   scene.fill_mm = {30, 60, 30};
   scene.friction = 0;
@@ -67,8 +67,7 @@ TEST_CASE("a flat plate that covers a bar feels it as stiff as E A / L") {
   CHECK(felt_N_per_mm == near(stiffness_N_per_mm, 0.05));
 }
 
-TEST_CASE(
-    "the deeper a hand goes the more it feels, less than from a rigid cloud, and all is as it was when it has gone") {
+TEST_CASE("a soft body's force grows with depth, stays below a rigid cloud's, and leaves no trace after release") {
   SoftScene block = touched(softBlock());
   for (int k = 0; k < 200; ++k) block.touch().query({.time_s = 1e-3 * k, .hip = atDepth(-10)}, 0);
   const PointCloud before = block.points();
@@ -98,7 +97,7 @@ TEST_CASE(
   for (std::size_t i = 0; i < after.size(); ++i) CHECK(glm::distance(after.positions[i], before.positions[i]) < 0.1f);
 }
 
-TEST_CASE("what the hand feels is what the body gets, and no momentum is lost between them") {
+TEST_CASE("a soft body receives the force that the hand feels, and momentum is conserved") {
   for (const double friction : {0.0, 0.6}) {
     CAPTURE(friction);
     SoftTouching options;
@@ -122,7 +121,7 @@ TEST_CASE("what the hand feels is what the body gets, and no momentum is lost be
   }
 }
 
-TEST_CASE("the same poses give the same bytes, with any number of threads, and after the scene has begun anew") {
+TEST_CASE("the same poses give the same results bit by bit with any number of threads, also after a restart") {
   SoftTouching options;
   options.threads = 1;
   SoftScene one = touched(softBlock(), options);
@@ -143,7 +142,7 @@ TEST_CASE("the same poses give the same bytes, with any number of threads, and a
   CHECK(one.points().positions == there.positions);
 }
 
-TEST_CASE("random hands get no more than a millijoule out of a soft body by its surface" * kMoreInFull) {
+TEST_CASE("random hands gain at most a millijoule from a soft body through its surface" * kMoreInFull) {
   std::mt19937 random(11);
   std::normal_distribution<double> push;
   for (const double viscosity : {0.0, 3.0}) {
@@ -178,7 +177,7 @@ TEST_CASE("random hands get no more than a millijoule out of a soft body by its 
   }
 }
 
-TEST_CASE("the energy of a hand that presses is that of the force that it feels, whatever its gain") {
+TEST_CASE("the energy of a pressing hand matches the force that it feels, at any gain") {
   for (const double gain : {1.0, 8.0}) {
     CAPTURE(gain);
     MatterScene scene = softBlock();
@@ -202,7 +201,7 @@ TEST_CASE("the energy of a hand that presses is that of the force that it feels,
   }
 }
 
-TEST_CASE("two hands press one body: each feels the other, and both are what the body gets") {
+TEST_CASE("two hands press one body: each feels the other, and the body receives both forces") {
   SoftTouching options;
   options.touch.tools.resize(2);
   SoftScene both = touched(softBlock(), options), alone = touched(softBlock(), options);
@@ -225,7 +224,7 @@ TEST_CASE("two hands press one body: each feels the other, and both are what the
   CHECK(apart_N > 0.02);
 }
 
-TEST_CASE("a hand bears no more than it says, and the body gets no more from it") {
+TEST_CASE("a hand's force is limited to its maximum, and so is the body's") {
   SoftTouching options;
   options.spring = {.stiffness_N_per_unit = 4, .damping_N_s_per_unit = 0, .most_N = 0.4};
   SoftScene block = touched(softBlock(), options);
@@ -235,7 +234,7 @@ TEST_CASE("a hand bears no more than it says, and the body gets no more from it"
   CHECK((block.world().impulses().onTools - before).y == near(0.4, 0.01));
 }
 
-TEST_CASE("a scene that is held is felt by nobody and stands still; it goes on, and begins anew, when it is told to") {
+TEST_CASE("a paused soft scene does not move and gives no force; it resumes and restarts on request") {
   SoftScene block = touched(softBlock());
   int k = 0;
   const auto ask = [&](double depth) { return block.touch().query({.time_s = 1e-3 * k++, .hip = atDepth(depth)}, 0); };
@@ -258,7 +257,7 @@ TEST_CASE("a scene that is held is felt by nobody and stands still; it goes on, 
   CHECK(control.leftOut_s() == 0);
 }
 
-TEST_CASE("a hand that is no number gets no answer and moves nothing, and what fails gives none until it begins anew") {
+TEST_CASE("a hand that is not a number gets no answer, and a failed body gives none until its restart") {
   SoftScene block = touched(softBlock());
   for (int k = 0; k < 300; ++k) block.touch().query(press(1e-3 * k, 4, 0.2), 0);
   const PointCloud before = block.points();
@@ -272,7 +271,7 @@ TEST_CASE("a hand that is no number gets no answer and moves nothing, and what f
   CHECK_FALSE(block.touch().editScope().edits);
 }
 
-TEST_CASE("where points are older than the tick the surface gives way as the body would, and is no wall") {
+TEST_CASE("for points older than the tick the surface yields with the body's compliance") {
   // Ticks are four times as frequent as steps: three of four feel earlier points.
   const SoftTouching options;
   SoftScene block = touched(softBlock(), options);
@@ -301,7 +300,7 @@ TEST_CASE("where points are older than the tick the surface gives way as the bod
   CHECK(back.proxy.y == near(fresh.proxy.y, 1e-4));
 }
 
-TEST_CASE("where several steps come at once the body is asked, too, how far it gives way") {
+TEST_CASE("after several steps at once the surface still yields with the body's compliance") {
   SoftScene block = touched(softBlock());
   const double halfSpace = block.source().compliance(0);
   // Three and four steps alternately, every other time half a step after the last of them.
@@ -309,8 +308,7 @@ TEST_CASE("where several steps come at once the body is asked, too, how far it g
   CHECK(block.source().compliance(0) != halfSpace);
 }
 
-TEST_CASE(
-    "against the clock nobody waits for a step, what is too slow is left out, and the body is pressed all the same") {
+TEST_CASE("in real time no tick waits for a step, late steps are dropped, and the body is still pressed") {
   SoftTouching options;
   options.realtime = true;
   SoftScene block = touched(softBlock(), options);
@@ -375,8 +373,7 @@ void wait(SoftScene& scene, double& time_s, int ticks) {
 
 }  // namespace
 
-TEST_CASE("a dent that a hand pushed stays when it has gone, as deep as it was less what its spring never gives" *
-          kFull) {
+TEST_CASE("a pushed dent remains after the hand has left, less the elastic part" * kFull) {
   SoftScene block = touched(softBlock(), withBrush(BrushKind::push));
   double time_s = 0;
   wait(block, time_s, 600);
@@ -405,8 +402,7 @@ TEST_CASE("a dent that a hand pushed stays when it has gone, as deep as it was l
   CHECK(block.touch().shapeStrokes()->counts().strokes == 1);
 }
 
-TEST_CASE(
-    "a brush changes how the body rests within its reach alone, and its strokes are undone and done again to the bit") {
+TEST_CASE("a brush changes the rest shape only within its reach, and undo and redo restore it bit by bit") {
   SoftScene block = touched(softBlock(), withBrush(BrushKind::push, 7));
   double time_s = 0;
   wait(block, time_s, 300);
@@ -450,7 +446,7 @@ TEST_CASE(
   CHECK(strokes.counts().version == 5);
 }
 
-TEST_CASE("what a hand feels is what the body gets while the body yields to its brush") {
+TEST_CASE("a soft body receives the force that the hand feels also while it yields to a brush") {
   SoftScene block = touched(softBlock(), withBrush(BrushKind::push));
   FeltSpring spring({.stiffness_N_per_unit = 0.5, .damping_N_s_per_unit = 0.002, .most_N = 5});
   DVec3 felt(0);
@@ -466,9 +462,8 @@ TEST_CASE("what a hand feels is what the body gets while the body yields to its 
   CHECK(glm::length(missing) <= 1e-5 * (glm::length(given.gravity) + glm::length(given.onTools)));
 }
 
-TEST_CASE(
-    "each brush of a shape does on a soft body what it is named for, and paths give the same bytes with any threads" *
-    kMoreInFull) {
+TEST_CASE("inflate, smooth, grab and flatten work on a soft body, the same bit by bit for any number of threads" *
+          kMoreInFull) {
   const int rest = byTier(100, 300), held = byTier(550, 700);
   for (const BrushKind kind : {BrushKind::inflate, BrushKind::smooth, BrushKind::grab, BrushKind::flatten}) {
     CAPTURE(static_cast<int>(kind));

@@ -11,13 +11,13 @@
 
 namespace palpate::touch_allocation_test {
 
-TEST_CASE("no tick on the CPU allocates memory on the thread that asks, whether it edits or not") {
+TEST_CASE("no tick on the CPU allocates memory on the querying thread, with or without edits") {
   const Scene scene = makeScene("sphere", 30'000);
   CpuTouchOptions options{.radius = scene.radius, .threads = 3};
   SUBCASE("static") {}
   SUBCASE("edited") { options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8}; }
   SUBCASE("with a tool of many points") { options.tools = {makeTool(ToolKind::pad, 64, 8)}; }
-  SUBCASE("with such a tool, edited") {
+  SUBCASE("with a tool of many points, edited") {
     options.tools = {makeTool(ToolKind::pad, 16, 8)};
     options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8};
   }
@@ -48,7 +48,7 @@ TEST_CASE("no tick on the CPU allocates memory on the thread that asks, whether 
   countedThread = std::thread::id();
 }
 
-TEST_CASE("no answer from a patch allocates memory, nor does taking one") {
+TEST_CASE("neither an answer from a patch nor an update of the patch allocates memory") {
   const Scene scene = makeScene("sphere", 30'000);
   std::vector<Vec4> points;
   for (std::size_t i = 0; i < scene.cloud.size() && points.size() < 2 * shared::kMaxCarriedPoints; ++i) {
@@ -70,7 +70,7 @@ TEST_CASE("no answer from a patch allocates memory, nor does taking one") {
   CHECK(touched > 10);
 }
 
-TEST_CASE("no tick in matter allocates memory on the thread that asks against the clock") {
+TEST_CASE("in real time no tick in matter allocates memory on the querying thread") {
   MatterScene scene{.box_mm = {80, 120, 80}, .fill_mm = {80, 40, 80}, .spacing_mm = 10};
   scene.tool = usualTool(scene);
   MatterTouch touch(std::make_unique<MatterWorld>(scene, MatterOptions{.threads = 1, .tools = 1}),
@@ -90,7 +90,7 @@ TEST_CASE("no tick in matter allocates memory on the thread that asks against th
   touch.finish();
 }
 
-TEST_CASE("no tick on a soft body allocates memory on the thread that asks against the clock") {
+TEST_CASE("in real time no tick on a soft body allocates memory on the querying thread") {
   SoftTouching options;
   options.realtime = true;
   SoftScene block(softBlock(), options,

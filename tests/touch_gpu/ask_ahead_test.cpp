@@ -31,7 +31,7 @@ void checkEqual(const Contact& a, const Contact& b) {
 
 }  // namespace
 
-TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is what is sculpted") {
+TEST_CASE("questions asked ahead give the same answers and the same sculpted cloud, bit by bit") {
   // Without validation, which makes a submission wait until its work is done.
   Device& device = plainDevice();
   const Scene scene = makeScene("sphere", 5'000);
@@ -62,7 +62,7 @@ TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is 
   }
 }
 
-TEST_CASE("the questions of a tool's points and of two hands are asked ahead together, and answered all or none" *
+TEST_CASE("questions of a tool's points and of two hands are asked ahead together, all answered or none" *
           kMoreInFull) {
   Device& device = plainDevice();
   const Scene scene = makeScene("sphere", 5'000);
@@ -95,7 +95,7 @@ TEST_CASE("the questions of a tool's points and of two hands are asked ahead tog
   }
 }
 
-TEST_CASE("a question that waited in vain is asked again") {
+TEST_CASE("a question ahead that times out is asked again") {
   Device& device = plainDevice();
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
@@ -107,7 +107,7 @@ TEST_CASE("a question that waited in vain is asked again") {
   CHECK(ahead.answeredAhead() == 0);
 }
 
-TEST_CASE("a question that is withdrawn leaves no trace in what is felt afterwards") {
+TEST_CASE("a withdrawn question does not affect later contacts") {
   Device& device = plainDevice();
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
@@ -122,7 +122,7 @@ TEST_CASE("a question that is withdrawn leaves no trace in what is felt afterwar
   CHECK(touching > 10);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a question that waits is no obstacle to an end, a change or a lazy driver") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a question pending ahead does not block finish(), a change or a slow driver") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchOptions options = optionsFor(scene, true);
   options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8};
@@ -147,7 +147,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a question that waits is no obstacle to an en
   touch.prepare();  // pending when the touch side is destroyed
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "by itself a device asks ahead only where the driver is known to let a question wait") {
+TEST_CASE_FIXTURE(GpuFixture, "by default a device asks ahead only if the driver is known to let a question wait") {
   const Scene scene = makeScene("sphere", 1'000);
   // Under validation every submission waits for its completion, on every driver.
   if (askedValidation() == Validation::off)

@@ -66,7 +66,7 @@ double worstDistance(const PointCloud& a, const PointCloud& b) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(BackendsFixture, "CPU and GPU feel the same on a static cloud of every shape") {
+TEST_CASE_FIXTURE(BackendsFixture, "CPU and GPU agree on a static cloud of every shape") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 5'000);
@@ -79,7 +79,8 @@ TEST_CASE_FIXTURE(BackendsFixture, "CPU and GPU feel the same on a static cloud 
   }
 }
 
-TEST_CASE_FIXTURE(BackendsFixture, "one edit moves the same points to the same places, within rounding") {
+TEST_CASE_FIXTURE(BackendsFixture,
+                  "one edit moves the same points to the same positions on CPU and GPU, within rounding") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   const Outcome outcome =
@@ -94,7 +95,7 @@ TEST_CASE_FIXTURE(BackendsFixture, "one edit moves the same points to the same p
   CHECK(worst_deg < 0.1);
 }
 
-TEST_CASE_FIXTURE(BackendsFixture, "a press that sculpts feels the same on both, tick by tick") {
+TEST_CASE_FIXTURE(BackendsFixture, "a press that sculpts agrees on CPU and GPU, tick by tick") {
   const Scene scene = makeScene("sphere", 20'000);
   const Outcome outcome =
       play(scene, press(DVec3(0, 0, 1), 3, 100), BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8});

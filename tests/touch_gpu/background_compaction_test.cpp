@@ -99,7 +99,7 @@ void checkEqual(const Stroke& a, const Stroke& b) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "in virtual time a stroke with compactions gives what it gives without, bit by bit") {
+TEST_CASE_FIXTURE(GpuFixture, "in virtual time a stroke with background compactions gives the same result bit by bit") {
   const Scene scene = makeScene("sphere", 20'000);
   const int ticks = 400;
   const Stroke without = sculpt(device, scene, 1 << 17, kVirtual, ticks);
@@ -109,7 +109,7 @@ TEST_CASE_FIXTURE(GpuFixture, "in virtual time a stroke with compactions gives w
   checkEqual(with, without);
 }
 
-TEST_CASE("in real time compactions in the background change nothing that is felt, and no edit needs a build" * kFull) {
+TEST_CASE("in real time background compactions change no contact, and no edit requires a build" * kFull) {
   Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 20'000);
   const Stroke without = sculpt(device, scene, 1 << 17, kVirtual, 1'000);
@@ -119,8 +119,7 @@ TEST_CASE("in real time compactions in the background change nothing that is fel
   checkEqual(with, without);
 }
 
-TEST_CASE("in real time edits that find no slots wait for the compaction that brings them, not for a build" *
-          kMoreInFull) {
+TEST_CASE("in real time edits without free slots wait for a compaction, not for a build" * kMoreInFull) {
   Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 20'000);
   const Stroke stroke = sculpt(device, scene, kMinSpare, kRealtime_us, 1'000);
@@ -128,7 +127,7 @@ TEST_CASE("in real time edits that find no slots wait for the compaction that br
   CHECK(stroke.editsHeldUp > 0);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "what builds the index anew takes a compaction's place, in a change and in an edit") {
+TEST_CASE_FIXTURE(GpuFixture, "an index rebuild, by a change or an edit, replaces a compaction") {
   // Few spare slots, so that one compaction follows another, and many points in one spot, so that an edit there is
   // large.
   Scene scene = makeScene("sphere", 8'000);
@@ -183,7 +182,7 @@ TEST_CASE_FIXTURE(GpuFixture, "what builds the index anew takes a compaction's p
   CHECK(faults(device, touch) == 0);
 }
 
-TEST_CASE("it is predicted that a live cloud whose index follows edits takes little more than twice as much") {
+TEST_CASE("the predicted memory of a live cloud with an editable index is little more than twice that without") {
   for (const std::uint64_t points : {1'000'000ull, 10'000'000ull, 100'000'000ull}) {
     CAPTURE(points);
     const GpuMemory memory = predictGpuMemory(points, false);

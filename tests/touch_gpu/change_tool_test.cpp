@@ -51,7 +51,7 @@ struct Told {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "each brush does its own work after another, and all of it is told and undone") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "each brush works after a change of brush, and all edits are reported and undone") {
   const Scene scene = makeScene("sphere", 8'000);
   for (const bool gpu : {true, false}) {
     CAPTURE(gpu);
@@ -99,7 +99,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "each brush does its own work after another, a
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a larger tool reaches further than the one before") {
+TEST_CASE_FIXTURE(GpuFixture, "a larger tool reaches further than the one before it") {
   const Scene scene = makeScene("sphere", 8'000);
   for (const bool gpu : {true, false}) {
     CAPTURE(gpu);
@@ -125,7 +125,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a larger tool reaches further than the one before
   }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "surface, friction and method change, and the answers are those of a fresh start") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "after a change of surface, friction or method the answers are those of a new start") {
   const Scene scene = makeScene("sphere", 8'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .surface = SurfaceKind::average});
   const Contact average = press(touch, {0, 0, 1}, 2);
@@ -145,7 +146,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "surface, friction and method change, and the 
   CHECK(glm::distance(press(cpu, {0, 0, 1}, 2).proxy, sphere.proxy) < 1e-3);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a stylus that is put down behind a surface has not crossed it") {
+TEST_CASE_FIXTURE(GpuFixture, "a stylus that is put down behind a surface does not count as having crossed it") {
   const Scene scene = makeScene("sphere", 8'000);
   for (const bool gpu : {true, false}) {
     CAPTURE(gpu);
@@ -162,7 +163,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a stylus that is put down behind a surface has no
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a late answer from before the stylus was lifted says nothing about what comes after") {
+TEST_CASE_FIXTURE(GpuFixture, "a late answer from before the stylus was lifted is not used afterwards") {
   const Scene scene = makeScene("sphere", 8'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   for (int i = 0; i < 30; ++i) touch.query({.time_s = i * 1e-3, .hip = {0, 0, 53 - 0.2 * i}}, 0);  // until it touches

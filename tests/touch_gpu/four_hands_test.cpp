@@ -57,7 +57,7 @@ bool equal(std::span<const PointContact> a, std::span<const PointContact> b) {
 }  // namespace
 
 TEST_CASE_FIXTURE(FourHandsFixture,
-                  "each of four hands is answered as it is alone, bit by bit, whatever its tool" * kMoreInFull) {
+                  "each of four hands is answered as if alone, bit by bit, with any tool" * kMoreInFull) {
   const std::size_t ticks = byTier<std::size_t>(45, 120);
   for (const bool onGpu : {false, true})
     for (const std::string_view name : {"bumpy-sphere", "cube"}) {
@@ -94,7 +94,7 @@ TEST_CASE_FIXTURE(FourHandsFixture,
     }
 }
 
-TEST_CASE_FIXTURE(FourHandsFixture, "one of four hands is put down elsewhere, and the others go on") {
+TEST_CASE_FIXTURE(FourHandsFixture, "one of four hands is put down elsewhere, and the others continue") {
   const Scene scene = makeScene("plane", 10'000);
   for (const bool onGpu : {false, true})
     for (std::size_t lifted = 0; lifted < kHands; ++lifted) {
@@ -116,7 +116,7 @@ TEST_CASE_FIXTURE(FourHandsFixture, "one of four hands is put down elsewhere, an
 }
 
 TEST_CASE_FIXTURE(FourHandsFixture,
-                  "a place past all numbers of one of four hands is a fault for all at that pose alone") {
+                  "a position of one of four hands that is not finite is a fault for all, at that pose only") {
   const Scene scene = makeScene("plane", 5'000);
   for (const bool onGpu : {false, true})
     for (std::size_t bad = 0; bad < kHands; ++bad) {
@@ -135,7 +135,7 @@ TEST_CASE_FIXTURE(FourHandsFixture,
     }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "four hands with tools are felt under validation, edits and new beginnings included") {
+TEST_CASE_FIXTURE(GpuFixture, "four hands with tools run under validation, with edits and restarts") {
   const Scene scene = makeScene("sphere", 10'000);
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius,
@@ -155,7 +155,7 @@ TEST_CASE_FIXTURE(GpuFixture, "four hands with tools are felt under validation, 
   touch.finish();
 }
 
-TEST_CASE_FIXTURE(FourHandsFixture, "there is one hand at least, and no more than a bound") {
+TEST_CASE_FIXTURE(FourHandsFixture, "the number of hands is at least one and at most a maximum") {
   const Scene scene = makeScene("plane", 1'000);
   for (const bool onGpu : {false, true}) {
     CAPTURE(onGpu);

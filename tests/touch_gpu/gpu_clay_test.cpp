@@ -7,8 +7,8 @@
 
 namespace palpate::gpu_clay_test {
 
-TEST_CASE_FIXTURE(GpuFixture,
-                  "a drag on a GPU leaves a trench as deep as the hand, and nothing over the surface" * kMoreInFull) {
+TEST_CASE_FIXTURE(GpuFixture, "a drag on a GPU leaves a trench as deep as the hand, and no points above the surface" *
+                                  kMoreInFull) {
   for (const char* shape : byTier<std::vector<const char*>>({"sphere"}, {"plane", "sphere"})) {
     const Scene scene = makeScene(shape, byTier(5'000, 20'000));
     for (const BrushKind kind : {BrushKind::push, BrushKind::carve})
@@ -22,13 +22,13 @@ TEST_CASE_FIXTURE(GpuFixture,
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on a GPU the far side of a plate stays as it is, and the near one stops before it") {
+TEST_CASE_FIXTURE(GpuFixture, "on a GPU the far side of a plate stays unchanged, and the near side stops before it") {
   const Scene plate = makeClayPlate(4'000, 4);
   TouchSide touch(device, plate.cloud, {.radius = plate.radius, .brush = clayBrush(BrushKind::push)});
   CHECK(dragOverPlate(touch, plate, 4) < -1.5);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a plate that is carved through on a GPU has nothing under it") {
+TEST_CASE_FIXTURE(GpuFixture, "a plate that is carved through on a GPU has no points below") {
   const Scene plate = makeClayPlate(4'000, 1);
   TouchSide touch(device, plate.cloud, {.radius = plate.radius, .brush = clayBrush(BrushKind::carve)});
   checkCarvingThroughPlate(touch, plate, 1);

@@ -28,7 +28,7 @@ Pose awayAt(double time_s) { return {.time_s = time_s, .hip = {0, 0, 0.5}}; }
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "depth frames are felt while they fuse on the GPU, and what is taken away is felt no more") {
+                  "depth frames are felt while they are fused on the GPU, and removed objects are no longer felt") {
   checkFusedTouch(
       [this](TableStream& stream, double radius) {
         return FusedTouch{.backend = fusedTouch(device, stream.fused(smallMap(60'000)), radius), .source = nullptr};
@@ -36,7 +36,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
       2e-3);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a map that is fused on the host is felt on the GPU as it is on the host") {
+TEST_CASE_FIXTURE(GpuFixture, "a map fused on the host is felt on the GPU as on the host") {
   TableStream first, second;
   const FusedStream onHost = first.fused(smallMap(60'000)), onGpu = second.fused(smallMap(60'000));
   FusedSource source(onHost);
@@ -51,9 +51,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a map that is fused on the host is felt on the GP
   CHECK(onGpu.stream->player->counts().played == onHost.stream->player->counts().played);
 }
 
-TEST_CASE_FIXTURE(
-    GpuFixture,
-    "where time goes back the map on the GPU begins anew, and the same time has the same bytes, full or not") {
+TEST_CASE_FIXTURE(GpuFixture, "the map on the GPU restarts when time goes back, the same bit by bit, full or not") {
   TableStream stream, again;
   FusedStream frames = stream.fused(smallMap(40'000)), straight = again.fused(smallMap(40'000));
   struct Lines final : LogListener {
@@ -79,7 +77,7 @@ TEST_CASE_FIXTURE(
   CHECK(pointsOf(*touch, frames).positions == frames.begin->positions);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "frames without poses are placed on the GPU, held, and taken from one map to the next") {
+TEST_CASE_FIXTURE(GpuFixture, "frames without poses are placed on the GPU, also after a pause and with the next map") {
   TableStream stream(false);
   FusedStream frames = stream.fused(smallMap(40'000));
   auto touch = fusedTouch(device, frames);

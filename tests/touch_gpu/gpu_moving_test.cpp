@@ -32,7 +32,7 @@ class CrowdingSource final : public CloudSource {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "a sphere that comes and goes under a hand at rest is felt as deep as it is there") {
+TEST_CASE_FIXTURE(GpuFixture, "an oscillating sphere under a hand at rest is felt at its present depth") {
   for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)}) {
     CAPTURE(center.x);
     const Scene scene = makeScene("sphere", 20'000, center);
@@ -52,7 +52,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a sphere that comes and goes under a hand at rest
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a source that stands still answers as none does, bit by bit, however it is asked") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "a source at rest gives the same answers as no source, bit by bit, for each query and sort method") {
   const Scene scene = makeScene("torus", 2'000, DVec3(100, 7, -3));
   MovingCloud source(scene.cloud, {.kind = MotionKind::turn, .centre = {3, 2, 1}});
   for (const QueryMethod method : {QueryMethod::fused, QueryMethod::indirect})
@@ -74,7 +75,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a source that stands still answers as none does, 
     }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "both back ends feel the same of what turns, and end with the source's points") {
+TEST_CASE_FIXTURE(GpuFixture, "both back ends agree on a rotating cloud, and end with the source's points") {
   const Scene scene = makeScene("bumpy-sphere", 5'000);
   const RigidMotion motion{.kind = MotionKind::turn, .axis = {0.6, 0, 0.8}, .frequency_Hz = 1};
   MovingCloud source(scene.cloud, motion), same(scene.cloud, motion);
@@ -103,7 +104,7 @@ TEST_CASE_FIXTURE(GpuFixture, "both back ends feel the same of what turns, and e
   CHECK_FALSE(touch.takeFrame(frame));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "the same way twice gives the same answers; the same ids stand in the cloud throughout") {
+TEST_CASE_FIXTURE(GpuFixture, "the same path twice gives the same answers, and the cloud keeps its ids") {
   const Scene scene = makeScene("sphere", 2'000);
   const auto play = [&] {
     MovingCloud source(scene.cloud, oscillation());
@@ -119,7 +120,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the same way twice gives the same answers; the sa
   CHECK(std::ranges::equal(play(), play(), sameAnswer));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "awkward numbers of points move as they should") {
+TEST_CASE_FIXTURE(GpuFixture, "clouds of awkward sizes move correctly") {
   for (const std::size_t count : {1, 2, 255, 256, 257, 511, 513, 1025}) {
     CAPTURE(count);
     const Scene scene = makeScene("plane", count);
@@ -135,7 +136,7 @@ TEST_CASE_FIXTURE(GpuFixture, "awkward numbers of points move as they should") {
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "points that crowd into one bucket and leave it again are felt as if they never had") {
+TEST_CASE_FIXTURE(GpuFixture, "points that crowd into one bucket and leave it again do not change contacts") {
   const Scene scene = makeScene("sphere", 3'000);
   CrowdingSource source(scene.cloud);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
@@ -152,7 +153,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points that crowd into one bucket and leave it ag
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a frame that is not whole ends the session: no answer is valid from then on") {
+TEST_CASE_FIXTURE(GpuFixture, "an inconsistent frame ends the session: no answer is valid from then on") {
   const Scene scene = makeScene("sphere", 1'000);
   for (const auto fault : {BrokenSource::Fault::notANumber, BrokenSource::Fault::tooFew})
     for (const double budget_us : {0.0, 20'000.0}) {
@@ -173,14 +174,14 @@ TEST_CASE_FIXTURE(GpuFixture, "a frame that is not whole ends the session: no an
     }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "against the clock no tick waits for the making of a frame") {
+TEST_CASE_FIXTURE(GpuFixture, "in real time no tick waits for the making of a frame") {
   const Scene scene = makeScene("sphere", 2'000);
   HeldSource source(scene.cloud, {.kind = MotionKind::drift, .speed = 1000});
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
   checkNoTickWaits(touch, source);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "against the clock frames come between ticks, one after another") {
+TEST_CASE_FIXTURE(GpuFixture, "in real time frames are applied between ticks, in order") {
   const Scene scene = makeScene("sphere", 2'000);
   MovingCloud source(scene.cloud, oscillation());
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
@@ -207,7 +208,7 @@ TEST_CASE_FIXTURE(GpuFixture, "against the clock frames come between ticks, one 
   CHECK(frame.positions == truth.positions);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "where there is time for more frames than ticks, none is felt after a newer one") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "with more frames than ticks, no frame is felt after a newer one") {
   const Scene scene = makeScene("sphere", 20'000);
   MovingCloud source(scene.cloud, oscillation());
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
@@ -226,7 +227,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "where there is time for more frames than tick
   CHECK(newer > 5);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "frames that are old are felt where the surface is by now" * kMoreInFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "old frames are extrapolated to the present position of the surface" * kMoreInFull) {
   checkOldFrames(
       [this](const Scene& scene, CloudSource& source, double friction) {
         return std::make_unique<TouchSide>(
@@ -235,15 +236,14 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "frames that are old are felt where the surfac
       byTier(360, 600));
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "where frames stop coming the surface stands still after a while") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "the surface stops some time after the last frame") {
   checkStoppedFrames([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "a proxy is carried along by a surface that slides, and dragged by the relative way alone") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a sliding surface carries the proxy along, and only relative motion drags it") {
   checkCarriedProxy([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
@@ -251,28 +251,28 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "a sheet that comes at half a metre per second lets no stylus through, from either face") {
+                  "a sheet approaching at half a metre per second cannot pass a stylus, from either face") {
   checkFastSheet([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "an object that leaves is felt no more, from that tick on") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "an object that leaves is no longer felt from that tick on") {
   checkLeaving([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a frame with holes is felt as the points that it has") {
+TEST_CASE_FIXTURE(GpuFixture, "a frame with holes is felt with the points that it has") {
   checkHoles([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a wall before a depth camera steps as a ramp, takes a stylus along, and leaves") {
+TEST_CASE_FIXTURE(GpuFixture, "a wall before a depth camera steps as a ramp, pushes a stylus ahead, and leaves") {
   const auto make = [this](const PointCloud& first, CloudSource& source, double radius) {
     return std::make_unique<TouchSide>(device, first, TouchOptions{.radius = radius, .source = &source});
   };

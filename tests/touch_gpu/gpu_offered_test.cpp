@@ -15,7 +15,8 @@ constexpr BrushOptions kPush{.tau = 0.3, .beta = 0.2, .radius = 8, .keepsDensity
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU strokes go on amid what others do, with either way of the index") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "on the GPU strokes continue during edits of others, with an updated or a rebuilt index") {
   const Scene scene = makeScene("sphere", 8'000);
   for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
     CAPTURE(index == IndexFollow::rebuild);
@@ -24,7 +25,7 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU strokes go on amid what others do, wit
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU an offer that comes too late for a point leaves it as it is") {
+TEST_CASE_FIXTURE(GpuFixture, "on the GPU an offer that is too late for a point leaves it unchanged") {
   const Scene scene = makeScene("sphere", 5'000);
   for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
     TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = kPush, .paintable = true, .index = index});
@@ -32,7 +33,7 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU an offer that comes too late for a poi
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "an offer may move so much that the index does not follow, and is built anew") {
+TEST_CASE_FIXTURE(GpuFixture, "an offer of very many points rebuilds the index instead of updating it") {
   const Scene scene = makeScene("sphere", 3'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = kPush});
   Offering others(touch, scene.cloud, 5);
@@ -59,7 +60,7 @@ TEST_CASE_FIXTURE(GpuFixture, "an offer may move so much that the index does not
   CHECK(others.reports() == 3);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU offers are carried out in real time, while another thread makes them") {
+TEST_CASE_FIXTURE(GpuFixture, "on the GPU offers from another thread are carried out in real time") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = kPush});
   Offering others(touch, scene.cloud, 9);

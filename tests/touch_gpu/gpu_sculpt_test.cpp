@@ -51,7 +51,7 @@ Played play(TouchBackend& touch, const PointCloud& before, const std::vector<Pos
 }  // namespace
 
 TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "every brush leaves on the GPU what it leaves on the CPU: a whole surface in one place") {
+                  "every brush leaves the same surface on the GPU as on the CPU, whole and in the same position") {
   const Scene scene = makeScene("sphere", 6'000);
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);
@@ -74,7 +74,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
 }
 
 TEST_CASE_FIXTURE(GpuFixture,
-                  "points come where a push stretches the surface, and the same session gives them the same ids") {
+                  "points are added where a push stretches the surface, with the same ids in the same session") {
   const Scene scene = makeScene("sphere", 8'000);
   PointCloud first;
   for (int run = 0; run < 2; ++run) {
@@ -90,7 +90,8 @@ TEST_CASE_FIXTURE(GpuFixture,
   }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a brush larger than the model, and a stroke that takes every point, end well") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "on the GPU a brush larger than the model, and a stroke that removes every point, complete") {
   const Scene scene = makeScene("sphere", 1'025);
   for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
     BrushOptions large = brush(BrushKind::carve);
@@ -107,7 +108,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a brush larger than the model, and a stroke t
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "when no numbers are left for new points the surface comes to rest all the same") {
+TEST_CASE_FIXTURE(GpuFixture, "without free ids for new points the surface still comes to rest") {
   const Scene scene = makeScene("sphere", 8'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = brush(BrushKind::push), .spareSlots = 60});
   auto poses = press(8);

@@ -58,7 +58,7 @@ DVec3 atDepth(double depth) { return {50, 30 - depth, 50}; }
 
 }  // namespace
 
-TEST_CASE_FIXTURE(SoftFixture, "a soft body is felt on a GPU as on the CPU, and pressed as hard, by two hands") {
+TEST_CASE_FIXTURE(SoftFixture, "a soft body is felt and pressed by two hands on a GPU as on the CPU") {
   for (const bool moves : {false, true}) {
     CAPTURE(moves);
     SoftTouching options;
@@ -98,7 +98,7 @@ TEST_CASE_FIXTURE(SoftFixture, "a soft body is felt on a GPU as on the CPU, and 
 }
 
 TEST_CASE_FIXTURE(SoftFixture,
-                  "what a hand feels on a GPU is what the body there gets, and no momentum is lost between them") {
+                  "on a GPU a soft body receives the force that the hand feels, and momentum is conserved") {
   SoftTouching options = onlyOnGpu();
   options.touch.friction = 0.6;
   SoftScene block(lowBlock(), options, onGpu());
@@ -118,7 +118,7 @@ TEST_CASE_FIXTURE(SoftFixture,
 }
 
 TEST_CASE_FIXTURE(SoftFixture,
-                  "the same GPU gives the same poses the same bytes, and again when the scene has begun anew") {
+                  "the same GPU gives the same results bit by bit for the same poses, also after a restart") {
   SoftScene one(lowBlock(), onlyOnGpu(), onGpu()), other(lowBlock(), onlyOnGpu(), onGpu());
   // The body is also touched within the first 20 ms, while a surface that may still appear is not felt.
   const auto play = [](SoftScene& scene) {
@@ -137,7 +137,7 @@ TEST_CASE_FIXTURE(SoftFixture,
 }
 
 TEST_CASE_FIXTURE(SoftFixture,
-                  "a body on a GPU is held, goes on and begins anew, and what has failed gives no answers until then") {
+                  "a body on a GPU pauses, resumes and restarts, and gives no answers after a failure until then") {
   SoftScene block(lowBlock(), onlyOnGpu(), onGpu());
   int k = 0;
   const auto ask = [&](double depth) { return block.touch().query({.time_s = 1e-3 * k++, .hip = atDepth(depth)}, 0); };
@@ -169,7 +169,7 @@ TEST_CASE_FIXTURE(SoftFixture,
 }
 
 TEST_CASE_FIXTURE(SoftFixture,
-                  "a dent stays in a body on a GPU as deep as on the CPU, and its stroke is taken back to the bit") {
+                  "a dent in a body on a GPU is as deep as on the CPU, and its stroke is undone bit by bit") {
   SoftTouching options;
   options.touch.brush = BrushOptions{.kind = BrushKind::push, .tau = 0.5, .beta = 0.1, .radius = 12};
   SoftScene cpu(lowBlock(), options, onCpu());
@@ -219,7 +219,7 @@ TEST_CASE_FIXTURE(SoftFixture,
   CHECK(std::abs(topOf(gpu) - dented) < 0.2f);
 }
 
-TEST_CASE_FIXTURE(SoftFixture, "a hand that goes deep into a body on a GPU is held by it, without a knock") {
+TEST_CASE_FIXTURE(SoftFixture, "a body on a GPU holds a hand that presses deep into it, without a force step") {
   MatterScene scene = softBlock();
   scene.fill_mm = {21, 21, 21};
   scene.spacing_mm = 3;
@@ -246,8 +246,7 @@ TEST_CASE_FIXTURE(SoftFixture, "a hand that goes deep into a body on a GPU is he
 
 // The hand descends with simulated time and received answers, and stays until the body has absorbed some energy: a slow
 // machine skips most of the time, answers few ticks, and lets the force end between them.
-TEST_CASE_FIXTURE(SoftFixture,
-                  "against the clock a body on a GPU is pressed beside the questions, and says what it leaves out") {
+TEST_CASE_FIXTURE(SoftFixture, "in real time a body on a GPU is pressed beside queries, and reports dropped steps") {
   SoftTouching options = onlyOnGpu();
   options.realtime = true;
   MatterScene scene = softBlock();

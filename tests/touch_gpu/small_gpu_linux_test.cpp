@@ -35,7 +35,7 @@ Felt press(Device& device) {
 
 }  // namespace
 
-TEST_CASE("a GPU that has too little of something is refused, and all that it lacks is named") {
+TEST_CASE("a GPU below the requirements is refused, and all that it lacks is named") {
   const auto complaint = [](const std::string& gpu) {
     const LostGpuLayer layer(gpu);
     try {
@@ -58,7 +58,7 @@ TEST_CASE("a GPU that has too little of something is refused, and all that it la
   CHECK(complaint(kMinGpu) == "it is taken");
 }
 
-TEST_CASE("the smallest GPU that palpate takes feels and sculpts what every GPU does") {
+TEST_CASE("the minimum GPU gives the contacts and edits of every GPU") {
   const Felt here = press(plainDevice());
   const LostGpuLayer layer(kMinGpu);
   Device small({.gpu = "", .validation = askedCoreValidation()});

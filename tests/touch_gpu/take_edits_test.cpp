@@ -86,19 +86,19 @@ void checkTakenBack(TouchBackend& touch, const PointCloud& cloud) {
 
 }  // namespace
 
-TEST_CASE("a journal that follows the CPU back end knows the cloud bit by bit, stroke by stroke") {
+TEST_CASE("a journal that follows the CPU back end has the cloud bit by bit, stroke by stroke") {
   const Scene scene = makeScene("sphere", 20'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
   checkFollowed(touch, scene.cloud);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a journal that follows the GPU knows the cloud bit by bit, stroke by stroke") {
+TEST_CASE_FIXTURE(GpuFixture, "a journal that follows the GPU has the cloud bit by bit, stroke by stroke") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   checkFollowed(touch, scene.cloud);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "points that a brush takes away are told of, with either way of the index") {
+TEST_CASE_FIXTURE(GpuFixture, "points removed by a brush are reported, with an updated or a rebuilt index") {
   const Scene scene = makeScene("sphere", 20'000);
   // The larger brush's box has more cells than there are buckets: it scans all slots, in several lists of moves.
   for (const double brushRadius : {8.0, 400.0})
@@ -125,7 +125,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points that a brush takes away are told of, with 
     }
 }
 
-TEST_CASE("undone on the CPU, the cloud is felt and read back as it was; redone, as it had become") {
+TEST_CASE("after undo and redo on the CPU the cloud is felt and read back in its earlier and later state") {
   const Scene scene = makeScene("sphere", 20'000);
   const CpuTouchOptions options{.radius = scene.radius, .brush = softPush()};
   CpuTouch touch(scene.cloud, options), fresh(scene.cloud, options);
@@ -134,7 +134,9 @@ TEST_CASE("undone on the CPU, the cloud is felt and read back as it was; redone,
   for (std::size_t i = 0; i < first.size(); ++i) REQUIRE(again[i].proxy == first[i].proxy);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "so it is on the GPU, with either way of the index") {
+TEST_CASE_FIXTURE(
+    GpuFixture,
+    "after undo and redo on the GPU the cloud is felt and read back so, with an updated or a rebuilt index") {
   const Scene scene = makeScene("sphere", 20'000);
   for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
     const TouchOptions options{.radius = scene.radius, .brush = softPush(), .index = index};
@@ -147,7 +149,7 @@ TEST_CASE_FIXTURE(GpuFixture, "so it is on the GPU, with either way of the index
   }
 }
 
-TEST_CASE("points that a change takes away are not felt on the CPU, and new ones are") {
+TEST_CASE("points removed by a change are no longer felt on the CPU, and new ones are") {
   const Scene scene = makeScene("sphere", 20'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius});
   const auto feels = [&](double z) {
@@ -190,7 +192,7 @@ TEST_CASE("points that a change takes away are not felt on the CPU, and new ones
   CHECK(same(edited, scene.cloud));
 }
 
-TEST_CASE("a change ends the stroke that is under way, on the CPU in real time too, while another thread follows") {
+TEST_CASE("a change ends the stroke in progress, on the CPU in real time too, with a reader on another thread") {
   const Scene scene = makeScene("sphere", 5'000);
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
   touch.keepEdits();

@@ -45,23 +45,24 @@ void compareBackends(Device& device, std::string_view name, ToolKind kind, std::
 
 }  // namespace
 
-TEST_CASE_FIXTURE(ToolFixture, "GPU and double precision feel every tool alike, on every surface, turned and rubbing" *
-                                   kMoreInFull) {
+TEST_CASE_FIXTURE(ToolFixture,
+                  "GPU and double precision agree for every tool on every surface, rotated and with friction" *
+                      kMoreInFull) {
   const std::size_t stride = byTier(3, 1), ball = byTier(13, 64), other = byTier(7, 16);
   for (const std::string_view name : {"sphere", "plane", "cube", "bumpy-sphere"})
     for (const ToolKind kind : kManyPointed)
       compareBackends(device, name, kind, kind == ToolKind::ball ? ball : other, 70, stride);
 }
 
-TEST_CASE_FIXTURE(ToolFixture, "they do far from the origin") {
+TEST_CASE_FIXTURE(ToolFixture, "GPU and double precision agree for every tool far from the origin") {
   compareBackends(device, "torus", ToolKind::pad, 16, 60, 2, {1e6, -2e6, 3e6});
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "they do under validation") {
+TEST_CASE_FIXTURE(GpuFixture, "tools run under validation, and agree with double precision") {
   compareBackends(device, "sphere", ToolKind::pad, kMaxToolPoints, 50, 2);
 }
 
-TEST_CASE_FIXTURE(ToolFixture, "one point answered as a tool feels what it feels alone, bit by bit") {
+TEST_CASE_FIXTURE(ToolFixture, "a tool of one point feels what the point feels alone, bit by bit") {
   const Scene scene = makeScene("bumpy-sphere", 10'000);
   TouchSide alone(device, scene.cloud, {.radius = scene.radius, .friction = kFriction});
   TouchSide tool(device, scene.cloud, {.radius = scene.radius, .friction = kFriction, .tools = {onePoint()}});
@@ -86,7 +87,7 @@ TEST_CASE_FIXTURE(ToolFixture, "one point answered as a tool feels what it feels
   CHECK(touched > 30);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a tool in a cloud so dense that patches spill has room for each of its points") {
+TEST_CASE_FIXTURE(GpuFixture, "in a cloud so dense that patches overflow a tool has room for each of its points") {
   Scene scene = makeScene("sphere", 20'000);
   scene.radius = 12 * scene.spacing;
   const ToolShape ball = makeTool(ToolKind::ball, 24, 8);

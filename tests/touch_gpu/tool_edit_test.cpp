@@ -3,7 +3,7 @@
 
 namespace palpate::tool_edit_test {
 
-TEST_CASE_FIXTURE(ToolFixture, "what a brush does under a tool is what it does under its HIP alone, bit by bit") {
+TEST_CASE_FIXTURE(ToolFixture, "a brush has the same effect under a tool as under its HIP alone, bit by bit") {
   const Scene scene = makeScene("sphere", 10'000);
   const BrushOptions push{.tau = 0.3, .beta = 0.2, .radius = 8};
   std::vector<PointCloud> sculpted;
@@ -20,7 +20,7 @@ TEST_CASE_FIXTURE(ToolFixture, "what a brush does under a tool is what it does u
   CHECK(sculpted[0].normals == sculpted[1].normals);
 }
 
-TEST_CASE("a tool feels what was edited under it as one that comes new to the cloud does") {
+TEST_CASE("a tool feels the edits under it like a tool on a newly loaded cloud") {
   const Scene scene = makeScene("sphere", 10'000);
   const ToolShape pad = makeTool(ToolKind::pad, 12, 8);
   const auto options = [&](std::optional<BrushOptions> brush) {

@@ -7,7 +7,8 @@
 
 namespace palpate::tool_late_test {
 
-TEST_CASE_FIXTURE(ToolFixture, "the patch bridges late answers for each point that it reaches, as the GPU would") {
+TEST_CASE_FIXTURE(ToolFixture,
+                  "the patch bridges late answers for each tool point in its range, as the GPU would answer") {
   const Scene scene = makeScene("sphere", 20'000);
   const ToolShape tool = makeTool(ToolKind::ball, 12, 2);
   GpuHand gpu(device, scene.cloud,
@@ -54,8 +55,7 @@ TEST_CASE_FIXTURE(ToolFixture, "the patch bridges late answers for each point th
   gpu.backend().finish();
 }
 
-TEST_CASE_FIXTURE(
-    ToolFixture, "a tool whose answer is late keeps the planes that its points felt past the patch, ever more softly") {
+TEST_CASE_FIXTURE(ToolFixture, "a tool with a late answer keeps its points' planes beyond the patch, and fades out") {
   const Scene scene = makeScene("plane", 20'000);
   const ToolShape spatula = makeTool(ToolKind::spatula, 8, 40);  // every point at least 7 from the HIP
   TouchSide touch(device, scene.cloud,

@@ -17,7 +17,7 @@ double secondMoment(const ToolShape& tool) {
 }  // namespace
 
 TEST_CASE_FIXTURE(ToolFixture,
-                  "a tool pressed flat on a plane is as stiff as one point at its mean depth, and does not turn" *
+                  "a tool pressed flat on a plane has the stiffness of one point at its mean depth, without a torque" *
                       kMoreInFull) {
   const Scene scene = makeScene("plane", 20'000);
   for (const ToolKind kind : kManyPointed)
@@ -47,7 +47,7 @@ TEST_CASE_FIXTURE(ToolFixture,
   });
 }
 
-TEST_CASE_FIXTURE(ToolFixture, "a tool that stands askew is turned flat, by its depths times its levers") {
+TEST_CASE_FIXTURE(ToolFixture, "a tilted tool is rotated flat, by its depths times its levers") {
   const Scene scene = makeScene("plane", 20'000);
   const ToolShape spatula = makeTool(ToolKind::spatula, 15, 8);
   constexpr double kDepth = 3;
@@ -64,7 +64,7 @@ TEST_CASE_FIXTURE(ToolFixture, "a tool that stands askew is turned flat, by its 
   }
 }
 
-TEST_CASE_FIXTURE(ToolFixture, "a ball that is twisted on a plane is held back by the friction at each of its points") {
+TEST_CASE_FIXTURE(ToolFixture, "friction at each point of a ball resists its rotation on a plane") {
   const Scene scene = makeScene("plane", 20'000);
   const ToolShape ball = makeTool(ToolKind::ball, 64, 10);
   const auto twist = [](auto& hand, double from, double to) {
@@ -88,7 +88,7 @@ TEST_CASE_FIXTURE(ToolFixture, "a ball that is twisted on a plane is held back b
   CHECK(std::abs(felt.torque_mNm.z) < 1e-4);
 }
 
-TEST_CASE_FIXTURE(ToolFixture, "in free space a tool feels exactly nothing, wherever it is turned") {
+TEST_CASE_FIXTURE(ToolFixture, "in free space a tool feels exactly zero force, in any orientation") {
   const Scene scene = makeScene("torus", 5'000);
   onBoth(device, scene, makeTool(ToolKind::ball, 64, 6), [&](auto& hand) {
     for (int i = 0; i < 60; ++i) {
@@ -103,7 +103,7 @@ TEST_CASE_FIXTURE(ToolFixture, "in free space a tool feels exactly nothing, wher
   });
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "clouds without a surface have none for a tool either") {
+TEST_CASE_FIXTURE(GpuFixture, "clouds without a surface give a tool no contact") {
   for (const std::size_t count : {0u, 1u}) {
     CAPTURE(count);
     Scene scene{.shape = nullptr, .cloud = {}, .spacing = 1, .radius = 4};
@@ -119,7 +119,7 @@ TEST_CASE_FIXTURE(GpuFixture, "clouds without a surface have none for a tool eit
 }
 
 TEST_CASE_FIXTURE(ToolFixture,
-                  "a turn that is none is a fault at that pose alone, and so is a place past all numbers") {
+                  "an invalid orientation, or a position that is not finite, is a fault at that pose only") {
   const Scene scene = makeScene("plane", 5'000);
   onBoth(device, scene, makeTool(ToolKind::spatula, 8, 8), [&](auto& hand) {
     const Felt before = hand.press(1);
@@ -135,7 +135,7 @@ TEST_CASE_FIXTURE(ToolFixture,
   });
 }
 
-TEST_CASE_FIXTURE(ToolFixture, "a stylus that is put down elsewhere holds no point of its tool any more") {
+TEST_CASE_FIXTURE(ToolFixture, "after a stylus is put down elsewhere no point of its tool keeps a contact") {
   const Scene scene = makeScene("plane", 5'000);
   onBoth(device, scene, makeTool(ToolKind::pad, 12, 8), [&](auto& hand) {
     CHECK(hand.press(3).contact.touching);
@@ -148,7 +148,7 @@ TEST_CASE_FIXTURE(ToolFixture, "a stylus that is put down elsewhere holds no poi
 }
 
 TEST_CASE_FIXTURE(ToolFixture,
-                  "a tool is asked by the fused method alone, ahead like one point, and goes on after a change") {
+                  "a tool requires the fused method, is asked ahead like one point, and continues after a change") {
   const Scene scene = makeScene("sphere", 5'000);
   const ToolShape pad = makeTool(ToolKind::pad, 8, 8);
   for (const QueryMethod method : {QueryMethod::brute, QueryMethod::indirect, QueryMethod::naive, QueryMethod::twoStep})

@@ -10,7 +10,7 @@
 namespace palpate::touch_allocation_gpu_test {
 
 TEST_CASE(
-    "no tick of a tool and two further hands on the GPU allocates memory on the thread that asks, answered or held") {
+    "no tick of a tool and two more hands on the GPU allocates memory on the querying thread, answered or bridged") {
   const Scene scene = makeScene("sphere", 30'000);
   Device& device = plainDevice();  // validation may allocate
   TouchSide touch(device, scene.cloud,

@@ -116,7 +116,8 @@ void checkLostInMidTouch(bool realtime, const std::vector<Loss>& losses) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "numbers that are none from the shader mean zero force at their ticks, then the ramp") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "values from the shader that are not finite give zero force at their ticks, then a ramp") {
   const Scene scene = makeScene("sphere", 20'000);
   constexpr double kFrom_s = 1.2, kTo_s = 1.25;
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
@@ -155,18 +156,19 @@ TEST_CASE_FIXTURE(GpuFixture, "numbers that are none from the shader mean zero f
   CHECK(share(2) == near(1, 0.05));
 }
 
-TEST_CASE("a GPU that is lost in mid-touch: zero force from that tick on, the session ends, finish() says why" *
+TEST_CASE("losing the GPU during contact gives zero force from that tick on and ends the session with the reason" *
           kMoreInFull) {
   checkLostInMidTouch(
       false, byTier<std::vector<Loss>>({{false, true}}, {{false, false}, {false, true}, {true, false}, {true, true}}));
 }
 
-TEST_CASE("so it is in real time, where the patch may answer a while longer" * kMoreInFull) {
+TEST_CASE("losing the GPU in real time gives zero force and ends the session once the patch has expired" *
+          kMoreInFull) {
   checkLostInMidTouch(
       true, byTier<std::vector<Loss>>({{true, false}}, {{false, false}, {false, true}, {true, false}, {true, true}}));
 }
 
-TEST_CASE("a GPU that is lost while the index is compacted in the background lets the touch side go in peace") {
+TEST_CASE("the touch side can be destroyed after the GPU is lost during background compaction") {
   const Scene scene = makeScene("sphere", 20'000);
   for (const bool atSubmit : {false, true}) {
     CAPTURE(atSubmit);

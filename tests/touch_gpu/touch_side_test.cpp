@@ -31,7 +31,7 @@ std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog::R
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it stands tau behind") {
+TEST_CASE_FIXTURE(GpuFixture, "a yielding surface follows the HIP until it is tau away") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   const auto contacts = press(touch, 4, 120);
@@ -52,7 +52,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it st
   for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == near(1, 1e-4));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "the index follows every edit: touch afterwards equals touch on a cloud loaded afresh") {
+TEST_CASE_FIXTURE(GpuFixture, "the index follows every edit: later contacts equal those on a newly loaded cloud") {
   const Scene scene = makeScene("torus", 20'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   for (int i = 0; i < 40; ++i) touch.query({.hip = {35.0 + 0.1 * i, 0, 15.5 - 0.06 * i}}, 0);
@@ -92,7 +92,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
   }
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that has fallen behind costs edits, never the unread entries" * kFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that falls behind costs edits, never its unread entries" * kFull) {
   // A wide brush, deep inside: every tick moves a fifth of the points slightly.
   const Scene scene = makeScene("sphere", 60'000);
   TouchSide touch(
@@ -106,7 +106,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that has fallen behind costs edits, 
   CHECK(reader.unread().size() <= touch.editLog().capacity());
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "while a reader has fallen behind nothing is edited, and afterwards edits go on") {
+TEST_CASE_FIXTURE(GpuFixture, "no edit is made while a reader has fallen behind, and edits continue afterwards") {
   const Scene scene = makeScene("sphere", 3'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   EditLog& log = touch.editLog();
@@ -131,7 +131,7 @@ TEST_CASE_FIXTURE(GpuFixture, "while a reader has fallen behind nothing is edite
   CHECK(touch.readBack(cloud) > 5);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "with a reader that keeps up no edit is left out") {
+TEST_CASE_FIXTURE(GpuFixture, "with a reader that keeps up no edit is dropped") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   EditLog::Reader reader(touch.editLog());
@@ -201,7 +201,7 @@ TEST_CASE("late answers are bridged by the patch, which follows the hand over th
   touch.finish();
 }
 
-TEST_CASE("what the CPU has gone through is where the GPU goes on, even what it could not know by itself") {
+TEST_CASE("the GPU continues from the contact state of the CPU after late answers") {
   const Scene scene = makeScene("sphere", 20'000);
   Device device({.gpu = "", .validation = Validation::off});
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .friction = 1, .wait = Wait::block});
@@ -227,7 +227,7 @@ TEST_CASE("what the CPU has gone through is where the GPU goes on, even what it 
   touch.finish();
 }
 
-TEST_CASE("the patch follows the edits") {
+TEST_CASE("the patch follows edits") {
   const Scene scene = makeScene("sphere", 20'000);
   Device device({.gpu = "", .validation = Validation::off});
   TouchSide touch(
@@ -252,7 +252,7 @@ TEST_CASE("the patch follows the edits") {
   touch.finish();
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a cloud that is denser than a tick can look at is thinned, and says so") {
+TEST_CASE_FIXTURE(GpuFixture, "a cloud denser than a tick's limit is subsampled, and this is reported") {
   Scene scene = makeScene("sphere", 100'000);
   scene.radius = 30;  // a tenth of the sphere
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
@@ -267,8 +267,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud that is denser than a tick can look at is
   CHECK(usual.shortfalls().truncatedTicks == 0);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture,
-                  "the memory that is predicted is the memory that is taken, within a twentieth" * kMoreInFull) {
+TEST_CASE_FIXTURE(CoreGpuFixture, "the predicted memory is the allocated memory, within a twentieth" * kMoreInFull) {
   for (const std::size_t points : {std::size_t{20'000}, byTier<std::size_t>(90'001, 500'003)}) {
     CAPTURE(points);
     const Scene scene = makeScene("sphere", points);
@@ -282,13 +281,14 @@ TEST_CASE_FIXTURE(CoreGpuFixture,
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a cloud that cannot fit is refused with the numbers") {
+TEST_CASE_FIXTURE(GpuFixture, "a cloud that cannot fit is refused with both sizes") {
   const std::uint64_t tooMany = device.ownMemory() / 64;  // two orders of two vec4 alone exhaust it
   CHECK_NOTHROW(requireGpuMemory(device, tooMany / 2, false));
   CHECK_THROWS_WITH_AS(requireGpuMemory(device, tooMany, false), doctest::Contains("MiB"), OutOfGpuMemory);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a hand that is lost past an open rim says so, and is caught again from either side") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "a hand that loses contact beyond an open rim reports it, and finds contact again from either side") {
   checkRim([this](const PointCloud& cloud, double radius) {
     return std::make_unique<TouchSide>(device, cloud, TouchOptions{.radius = radius});
   });

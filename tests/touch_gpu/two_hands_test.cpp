@@ -77,7 +77,7 @@ Wandering wander(TouchBackend& together, TouchBackend& first, TouchBackend& seco
 
 }  // namespace
 
-TEST_CASE_FIXTURE(HandsFixture, "each of two hands is told what it is told alone, bit by bit") {
+TEST_CASE_FIXTURE(HandsFixture, "each of two hands is answered as if alone, bit by bit") {
   for (const bool onGpu : {false, true})
     for (const std::string_view name : {"sphere", "bumpy-sphere", "cube"}) {
       CAPTURE(onGpu);
@@ -91,7 +91,7 @@ TEST_CASE_FIXTURE(HandsFixture, "each of two hands is told what it is told alone
     }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "two hands are felt for under validation, edits and a new beginning included") {
+TEST_CASE_FIXTURE(GpuFixture, "two hands run under validation, with edits and a restart") {
   const Scene scene = makeScene("sphere", 10'000);
   const auto touch = gpuTouch(device, scene, {.brush = kPush});
   std::span<const Contact> answers;
@@ -112,7 +112,7 @@ TEST_CASE_FIXTURE(GpuFixture, "two hands are felt for under validation, edits an
   touch->finish();
 }
 
-TEST_CASE_FIXTURE(HandsFixture, "a tool of many points is the first hand's, and the second one has its point") {
+TEST_CASE_FIXTURE(HandsFixture, "a tool of many points belongs to the first hand, and the second one has its point") {
   const Scene scene = makeScene("bumpy-sphere", 10'000);
   const ToolShape pad = makeTool(ToolKind::pad, 6, 8);
   for (const bool onGpu : {false, true}) {
@@ -127,7 +127,7 @@ TEST_CASE_FIXTURE(HandsFixture, "a tool of many points is the first hand's, and 
   }
 }
 
-TEST_CASE_FIXTURE(HandsFixture, "the second hand feels what the first one edits, with the next tick's answer") {
+TEST_CASE_FIXTURE(HandsFixture, "the second hand feels the edits of the first, with the answer of the next tick") {
   const Scene scene = makeScene("sphere", 20'000);
   for (const bool onGpu : {false, true}) {
     CAPTURE(onGpu);
@@ -163,7 +163,7 @@ TEST_CASE_FIXTURE(HandsFixture, "the second hand feels what the first one edits,
   }
 }
 
-TEST_CASE_FIXTURE(HandsFixture, "one hand is put down elsewhere, and the other goes on") {
+TEST_CASE_FIXTURE(HandsFixture, "one hand is put down elsewhere, and the other continues") {
   const Scene scene = makeScene("plane", 10'000);
   for (const bool onGpu : {false, true})
     for (const bool secondGoes : {false, true}) {
@@ -187,7 +187,7 @@ TEST_CASE_FIXTURE(HandsFixture, "one hand is put down elsewhere, and the other g
     }
 }
 
-TEST_CASE_FIXTURE(HandsFixture, "a place of the second hand past all numbers is a fault at that pose alone") {
+TEST_CASE_FIXTURE(HandsFixture, "a position of the second hand that is not finite is a fault at that pose only") {
   const Scene scene = makeScene("plane", 5'000);
   for (const bool onGpu : {false, true}) {
     CAPTURE(onGpu);
@@ -204,8 +204,7 @@ TEST_CASE_FIXTURE(HandsFixture, "a place of the second hand past all numbers is 
   }
 }
 
-TEST_CASE_FIXTURE(HandsFixture,
-                  "when the answer is late the second hand keeps the plane that it felt, ever more softly") {
+TEST_CASE_FIXTURE(HandsFixture, "when the answer is late the second hand keeps its plane, and fades out") {
   const Scene scene = makeScene("plane", 20'000);
   TouchSide touch(
       device, scene.cloud,
@@ -249,7 +248,7 @@ TEST_CASE_FIXTURE(HandsFixture,
 }
 
 TEST_CASE_FIXTURE(HandsFixture,
-                  "two hands are asked by the fused method alone, ahead like one, and go on after a change") {
+                  "two hands require the fused method, are asked ahead like one, and continue after a change") {
   const Scene scene = makeScene("sphere", 5'000);
   for (const QueryMethod method : {QueryMethod::brute, QueryMethod::indirect, QueryMethod::naive, QueryMethod::twoStep})
     CHECK_THROWS_WITH_AS(

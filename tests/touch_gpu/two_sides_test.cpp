@@ -12,7 +12,7 @@
 namespace palpate::two_sides_test {
 
 TEST_CASE_FIXTURE(GpuFixture,
-                  "while one thread sculpts, another follows the log, and in the end both clouds are the same") {
+                  "while one thread sculpts another follows the log, and in the end both clouds are the same") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 10}});
@@ -53,7 +53,7 @@ TEST_CASE_FIXTURE(GpuFixture,
   CHECK(followed > moved);
 }
 
-TEST_CASE("a log is written by one thread and read by another without losing a move") {
+TEST_CASE("a log written by one thread and read by another loses no move") {
   Device device({.gpu = "", .validation = Validation::off});
   EditLog log(device, 1000);
   EditLog::Reader reader(log);
