@@ -46,8 +46,7 @@ class Serving {
 
 }  // namespace
 
-TEST_CASE(
-    "holders of keys join, sculpt, and have the same points; without keys, or with others', there is no session") {
+TEST_CASE("holders of keys join, sculpt and have the same points; without these keys there is no session") {
   const ScratchFolder folder;
   if (!isBuilt(folder)) return;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };
@@ -117,7 +116,7 @@ TEST_CASE(
   CHECK(all.find("/block") != std::string::npos);
 }
 
-TEST_CASE("keys that cannot be used are refused before anything is sent, and so is what is no name") {
+TEST_CASE("unusable keys and invalid names are refused before anything is sent") {
   const ScratchFolder folder;
   if (!isBuilt(folder)) return;
   const auto in = [&](const std::string& name) { return (folder / name).string(); };

@@ -13,7 +13,7 @@
 
 namespace palpate::scheduling_statistics_test {
 
-TEST_CASE("a thread whose core goes to another one sees that in its account, and pages that it touches first") {
+TEST_CASE("a preempted thread sees its waiting time and its page faults in the statistics") {
   cpu_set_t one;
   CPU_ZERO(&one);
   SchedulingStatistics shared;
