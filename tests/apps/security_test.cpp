@@ -19,7 +19,7 @@ bool isBuilt(const ScratchFolder& folder) {
   const Outcome network = palpate("doctor --network" + domain()),
                 keys = palpate("keys " + (folder / "try").string() + " --name a");
   if (network.code == 0 && keys.code == 0) return true;
-  MESSAGE("skipped: this palpate was built without DDS, or without what encrypts: " << network.text << keys.text);
+  MESSAGE("skipped: this palpate was built without DDS or without its encryption: " << network.text << keys.text);
   return false;
 }
 
@@ -96,7 +96,7 @@ TEST_CASE("holders of keys join, sculpt and have the same points; without these 
   CHECK(contentOf(in("end.npy")) != contentOf(in("m.npy")));
 
   if (!wire.isListening()) {
-    MESSAGE("skipped: this user may not listen on the loopback, so that nothing is said of what is on the wire");
+    MESSAGE("skipped: this user may not capture on the loopback, so that the encryption on the wire is not checked");
     return;
   }
   const PointCloud cloud = readCloud(in("m.ply")).cloud;

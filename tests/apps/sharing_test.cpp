@@ -531,7 +531,7 @@ TEST_CASE("a remote hand feels served water through its ball, which displaces it
   works(touch + " --duration 2 --trace " + in("t.csv") + " --json " + in("j.json"));
   const Result felt = jsonOf(in("j.json"));
   MESSAGE("of " << felt["ticks"] << " ticks " << felt["contact_ticks"] << " had a force, of at most "
-                << felt["peak_force_N"] << " N; " << felt["near"]["steps"] << " steps came");
+                << felt["peak_force_N"] << " N; " << felt["near"]["steps"] << " steps were received");
   CHECK(felt["near"]["steps"] > 20);
   CHECK(felt["near"]["most_known"] > 300);
   CHECK(felt["contact_ticks"] > 100);

@@ -133,7 +133,7 @@ TEST_CASE("a scene too large for the memory is refused before it runs, and is st
   // Half of the machine's memory is allowed, at 1600 bytes a particle; this scene has more.
   const double particles = 1.2 * 0.5 * static_cast<double>(hostMemory_bytes()) / 1600;
   if (particles > 8e7) {
-    MESSAGE("skipped: this machine has memory for more particles than can be numbered");
+    MESSAGE("skipped: this machine has memory for more particles than a scene may have");
     return;
   }
   const ScratchFolder folder;

@@ -26,7 +26,7 @@ std::unique_ptr<UhidMouse> plugIn(HidTransport& transport) {
   std::string why;
   auto mouse = UhidMouse::plugIn(kSerial, why);
   if (!mouse) {
-    MESSAGE("skipped: no virtual 3D mouse here; " << why);
+    MESSAGE("skipped: this machine cannot create a virtual 3D mouse; " << why);
     return nullptr;
   }
   const auto hasNode = [&] {
@@ -38,7 +38,7 @@ std::unique_ptr<UhidMouse> plugIn(HidTransport& transport) {
     return false;
   };
   if (!comesTrue(hasNode, 10)) {
-    MESSAGE("skipped: the kernel made a virtual 3D mouse, but no /dev/hidraw for it");
+    MESSAGE("skipped: the kernel created a virtual 3D mouse without a /dev/hidraw node");
     return nullptr;
   }
   CHECK(comesTrue([&] { return find(transport).has_value(); }, 30));

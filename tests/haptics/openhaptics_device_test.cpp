@@ -284,7 +284,7 @@ TEST_CASE("an emergency stop from another thread waits for the driver to send th
   const double waited_us = watch.elapsed_us();
   if (driver.lastForce_N() != DVec3(0)) {
     // It may wait for some ticks, but not endlessly.
-    MESSAGE("this machine is too busy: no tick of the driver in " << waited_us << " us");
+    MESSAGE("this machine is too busy: the driver ran no tick in " << waited_us << " us");
     CHECK(waited_us >= 5000);
   }
   CHECK(driver.waitForZero());

@@ -155,7 +155,7 @@ TEST_CASE("a log continues once the disk has space again, and states what is mis
 TEST_CASE("a header that does not fit on the disk is an error, and leaves no log") {
   const ScratchFolder folder;
   if (!std::filesystem::exists("/dev/full")) {
-    MESSAGE("skipped: there is no /dev/full");
+    MESSAGE("skipped: this machine has no /dev/full");
     return;
   }
   CHECK_THROWS_WITH_AS(SessionWriter("/dev/full", "a text"), doctest::Contains("free some space"), FileError);

@@ -129,7 +129,7 @@ TEST_CASE("logs that contain command-line options are replayed as recorded") {
     CAPTURE(name);
     const std::filesystem::path log = sourceFolder() / "tests/session" / name;
     if (!std::filesystem::exists(log)) {
-      MESSAGE("skipped: " << log.string() << " is not there");
+      MESSAGE("skipped: " << log.string() << " does not exist");
       continue;
     }
     SessionRecord record = readSessionLog(log);

@@ -110,8 +110,8 @@ Outcome attacked(const std::string& attack, double seconds) {
   CHECK(joinCloud("attacked", {.network = ownNetwork()}).cloud.positions == cloud.positions);
   outcome.served = served.end();
   MESSAGE(fmt::format(
-      "{}: {:.1f} MB at most; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; {} requests, "
-      "{} blocks, {} refused, {} sculptors, {} pieces, {} again, {} clients",
+      "{}: at most {:.1f} MB; longest silence {:.2f} s, round trip {:.1f} ms, {} sent, {} received; {} requests, "
+      "{} blocks, {} refused, {} sculptors, {} pieces, {} duplicates, {} clients",
       attack, outcome.grown_MB, outcome.hand.longestSilent_s, outcome.hand.link.roundTrip_ms.value_or(-1),
       outcome.hand.sent, outcome.hand.received, outcome.served.requests, outcome.served.blocks, outcome.served.refused,
       outcome.served.sculptors, outcome.served.pieces, outcome.served.again, outcome.served.clients));
@@ -187,7 +187,7 @@ NearOutcome attackedNear(const std::string& attack, double seconds) {
   CHECK(comesTo(180));
   CHECK_NOTHROW(joined.far->check());
   const NearOutcome outcome{.hand = during, .served = served.end()};
-  MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times anew; {} clients, {} refused",
+  MESSAGE(fmt::format("{}: longest silence {:.2f} s, round trip {:.1f} ms, {} times resumed; {} clients, {} refused",
                       attack, outcome.hand.longestSilent_s, outcome.hand.roundTrip_ms.value_or(-1),
                       outcome.hand.resumed, outcome.served.near, outcome.served.refused));
   CHECK(outcome.hand.longestSilent_s < 1 + stood_s);
@@ -257,8 +257,8 @@ TEST_CASE("suspended readers with undelivered data delay no other client" * kClo
   CHECK(side.end(SIGKILL) != 0);
   const ServedCounts handed = served.end();
   MESSAGE(fmt::format(
-      "asleep: {:.0f} MB at most, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients", grown_MB,
-      counts.longestSilent_s, counts.link.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
+      "suspended reader: at most {:.0f} MB, longest silence {:.2f} s, round trip {:.1f} ms, {} blocks to {} clients",
+      grown_MB, counts.longestSilent_s, counts.link.roundTrip_ms.value_or(-1), handed.blocks, handed.clients));
   CHECK(counts.same);
   CHECK(counts.longestSilent_s < 2);
   CHECK(grown_MB < 400);

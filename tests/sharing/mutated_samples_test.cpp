@@ -289,7 +289,7 @@ TEST_CASE("a client that joins amid corrupted blocks receives the announced poin
   joining.join();
   CHECK(other == 0);
   CHECK(whole + told > 0);
-  MESSAGE(whole, " times as announced, ", told, " times it was told why not");  // the proportion is random
+  MESSAGE(whole, " joined with the announced points, ", told, " refused with a reason");  // the proportion is random
 }
 
 TEST_CASE("a client with only nearby points continues amid corrupted requests, facts and bricks") {

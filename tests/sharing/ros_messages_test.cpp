@@ -358,7 +358,7 @@ TEST_CASE("missing and invalid clouds are reported") {
       CHECK(std::string(error.what()).find(words) != std::string::npos);
       return;
     }
-    CHECK_MESSAGE(false, "nothing was said");
+    CHECK_MESSAGE(false, "no error was thrown");
   };
   says("nothing", "no PointCloud2 was received in 0.5 s");
   says("no name", "is not a valid name");
