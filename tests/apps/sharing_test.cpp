@@ -76,7 +76,7 @@ TEST_CASE("a joined model is felt like its file, byte for byte, drawn, recorded,
   CHECK(palpate("doctor --network" + domain()).text.find("the city") == std::string::npos);
 }
 
-TEST_CASE("two hands sculpt a served model, and all three programs end with the same points, like later ones") {
+TEST_CASE("two hands sculpt a served model, and all three programs and later clients have the same points") {
   if (!isBuilt()) return;
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };

@@ -129,7 +129,7 @@ TEST_CASE("a closed scan is soft: its points fall and bend, and keep their order
   CHECK(says(palpate("simulate jelly --model " + (folder / "plane.ply").string()).text, "model: "));
 }
 
-TEST_CASE("a scene too large for the memory is refused before it runs, and is still described") {
+TEST_CASE("a scene too large for the memory is refused before it runs, and info still describes it") {
   // Half of the machine's memory is allowed, at 1600 bytes a particle; this scene has more.
   const double particles = 1.2 * 0.5 * static_cast<double>(hostMemory_bytes()) / 1600;
   if (particles > 8e7) {

@@ -224,7 +224,7 @@ TEST_CASE("invalid cameras and those of other sessions are not shown, and new on
   CHECK(ada.presence->cameras().size() <= 256);
 }
 
-TEST_CASE("all clients see all hands of the others, with all points, with only nearby points and without sculpting") {
+TEST_CASE("all clients see all hands of the others, also with only nearby points and in read-only sessions") {
   const PointCloud cloud = threePoints();
   for (const bool sculptable : {true, false}) {
     CAPTURE(sculptable);
